@@ -1,0 +1,125 @@
+# SPDX-License-Identifier: GPL-3.0-or-later
+"""What the engine is told of a scene: plain typed data, no bpy.
+
+Colours are scene-linear Rec.709. The engine reads these objects by attribute.
+"""
+
+from __future__ import annotations
+
+from dataclasses import dataclass, field
+
+Colour = tuple[float, float, float]
+Matrix4 = tuple[tuple[float, float, float, float], ...]
+
+
+@dataclass(frozen=True)
+class ImageInput:
+    """An image texture that drives a material input."""
+
+    image: int  # from SceneBuilder.add_image
+    uv_map: str | None = None  # None: the active (render) UV map, else by name
+    # Rows of a 2 x 3 affine map from UV to texture coordinates (a Mapping node).
+    mapping: tuple[tuple[float, float, float], tuple[float, float, float]] = ((1.0, 0.0, 0.0), (0.0, 1.0, 0.0))
+    interpolation: str = "LINEAR"  # LINEAR | CLOSEST
+    extension: str = "REPEAT"  # REPEAT | EXTEND | CLIP | MIRROR
+    channel: str = "COLOR"  # COLOR (luminance when a number is wanted) | ALPHA | RED | GREEN | BLUE
+
+
+ColourInput = Colour | ImageInput
+FloatInput = float | ImageInput
+
+
+@dataclass
+class MaterialDescription:
+    """Blender's Principled BSDF, the part that this engine knows."""
+
+    name: str
+    base_color: ColourInput = (0.8, 0.8, 0.8)
+    metallic: FloatInput = 0.0
+    roughness: FloatInput = 0.5
+    ior: float = 1.5
+    specular_ior_level: float = 0.5
+    specular_tint: Colour = (1.0, 1.0, 1.0)
+    transmission: FloatInput = 0.0
+    alpha: FloatInput = 1.0
+    emission_color: ColourInput = (1.0, 1.0, 1.0)
+    emission_strength: float = 0.0
+    # False: a diffuse surface without the dielectric coat of Principled (a Diffuse BSDF node).
+    specular: bool = True
+
+
+@dataclass
+class LightDescription:
+    """A lamp. `matrix_world` maps the lamp's axes to the world; it shines along its -z."""
+
+    object_name: str
+    kind: str  # POINT | SPOT | SUN | AREA
+    matrix_world: Matrix4
+    color: Colour  # times energy: watts, for SUN watts per square metre
+    radius: float = 0.0  # POINT, SPOT
+    angle_rad: float = 0.0  # SUN: full angular diameter
+    shape: str = "RECTANGLE"  # AREA: RECTANGLE | ELLIPSE
+    size: tuple[float, float] = (1.0, 1.0)  # AREA: full sides
+    spread_rad: float = 3.141592653589793  # AREA
+    spot_angle_rad: float = 0.785  # SPOT: full cone
+    spot_blend: float = 0.15
+    visible_camera: bool = True
+    cast_shadow: bool = True
+
+
+@dataclass
+class WorldDescription:
+    color: Colour = (0.0, 0.0, 0.0)  # times strength
+    image: int | None = None  # equirectangular, as Blender maps it; multiplied by `color`
+    # Rotation of a Mapping node: world direction to texture direction, 3 x 3.
+    rotation: tuple[tuple[float, float, float], ...] = ((1.0, 0.0, 0.0), (0.0, 1.0, 0.0), (0.0, 0.0, 1.0))
+    visible_camera: bool = True
+
+
+@dataclass
+class CameraDescription:
+    object_name: str
+    matrix_world: Matrix4
+    model: str = "LENS"  # LENS | PINHOLE | THIN
+    pinhole_focal_length_mm: float = 50.0
+    pinhole_film_width_mm: float = 36.0
+    pinhole_shift: tuple[float, float] = (0.0, 0.0)
+    lens_path: str = ""
+    focal_length_mm: float | None = None
+    focal_scale: float | None = None
+    f_number: float | None = None
+    blades: int = 0
+    blade_rotation_rad: float = 0.0
+    focus_distance: float | None = None
+    focus_point_world: tuple[float, float, float] | None = None
+    film_distance_mm: float | None = None
+    film_width_mm: float = 36.0
+    film_height_mm: float = 24.0
+    tilt_rad: float = 0.0
+    swing_rad: float = 0.0
+    scale_mm_per_unit: tuple[float, float, float] = (1000.0, 1000.0, 1000.0)
+    wavelength_nm: float | None = None
+
+
+@dataclass
+class SettingsDescription:
+    width: int
+    height: int
+    samples: int = 64
+    seed: int = 0
+    sample_offset: int = 0
+    threads: int = 0
+    max_bounces: int = 12
+    filter_width_px: float = 1.5
+    transparent_film: bool = False
+
+
+@dataclass
+class Report:
+    """What the export could not hand over, told to the user once each."""
+
+    warnings: list[str] = field(default_factory=list)
+
+    def warn(self, text: str) -> None:
+        if text not in self.warnings:
+            self.warnings.append(text)

@@ -1,0 +1,1 @@
+//! Exact and paraxial optics of real lenses.

@@ -1,0 +1,163 @@
+"""The shape of the compiled module: what the engine offers to Python.
+
+Lens space is in millimetres: z along the optical axis in the direction of the light, z = 0 at the first
+vertex, x right and y up as seen from behind the film. Camera space is Blender's: x right, y up, looking along -z.
+World space and all lengths without a unit in their name are in Blender units. Angles are in radians.
+Every error is a subclass of `PetzvalError`; its message is one line: what, where, what to do.
+"""
+
+from collections.abc import Sequence
+from typing import Any, Protocol
+
+import numpy as np
+import numpy.typing as npt
+
+class PetzvalError(Exception): ...
+class LensError(PetzvalError): ...
+class SceneError(PetzvalError): ...
+class CameraError(PetzvalError): ...
+
+__version__: str
+
+class Lens:
+    """A checked lens prescription."""
+
+    def __init__(self, path: str) -> None: ...
+    @property
+    def name(self) -> str: ...
+    @property
+    def surface_count(self) -> int: ...
+    def info_json(
+        self,
+        *,
+        wavelength_nm: float = ...,
+        scale: float | None = None,
+        focal_length_mm: float | None = None,
+        f_number: float | None = None,
+        focus_distance_mm: float | None = None,
+    ) -> str:
+        """The object of `petzval lens info --json`. `focus_distance_mm` is measured along the axis from the
+        entrance pupil's centre to the plane of sharp focus; None or inf is infinity."""
+    def trace_json(
+        self,
+        rays_json: str,
+        *,
+        from_film: bool = False,
+        precision: str = "f64",
+        scale: float | None = None,
+        focal_length_mm: float | None = None,
+        f_number: float | None = None,
+    ) -> str:
+        """The input and output of `petzval lens trace`."""
+
+class CameraDescription(Protocol):
+    """Read by attribute; `addon/description.py` has the dataclass. None means: the lens's own value."""
+
+    object_name: str
+    model: str  # "LENS" | "PINHOLE" | "THIN"
+    matrix_world: Sequence[Sequence[float]]  # 4 x 4, row major: camera space to world
+    # Blender's own perspective camera, for PINHOLE and THIN:
+    pinhole_focal_length_mm: float
+    pinhole_film_width_mm: float  # of the whole picture, after Blender's sensor fit
+    pinhole_shift: tuple[float, float]  # in units of the larger picture side, as Blender has it
+    # The real lens:
+    lens_path: str
+    focal_length_mm: float | None  # or
+    focal_scale: float | None
+    f_number: float | None
+    blades: int  # 0: round, else 3..24
+    blade_rotation_rad: float
+    focus_distance: float | None  # along the optical axis from the entrance pupil, Blender units; None: infinity
+    focus_point_world: tuple[float, float, float] | None  # wins over focus_distance
+    film_distance_mm: float | None  # last vertex to film centre; wins over both
+    film_width_mm: float
+    film_height_mm: float
+    tilt_rad: float  # the film about its horizontal axis
+    swing_rad: float  # about its vertical axis
+    scale_mm_per_unit: tuple[float, float, float]
+    wavelength_nm: float | None  # None: the visible spectrum
+
+def camera_info_json(camera: CameraDescription, width: int, height: int) -> str:
+    """What the panel shows and the viewport needs: efl_mm, bfd_mm, f_number (in force), widest_f_number,
+    film_z_mm, film_distance_mm, focus_distance_mm (null: infinity), magnification, fov_horizontal_rad,
+    fov_vertical_rad, fov_diagonal_rad, picture_width_mm, picture_height_mm (the used part of the film),
+    viewport_focal_length_mm with viewport_sensor_width_mm (a Blender camera that frames the same picture),
+    entrance_pupil_diameter_mm, lens_name, surfaces."""
+
+class SceneBuilder:
+    """Takes a scene apart from Python, piece by piece; `build` checks it and builds the trees."""
+
+    def __init__(self) -> None: ...
+    def add_image(
+        self,
+        name: str,
+        pixels: npt.NDArray[np.float32] | npt.NDArray[np.uint8],  # (height, width, 4), first row at the bottom
+        *,
+        srgb: bool,  # values are sRGB-encoded (uint8 or float); False: linear or non-colour
+    ) -> int: ...
+    def add_material(self, material: Any) -> int:
+        """`material` is a MaterialDescription of `addon/description.py`, read by attribute."""
+    def add_mesh(
+        self,
+        name: str,
+        positions: npt.NDArray[np.float32],  # (vertices, 3), object space
+        triangles: npt.NDArray[np.uint32] | npt.NDArray[np.int32],  # (triangles, 3), vertex indices
+        *,
+        corner_normals: npt.NDArray[np.float32] | None = None,  # (triangles, 3, 3), object space
+        uv_maps: dict[str, npt.NDArray[np.float32]] | None = None,  # name -> (triangles, 3, 2)
+        material_slots: npt.NDArray[np.int32] | None = None,  # (triangles,) slot of each triangle
+    ) -> int:
+        """Triangles with a non-finite corner or without area are left out and counted in `warnings`."""
+    def add_instance(
+        self, object_name: str, mesh: int, matrix_world: Sequence[Sequence[float]], materials: Sequence[int],
+        *, visible_camera: bool = True, visible_shadow: bool = True,
+    ) -> None:
+        """`materials[slot]` is a material index; slots past its end take the last; empty: the default grey."""
+    def add_light(self, light: Any) -> None:
+        """`light` is a LightDescription of `addon/description.py`."""
+    def set_world(self, world: Any) -> None:
+        """`world` is a WorldDescription of `addon/description.py`. Never called: a black world."""
+    def warnings(self) -> list[str]: ...
+    def build(self, camera_position: tuple[float, float, float], threads: int = 0) -> Scene:
+        """Builds the trees. The builder is empty afterwards. The camera's position keeps f32 exact near it."""
+
+class Scene:
+    @property
+    def triangle_count(self) -> int: ...
+    @property
+    def instance_count(self) -> int: ...
+    @property
+    def bvh_seconds(self) -> float: ...
+
+class SettingsDescription(Protocol):
+    width: int
+    height: int
+    samples: int
+    seed: int
+    sample_offset: int
+    threads: int  # 0: all cores
+    max_bounces: int
+    filter_width_px: float  # Blackman-Harris filter; 0: box of one pixel
+    transparent_film: bool  # world seen directly is left out, alpha 0
+
+class Job:
+    """One render. Starts at once in threads of its own; every method returns without waiting unless it says so."""
+
+    def __init__(self, scene: Scene, camera: CameraDescription, settings: SettingsDescription) -> None: ...
+    def wait(self, timeout_s: float) -> bool:
+        """Waits, with the interpreter's lock free, until finished or time is up; True: finished."""
+    def progress(self) -> float:  # 0..1
+        ...
+    def samples_done(self) -> int:
+        """Whole samples per pixel that every pixel has."""
+    def take_tiles(self) -> list[tuple[int, int, int, int, npt.NDArray[np.float32]]]:
+        """(x, y, width, height, pixels (height, width, 4) scene-linear Rec.709 RGBA, first row at the bottom)
+        of every tile that changed since the last call; x, y count from the lower left corner."""
+    def image(self) -> npt.NDArray[np.float32]:
+        """(height, width, 4), what is there now."""
+    def stop(self) -> None:
+        """Asks to stop; finished samples stay. The job ends within 0.1 s."""
+    def stats_json(self) -> str:
+        """{"seconds": {"bvh", "render", "plan"}, "samples", "camera_rays", "camera_rays_lost", "rays",
+        "lens_share" (part of the render time spent in the lens), "non_finite_samples", "seed", "threads",
+        "lens", "width", "height"}."""

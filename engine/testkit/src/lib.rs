@@ -1,0 +1,1 @@
+//! Statistical checks and generators for the tests of Petzval.
