@@ -1,0 +1,181 @@
+//! Where the film must stand for a distance to be sharp, and the film plane itself (Wu et al. 2011, §4).
+//!
+//! Conjugates are the exact paraxial ones. Distances to the scene are measured along the axis from the centre of the
+//! entrance pupil, positive in front of the lens.
+
+use glam::{DMat3, DVec3};
+use thiserror::Error;
+
+use crate::first_order::{Matrix, between_vertices};
+use crate::paraxial::Paraxial;
+use crate::system::System;
+
+/// Why no film plane makes a distance sharp.
+#[derive(Clone, Debug, PartialEq, Error)]
+pub enum FocusError {
+    /// The distance is no positive number.
+    #[error("the focus distance is {distance_mm} mm; give a number larger than 0, or inf")]
+    NotPositive {
+        /// The distance.
+        distance_mm: f64,
+    },
+    /// Closer than the lens can focus: its image would be virtual, or the object inside of the lens.
+    #[error("the focus distance is {distance_mm:.1} mm, too close for this lens; give more than {nearest_mm:.1} mm")]
+    TooClose {
+        /// The distance.
+        distance_mm: f64,
+        /// Every distance beyond this one can be focused.
+        nearest_mm: f64,
+    },
+    /// The lens diverges: it forms no real image.
+    #[error("the lens forms no real image (its power is not positive); no film distance makes it sharp")]
+    NoRealImage,
+    /// The entrance pupil is at infinity: only infinity can be asked for.
+    #[error("the entrance pupil is at infinity, so no distance can be measured from it; focus at infinity")]
+    NoEntrancePupil,
+}
+
+/// The paraxial conjugates of a system at one wavelength.
+struct Conjugates {
+    matrix: Matrix,
+    last_z_mm: f64,
+    /// Signed index before the film.
+    image_index: f64,
+    /// Signed direction of the light before the film.
+    towards_film: f64,
+    pupil_z_mm: Option<f64>,
+}
+
+impl Conjugates {
+    fn new(system: &System, wavelength_nm: f64) -> Self {
+        let surfaces = system.thin(wavelength_nm);
+        Self {
+            matrix: between_vertices(&surfaces),
+            last_z_mm: system.last_vertex_z_mm(),
+            image_index: surfaces.last().map_or(1.0, |s| s.to),
+            towards_film: system.light_direction_at_film(),
+            pupil_z_mm: Paraxial::new(system, wavelength_nm).entrance_pupil.z_mm,
+        }
+    }
+
+    /// Image plane of the ray that enters the first vertex plane as (y, ν).
+    fn image_z_mm(&self, y: f64, nu: f64) -> f64 {
+        let [y, nu] = self.matrix.apply(y, nu);
+        self.last_z_mm - y / nu * self.image_index
+    }
+
+    /// Object plane in lens space of the film plane `film_z_mm`; infinite if that is the focal plane.
+    fn object_z_mm(&self, film_z_mm: f64) -> f64 {
+        // The ray (y, ν) on the last vertex plane that meets the film on the axis, taken back: the inverse matrix.
+        let distance = (film_z_mm - self.last_z_mm) / self.image_index;
+        let Matrix { a, b, c, d } = self.matrix;
+        let (y, nu) = (d * distance + b, c * distance + a);
+        // A film at the focal plane to within rounding sees infinity.
+        if nu.abs() <= 1e-13 * (c * distance).abs() { f64::INFINITY } else { -y / nu }
+    }
+}
+
+/// The z in lens space (mm) at which the film shows the plane at `distance_from_entrance_pupil_mm` sharp.
+///
+/// The distance may be infinite. The object plane lies at z = entrance pupil − distance.
+pub fn film_z_for_focus_mm(
+    system: &System,
+    wavelength_nm: f64,
+    distance_from_entrance_pupil_mm: f64,
+) -> Result<f64, FocusError> {
+    let distance_mm = distance_from_entrance_pupil_mm;
+    if !(distance_mm > 0.0) {
+        return Err(FocusError::NotPositive { distance_mm });
+    }
+    let conjugates = Conjugates::new(system, wavelength_nm);
+    let power = -conjugates.matrix.c;
+    if !(power > 0.0) {
+        return Err(FocusError::NoRealImage);
+    }
+    let film_z_mm = if distance_mm == f64::INFINITY {
+        conjugates.image_z_mm(1.0, 0.0)
+    } else {
+        let pupil_z = conjugates.pupil_z_mm.ok_or(FocusError::NoEntrancePupil)?;
+        // The object must lie before the object focal point and before the lens.
+        let front_focus_z = -conjugates.matrix.d / power;
+        let nearest_mm = pupil_z - front_focus_z.min(0.0);
+        if distance_mm <= nearest_mm {
+            return Err(FocusError::TooClose { distance_mm, nearest_mm });
+        }
+        conjugates.image_z_mm(distance_mm - pupil_z, 1.0)
+    };
+    let is_real = film_z_mm.is_finite() && (film_z_mm - conjugates.last_z_mm) * conjugates.towards_film > 0.0;
+    if is_real { Ok(film_z_mm) } else { Err(FocusError::NoRealImage) }
+}
+
+/// The distance in mm from the entrance pupil to the plane that is sharp on a film at `film_z_mm`.
+///
+/// Infinite if the film stands in the focal plane; negative if the plane would lie behind the entrance pupil, as it
+/// does for a film inside of the focal length.
+pub fn focus_distance_for_film_mm(system: &System, wavelength_nm: f64, film_z_mm: f64) -> f64 {
+    let conjugates = Conjugates::new(system, wavelength_nm);
+    let object_z = conjugates.object_z_mm(film_z_mm);
+    match conjugates.pupil_z_mm {
+        Some(pupil_z) if object_z.is_finite() => pupil_z - object_z,
+        _ => f64::INFINITY,
+    }
+}
+
+/// Height of the image on a film at `film_z_mm` over the height of the object in the plane that is sharp there.
+///
+/// Negative: upside down. 0 if the film stands in the focal plane.
+pub fn magnification(system: &System, wavelength_nm: f64, film_z_mm: f64) -> f64 {
+    let conjugates = Conjugates::new(system, wavelength_nm);
+    let object_z = conjugates.object_z_mm(film_z_mm);
+    if object_z.is_infinite() {
+        return 0.0;
+    }
+    // The matrix from object to image has m in its corner, and the determinant 1 of its parts makes it ν-free.
+    let distance = (film_z_mm - conjugates.last_z_mm) / conjugates.image_index;
+    conjugates.matrix.a + distance * conjugates.matrix.c
+}
+
+/// The plane that the film lies in. In lens space, mm and rad.
+///
+/// The film is centred on the axis at `z_mm`, turned about its own vertical axis (`swing_rad`) and then about the
+/// lens's horizontal axis (`tilt_rad`), and last shifted in its own plane. Its coordinates u (right) and v (up) are
+/// lens space's x and y while it is not turned. Positive tilt moves the upper edge away from the scene (towards +z),
+/// positive swing the right edge towards it (−z): both turn right-handed about the axis named.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct FilmPlane {
+    /// Where the axis meets the film before it is shifted.
+    pub z_mm: f64,
+    /// Turn about the horizontal axis x.
+    pub tilt_rad: f64,
+    /// Turn about the vertical axis y.
+    pub swing_rad: f64,
+    /// Where the middle of the picture lies in the film's own coordinates (shift, rise).
+    pub shift_mm: [f64; 2],
+}
+
+impl FilmPlane {
+    /// A film at right angles to the axis.
+    pub fn upright(z_mm: f64) -> Self {
+        Self { z_mm, tilt_rad: 0.0, swing_rad: 0.0, shift_mm: [0.0; 2] }
+    }
+
+    fn rotation(&self) -> DMat3 {
+        DMat3::from_rotation_x(self.tilt_rad) * DMat3::from_rotation_y(self.swing_rad)
+    }
+
+    /// The point of the film at (u, v) from the middle of the picture, in lens space.
+    pub fn point(&self, u_mm: f64, v_mm: f64) -> DVec3 {
+        let local = DVec3::new(u_mm + self.shift_mm[0], v_mm + self.shift_mm[1], 0.0);
+        self.rotation() * local + DVec3::new(0.0, 0.0, self.z_mm)
+    }
+
+    /// The unit normal that looks towards −z: to the lens, unless an odd number of mirrors sends light towards −z.
+    pub fn normal(&self) -> DVec3 {
+        self.rotation() * DVec3::NEG_Z
+    }
+
+    /// True if the film is not at right angles to the axis.
+    pub fn is_turned(&self) -> bool {
+        self.tilt_rad != 0.0 || self.swing_rad != 0.0
+    }
+}

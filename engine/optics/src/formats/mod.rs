@@ -1,0 +1,3 @@
+//! File formats of lenses, one a file.
+
+pub mod lens;

@@ -1,0 +1,9 @@
+//! Refractive index by wavelength, and the names under which lens files know it.
+//!
+//! Catalogue indices are relative to air, whose index is 1 exactly. Nothing here knows of surfaces.
+
+mod catalogue;
+mod medium;
+
+pub use catalogue::{Catalogue, GlassError};
+pub use medium::{AIR_NAME, Medium, line_nm};

@@ -1,0 +1,222 @@
+//! A lens as it was published: one row a surface, checked, each row with its place in the file.
+
+use thiserror::Error;
+
+use crate::glass::Medium;
+use crate::surface::Conic;
+
+/// What follows a surface.
+#[derive(Clone, Debug, PartialEq)]
+pub enum Behind {
+    /// The surface refracts into this medium.
+    Medium(Medium),
+    /// The surface reflects; the medium stays what it was.
+    Mirror,
+}
+
+/// Where a row stands in its file, counted from 1. Row and column 0: not from a file.
+#[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
+pub struct Place {
+    /// Line.
+    pub line: usize,
+    /// Column, in characters.
+    pub column: usize,
+}
+
+/// One surface of a prescription. Lengths in mm.
+#[derive(Clone, Debug, PartialEq)]
+pub struct SurfaceRow {
+    /// Shape; curvature 0 is a plane.
+    pub shape: Conic,
+    /// Distance along the axis to the next vertex, the last to the film; negative after one reflection.
+    pub thickness_mm: f64,
+    /// What follows the surface.
+    pub behind: Behind,
+    /// Half of the clear diameter. A ray at exactly this distance from the axis passes.
+    pub semi_diameter_mm: f64,
+    /// Half of the diameter of a central obstruction, or 0.
+    pub obstruction_mm: f64,
+    /// Where the row begins in its file.
+    pub place: Place,
+}
+
+/// What the header of a lens file says beside the surfaces.
+#[derive(Clone, Debug, Default, PartialEq)]
+pub struct Metadata {
+    /// Where the numbers come from.
+    pub source: Option<String>,
+    /// Nominal focal length in mm.
+    pub focal_length_mm: Option<f64>,
+    /// Nominal f-number.
+    pub f_number: Option<f64>,
+    /// Half of the field of view that the design is for, in degrees.
+    pub half_field_deg: Option<f64>,
+    /// Width and height in mm of the film that the design is for.
+    pub film_mm: Option<[f64; 2]>,
+    /// Every `# key: text` of the header, in order.
+    pub all: Vec<(String, String)>,
+}
+
+/// The column of a row that a problem is about.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub enum Column {
+    /// Radius of curvature.
+    Radius,
+    /// Thickness.
+    Thickness,
+    /// Clear diameter.
+    Diameter,
+    /// Conic constant.
+    Conic,
+    /// Diameter of the central obstruction.
+    Obstruction,
+}
+
+/// Why a row or a list of rows makes no lens.
+#[derive(Clone, Debug, PartialEq, Error)]
+pub enum PrescriptionError {
+    /// A number is infinite or none.
+    #[error("{column:?} of surface {surface} is not finite; give a number")]
+    NotFinite {
+        /// Index of the surface, from 0.
+        surface: usize,
+        /// Which number.
+        column: Column,
+    },
+    /// A clear aperture is not positive.
+    #[error("the clear diameter of surface {surface} is {diameter_mm} mm; it must be larger than 0")]
+    NoAperture {
+        /// Index of the surface.
+        surface: usize,
+        /// The clear diameter.
+        diameter_mm: f64,
+    },
+    /// The obstruction is negative or covers the clear aperture.
+    #[error(
+        "the obstruction of surface {surface} is {diameter_mm} mm; it must be at least 0 and less than the clear diameter"
+    )]
+    Obstruction {
+        /// Index of the surface.
+        surface: usize,
+        /// The obstruction's diameter.
+        diameter_mm: f64,
+    },
+    /// The surface ends before its clear aperture does.
+    #[error(
+        "surface {surface} reaches only {reach_mm} mm from the axis, but its clear diameter asks for {semi_diameter_mm} mm; check its radius and diameter"
+    )]
+    Unreachable {
+        /// Index of the surface.
+        surface: usize,
+        /// Largest distance from the axis that a point of the surface has.
+        reach_mm: f64,
+        /// Half of the clear diameter.
+        semi_diameter_mm: f64,
+    },
+    /// There is no surface.
+    #[error("there is no surface; give at least one row")]
+    Empty,
+    /// The stop is not one of the surfaces.
+    #[error("surface {stop} is marked as the stop, but there are {surfaces}; mark one of them")]
+    NoSuchStop {
+        /// Index of the stop.
+        stop: usize,
+        /// Number of surfaces.
+        surfaces: usize,
+    },
+    /// The film's radius of curvature is 0, infinite or none.
+    #[error("the film's radius is {radius_mm} mm; give a number other than 0")]
+    FilmRadius {
+        /// The radius.
+        radius_mm: f64,
+    },
+}
+
+impl PrescriptionError {
+    /// The surface and column it is about, if it is about one.
+    pub fn cell(&self) -> Option<(usize, Column)> {
+        match *self {
+            Self::NotFinite { surface, column } => Some((surface, column)),
+            Self::NoAperture { surface, .. } | Self::Unreachable { surface, .. } => Some((surface, Column::Diameter)),
+            Self::Obstruction { surface, .. } => Some((surface, Column::Obstruction)),
+            Self::Empty | Self::NoSuchStop { .. } | Self::FilmRadius { .. } => None,
+        }
+    }
+}
+
+/// A checked lens as published. The medium before the first surface is air.
+///
+/// A stop wider than the glass beside it is no error: that glass then limits the beam, as it does in a real lens,
+/// and exact tracing shows it.
+#[derive(Clone, Debug, PartialEq)]
+pub struct Prescription {
+    /// Name.
+    pub name: String,
+    /// The surfaces, scene side first.
+    pub surfaces: Vec<SurfaceRow>,
+    /// Index of the surface that carries the diaphragm.
+    pub stop: usize,
+    /// What the header says.
+    pub metadata: Metadata,
+    /// Radius of curvature of the film (a retina) in mm, signed as a surface's; `None`: plane.
+    pub film_radius_mm: Option<f64>,
+    /// The file it was read from, as it was named.
+    pub source_file: String,
+}
+
+/// How far a surface may fall short of its rim, relative: rounding of published tables.
+const RIM_ROUNDING: f64 = 1e-9;
+
+impl SurfaceRow {
+    /// Says what is wrong with the row, which has index `surface`.
+    pub fn check(&self, surface: usize) -> Result<(), PrescriptionError> {
+        let numbers = [
+            (Column::Radius, self.shape.curvature),
+            (Column::Thickness, self.thickness_mm),
+            (Column::Diameter, self.semi_diameter_mm),
+            (Column::Conic, self.shape.conic),
+            (Column::Obstruction, self.obstruction_mm),
+        ];
+        if let Some(&(column, _)) = numbers.iter().find(|(_, x)| !x.is_finite()) {
+            return Err(PrescriptionError::NotFinite { surface, column });
+        }
+        let semi = self.semi_diameter_mm;
+        if semi <= 0.0 {
+            return Err(PrescriptionError::NoAperture { surface, diameter_mm: 2.0 * semi });
+        }
+        if self.obstruction_mm < 0.0 || self.obstruction_mm >= semi {
+            return Err(PrescriptionError::Obstruction { surface, diameter_mm: 2.0 * self.obstruction_mm });
+        }
+        let rim = (1.0 + self.shape.conic) * (self.shape.curvature * semi).powi(2);
+        if rim > 1.0 + RIM_ROUNDING {
+            return Err(PrescriptionError::Unreachable {
+                surface,
+                reach_mm: semi / rim.sqrt(),
+                semi_diameter_mm: semi,
+            });
+        }
+        Ok(())
+    }
+}
+
+impl Prescription {
+    /// Says what is wrong with the lens; readers of files call it last.
+    pub fn check(&self) -> Result<(), PrescriptionError> {
+        if self.surfaces.is_empty() {
+            return Err(PrescriptionError::Empty);
+        }
+        for (i, row) in self.surfaces.iter().enumerate() {
+            row.check(i)?;
+        }
+        let surfaces = self.surfaces.len();
+        if self.stop >= surfaces {
+            return Err(PrescriptionError::NoSuchStop { stop: self.stop, surfaces });
+        }
+        match self.film_radius_mm {
+            Some(radius_mm) if radius_mm == 0.0 || !radius_mm.is_finite() => {
+                Err(PrescriptionError::FilmRadius { radius_mm })
+            }
+            _ => Ok(()),
+        }
+    }
+}

@@ -1,0 +1,312 @@
+//! Where to aim from a point of the film so that nearly every ray gets through the lens.
+//!
+//! Rays are aimed at the reference plane, which touches the vertex of the last surface: it lies between film and glass
+//! for every lens, wherever the exit pupil is, at infinity or behind the film. Seen from a film point the clear pupil
+//! is star-shaped about a centre for nearly every lens (a disc, a cat's eye, a polygon). The map holds that outline,
+//! and the inner one of an obstruction, by distance of the film point from the axis, by the film's z where it is turned,
+//! and by azimuth where the diaphragm has blades. A small share of the samples covers the whole rear glass, so that
+//! nothing is lost where the outline errs.
+//!
+//! Sampling is rejection-free and its density exact, whatever the outline is: an error of the map costs noise, never
+//! bias.
+
+mod cell;
+mod outline;
+mod throughput;
+
+use std::f64::consts::{PI, TAU};
+
+use glam::{DVec2, DVec3};
+
+use crate::focus::FilmPlane;
+use crate::system::System;
+use crate::trace::Tracer;
+
+use cell::Cell;
+use outline::{Outline, Probe};
+
+pub use throughput::on_axis_throughput;
+
+/// Part of the samples that covers the whole rear glass. Larger wastes rays; smaller makes light that the outline
+/// misses noisier.
+const DEFENSIVE_SHARE: f64 = 0.01;
+
+/// A point of the reference plane to aim at.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct PupilSample {
+    /// The point in lens space, mm.
+    pub target: DVec3,
+    /// Density with which it was chosen, per mm² of the reference plane.
+    pub pdf_per_mm2: f64,
+}
+
+/// The clear pupil as seen from every point of a film.
+#[derive(Clone, Debug)]
+pub struct PupilMap {
+    reference_z: f64,
+    /// Radius of the disc on the reference plane through which every ray to the rear glass passes.
+    glass_radius: f64,
+    radius: Axis,
+    depth: Axis,
+    azimuth: Axis,
+    /// Turn after which the diaphragm looks the same; 0 if it is round.
+    period: f64,
+    /// Place of the outline's centre along the film point's meridian, by node of depth and radius.
+    centres: Vec<f64>,
+    /// By depth, azimuth and radius.
+    cells: Vec<Cell>,
+}
+
+/// An interval in equal cells.
+#[derive(Clone, Copy, Debug)]
+struct Axis {
+    start: f64,
+    cells_per_unit: f64,
+    cells: usize,
+}
+
+impl Axis {
+    fn new(start: f64, end: f64, cells: usize) -> Self {
+        let length = end - start;
+        let cells_per_unit = if length > 0.0 { cells as f64 / length } else { 0.0 };
+        Self { start, cells_per_unit, cells }
+    }
+
+    /// The cell of `x`, of the nearest end if outside, and the place in the cell, which may lie outside of 0 to 1.
+    #[inline]
+    fn locate(&self, x: f64) -> (usize, f64) {
+        let place = (x - self.start) * self.cells_per_unit;
+        // A cast takes negative numbers and NaN to 0.
+        let cell = (place as usize).min(self.cells - 1);
+        (cell, place - cell as f64)
+    }
+
+    /// The value at `node`, counted in cells.
+    fn at(&self, node: f64) -> f64 {
+        if self.cells_per_unit > 0.0 { self.start + node / self.cells_per_unit } else { self.start }
+    }
+}
+
+/// A film point in the frame of its cell.
+struct Located<'a> {
+    cell: &'a Cell,
+    centre: DVec2,
+    /// Cosine and sine of the frame's turn.
+    frame: DVec2,
+}
+
+/// How finely the map is cut.
+struct Resolution {
+    radius: usize,
+    depth: usize,
+    azimuth: usize,
+}
+
+impl Resolution {
+    /// Finer cells waste fewer samples at the edges of the outline, and take longer to make.
+    fn choose(film: &FilmPlane, has_blades: bool) -> Self {
+        match (film.is_turned(), has_blades) {
+            (false, false) => Self { radius: 48, depth: 1, azimuth: 1 },
+            (true, false) => Self { radius: 32, depth: 8, azimuth: 1 },
+            (false, true) => Self { radius: 24, depth: 1, azimuth: 6 },
+            (true, true) => Self { radius: 12, depth: 4, azimuth: 4 },
+        }
+    }
+}
+
+impl PupilMap {
+    /// The map of `tracer`'s wavelength for the part of `film` within `half_width_mm` and `half_height_mm` of the
+    /// middle of the picture. Points outside of it may be asked for, too; they cost more lost rays.
+    pub fn new(tracer: &Tracer, system: &System, film: &FilmPlane, half_width_mm: f64, half_height_mm: f64) -> Self {
+        Self::for_tracers(std::slice::from_ref(tracer), system, film, half_width_mm, half_height_mm)
+    }
+
+    /// The map that covers the pupils of all `tracers`: one for a whole spectrum from its ends and middle.
+    pub fn for_tracers(
+        tracers: &[Tracer],
+        system: &System,
+        film: &FilmPlane,
+        half_width_mm: f64,
+        half_height_mm: f64,
+    ) -> Self {
+        let blades = system.diaphragm().blades();
+        let resolution = Resolution::choose(film, blades > 0);
+        let signs = [(-1.0, -1.0), (-1.0, 1.0), (1.0, -1.0), (1.0, 1.0)];
+        let corners = signs.map(|(a, b)| film.point(a * half_width_mm, b * half_height_mm));
+        let farthest = corners.iter().fold(0.0f64, |r, p| r.max(p.truncate().length()));
+        let depths = corners.iter().map(|p| p.z).chain([film.point(0.0, 0.0).z]);
+        let (near, far) = depths.fold((f64::INFINITY, f64::NEG_INFINITY), |(a, b), z| (a.min(z), b.max(z)));
+        let period = if blades > 0 { TAU / f64::from(blades) } else { 0.0 };
+        let reference_z = system.last_vertex_z_mm();
+        let mut map = Self {
+            reference_z,
+            glass_radius: glass_radius(system, farthest, near, far),
+            radius: Axis::new(0.0, farthest, resolution.radius),
+            depth: Axis::new(near, far, resolution.depth),
+            azimuth: Axis::new(0.0, period, resolution.azimuth),
+            period,
+            centres: Vec::new(),
+            cells: Vec::new(),
+        };
+        map.fill(&Probe::new(tracers, reference_z, map.glass_radius));
+        map
+    }
+
+    /// Traces the outlines at the nodes of the table, twice as many as cells, and joins them cell by cell.
+    fn fill(&mut self, probe: &Probe) {
+        let (nr, nz, na) = (2 * self.radius.cells + 1, self.depth.cells + 1, 2 * self.azimuth.cells + 1);
+        let na = if self.period > 0.0 { na } else { 1 };
+        // A film at right angles has one depth: its second node would repeat the first.
+        let nz = if self.depth.cells_per_unit > 0.0 { nz } else { 1 };
+        let mut outlines: Vec<Option<Outline>> = Vec::with_capacity(nz * na * nr);
+        let mut centres = vec![0.0; nz * nr];
+        for z in 0..nz {
+            let film_z = self.depth.at(z as f64);
+            let row = &mut centres[z * nr..(z + 1) * nr];
+            let found = probe.centres(film_z, |i| self.radius.at(i as f64 / 2.0), row);
+            for a in 0..na {
+                let azimuth = self.azimuth.at(a as f64 / 2.0);
+                let mut last: Option<Outline> = None;
+                for r in 0..nr {
+                    let film_radius = self.radius.at(r as f64 / 2.0);
+                    // Between its even nodes the map interpolates: the outline is taken about that same centre.
+                    let centre = if r % 2 == 0 || r + 1 == nr { row[r] } else { 0.5 * (row[r - 1] + row[r + 1]) };
+                    let outline = found[r].then(|| {
+                        let place = (film_radius, film_z, azimuth);
+                        probe.outline(place, centre, self.period == 0.0, last.as_ref())
+                    });
+                    if outline.is_some() {
+                        last.clone_from(&outline);
+                    }
+                    outlines.push(outline);
+                }
+            }
+        }
+        self.centres =
+            (0..nz).flat_map(|z| (0..=self.radius.cells).map(move |r| z * nr + 2 * r)).map(|i| centres[i]).collect();
+        self.join(&outlines, [nz, na, nr]);
+    }
+
+    fn join(&mut self, outlines: &[Option<Outline>], [nz, na, nr]: [usize; 3]) {
+        let span = |cell: usize, nodes: usize| if nodes == 1 { 0..=0 } else { cell..=cell + 1 };
+        let fine = |cell: usize, nodes: usize| if nodes == 1 { 0..=0 } else { 2 * cell..=2 * cell + 2 };
+        for z in 0..self.depth.cells {
+            for a in 0..self.azimuth.cells {
+                for r in 0..self.radius.cells {
+                    let mut union: Option<Outline> = None;
+                    for (z, a) in span(z, nz).flat_map(|z| fine(a, na).map(move |a| (z, a))) {
+                        for r in fine(r, nr) {
+                            let Some(outline) = &outlines[(z * na + a) * nr + r] else { continue };
+                            union.get_or_insert_with(|| outline.clone()).join(outline);
+                        }
+                    }
+                    self.cells.push(union.map_or_else(Cell::dark, |outline| Cell::new(&outline)));
+                }
+            }
+        }
+    }
+
+    /// The z of the reference plane in lens space, mm: the vertex of the last surface.
+    pub fn reference_plane_z(&self) -> f64 {
+        self.reference_z
+    }
+
+    /// Radius in mm of the disc on the reference plane that holds every ray to the rear glass.
+    pub fn glass_radius_mm(&self) -> f64 {
+        self.glass_radius
+    }
+
+    /// Area in mm² of the outline for a film point; 0 where no light arrives.
+    pub fn pupil_area_mm2(&self, film_point: DVec3) -> f64 {
+        self.locate(film_point).cell.area()
+    }
+
+    fn locate(&self, film_point: DVec3) -> Located<'_> {
+        let plane = film_point.truncate();
+        let film_radius = plane.length();
+        let (r, r_in) = self.radius.locate(film_radius);
+        let (z, z_in) = self.depth.locate(film_point.z);
+        let along = if film_radius > 0.0 { plane / film_radius } else { DVec2::X };
+        let (a, frame, meridian) = if self.period > 0.0 {
+            let angle = along.y.atan2(along.x).rem_euclid(TAU);
+            let turns = (angle / self.period).floor();
+            let frame = DVec2::from_angle(turns * self.period);
+            let (a, _) = self.azimuth.locate(angle - turns * self.period);
+            (a, frame, frame.conjugate_rotate(along))
+        } else {
+            (0, along, DVec2::X)
+        };
+        let nodes = self.radius.cells + 1;
+        let row = |z: usize| {
+            let [low, high] = [self.centres[z * nodes + r], self.centres[z * nodes + r + 1]];
+            low + (high - low) * r_in
+        };
+        let mut centre = row(z);
+        if self.depth.cells_per_unit > 0.0 {
+            centre += (row(z + 1) - centre) * z_in;
+        }
+        let cell = &self.cells[(z * self.azimuth.cells + a) * self.radius.cells + r];
+        Located { cell, centre: meridian * centre, frame }
+    }
+
+    /// Chooses a point to aim at from `film_point` (lens space, mm) by two numbers in [0, 1).
+    pub fn sample(&self, film_point: DVec3, u: [f64; 2]) -> PupilSample {
+        let located = self.locate(film_point);
+        let share = if located.cell.area() > 0.0 { DEFENSIVE_SHARE } else { 1.0 };
+        let [first, second] = u;
+        let flat = if first < share {
+            let (sin, cos) = (TAU * second).sin_cos();
+            DVec2::new(cos, sin) * (self.glass_radius * (first / share).sqrt())
+        } else {
+            let local = located.cell.sample([(first - share) / (1.0 - share), second]);
+            located.frame.rotate(local + located.centre)
+        };
+        let pdf_per_mm2 = self.density(&located, flat);
+        PupilSample { target: flat.extend(self.reference_z), pdf_per_mm2 }
+    }
+
+    /// The density per mm² with which [`Self::sample`] chooses `target` (its x and y count) from `film_point`.
+    pub fn pdf(&self, film_point: DVec3, target: DVec3) -> f64 {
+        self.density(&self.locate(film_point), target.truncate())
+    }
+
+    fn density(&self, located: &Located<'_>, flat: DVec2) -> f64 {
+        let area = located.cell.area();
+        let share = if area > 0.0 { DEFENSIVE_SHARE } else { 1.0 };
+        let mut density = 0.0;
+        if flat.length_squared() <= self.glass_radius * self.glass_radius {
+            density += share / (PI * self.glass_radius * self.glass_radius);
+        }
+        if area > 0.0 && located.cell.contains(located.frame.conjugate_rotate(flat) - located.centre) {
+            density += (1.0 - share) / area;
+        }
+        density
+    }
+}
+
+/// `v` turned back by the angle of the unit vector `self`.
+trait ConjugateRotate {
+    fn conjugate_rotate(self, v: DVec2) -> DVec2;
+}
+
+impl ConjugateRotate for DVec2 {
+    #[inline]
+    fn conjugate_rotate(self, v: DVec2) -> DVec2 {
+        DVec2::new(self.x, -self.y).rotate(v)
+    }
+}
+
+/// Radius of the disc on the reference plane that holds every ray from the film to the rear glass.
+///
+/// A film point at r, a distance d behind the plane, that looks at glass at radius a and sag z crosses the plane
+/// within g a + |1 − g| r of the axis, g = d / (d − z).
+fn glass_radius(system: &System, farthest_mm: f64, near_mm: f64, far_mm: f64) -> f64 {
+    // A film inside of a hollow rear surface would need an unbounded disc; larger discs than this are no use.
+    const WIDEST: f64 = 20.0;
+    let rear = &system.surfaces()[system.surface_count() - 1];
+    let semi = rear.semi_diameter_mm;
+    let sag = rear.shape.sag_mm(semi).unwrap_or(semi) * system.light_direction_at_film();
+    let distance = (near_mm - rear.z_mm).abs().min((far_mm - rear.z_mm).abs());
+    let gain = if distance > sag { (distance / (distance - sag)).min(WIDEST) } else { WIDEST };
+    semi.max(gain * semi + (1.0 - gain).abs() * farthest_mm)
+}

@@ -1,0 +1,350 @@
+//! A lens placed in lens space for one focal length and one opening; immutable.
+
+use thiserror::Error;
+
+use crate::diaphragm::Diaphragm;
+use crate::first_order::{Thin, between_vertices, front_of};
+use crate::glass::{Medium, line_nm};
+use crate::prescription::{Behind, Prescription, PrescriptionError};
+use crate::surface::Conic;
+
+/// The focal length that the lens is scaled to: radii, thicknesses and apertures all scale (Wu et al. 2011, §4).
+#[derive(Clone, Copy, Debug, Default, PartialEq)]
+pub enum FocalLength {
+    /// As the lens file has it.
+    #[default]
+    AsPublished,
+    /// The lens file times this factor.
+    Scale(f64),
+    /// So that the focal length at d, n′ / power, has this size in mm.
+    Millimetres(f64),
+}
+
+/// What the user chooses of a lens. The default: as published, wide open, round.
+#[derive(Clone, Copy, Debug, Default, PartialEq)]
+pub struct SystemSettings {
+    /// Focal length.
+    pub focal_length: FocalLength,
+    /// |efl| / diameter of the entrance pupil at d; `None`: wide open.
+    pub f_number: Option<f64>,
+    /// Blades of the diaphragm; fewer than 3: round.
+    pub blades: u32,
+    /// Turn of the diaphragm, from x towards y.
+    pub blade_rotation_rad: f64,
+}
+
+/// Why no system can be made.
+#[derive(Clone, Debug, PartialEq, Error)]
+pub enum SystemError {
+    /// The prescription makes no lens.
+    #[error(transparent)]
+    Prescription(#[from] PrescriptionError),
+    /// Scale or focal length is not a positive number.
+    #[error("the {what} is {value}; give a number larger than 0")]
+    NotPositive {
+        /// Which setting.
+        what: &'static str,
+        /// Its value.
+        value: f64,
+    },
+    /// More blades than a diaphragm has.
+    #[error("{0} blades; give 3 to {MOST_BLADES}, or 0 for a round opening")]
+    Blades(u32),
+    /// The turn of the blades is no angle.
+    #[error("the rotation of the blades is {0} rad; give a finite angle")]
+    Rotation(f64),
+    /// The lens does not focus parallel light, so no focal length or f-number can be asked of it.
+    #[error("the lens has no focal length (its power is 0); scale it by a factor and leave the f-number to it")]
+    Afocal,
+}
+
+/// More blades than this look round.
+const MOST_BLADES: u32 = 64;
+/// Powers below this part of 1/track are rounding.
+const NO_POWER: f64 = 1e-12;
+
+/// What happens at a surface.
+#[derive(Clone, Debug, PartialEq)]
+pub enum Element {
+    /// Refraction between media, which may be the same.
+    Refract {
+        /// Medium on the scene side.
+        from: Medium,
+        /// Medium on the film side.
+        to: Medium,
+    },
+    /// Reflection in a medium.
+    Reflect {
+        /// The medium.
+        medium: Medium,
+    },
+}
+
+/// One surface in its place. Lengths in mm.
+#[derive(Clone, Debug, PartialEq)]
+pub struct Surface {
+    /// Shape.
+    pub shape: Conic,
+    /// Vertex in lens space.
+    pub z_mm: f64,
+    /// Signed distance to the next vertex; the last to the film as published.
+    pub thickness_mm: f64,
+    /// Half of the clear diameter.
+    pub semi_diameter_mm: f64,
+    /// Half of the diameter of a central obstruction, or 0.
+    pub obstruction_mm: f64,
+    /// What happens here.
+    pub element: Element,
+}
+
+/// A lens in lens space: z = 0 at the first vertex, light travels towards +z, millimetres.
+#[derive(Clone, Debug, PartialEq)]
+pub struct System {
+    name: String,
+    surfaces: Vec<Surface>,
+    stop: usize,
+    diaphragm: Diaphragm,
+    scale: f64,
+    widest_f_number: Option<f64>,
+    f_number: Option<f64>,
+    requested_f_number: Option<f64>,
+    film_radius_mm: Option<f64>,
+    half_field_deg: Option<f64>,
+}
+
+impl System {
+    /// Scales the prescription and closes its diaphragm.
+    ///
+    /// An f-number smaller than the clear aperture of the stop allows is clamped to the widest one:
+    /// [`Self::f_number_was_clamped`] says so.
+    pub fn new(prescription: &Prescription, settings: &SystemSettings) -> Result<Self, SystemError> {
+        prescription.check()?;
+        check_settings(settings)?;
+        let published = place(prescription, 1.0);
+        let scale = match settings.focal_length {
+            FocalLength::AsPublished => 1.0,
+            FocalLength::Scale(factor) => factor,
+            FocalLength::Millimetres(f) => {
+                let image_index = image_index(&published, line_nm::D);
+                f / (image_index * focal_length_mm(&published).ok_or(SystemError::Afocal)?).abs()
+            }
+        };
+        let surfaces = if scale == 1.0 { published } else { place(prescription, scale) };
+        let stop = prescription.stop;
+        let clear = surfaces[stop].semi_diameter_mm;
+        let widest_f_number = widest_f_number(&surfaces, stop);
+        let f_number = match (settings.f_number, widest_f_number) {
+            (None, widest) => widest,
+            (Some(asked), Some(widest)) => Some(asked.max(widest)),
+            (Some(_), None) => return Err(SystemError::Afocal),
+        };
+        let opening = match (f_number, widest_f_number) {
+            (Some(now), Some(widest)) => clear * (widest / now),
+            _ => clear,
+        };
+        let diaphragm = Diaphragm::polygon(opening, settings.blades, settings.blade_rotation_rad);
+        Ok(Self {
+            name: prescription.name.clone(),
+            surfaces,
+            stop,
+            diaphragm,
+            scale,
+            widest_f_number,
+            f_number,
+            requested_f_number: settings.f_number,
+            film_radius_mm: prescription.film_radius_mm.map(|r| r * scale),
+            half_field_deg: prescription.metadata.half_field_deg,
+        })
+    }
+
+    /// The lens's name.
+    pub fn name(&self) -> &str {
+        &self.name
+    }
+
+    /// Number of surfaces.
+    pub fn surface_count(&self) -> usize {
+        self.surfaces.len()
+    }
+
+    /// The surfaces, scene side first.
+    pub fn surfaces(&self) -> &[Surface] {
+        &self.surfaces
+    }
+
+    /// Index of the surface with the diaphragm.
+    pub fn stop(&self) -> usize {
+        self.stop
+    }
+
+    /// The diaphragm.
+    pub fn diaphragm(&self) -> &Diaphragm {
+        &self.diaphragm
+    }
+
+    /// Vertex of surface `i` (less than [`Self::surface_count`]) in lens space, mm.
+    pub fn vertex_z_mm(&self, i: usize) -> f64 {
+        self.surfaces[i].z_mm
+    }
+
+    fn last(&self) -> &Surface {
+        &self.surfaces[self.surfaces.len() - 1]
+    }
+
+    /// Vertex of the last surface in lens space, mm.
+    pub fn last_vertex_z_mm(&self) -> f64 {
+        self.last().z_mm
+    }
+
+    /// Half of the clear diameter of the last surface, mm.
+    pub fn rear_radius_mm(&self) -> f64 {
+        self.last().semi_diameter_mm
+    }
+
+    /// The film's place as published, in lens space, mm.
+    pub fn film_z_published_mm(&self) -> f64 {
+        self.last().z_mm + self.last().thickness_mm
+    }
+
+    /// Radius of the film's curvature in mm, signed as a surface's; `None`: plane.
+    pub fn film_radius_mm(&self) -> Option<f64> {
+        self.film_radius_mm
+    }
+
+    /// Half of the field of view that the design is for, in degrees, where the file says so.
+    pub fn half_field_deg(&self) -> Option<f64> {
+        self.half_field_deg
+    }
+
+    /// Radius of the diaphragm's opening in mm: of the circle through the corners, if it has blades.
+    pub fn stop_semi_diameter_mm(&self) -> f64 {
+        self.diaphragm.radius_mm()
+    }
+
+    /// |efl| / diameter of the entrance pupil at d, with the stop at its clear aperture; infinite without power.
+    ///
+    /// A rim in front of the stop may limit the axial beam further.
+    pub fn widest_f_number(&self) -> f64 {
+        self.widest_f_number.unwrap_or(f64::INFINITY)
+    }
+
+    /// The f-number in force, at d; infinite without power.
+    pub fn f_number(&self) -> f64 {
+        self.f_number.unwrap_or(f64::INFINITY)
+    }
+
+    /// True if a wider opening was asked for than the clear aperture of the stop allows.
+    pub fn f_number_was_clamped(&self) -> bool {
+        matches!((self.requested_f_number, self.f_number), (Some(asked), Some(now)) if asked < now)
+    }
+
+    /// The factor from published millimetres to those of this system.
+    pub fn scale(&self) -> f64 {
+        self.scale
+    }
+
+    /// The direction in which light arrives at the film along the axis: +1, or −1 after an odd number of mirrors.
+    pub fn light_direction_at_film(&self) -> f64 {
+        let mirrors = self.surfaces.iter().filter(|s| matches!(s.element, Element::Reflect { .. })).count();
+        if mirrors % 2 == 0 { 1.0 } else { -1.0 }
+    }
+
+    /// Index of the medium before the film.
+    pub fn image_index(&self, wavelength_nm: f64) -> f64 {
+        image_index(&self.surfaces, wavelength_nm)
+    }
+
+    /// The surfaces as Gaussian optics sees them.
+    pub(crate) fn thin(&self, wavelength_nm: f64) -> Vec<Thin> {
+        thin(&self.surfaces, wavelength_nm)
+    }
+}
+
+fn check_settings(settings: &SystemSettings) -> Result<(), SystemError> {
+    let positive = |what, value: f64| {
+        let good = value.is_finite() && value > 0.0;
+        if good { Ok(()) } else { Err(SystemError::NotPositive { what, value }) }
+    };
+    match settings.focal_length {
+        FocalLength::AsPublished => {}
+        FocalLength::Scale(factor) => positive("scale of the lens", factor)?,
+        FocalLength::Millimetres(f) => positive("focal length in mm", f)?,
+    }
+    if let Some(f_number) = settings.f_number {
+        positive("f-number", f_number)?;
+    }
+    if settings.blades > MOST_BLADES {
+        return Err(SystemError::Blades(settings.blades));
+    }
+    if !settings.blade_rotation_rad.is_finite() {
+        return Err(SystemError::Rotation(settings.blade_rotation_rad));
+    }
+    Ok(())
+}
+
+fn place(prescription: &Prescription, scale: f64) -> Vec<Surface> {
+    let mut z_mm = 0.0;
+    let mut medium = Medium::air();
+    let mut placed = Vec::with_capacity(prescription.surfaces.len());
+    for row in &prescription.surfaces {
+        let element = match &row.behind {
+            Behind::Mirror => Element::Reflect { medium: medium.clone() },
+            Behind::Medium(to) => {
+                let from = std::mem::replace(&mut medium, to.clone());
+                Element::Refract { from, to: to.clone() }
+            }
+        };
+        placed.push(Surface {
+            shape: Conic { curvature: row.shape.curvature / scale, conic: row.shape.conic },
+            z_mm,
+            thickness_mm: row.thickness_mm * scale,
+            semi_diameter_mm: row.semi_diameter_mm * scale,
+            obstruction_mm: row.obstruction_mm * scale,
+            element,
+        });
+        z_mm += row.thickness_mm * scale;
+    }
+    placed
+}
+
+fn thin(surfaces: &[Surface], wavelength_nm: f64) -> Vec<Thin> {
+    let mut sign = 1.0;
+    let one = |s: &Surface| {
+        let (from, to) = match &s.element {
+            Element::Refract { from, to } => (sign * from.index(wavelength_nm), sign * to.index(wavelength_nm)),
+            Element::Reflect { medium } => {
+                let index = sign * medium.index(wavelength_nm);
+                sign = -sign;
+                (index, -index)
+            }
+        };
+        Thin { curvature: s.shape.curvature, from, to, thickness_mm: s.thickness_mm }
+    };
+    surfaces.iter().map(one).collect()
+}
+
+/// Index of the last medium; of air if there is no surface.
+fn image_index(surfaces: &[Surface], wavelength_nm: f64) -> f64 {
+    match surfaces.last().map(|s| &s.element) {
+        Some(Element::Refract { to: medium, .. } | Element::Reflect { medium }) => medium.index(wavelength_nm),
+        None => 1.0,
+    }
+}
+
+/// 1 / power at d in mm; `None` without power.
+fn focal_length_mm(surfaces: &[Surface]) -> Option<f64> {
+    let power = -between_vertices(&thin(surfaces, line_nm::D)).c;
+    let track: f64 = surfaces.iter().map(|s| s.thickness_mm.abs() + s.semi_diameter_mm).sum();
+    (power.abs() * track > NO_POWER).then(|| 1.0 / power)
+}
+
+/// |efl| / diameter of the entrance pupil at d.
+///
+/// The entrance pupil is the stop seen through the surfaces before it: a ray of height y there meets the stop at
+/// the height A y, so the pupil's diameter is the stop's over |A|.
+fn widest_f_number(surfaces: &[Surface], stop: usize) -> Option<f64> {
+    let thin = thin(surfaces, line_nm::D);
+    let magnification = front_of(&thin, stop).a.abs();
+    let f_number = focal_length_mm(surfaces)?.abs() * magnification / (2.0 * surfaces[stop].semi_diameter_mm);
+    f_number.is_finite().then_some(f_number)
+}
