@@ -109,8 +109,14 @@ class SceneBuilder:
     ) -> int:
         """Triangles with a non-finite corner or without area are left out and counted in `warnings`."""
     def add_instance(
-        self, object_name: str, mesh: int, matrix_world: Sequence[Sequence[float]], materials: Sequence[int],
-        *, visible_camera: bool = True, visible_shadow: bool = True,
+        self,
+        object_name: str,
+        mesh: int,
+        matrix_world: Sequence[Sequence[float]],
+        materials: Sequence[int],
+        *,
+        visible_camera: bool = True,
+        visible_shadow: bool = True,
     ) -> None:
         """`materials[slot]` is a material index; slots past its end take the last; empty: the default grey."""
     def add_light(self, light: Any) -> None:

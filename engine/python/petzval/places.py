@@ -3,10 +3,13 @@
 
 from __future__ import annotations
 
+import difflib
 import importlib.util
 import sys
 from pathlib import Path
 from types import ModuleType
+
+from .errors import CommandError
 
 _PACKAGE = Path(__file__).resolve().parent
 # petzval, python, engine: the checkout is what holds all three.
@@ -30,6 +33,25 @@ def lenses_folder() -> Path:
 def addon_folder() -> Path:
     """The folder of the Blender add-on's package."""
     return _folder("addon")
+
+
+def find_lens(name_or_path: str) -> Path:
+    """The lens file: the path itself if there is such a file, else the shipped lens of that name.
+
+    Raises `CommandError` when it is neither.
+    """
+    path = Path(name_or_path)
+    if path.is_file():
+        return path
+    if path.exists():
+        raise CommandError(f"not a file: {path}: name a lens file, or a shipped lens")
+    shipped = {file.stem: file for file in sorted(lenses_folder().glob("*.lens"))}
+    name = name_or_path.removesuffix(".lens")
+    if name in shipped:
+        return shipped[name]
+    near = difflib.get_close_matches(path.stem, shipped, n=3, cutoff=0.4) or list(shipped)[:3]
+    advice = f"name a file, or a shipped lens such as {', '.join(near)}" if near else "name an existing file"
+    raise CommandError(f"no such lens: {name_or_path}: {advice}")
 
 
 def load_addon() -> ModuleType:

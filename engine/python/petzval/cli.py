@@ -1,0 +1,101 @@
+# SPDX-License-Identifier: GPL-3.0-or-later
+"""The command `petzval`: picks the subcommand, and says errors the one way.
+
+Each subcommand is a module with `add_parser(subparsers)` and `run(arguments) -> int`, imported only when it is asked
+for: `petzval lens` loads neither Blender nor the renderer's half. Errors go to stderr as one line `petzval: what,
+where, what to do` with exit status 1, bad usage likewise with 2; a broken-off command ends with 130.
+"""
+
+from __future__ import annotations
+
+import argparse
+import importlib
+import os
+import sys
+from collections.abc import Sequence
+from typing import NoReturn
+
+from .errors import CommandError, complain
+
+#: Subcommand: its module and its line in `petzval --help`.
+COMMANDS = {
+    "lens": ("lens_command", "check a lens file, show its first-order data, trace rays through it"),
+    "render": ("render_command", "render a .blend through a lens"),
+}
+
+EXIT_ERROR = 1
+EXIT_USAGE = 2
+EXIT_INTERRUPTED = 130
+
+
+class _Parser(argparse.ArgumentParser):
+    """Says bad usage in one line."""
+
+    def error(self, message: str) -> NoReturn:
+        complain(f"bad usage: {message}; see {self.prog} --help")
+        raise SystemExit(EXIT_USAGE)
+
+
+def _parser(wanted: str | None) -> argparse.ArgumentParser:
+    """The parser; of the subcommands only the wanted one is more than its name."""
+    parser = _Parser(prog="petzval", description="Renders Blender scenes through real lenses.", allow_abbrev=False)
+    parser.add_argument("--version", action="store_true", help="print the version and exit")
+    subparsers = parser.add_subparsers(dest="command", metavar="COMMAND")
+    for name, (module, summary) in COMMANDS.items():
+        if name == wanted:
+            importlib.import_module(f".{module}", __package__).add_parser(subparsers)
+        else:
+            subparsers.add_parser(name, help=summary)
+    return parser
+
+
+def _run(argv: Sequence[str]) -> int:
+    wanted = next((word for word in argv if not word.startswith("-")), None)
+    parser = _parser(wanted)
+    arguments = parser.parse_args(argv)
+    if arguments.version:
+        from . import _native
+
+        print(f"petzval {_native.__version__}")
+        return 0
+    if arguments.command is None:
+        parser.error("a command is missing")
+    return importlib.import_module(f".{COMMANDS[arguments.command][0]}", __package__).run(arguments)
+
+
+def _engine_is_missing() -> bool:
+    """Says so when the compiled module cannot be loaded."""
+    try:
+        importlib.import_module("._native", __package__)
+    except ImportError as error:
+        complain(f"no compiled engine: {error}: build it (make build), or install the wheel again")
+        return True
+    return False
+
+
+def _is_engine_error(error: Exception) -> bool:
+    native = sys.modules.get(f"{__package__}._native")
+    return native is not None and isinstance(error, native.PetzvalError)
+
+
+def main(argv: Sequence[str] | None = None) -> int:
+    """Runs one command; returns its exit status."""
+    try:
+        status = _run(sys.argv[1:] if argv is None else argv)
+        sys.stdout.flush()
+        return status
+    except CommandError as error:
+        complain(str(error))
+    except KeyboardInterrupt:
+        return EXIT_INTERRUPTED
+    except BrokenPipeError:
+        # The reader has gone; the interpreter's own flush at exit must not complain a second time.
+        os.dup2(os.open(os.devnull, os.O_WRONLY), sys.stdout.fileno())
+    except ImportError:
+        if f"{__package__}._native" in sys.modules or not _engine_is_missing():
+            raise
+    except Exception as error:
+        if not _is_engine_error(error):
+            raise
+        complain(str(error))
+    return EXIT_ERROR
