@@ -1,0 +1,48 @@
+# `make help` lists what there is. What takes more than a line lies in tools/.
+
+DEMO_SCENE = tests/scenes/demo.blend
+DEMO_LENS = lenses/wide-angle-smith-f3.4.lens
+DEMO_OPTIONS =
+
+.PHONY: help demo test test-all lint setup build extension clean
+
+help: ## what there is to make
+	@sed -n 's/^\([a-z-]*\):.*## \(.*\)/\1\t\2/p' Makefile | expand -t 12
+
+demo: build ## render the demo scene through a real lens, into output/demo.png
+	@mkdir -p output
+	$(PETZVAL) render $(DEMO_SCENE) --lens $(DEMO_LENS) -o output/demo.png --stats output/demo.json $(DEMO_OPTIONS)
+	@.venv-tools/bin/python tools/demo-report.py output/demo.png output/demo.json
+
+test: ## everything: Rust, Python, bpy 5.2 and 4.5, the real Blender; sets up what it needs
+	@tools/test.sh
+
+test-all: ## the same, and bpy 5.0 and 4.2 too
+	@tools/test.sh --all
+
+lint: .venv-tools ## formatting and lints of Rust and Python
+	cargo fmt --all --check
+	PYO3_PYTHON=$(CURDIR)/.venv-tools/bin/python cargo clippy --all-targets --workspace --locked -- -D warnings
+	.venv-tools/bin/ruff check
+	.venv-tools/bin/ruff format --check
+
+extension: build ## the Blender extension, dist/petzval-VERSION.zip
+	@tools/setup-blender.sh || true
+	@tools/build-extension.sh
+
+build: setup ## the engine's wheel in dist/, and the command petzval in the environments
+	@tools/build-wheel.sh
+
+setup: .venv-tools ## the Python environments: bpy 5.2, or 4.5 where Python 3.13 is missing
+	@tools/setup-python.sh bpy52 || tools/setup-python.sh bpy45
+
+.PHONY: .venv-tools
+.venv-tools:
+	@tools/setup-python.sh tools
+
+clean: ## what was built; the environments and the real Blender stay
+	cargo clean
+	rm -rf dist output engine/python/petzval/_bundled engine/python/petzval/*.so
+
+# Found when the recipe runs: the environments may just have been made.
+PETZVAL = $(firstword $(wildcard .venv-bpy52/bin/petzval .venv-bpy45/bin/petzval) .venv-bpy52/bin/petzval)

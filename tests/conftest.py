@@ -1,0 +1,155 @@
+# SPDX-License-Identifier: GPL-3.0-or-later
+"""What every test may ask for: a fresh Blender, the command line, the real program; and an orderly end.
+
+The bpy module keeps one Blender for the whole process: `blender` resets it before each test. At exit, bpy with a
+render engine registered hangs (4.5) or crashes (4.2), so the process ends by `os._exit` once pytest has said all.
+"""
+
+from __future__ import annotations
+
+import os
+import shutil
+import subprocess
+import sys
+import tempfile
+from pathlib import Path
+
+import pytest
+
+ROOT = Path(__file__).resolve().parent.parent
+
+# Set before bpy is imported: nothing of the user's Blender is read, and what bpy leaves behind lies in one folder.
+# pytest's own folders stay where they are, so that a failed test's files can be looked at.
+os.environ.setdefault("PYTEST_DEBUG_TEMPROOT", tempfile.gettempdir())
+_SESSION_FOLDER = Path(tempfile.mkdtemp(prefix="petzval-tests-"))
+os.environ["BLENDER_USER_RESOURCES"] = str(_SESSION_FOLDER / "blender")
+os.environ["TMPDIR"] = str(_SESSION_FOLDER)
+tempfile.tempdir = str(_SESSION_FOLDER)
+
+_exit_status: int | None = None
+_addon_registered = False
+
+
+@pytest.fixture
+def blender():
+    """bpy, reset to an empty factory scene, with the add-on registered."""
+    global _addon_registered
+    import bpy
+
+    import petzval
+
+    bpy.ops.wm.read_factory_settings(use_empty=True)
+    if not _addon_registered:
+        petzval.load_addon().register()
+        _addon_registered = True
+    return bpy
+
+
+@pytest.fixture(scope="session")
+def petzval_cli():
+    """Runs `petzval ARGUMENTS...` in a process of its own: `petzval_cli("lens", "info", path, "--json")`.
+
+    Returns the finished process, its output as text.
+    """
+
+    def run(*arguments, stdin: str | None = None, timeout_s: float = 120.0) -> subprocess.CompletedProcess[str]:
+        return subprocess.run(
+            [sys.executable, "-m", "petzval", *map(str, arguments)],
+            input=stdin if stdin is not None else "",
+            capture_output=True,
+            text=True,
+            cwd=ROOT,
+            timeout=timeout_s,
+            check=False,
+        )
+
+    return run
+
+
+@pytest.fixture(scope="session")
+def run_blender():
+    """Runs the real Blender (at least 4.2): `run_blender("-b", scene, "--python", script)`.
+
+    With `window=True` it has a window of 1600 x 1000 on a virtual screen. Skips where there is no real Blender.
+    Returns the finished process, stdout and stderr together as text.
+    """
+    if subprocess.run([ROOT / "tools/setup-blender.sh", "--where"], capture_output=True, check=False).returncode:
+        pytest.skip("no real Blender: run tools/setup-blender.sh")
+
+    def run(*arguments, window: bool = False, timeout_s: float = 300.0) -> subprocess.CompletedProcess[str]:
+        start = [ROOT / "tools/blender", *(["--in-window"] if window else [])]
+        return subprocess.run(
+            [*map(str, start), *map(str, arguments)],
+            stdin=subprocess.DEVNULL,
+            stdout=subprocess.PIPE,
+            stderr=subprocess.STDOUT,
+            text=True,
+            errors="replace",
+            cwd=ROOT,
+            timeout=timeout_s,
+            check=False,
+        )
+
+    return run
+
+
+@pytest.fixture(scope="session")
+def extension_zip() -> Path:
+    """The built extension; skips where `make extension` has not run."""
+    found = sorted((ROOT / "dist").glob("petzval-*.zip"))
+    if not found:
+        pytest.skip("no extension zip in dist/: run make extension")
+    return found[-1]
+
+
+@pytest.fixture(scope="session")
+def installed_extension(run_blender, extension_zip) -> str:
+    """The add-on installed into the real Blender as a user would; the value is its module's name.
+
+    `run_blender("--addons", installed_extension, ...)` has it enabled, with factory settings too.
+    """
+    done = run_blender("--command", "extension", "install-file", "-r", "user_default", "--enable", extension_zip)
+    assert done.returncode == 0, done.stdout
+    return "bl_ext.user_default.petzval"
+
+
+@pytest.fixture(scope="session")
+def other_peoples_scenes() -> Path:
+    """A folder of scenes that are not this project's to hand on; skips where PETZVAL_SCENES names none."""
+    folder = Path(os.environ.get("PETZVAL_SCENES", ""))
+    if not os.environ.get("PETZVAL_SCENES") or not folder.is_dir():
+        pytest.skip("no folder of other people's scenes: set PETZVAL_SCENES")
+    return folder
+
+
+def pytest_terminal_summary(terminalreporter):
+    """Hands what could not run to `make test`, which says it once at the end."""
+    notes = os.environ.get("PETZVAL_NOT_RUN")
+    if not notes:
+        return
+    python = f"Python {sys.version_info.major}.{sys.version_info.minor}"
+    with open(notes, "a", encoding="utf-8") as out:
+        for report in terminalreporter.stats.get("skipped", ()):
+            reason = report.longrepr[2] if isinstance(report.longrepr, tuple) else str(report.longrepr)
+            out.write(f"{report.nodeid} ({python}): {reason.removeprefix('Skipped: ')}\n")
+
+
+def pytest_sessionfinish(exitstatus):
+    global _exit_status
+    _exit_status = int(exitstatus)
+
+
+@pytest.hookimpl(trylast=True)
+def pytest_unconfigure():
+    """Ends the process, exit status kept, where bpy was used; the closing line of pytest is out by now."""
+    with_bpy = "bpy" in sys.modules
+    if _addon_registered:
+        try:
+            sys.modules["petzval_addon"].unregister()
+        except Exception as error:
+            print(f"petzval: the add-on does not unregister: {error!r}", file=sys.stderr)
+    shutil.rmtree(_SESSION_FOLDER, ignore_errors=True)
+    sys.stdout.flush()
+    sys.stderr.flush()
+    if with_bpy and _exit_status is not None:
+        os._exit(_exit_status)
