@@ -1,1 +1,33 @@
-//! Path tracing through a camera.
+//! Light transport through a scene into a camera: from a described scene to finished pixels.
+//!
+//! Data goes one way, and a module uses only those above it in this list:
+//! [`spectrum`] → [`sampler`] → [`scene`] → [`accel`] → [`surface`] → [`nodes`] → [`shading`] → [`lights`] → [`camera`] →
+//! [`integrator`] → [`film`] → [`pipeline`] → [`job`].
+//!
+//! # Spaces and units
+//! *World space* is Blender's, in Blender units. *Render space* has the world's axes and its origin at the
+//! camera, so that single precision is fine near the camera however far it stands from the world's origin;
+//! everything that a [`scene::Scene`] holds is in render space. *Lens space* (millimetres) belongs to
+//! `petzval_optics`; [`camera`] alone converts between the two.
+//!
+//! Radiance and colour are scene-linear Rec.709 triples, [`Rgb`].
+
+pub mod accel;
+pub mod film;
+pub mod integrator;
+pub mod lights;
+pub mod nodes;
+pub mod sampler;
+pub mod scene;
+pub mod shading;
+pub mod spectrum;
+pub mod surface;
+
+/// A scene-linear Rec.709 colour: radiance, reflectance or a weight by channel.
+pub type Rgb = glam::Vec3;
+
+/// Rec.709 relative luminance of a scene-linear colour.
+#[inline]
+pub fn luminance(c: Rgb) -> f32 {
+    0.212_671 * c.x + 0.715_160 * c.y + 0.072_169 * c.z
+}

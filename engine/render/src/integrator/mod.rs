@@ -1,0 +1,49 @@
+//! From a camera ray to the radiance along it.
+
+pub mod path;
+
+use crate::accel::Accel;
+use crate::lights::Lights;
+use crate::scene::Scene;
+use crate::shading::{albedo::AlbedoTable, principled::PrincipledTables};
+use std::collections::HashMap;
+use std::sync::Arc;
+use std::time::Instant;
+
+/// A scene with everything that is worked out once before light is followed through it. Cameras and settings
+/// change without it.
+pub struct Stage {
+    /// What there is.
+    pub scene: Scene,
+    /// Its trees.
+    pub accel: Accel,
+    /// Its emitters.
+    pub lights: Lights,
+    /// By material.
+    pub tables: Vec<Arc<PrincipledTables>>,
+    /// Wall time that it took, s.
+    pub build_seconds: f64,
+}
+
+impl Stage {
+    /// Builds trees and tables, in parallel on the current rayon pool.
+    pub fn new(scene: Scene) -> Self {
+        let start = Instant::now();
+        let accel = Accel::new(&scene);
+        let lights = Lights::new(&scene);
+        let reflection = Arc::new(AlbedoTable::reflection());
+        let mut known = HashMap::new();
+        let tables = scene
+            .materials
+            .iter()
+            .map(|m| {
+                known
+                    .entry(PrincipledTables::key(m))
+                    .or_insert_with(|| Arc::new(PrincipledTables::new(m, reflection.clone())))
+                    .clone()
+            })
+            .collect();
+        let build_seconds = start.elapsed().as_secs_f64();
+        Self { scene, accel, lights, tables, build_seconds }
+    }
+}

@@ -1,0 +1,133 @@
+//! Scenes with a known answer.
+
+use super::*;
+use crate::sampler::warp;
+use crate::scene::lamp::{Lamp, LampKind};
+use crate::scene::material::{Input, Material};
+use crate::scene::mesh::MeshDescription;
+use crate::scene::{SceneBuilder, world::World};
+use glam::{Affine3A, DMat4, DVec3, Vec3, Vec3A};
+
+fn cube() -> MeshDescription {
+    let positions =
+        (0..8).map(|i| Vec3::new((i & 1) as f32, (i >> 1 & 1) as f32, (i >> 2) as f32) * 2.0 - Vec3::ONE).collect();
+    let quads = [[0, 2, 3, 1], [4, 5, 7, 6], [0, 1, 5, 4], [2, 6, 7, 3], [0, 4, 6, 2], [1, 3, 7, 5]];
+    let triangles = quads.iter().flat_map(|&[a, b, c, d]| [[a, b, c], [a, c, d]]).collect();
+    MeshDescription { name: "cube".into(), positions, triangles, ..Default::default() }
+}
+
+fn stage(material: Material, world: Rgb, size: f64) -> Stage {
+    let mut builder = SceneBuilder::new();
+    let m = builder.add_material(material).unwrap();
+    let mesh = builder.add_mesh(cube()).unwrap();
+    builder.add_instance("cube", mesh, DMat4::from_scale(DVec3::splat(size)), &[m], true, true).unwrap();
+    builder.set_world(World { color: world, ..Default::default() }).unwrap();
+    Stage::new(builder.build(DVec3::ZERO))
+}
+
+fn mean(stage: &Stage, origin: Vec3A, max_bounces: u32, n: u32) -> Rgb {
+    let mut sum = glam::DVec3::ZERO;
+    for i in 0..n {
+        let mut sampler = PathSampler::new(0, 0, i, 1);
+        let u = sampler.next_4d();
+        let d = warp::sample_sphere([u[0], u[1]]);
+        sum += trace(stage, Ray::new(origin, d), max_bounces, &mut sampler).radiance.as_dvec3();
+    }
+    (sum / n as f64).as_vec3()
+}
+
+fn plain(albedo: f32, emission: f32) -> Material {
+    Material {
+        base_color: Input::Constant(Rgb::splat(albedo)),
+        emission_strength: emission,
+        specular: false,
+        ..Material::default_grey()
+    }
+}
+
+/// A closed box that glows with radiance 1 and reflects half: 1 + 1/2 + 1/4 ... = 2, seen from anywhere inside.
+/// Every bounce is found by light samples and by scattering; their weights must add to one.
+#[test]
+fn a_glowing_box_sums_its_series() {
+    for size in [1e-3, 1.0, 1e4] {
+        let stage = stage(plain(0.5, 1.0), Rgb::ZERO, size);
+        let inside = Vec3A::new(0.3, -0.2, 0.5) * size as f32;
+        for (bounces, expected) in [(0, 1.5), (1, 1.75), (2, 1.875), (100, 2.0)] {
+            let found = mean(&stage, inside, bounces, 8192);
+            // 8192 stratified paths of a smooth integrand.
+            assert!((found - Rgb::splat(expected)).abs().max_element() < 0.01, "{size} {bounces}: {found}");
+        }
+    }
+}
+
+/// In a uniform white world a white object cannot be seen: matte exactly, mixtures within their tables.
+#[test]
+fn white_furnace() {
+    let glossy = |metallic: f32, transmission: f32, roughness: f32| Material {
+        base_color: Input::Constant(Rgb::ONE),
+        metallic: Input::Constant(metallic),
+        transmission: Input::Constant(transmission),
+        roughness: Input::Constant(roughness),
+        ..Material::default_grey()
+    };
+    let cases = [
+        (plain(1.0, 0.0), 0.005),
+        (glossy(1.0, 0.0, 0.5), 0.02),
+        (glossy(1.0, 0.0, 0.0), 0.005),
+        (glossy(0.0, 1.0, 0.0), 0.005),
+        // Light goes through rough glass many times; each passage has the tables' error.
+        (glossy(0.0, 1.0, 0.5), 0.06),
+        (glossy(0.0, 0.0, 0.5), 0.02),
+    ];
+    for (k, (material, tolerance)) in cases.into_iter().enumerate() {
+        let stage = stage(material, Rgb::ONE, 1.0);
+        let found = mean(&stage, Vec3A::new(0.0, 0.0, 3.0), 200, 8192);
+        assert!((found - Rgb::ONE).abs().max_element() < tolerance, "case {k}: {found}");
+    }
+}
+
+/// Half-transparent walls around a point: the world shines through with their alpha, lamps too.
+#[test]
+fn alpha_lets_light_through() {
+    let material = Material { alpha: Input::Constant(0.25), ..plain(0.0, 0.0) };
+    let see_through = stage(material.clone(), Rgb::ONE, 1.0);
+    let found = mean(&see_through, Vec3A::ZERO, 10, 8192);
+    assert!((found - Rgb::splat(0.75)).abs().max_element() < 0.01, "{found}");
+
+    // A floor lit by a lamp through a sheet of that: the lamp's irradiance times 3/4 over pi.
+    let mut builder = SceneBuilder::new();
+    let sheet = builder.add_material(material).unwrap();
+    let floor = builder.add_material(plain(1.0, 0.0)).unwrap();
+    let square = MeshDescription {
+        name: "square".into(),
+        positions: vec![
+            Vec3::new(-9.0, -9.0, 0.0),
+            Vec3::new(9.0, -9.0, 0.0),
+            Vec3::new(9.0, 9.0, 0.0),
+            Vec3::new(-9.0, 9.0, 0.0),
+        ],
+        triangles: vec![[0, 1, 2], [0, 2, 3]],
+        ..Default::default()
+    };
+    let mesh = builder.add_mesh(square).unwrap();
+    builder.add_instance("floor", mesh, DMat4::IDENTITY, &[floor], true, true).unwrap();
+    builder.add_instance("sheet", mesh, DMat4::from_translation(DVec3::Z), &[sheet], true, true).unwrap();
+    let lamp = Lamp {
+        object_name: "lamp".into(),
+        kind: LampKind::Point { radius: 0.0 },
+        color: Rgb::splat(100.0),
+        visible_camera: true,
+        cast_shadow: true,
+        to_render: Affine3A::IDENTITY,
+    };
+    builder.add_lamp(lamp, DMat4::from_translation(DVec3::new(0.0, 0.0, 2.0))).unwrap();
+    let stage = Stage::new(builder.build(DVec3::ZERO));
+    let mut sampler = PathSampler::new(0, 0, 0, 1);
+    // Off the diagonal, where two triangles of the sheet meet.
+    let ray = Ray::new(Vec3A::new(0.02, 0.01, 0.5), -Vec3A::Z);
+    let found = trace(&stage, ray, 0, &mut sampler).radiance.x;
+    let pi = std::f32::consts::PI;
+    let expected = 100.0 / (4.0 * pi) / 4.0 / pi * 0.75;
+    // The floor is met 0.02 off the lamp's axis: cos^4 of a hundredth of a radian.
+    assert!((found / expected - 1.0).abs() < 5e-4, "{found} {expected}");
+}

@@ -1,0 +1,240 @@
+//! Blender's point, spot, sun and area lamps, with the brightness that Cycles gives them.
+
+use super::LightSample;
+use crate::scene::lamp::{Lamp, LampKind};
+use crate::{Rgb, luminance, sampler::warp};
+use glam::{Mat3A, Vec3A};
+use std::f32::consts::{FRAC_PI_2, PI};
+
+/// A lamp with its constants worked out.
+#[derive(Clone, Debug)]
+pub struct PreparedLamp {
+    kind: LampKind,
+    color: Rgb,
+    axes: Mat3A,
+    center: Vec3A,
+    visible_camera: bool,
+    cast_shadow: bool,
+    /// Radiance of a lamp with extent; radiant intensity of one without (sun: irradiance).
+    strength: Rgb,
+}
+
+impl PreparedLamp {
+    pub(super) fn new(lamp: &Lamp) -> Self {
+        let strength = match lamp.kind {
+            // A watt is spread over the whole sphere; a spot is a point light seen through a hole.
+            LampKind::Point { radius } | LampKind::Spot { radius, .. } => {
+                if radius > 0.0 {
+                    lamp.color / (4.0 * PI * PI * radius * radius)
+                } else {
+                    lamp.color / (4.0 * PI)
+                }
+            }
+            LampKind::Sun { half_angle_rad } => {
+                let tan = half_angle_rad.tan();
+                if tan > 0.0 { lamp.color / (PI * tan * tan) } else { lamp.color }
+            }
+            // Blender's area lamps give a quarter of their watts per unit of area as radiance.
+            LampKind::Area { size, ellipse, .. } => {
+                let area = area_of(size, ellipse);
+                if area > 0.0 { lamp.color / (4.0 * area) } else { Rgb::ZERO }
+            }
+        };
+        Self {
+            kind: lamp.kind,
+            color: lamp.color,
+            axes: lamp.to_render.matrix3,
+            center: lamp.to_render.translation,
+            visible_camera: lamp.visible_camera,
+            cast_shadow: lamp.cast_shadow,
+            strength,
+        }
+    }
+
+    pub(super) fn kind(&self) -> LampKind {
+        self.kind
+    }
+
+    pub(super) fn visible_camera(&self) -> bool {
+        self.visible_camera
+    }
+
+    /// Watts, for choosing; a sun's, per unit of area.
+    pub(super) fn power(&self) -> f32 {
+        luminance(self.color)
+    }
+
+    /// Light at `from`.
+    pub(super) fn sample(&self, from: Vec3A, u: [f32; 2]) -> Option<LightSample> {
+        match self.kind {
+            LampKind::Point { radius } => self.sample_sphere(from, radius, u),
+            LampKind::Spot { radius, half_angle_rad, blend } => {
+                let mut s = self.sample_sphere(from, radius, u)?;
+                s.radiance *= self.cone(-s.wi, half_angle_rad, blend);
+                Some(s)
+            }
+            LampKind::Sun { half_angle_rad } => Some(self.sample_sun(half_angle_rad, u)),
+            LampKind::Area { size, ellipse, half_spread_rad } => {
+                let p = if ellipse { warp::sample_disk(u) * 0.5 } else { glam::Vec2::new(u[0] - 0.5, u[1] - 0.5) };
+                let point = self.center + self.axes.x_axis * (p.x * size[0]) + self.axes.y_axis * (p.y * size[1]);
+                let to = point - from;
+                let distance = to.length();
+                let wi = to / distance;
+                let cos = wi.dot(self.axes.z_axis);
+                if !(cos > 0.0 && distance > 0.0) {
+                    return None;
+                }
+                Some(LightSample {
+                    wi,
+                    distance,
+                    radiance: self.strength * spread(cos, half_spread_rad),
+                    pdf: distance * distance / (cos * area_of(size, ellipse)),
+                    point_like: false,
+                    cast_shadow: self.cast_shadow,
+                })
+            }
+        }
+    }
+
+    /// Radiance along a ray that meets the lamp before `t_max`, and the density of [`PreparedLamp::sample`].
+    pub(super) fn hit(&self, origin: Vec3A, d: Vec3A, t_max: f32) -> Option<(Rgb, f32)> {
+        match self.kind {
+            LampKind::Point { radius } => self.hit_sphere(origin, d, t_max, radius),
+            LampKind::Spot { radius, half_angle_rad, blend } => {
+                let (radiance, pdf) = self.hit_sphere(origin, d, t_max, radius)?;
+                Some((radiance * self.cone(-d, half_angle_rad, blend), pdf))
+            }
+            LampKind::Sun { .. } => None,
+            LampKind::Area { size, ellipse, half_spread_rad } => {
+                let cos = d.dot(self.axes.z_axis);
+                if cos <= 0.0 {
+                    return None;
+                }
+                let t = (self.center - origin).dot(self.axes.z_axis) / cos;
+                if !(t > 0.0 && t < t_max) {
+                    return None;
+                }
+                let p = origin + d * t - self.center;
+                let (x, y) = (2.0 * p.dot(self.axes.x_axis) / size[0], 2.0 * p.dot(self.axes.y_axis) / size[1]);
+                let inside = if ellipse { x * x + y * y <= 1.0 } else { x.abs() <= 1.0 && y.abs() <= 1.0 };
+                inside.then(|| {
+                    let pdf = t * t / (cos * area_of(size, ellipse));
+                    (self.strength * spread(cos, half_spread_rad), pdf)
+                })
+            }
+        }
+    }
+
+    /// Radiance of a sun with extent along `d`, and the density of its samples.
+    pub(super) fn hit_sun(&self, d: Vec3A) -> Option<(Rgb, f32)> {
+        let LampKind::Sun { half_angle_rad } = self.kind else { return None };
+        if half_angle_rad <= 0.0 {
+            return None;
+        }
+        let limit = one_minus_cos(half_angle_rad);
+        // 1 - cos from the difference of unit vectors keeps its digits for small angles.
+        let off = 0.5 * (d - self.axes.z_axis).length_squared();
+        (off <= limit).then(|| (self.strength, warp::cone_pdf(limit)))
+    }
+
+    fn sample_sun(&self, half_angle_rad: f32, u: [f32; 2]) -> LightSample {
+        let axis = self.axes.z_axis;
+        let base = LightSample {
+            wi: axis,
+            distance: f32::INFINITY,
+            radiance: self.strength,
+            pdf: 1.0,
+            point_like: true,
+            cast_shadow: self.cast_shadow,
+        };
+        if half_angle_rad <= 0.0 {
+            return base;
+        }
+        let limit = one_minus_cos(half_angle_rad);
+        let wi = warp::to_world(&warp::frame(axis), warp::sample_cone(u, limit)).normalize();
+        LightSample { wi, pdf: warp::cone_pdf(limit), point_like: false, ..base }
+    }
+
+    fn sample_sphere(&self, from: Vec3A, radius: f32, u: [f32; 2]) -> Option<LightSample> {
+        let to = self.center - from;
+        let distance2 = to.length_squared();
+        let distance = distance2.sqrt();
+        if distance <= radius || distance <= 0.0 {
+            return None;
+        }
+        let axis = to / distance;
+        let base = LightSample {
+            wi: axis,
+            distance,
+            radiance: self.strength / distance2,
+            pdf: 1.0,
+            point_like: true,
+            cast_shadow: self.cast_shadow,
+        };
+        if radius <= 0.0 {
+            return Some(base);
+        }
+        let sin2_max = radius * radius / distance2;
+        let limit = sin2_max / (1.0 + (1.0 - sin2_max).max(0.0).sqrt());
+        let local = warp::sample_cone(u, limit);
+        let wi = warp::to_world(&warp::frame(axis), local).normalize();
+        // Distance to the near side of the sphere.
+        let sin2 = local.x * local.x + local.y * local.y;
+        let half_chord = (radius * radius - distance2 * sin2).max(0.0).sqrt();
+        Some(LightSample {
+            wi,
+            distance: distance * local.z - half_chord,
+            radiance: self.strength,
+            pdf: warp::cone_pdf(limit),
+            point_like: false,
+            ..base
+        })
+    }
+
+    fn hit_sphere(&self, origin: Vec3A, d: Vec3A, t_max: f32, radius: f32) -> Option<(Rgb, f32)> {
+        if radius <= 0.0 {
+            return None;
+        }
+        let to = self.center - origin;
+        let distance2 = to.length_squared();
+        let along = to.dot(d);
+        let off2 = (to - d * along).length_squared();
+        if distance2 <= radius * radius || along <= 0.0 || off2 > radius * radius {
+            return None;
+        }
+        let t = along - (radius * radius - off2).max(0.0).sqrt();
+        if !(t > 0.0 && t < t_max) {
+            return None;
+        }
+        let sin2_max = radius * radius / distance2;
+        let limit = sin2_max / (1.0 + (1.0 - sin2_max).max(0.0).sqrt());
+        Some((self.strength, warp::cone_pdf(limit)))
+    }
+
+    /// How much of a spot's light goes along `d` (away from the lamp).
+    fn cone(&self, d: Vec3A, half_angle_rad: f32, blend: f32) -> f32 {
+        let cos = -d.dot(self.axes.z_axis);
+        let limit = half_angle_rad.cos();
+        let x = ((cos - limit) / ((1.0 - limit) * blend).max(1e-4)).clamp(0.0, 1.0);
+        x * x * (3.0 - 2.0 * x)
+    }
+}
+
+fn area_of(size: [f32; 2], ellipse: bool) -> f32 {
+    size[0] * size[1] * if ellipse { PI / 4.0 } else { 1.0 }
+}
+
+fn one_minus_cos(half_angle_rad: f32) -> f32 {
+    2.0 * (0.5 * half_angle_rad).sin().powi(2)
+}
+
+/// How an area lamp's spread dims what leaves it at `cos` to its normal, brighter on axis for less spread.
+fn spread(cos: f32, half_spread_rad: f32) -> f32 {
+    if half_spread_rad >= FRAC_PI_2 - 1e-4 {
+        return 1.0;
+    }
+    let tan_limit = half_spread_rad.tan();
+    let tan = (1.0 - cos * cos).max(0.0).sqrt() / cos;
+    let normalise = tan_limit - half_spread_rad;
+    if normalise <= 1e-9 { 0.0 } else { ((tan_limit - tan) / normalise).max(0.0) }
+}

@@ -1,0 +1,208 @@
+//! Choosing and sampling what emits: lamps, emissive triangles, suns and the world.
+//!
+//! Knows where light leaves from; knows nothing of the surfaces that it arrives at, nor whether anything stands in
+//! between.
+
+pub mod lamp;
+pub mod sky;
+
+use crate::nodes;
+use crate::sampler::{distribution::AliasTable, warp};
+use crate::scene::{Scene, lamp::LampKind};
+use crate::surface::{geometric_normal, mesh_of};
+use crate::{Rgb, luminance};
+use glam::Vec3A;
+use lamp::PreparedLamp;
+use sky::Sky;
+use std::f32::consts::PI;
+
+/// Light that reaches a point from one direction, if nothing stands in between.
+#[derive(Clone, Copy, Debug)]
+pub struct LightSample {
+    /// Unit, towards the light.
+    pub wi: Vec3A,
+    /// Blender units; infinite for suns and the world.
+    pub distance: f32,
+    /// Radiance; for a light without extent, radiance times the solid angle that it has not.
+    pub radiance: Rgb,
+    /// Density per steradian, the choice of the light included; for a light without extent the choice alone.
+    pub pdf: f32,
+    /// Without extent: no ray finds it by chance.
+    pub point_like: bool,
+    /// Objects throw shadows in it.
+    pub cast_shadow: bool,
+}
+
+#[derive(Clone, Copy, Debug)]
+enum Emitter {
+    Triangle { instance: u32, triangle: u32 },
+    Lamp(u32),
+}
+
+/// Every emitter of a scene, ready to be sampled.
+pub struct Lights {
+    // Lamps and emissive triangles within the scene, and their choice by power.
+    local: Vec<Emitter>,
+    local_choice: Option<AliasTable>,
+    // By instance: by triangle, 1 + its index in `local`; empty where the instance emits nothing.
+    emitter_of: Vec<Vec<u32>>,
+    lamps: Vec<PreparedLamp>,
+    sky: Sky,
+    /// Chance of choosing the sky rather than something within the scene.
+    sky_chance: f32,
+}
+
+impl Lights {
+    /// Finds the emitters of a scene.
+    pub fn new(scene: &Scene) -> Self {
+        let lamps: Vec<PreparedLamp> = scene.lamps.iter().map(PreparedLamp::new).collect();
+        let mut local = Vec::new();
+        let mut powers = Vec::new();
+        for (i, lamp) in lamps.iter().enumerate() {
+            if !matches!(lamp.kind(), LampKind::Sun { .. }) {
+                local.push(Emitter::Lamp(i as u32));
+                powers.push(lamp.power());
+            }
+        }
+        let emitter_of = emissive_triangles(scene, &mut local, &mut powers);
+        let local_choice = AliasTable::new(&powers);
+        let sky = Sky::new(scene, &lamps);
+        let sky_chance = match (&local_choice, sky.is_dark()) {
+            (None, _) => 1.0,
+            (Some(_), true) => 0.0,
+            // Neither kind of light knows from its power alone how much of it gets to a place.
+            (Some(_), false) => 0.5,
+        };
+        Self { local, local_choice, emitter_of, lamps, sky, sky_chance }
+    }
+
+    /// Light at `from`; `None` where none was found.
+    pub fn sample(&self, scene: &Scene, from: Vec3A, u_choice: f32, u: [f32; 2]) -> Option<LightSample> {
+        if u_choice < self.sky_chance {
+            let mut sample = self.sky.sample(scene, &self.lamps, u_choice / self.sky_chance, u)?;
+            sample.pdf *= self.sky_chance;
+            return Some(sample);
+        }
+        let rest = ((u_choice - self.sky_chance) / (1.0 - self.sky_chance)).min(1.0 - f32::EPSILON);
+        let (index, probability, _) = self.local_choice.as_ref()?.sample(rest);
+        let mut sample = match self.local[index] {
+            Emitter::Lamp(i) => self.lamps[i as usize].sample(from, u)?,
+            Emitter::Triangle { instance, triangle } => sample_triangle(scene, instance, triangle, from, u)?,
+        };
+        sample.pdf *= probability * (1.0 - self.sky_chance);
+        Some(sample)
+    }
+
+    /// The density with which [`Lights::sample`] would have found a point on an emissive triangle: `distance`
+    /// away, met at `cos` to its normal.
+    pub fn triangle_pdf(&self, scene: &Scene, instance: u32, triangle: u32, distance: f32, cos: f32) -> f32 {
+        let index = self.emitter_of[instance as usize].get(triangle as usize).copied().unwrap_or(0);
+        if index == 0 {
+            return 0.0;
+        }
+        let Some(choice) = &self.local_choice else { return 0.0 };
+        let area = triangle_area(scene, instance, triangle);
+        let by_area = choice.probability(index as usize - 1) * (1.0 - self.sky_chance) / area;
+        by_area * distance * distance / cos.max(1e-6)
+    }
+
+    /// Calls `found(radiance, pdf)` for each lamp with extent that the ray meets before `t_max`. Lamps do not
+    /// hide what is behind them, as in Cycles.
+    pub fn lamps_along(&self, origin: Vec3A, d: Vec3A, t_max: f32, camera: bool, mut found: impl FnMut(Rgb, f32)) {
+        for (index, emitter) in self.local.iter().enumerate() {
+            // Lamps come first.
+            let Emitter::Lamp(i) = *emitter else { break };
+            let lamp = &self.lamps[i as usize];
+            if camera && !lamp.visible_camera() {
+                continue;
+            }
+            if let Some((radiance, pdf)) = lamp.hit(origin, d, t_max) {
+                let chance = self.local_choice.as_ref().map_or(0.0, |c| c.probability(index));
+                found(radiance, pdf * chance * (1.0 - self.sky_chance));
+            }
+        }
+    }
+
+    /// Calls `found(radiance, pdf)` for what shines from infinity along `d`: the world, and suns with extent.
+    pub fn sky_along(&self, scene: &Scene, d: Vec3A, camera: bool, mut found: impl FnMut(Rgb, f32)) {
+        self.sky.along(scene, &self.lamps, d, camera, |radiance, pdf| found(radiance, pdf * self.sky_chance));
+    }
+}
+
+/// Appends every triangle that may emit, with its power.
+fn emissive_triangles(scene: &Scene, local: &mut Vec<Emitter>, powers: &mut Vec<f32>) -> Vec<Vec<u32>> {
+    let brightness: Vec<f32> = scene
+        .materials
+        .iter()
+        .map(|m| {
+            if !m.emits() {
+                return 0.0;
+            }
+            let color = match &m.emission_color {
+                crate::scene::material::Input::Constant(c) => *c,
+                crate::scene::material::Input::Image(image) => scene.textures[image.texture as usize].average(),
+            };
+            // A texture that is black on average may still glow somewhere.
+            (luminance(color) * m.emission_strength).max(1e-6)
+        })
+        .collect();
+    let mut emitter_of = vec![Vec::new(); scene.instances.len()];
+    for (i, instance) in scene.instances.iter().enumerate() {
+        if instance.materials.iter().all(|&m| brightness[m as usize] == 0.0) {
+            continue;
+        }
+        let mesh = &scene.meshes[instance.mesh as usize];
+        let mut list = vec![0; mesh.triangles.len()];
+        for (t, entry) in list.iter_mut().enumerate() {
+            let b = brightness[instance.material(mesh.slot(t as u32)) as usize];
+            let power = b * triangle_area(scene, i as u32, t as u32) * 2.0 * PI;
+            if power > 0.0 {
+                local.push(Emitter::Triangle { instance: i as u32, triangle: t as u32 });
+                powers.push(power);
+                *entry = local.len() as u32;
+            }
+        }
+        emitter_of[i] = list;
+    }
+    emitter_of
+}
+
+fn placed_corners(scene: &Scene, instance: u32, triangle: u32) -> [Vec3A; 3] {
+    let m = &scene.instances[instance as usize].to_render;
+    mesh_of(scene, instance).corners(triangle).map(|p| m.transform_point3a(Vec3A::from(p)))
+}
+
+fn triangle_area(scene: &Scene, instance: u32, triangle: u32) -> f32 {
+    let [a, b, c] = placed_corners(scene, instance, triangle);
+    0.5 * (b - a).cross(c - a).length()
+}
+
+fn sample_triangle(scene: &Scene, instance: u32, triangle: u32, from: Vec3A, u: [f32; 2]) -> Option<LightSample> {
+    let [a, b, c] = placed_corners(scene, instance, triangle);
+    let [v, w] = warp::sample_triangle(u);
+    let to = a + (b - a) * v + (c - a) * w - from;
+    let distance2 = to.length_squared();
+    let distance = distance2.sqrt();
+    let wi = to / distance;
+    let corners = mesh_of(scene, instance).corners(triangle);
+    let cos = geometric_normal(&scene.instances[instance as usize], &corners).dot(wi).abs();
+    let area = 0.5 * (b - a).cross(c - a).length();
+    if !(cos > 1e-6 && area > 0.0 && distance > 0.0) {
+        return None;
+    }
+    let material_slot = mesh_of(scene, instance).slot(triangle);
+    let material = &scene.materials[scene.instances[instance as usize].material(material_slot) as usize];
+    let alpha = nodes::alpha(scene, instance, triangle, [v, w]);
+    Some(LightSample {
+        wi,
+        // Just short of the triangle, which must not shadow itself.
+        distance: distance * (1.0 - 1e-4),
+        radiance: nodes::emission(material, scene, instance, triangle, [v, w]) * alpha,
+        pdf: distance2 / (cos * area),
+        point_like: false,
+        cast_shadow: true,
+    })
+}
+
+#[cfg(test)]
+mod tests;

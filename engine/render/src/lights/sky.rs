@@ -1,0 +1,162 @@
+//! Light from infinity: the world's image sampled where it is bright, and suns.
+
+use super::LightSample;
+use super::lamp::PreparedLamp;
+use crate::sampler::distribution::{AliasTable, Grid2d};
+use crate::scene::{
+    Scene,
+    lamp::LampKind,
+    world::{direction_to_equirectangular, equirectangular_to_direction},
+};
+use crate::{Rgb, luminance};
+use glam::{Vec2, Vec3A, Vec4Swizzles};
+use std::f32::consts::PI;
+
+/// The most columns of the table that the world's image is sampled by. Larger tables find smaller suns in the
+/// image and take longer to build.
+const TABLE_WIDTH: usize = 2048;
+
+/// Everything at infinity.
+pub(super) struct Sky {
+    // `None` where the world has one colour: a surface's own scattering samples that better.
+    image: Option<Grid2d>,
+    suns: Vec<u32>,
+    // Entry 0 is the world's image, the rest are the suns.
+    choice: Option<AliasTable>,
+}
+
+impl Sky {
+    pub(super) fn new(scene: &Scene, lamps: &[PreparedLamp]) -> Self {
+        let suns: Vec<u32> =
+            (0..lamps.len() as u32).filter(|&i| matches!(lamps[i as usize].kind(), LampKind::Sun { .. })).collect();
+        let image = image_table(scene);
+        let world = match scene.world.texture {
+            Some(t) if image.is_some() => luminance(scene.world.color * scene.textures[t as usize].average()) * PI,
+            _ => 0.0,
+        };
+        let mut weights = vec![if image.is_some() { world.max(1e-6) } else { 0.0 }];
+        weights.extend(suns.iter().map(|&i| lamps[i as usize].power()));
+        Self { image, suns, choice: AliasTable::new(&weights) }
+    }
+
+    /// Whether there is nothing to sample (a world of one colour may still shine).
+    pub(super) fn is_dark(&self) -> bool {
+        self.choice.is_none()
+    }
+
+    pub(super) fn sample(
+        &self,
+        scene: &Scene,
+        lamps: &[PreparedLamp],
+        u_choice: f32,
+        u: [f32; 2],
+    ) -> Option<LightSample> {
+        let (index, probability, _) = self.choice.as_ref()?.sample(u_choice.min(1.0 - f32::EPSILON));
+        let mut sample = match index {
+            0 => self.sample_image(scene, u)?,
+            i => lamps[self.suns[i - 1] as usize].sample(Vec3A::ZERO, u)?,
+        };
+        sample.pdf *= probability;
+        Some(sample)
+    }
+
+    pub(super) fn along(
+        &self,
+        scene: &Scene,
+        lamps: &[PreparedLamp],
+        d: Vec3A,
+        camera: bool,
+        mut found: impl FnMut(Rgb, f32),
+    ) {
+        let chance = |i: usize| self.choice.as_ref().map_or(0.0, |c| c.probability(i));
+        if !camera || scene.world.visible_camera {
+            found(scene.world.radiance(d, &scene.textures), self.image_pdf(scene, d) * chance(0));
+        }
+        for (i, &sun) in self.suns.iter().enumerate() {
+            let lamp = &lamps[sun as usize];
+            if camera && !lamp.visible_camera() {
+                continue;
+            }
+            if let Some((radiance, pdf)) = lamp.hit_sun(d) {
+                found(radiance, pdf * chance(i + 1));
+            }
+        }
+    }
+
+    fn sample_image(&self, scene: &Scene, u: [f32; 2]) -> Option<LightSample> {
+        let (p, pdf) = self.image.as_ref()?.sample(u);
+        let local = equirectangular_to_direction(Vec2::from_array(p));
+        let wi = (scene.world.rotation.transpose() * local).normalize();
+        let sin = local.x.hypot(local.y);
+        if sin <= 0.0 {
+            return None;
+        }
+        Some(LightSample {
+            wi,
+            distance: f32::INFINITY,
+            radiance: scene.world.radiance(wi, &scene.textures),
+            pdf: pdf / (2.0 * PI * PI * sin),
+            point_like: false,
+            cast_shadow: true,
+        })
+    }
+
+    fn image_pdf(&self, scene: &Scene, d: Vec3A) -> f32 {
+        let Some(table) = &self.image else { return 0.0 };
+        let local = scene.world.rotation * d;
+        let sin = local.x.hypot(local.y);
+        if sin <= 0.0 {
+            return 0.0;
+        }
+        let uv = direction_to_equirectangular(local).clamp(Vec2::ZERO, Vec2::ONE);
+        table.pdf(uv.to_array()) / (2.0 * PI * PI * sin)
+    }
+}
+
+/// Brightness times solid angle of the image's pixels, blocks of large images taken together. Each cell takes
+/// its neighbours' brightness into account, since the image is interpolated: no lit direction has density 0.
+fn image_table(scene: &Scene) -> Option<Grid2d> {
+    let texture = &scene.textures[scene.world.texture? as usize];
+    let (w, h) = texture.size();
+    let block = w.div_ceil(TABLE_WIDTH).max(h.div_ceil(TABLE_WIDTH)).max(1);
+    let (columns, rows) = (w.div_ceil(block), h.div_ceil(block));
+    if columns * block != w || rows * block != h {
+        // Sizes that do not divide: one cell a pixel keeps cells and pixels aligned.
+        return table_of(scene, w, h, 1);
+    }
+    table_of(scene, columns, rows, block)
+}
+
+fn table_of(scene: &Scene, columns: usize, rows: usize, block: usize) -> Option<Grid2d> {
+    let texture = &scene.textures[scene.world.texture? as usize];
+    let brightness: Vec<f32> = (0..columns * rows)
+        .map(|i| {
+            let (x0, y0) = ((i % columns) * block, (i / columns) * block);
+            let mut sum = 0.0;
+            for y in y0..y0 + block {
+                for x in x0..x0 + block {
+                    sum += luminance(scene.world.color * texture.texel(x, y).xyz()).max(0.0);
+                }
+            }
+            sum / (block * block) as f32
+        })
+        .collect();
+    let weights: Vec<f32> = (0..columns * rows)
+        .map(|i| {
+            let (x, y) = (i % columns, i / columns);
+            let at = |dx: usize, dy: usize| {
+                let yy = (y + dy).saturating_sub(1).min(rows - 1);
+                brightness[yy * columns + (x + dx + columns - 1) % columns]
+            };
+            let mut around = 0.0f32;
+            for dy in 0..3 {
+                for dx in 0..3 {
+                    around += at(dx, dy);
+                }
+            }
+            let elevation = ((y as f32 + 0.5) / rows as f32 - 0.5) * PI;
+            (0.75 * brightness[i] + 0.25 * around / 9.0) * elevation.cos()
+        })
+        .collect();
+    Grid2d::new(&weights, columns, rows)
+}

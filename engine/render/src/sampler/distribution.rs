@@ -1,0 +1,179 @@
+//! Tables of arbitrary density: by alias (constant time) and by rows of an image.
+
+/// Indices chosen in proportion to given weights, in constant time (Vose 1991).
+#[derive(Clone, Debug)]
+pub struct AliasTable {
+    bins: Vec<Bin>,
+}
+
+#[derive(Clone, Copy, Debug)]
+struct Bin {
+    keep: f32,
+    alias: u32,
+    probability: f32,
+}
+
+impl AliasTable {
+    /// `None` where no weight is positive and finite, since then nothing can be chosen.
+    pub fn new(weights: &[f32]) -> Option<Self> {
+        let usable = |w: f32| if w.is_finite() && w > 0.0 { w as f64 } else { 0.0 };
+        let total: f64 = weights.iter().map(|&w| usable(w)).sum();
+        if total <= 0.0 {
+            return None;
+        }
+        let n = weights.len();
+        let mut scaled: Vec<f64> = weights.iter().map(|&w| usable(w) * n as f64 / total).collect();
+        let mut bins: Vec<Bin> = scaled
+            .iter()
+            .enumerate()
+            .map(|(i, &s)| Bin { keep: 1.0, alias: i as u32, probability: (s / n as f64) as f32 })
+            .collect();
+        let (mut small, mut large): (Vec<usize>, Vec<usize>) = (0..n).partition(|&i| scaled[i] < 1.0);
+        while let (Some(s), Some(&l)) = (small.pop(), large.last()) {
+            bins[s].keep = scaled[s] as f32;
+            bins[s].alias = l as u32;
+            scaled[l] -= 1.0 - scaled[s];
+            if scaled[l] < 1.0 {
+                large.pop();
+                small.push(l);
+            }
+        }
+        Some(Self { bins })
+    }
+
+    /// The chosen index, its probability, and a fresh uniform number made from what `u` had left.
+    #[inline]
+    pub fn sample(&self, u: f32) -> (usize, f32, f32) {
+        let n = self.bins.len();
+        let x = u * n as f32;
+        let i = (x as usize).min(n - 1);
+        let part = (x - i as f32).clamp(0.0, 1.0 - f32::EPSILON);
+        let bin = self.bins[i];
+        if part < bin.keep {
+            (i, bin.probability, (part / bin.keep).min(1.0 - f32::EPSILON))
+        } else {
+            let rest = ((part - bin.keep) / (1.0 - bin.keep)).clamp(0.0, 1.0 - f32::EPSILON);
+            (bin.alias as usize, self.bins[bin.alias as usize].probability, rest)
+        }
+    }
+
+    /// The probability of an index.
+    #[inline]
+    pub fn probability(&self, index: usize) -> f32 {
+        self.bins[index].probability
+    }
+}
+
+/// A density over the unit square, constant in each cell of a grid.
+#[derive(Clone, Debug)]
+pub struct Grid2d {
+    width: usize,
+    height: usize,
+    // Cumulative sums along each row, `width + 1` a row, ending in 1; and of the rows.
+    rows: Vec<f32>,
+    marginal: Vec<f32>,
+}
+
+impl Grid2d {
+    /// From `width * height` weights, rows first; `None` where none is positive.
+    pub fn new(weights: &[f32], width: usize, height: usize) -> Option<Self> {
+        let mut rows = Vec::with_capacity((width + 1) * height);
+        let mut sums = Vec::with_capacity(height);
+        for row in weights.chunks_exact(width) {
+            sums.push(push_cumulative(&mut rows, row));
+        }
+        let mut marginal = Vec::with_capacity(height + 1);
+        let total = push_cumulative(&mut marginal, &sums);
+        (total > 0.0).then_some(Self { width, height, rows, marginal })
+    }
+
+    /// A point of the unit square and its density there.
+    pub fn sample(&self, u: [f32; 2]) -> ([f32; 2], f32) {
+        let (y, dy, py) = invert(&self.marginal, u[1]);
+        let (x, dx, px) = invert(self.row(y), u[0]);
+        let pdf = px * py * (self.width * self.height) as f32;
+        ([(x as f32 + dx) / self.width as f32, (y as f32 + dy) / self.height as f32], pdf)
+    }
+
+    /// The density at a point of the unit square.
+    pub fn pdf(&self, p: [f32; 2]) -> f32 {
+        let x = ((p[0] * self.width as f32) as usize).min(self.width - 1);
+        let y = ((p[1] * self.height as f32) as usize).min(self.height - 1);
+        let row = self.row(y);
+        (row[x + 1] - row[x]) * (self.marginal[y + 1] - self.marginal[y]) * (self.width * self.height) as f32
+    }
+
+    fn row(&self, y: usize) -> &[f32] {
+        &self.rows[y * (self.width + 1)..(y + 1) * (self.width + 1)]
+    }
+}
+
+/// Appends the normalised cumulative sums of `weights`; gives their total.
+fn push_cumulative(out: &mut Vec<f32>, weights: &[f32]) -> f32 {
+    let total: f64 = weights.iter().map(|&w| w.max(0.0) as f64).sum();
+    let mut sum = 0.0;
+    out.push(0.0);
+    for (i, &w) in weights.iter().enumerate() {
+        sum += w.max(0.0) as f64;
+        // A row without weight is never chosen; spread it evenly to stay a distribution.
+        out.push(if total > 0.0 { (sum / total) as f32 } else { (i + 1) as f32 / weights.len() as f32 });
+    }
+    total as f32
+}
+
+/// The interval of a cumulative table that holds `u`: index, place within, probability.
+fn invert(cumulative: &[f32], u: f32) -> (usize, f32, f32) {
+    let last = cumulative.len() - 2;
+    let mut i = cumulative.partition_point(|&c| c <= u).saturating_sub(1).min(last);
+    while i > 0 && cumulative[i + 1] <= cumulative[i] {
+        i -= 1;
+    }
+    let p = cumulative[i + 1] - cumulative[i];
+    let part = if p > 0.0 { ((u - cumulative[i]) / p).clamp(0.0, 1.0 - f32::EPSILON) } else { 0.5 };
+    (i, part, p)
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn alias_choices_follow_the_weights() {
+        let weights = [0.0, 3.0, 1.0, 0.0, 4.0, f32::NAN, 1e-3];
+        let table = AliasTable::new(&weights).unwrap();
+        let n = 200_000;
+        let mut counts = [0usize; 7];
+        let mut rest_sum = 0.0;
+        for k in 0..n {
+            let (i, p, rest) = table.sample((k as f32 + 0.5) / n as f32);
+            assert!(p > 0.0 && (0.0..1.0).contains(&rest));
+            counts[i] += 1;
+            rest_sum += rest as f64;
+        }
+        for (i, &c) in counts.iter().enumerate() {
+            // Stratified input: counts are within one or two of their share per piece of the table.
+            assert!((c as f32 / n as f32 - table.probability(i)).abs() < 1e-4, "{i}: {c}");
+        }
+        assert!((rest_sum / n as f64 - 0.5).abs() < 1e-2);
+        assert_eq!(counts[0] + counts[3] + counts[5], 0);
+        assert!(AliasTable::new(&[0.0, -1.0]).is_none());
+        assert!(AliasTable::new(&[]).is_none());
+    }
+
+    #[test]
+    fn grid_density_is_that_of_its_samples() {
+        let weights = [0.0, 1.0, 2.0, 0.0, 0.0, 0.0, 5.0, 0.5, 0.0];
+        let grid = Grid2d::new(&weights, 3, 3).unwrap();
+        let total: f32 = weights.iter().sum();
+        for (i, w) in weights.iter().enumerate() {
+            let p = [(i % 3) as f32 / 3.0 + 0.1, (i / 3) as f32 / 3.0 + 0.1];
+            assert!((grid.pdf(p) - 9.0 * w / total).abs() < 1e-4);
+        }
+        for k in 0..10_000 {
+            let u = [(k % 100) as f32 / 100.0, (k / 100) as f32 / 100.0];
+            let (p, pdf) = grid.sample(u);
+            assert!(pdf > 0.0 && (pdf - grid.pdf(p)).abs() < 1e-4 * pdf, "{u:?} {p:?}");
+        }
+        assert!(Grid2d::new(&[0.0; 4], 2, 2).is_none());
+    }
+}

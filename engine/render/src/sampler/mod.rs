@@ -1,0 +1,85 @@
+//! Point sets for Monte Carlo integration: where the numbers come from ([`PathSampler`]), what shapes they are
+//! bent into ([`warp`]), and tables of arbitrary density ([`distribution`]).
+//!
+//! Every random choice comes in threes: `sample_x` takes uniform numbers to a value, `x_pdf` gives its density.
+
+pub mod distribution;
+pub mod warp;
+
+/// Owen-scrambled Sobol points, four dimensions at a time, each set of four scrambled by itself (Burley 2020,
+/// "Practical Hash-based Owen Scrambling", padding). The numbers depend on pixel, sample and seed alone, never
+/// on threads or tiles.
+#[derive(Clone, Debug)]
+pub struct PathSampler {
+    index: u32,
+    seed: u32,
+    set: u32,
+}
+
+impl PathSampler {
+    /// The points of sample number `index` in pixel (x, y).
+    pub fn new(x: u32, y: u32, index: u32, seed: u32) -> Self {
+        // The sequence is 2^16 long; a further stretch is a sequence of its own.
+        let stretch = index >> 16;
+        let pixel = mix(x ^ mix(y ^ mix(seed ^ mix(stretch))));
+        Self { index: index & 0xffff, seed: pixel, set: 0 }
+    }
+
+    /// The next four uniform numbers in [0, 1).
+    #[inline]
+    pub fn next_4d(&mut self) -> [f32; 4] {
+        let seed = mix(self.seed.wrapping_add(self.set.wrapping_mul(0x9e37_79b9)));
+        self.set += 1;
+        sobol_burley::sample_4d(self.index, 0, seed)
+    }
+
+    /// Goes to a fixed set of dimensions, so that branches of different length before it do not shift the
+    /// numbers that come after it.
+    #[inline]
+    pub fn jump_to(&mut self, set: u32) {
+        self.set = set;
+    }
+}
+
+/// A bijective integer hash with good avalanche (the "lowbias32" constants, C. Wellons 2018).
+#[inline]
+pub fn mix(mut x: u32) -> u32 {
+    x ^= x >> 16;
+    x = x.wrapping_mul(0x7feb_352d);
+    x ^= x >> 15;
+    x = x.wrapping_mul(0x846c_a68b);
+    x ^ (x >> 16)
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn the_same_path_gets_the_same_numbers() {
+        let mut a = PathSampler::new(3, 5, 7, 11);
+        let mut b = PathSampler::new(3, 5, 7, 11);
+        for _ in 0..10 {
+            assert_eq!(a.next_4d(), b.next_4d());
+        }
+        assert_ne!(a.next_4d(), PathSampler::new(4, 5, 7, 11).next_4d());
+        assert_ne!(PathSampler::new(3, 5, 7, 11).next_4d(), PathSampler::new(3, 5, 7 + 65536, 11).next_4d());
+    }
+
+    /// 256 points of one pixel are stratified: each of 256 equal intervals of each dimension holds one.
+    #[test]
+    fn points_are_stratified_in_every_dimension() {
+        for set in 0..8 {
+            let mut hits = [[0u32; 256]; 4];
+            for i in 0..256 {
+                let mut sampler = PathSampler::new(10, 20, i, 1);
+                sampler.jump_to(set);
+                for (d, u) in sampler.next_4d().into_iter().enumerate() {
+                    assert!((0.0..1.0).contains(&u));
+                    hits[d][(u * 256.0) as usize] += 1;
+                }
+            }
+            assert!(hits.iter().flatten().all(|&n| n == 1), "set {set}");
+        }
+    }
+}

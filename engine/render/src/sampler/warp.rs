@@ -1,0 +1,188 @@
+//! Shapes sampled by two uniform numbers. Directions are about +z unless a frame is given.
+
+use glam::{Vec2, Vec3, Vec3A};
+use std::f32::consts::{FRAC_1_PI, FRAC_PI_2, FRAC_PI_4, PI, TAU};
+
+/// The unit disk, uniformly, by the concentric map (Shirley and Chiu 1997): neighbours stay neighbours.
+#[inline]
+pub fn sample_disk(u: [f32; 2]) -> Vec2 {
+    let x = 2.0 * u[0] - 1.0;
+    let y = 2.0 * u[1] - 1.0;
+    if x == 0.0 && y == 0.0 {
+        return Vec2::ZERO;
+    }
+    let (r, theta) = if x.abs() > y.abs() { (x, FRAC_PI_4 * (y / x)) } else { (y, FRAC_PI_2 - FRAC_PI_4 * (x / y)) };
+    r * Vec2::new(theta.cos(), theta.sin())
+}
+
+/// The upper hemisphere by the cosine of the angle to +z.
+#[inline]
+pub fn sample_cosine_hemisphere(u: [f32; 2]) -> Vec3A {
+    let d = sample_disk(u);
+    Vec3A::new(d.x, d.y, (1.0 - d.length_squared()).max(0.0).sqrt())
+}
+
+/// Density of [`sample_cosine_hemisphere`] per steradian.
+#[inline]
+pub fn cosine_hemisphere_pdf(cos_theta: f32) -> f32 {
+    cos_theta.max(0.0) * FRAC_1_PI
+}
+
+/// A cone about +z of the half angle whose 1 - cosine is given (small angles keep their digits), uniformly.
+#[inline]
+pub fn sample_cone(u: [f32; 2], one_minus_cos_max: f32) -> Vec3A {
+    let one_minus_cos = u[0] * one_minus_cos_max;
+    let sin = (one_minus_cos * (2.0 - one_minus_cos)).max(0.0).sqrt();
+    let (s, c) = (TAU * u[1]).sin_cos();
+    Vec3A::new(sin * c, sin * s, 1.0 - one_minus_cos)
+}
+
+/// Density of [`sample_cone`] per steradian.
+#[inline]
+pub fn cone_pdf(one_minus_cos_max: f32) -> f32 {
+    1.0 / (TAU * one_minus_cos_max)
+}
+
+/// Barycentric coordinates (of the second and third corner) of a triangle, uniformly by area, with low
+/// distortion (Heitz 2019).
+#[inline]
+pub fn sample_triangle(u: [f32; 2]) -> [f32; 2] {
+    if u[0] < u[1] {
+        let a = 0.5 * u[0];
+        [a, u[1] - a]
+    } else {
+        let b = 0.5 * u[1];
+        [u[0] - b, b]
+    }
+}
+
+/// The sphere, uniformly.
+#[inline]
+pub fn sample_sphere(u: [f32; 2]) -> Vec3A {
+    let z = 1.0 - 2.0 * u[0];
+    let r = (1.0 - z * z).max(0.0).sqrt();
+    let (s, c) = (TAU * u[1]).sin_cos();
+    Vec3A::new(r * c, r * s, z)
+}
+
+/// Density of [`sample_sphere`] per steradian.
+pub const SPHERE_PDF: f32 = 0.25 / PI;
+
+/// A right-handed frame about a unit normal: columns tangent, bitangent, normal (Duff et al. 2017).
+#[inline]
+pub fn frame(n: Vec3A) -> [Vec3A; 3] {
+    let sign = 1.0f32.copysign(n.z);
+    let a = -1.0 / (sign + n.z);
+    let b = n.x * n.y * a;
+    [Vec3A::new(1.0 + sign * n.x * n.x * a, sign * b, -sign * n.x), Vec3A::new(b, sign + n.y * n.y * a, -n.y), n]
+}
+
+/// A direction in the axes of `frame` to where the frame stands.
+#[inline]
+pub fn to_world(frame: &[Vec3A; 3], v: Vec3A) -> Vec3A {
+    frame[0] * v.x + frame[1] * v.y + frame[2] * v.z
+}
+
+/// The inverse of [`to_world`].
+#[inline]
+pub fn to_local(frame: &[Vec3A; 3], v: Vec3A) -> Vec3A {
+    Vec3A::new(frame[0].dot(v), frame[1].dot(v), frame[2].dot(v))
+}
+
+/// A pixel filter sampled by its own density, so that every sample weighs the same.
+#[derive(Clone, Debug)]
+pub struct PixelFilter {
+    // Inverse of the cumulative distribution at equal steps: offsets in pixels.
+    inverse: Vec<f32>,
+}
+
+impl PixelFilter {
+    const STEPS: usize = 1024;
+
+    /// The Blackman-Harris window of the given full width in pixels (Cycles' default, 1.5); 0 is a box of one.
+    pub fn new(width_px: f32) -> Self {
+        if width_px <= 0.0 {
+            return Self { inverse: vec![-0.5, 0.5] };
+        }
+        let fine = 8192;
+        let window = |x: f64| {
+            let v = std::f64::consts::TAU * x;
+            0.35875 - 0.48829 * v.cos() + 0.14128 * (2.0 * v).cos() - 0.01168 * (3.0 * v).cos()
+        };
+        let mut cumulative = vec![0.0];
+        for i in 0..fine {
+            cumulative.push(cumulative[i] + window((i as f64 + 0.5) / fine as f64));
+        }
+        let total = cumulative[fine];
+        let inverse = (0..=Self::STEPS)
+            .map(|k| {
+                let target = total * k as f64 / Self::STEPS as f64;
+                let i = cumulative.partition_point(|&c| c < target).clamp(1, fine);
+                let part = (target - cumulative[i - 1]) / (cumulative[i] - cumulative[i - 1]);
+                (((i - 1) as f64 + part.clamp(0.0, 1.0)) / fine as f64 - 0.5) as f32 * width_px
+            })
+            .collect();
+        Self { inverse }
+    }
+
+    /// Offset from the pixel's centre in pixels.
+    #[inline]
+    pub fn sample(&self, u: f32) -> f32 {
+        let x = u * (self.inverse.len() - 1) as f32;
+        let i = (x as usize).min(self.inverse.len() - 2);
+        let part = x - i as f32;
+        self.inverse[i] * (1.0 - part) + self.inverse[i + 1] * part
+    }
+}
+
+/// [`Vec3`] to the aligned form used in shading.
+#[inline]
+pub fn aligned(v: Vec3) -> Vec3A {
+    Vec3A::from(v)
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    fn grid() -> impl Iterator<Item = [f32; 2]> {
+        (0..128 * 128).map(|i| [(i % 128) as f32 / 128.0 + 1.0 / 256.0, (i / 128) as f32 / 128.0 + 1.0 / 256.0])
+    }
+
+    /// Means over a fine grid against closed forms; a 128 x 128 midpoint grid integrates these to 1e-3.
+    #[test]
+    fn first_moments_are_right() {
+        let n = (128 * 128) as f32;
+        let r2 = grid().map(|u| sample_disk(u).length_squared()).sum::<f32>() / n;
+        assert!((r2 - 0.5).abs() < 1e-3, "disk {r2}");
+        let z = grid().map(|u| sample_cosine_hemisphere(u).z).sum::<f32>() / n;
+        assert!((z - 2.0 / 3.0).abs() < 1e-3, "cosine {z}");
+        let b = grid().map(|u| sample_triangle(u)[0]).sum::<f32>() / n;
+        assert!((b - 1.0 / 3.0).abs() < 1e-3, "triangle {b}");
+        let z2 = grid().map(|u| sample_sphere(u).z.powi(2)).sum::<f32>() / n;
+        assert!((z2 - 1.0 / 3.0).abs() < 1e-3, "sphere {z2}");
+        let zc = grid().map(|u| sample_cone(u, 0.2).z).sum::<f32>() / n;
+        assert!((zc - 0.9).abs() < 1e-3, "cone {zc}");
+    }
+
+    #[test]
+    fn frames_are_orthonormal() {
+        for u in grid().step_by(37) {
+            let n = sample_sphere(u);
+            let [t, b, n] = frame(n);
+            assert!(t.dot(b).abs() < 1e-5 && t.dot(n).abs() < 1e-5 && b.dot(n).abs() < 1e-5);
+            assert!((t.cross(b) - n).length() < 1e-5);
+        }
+    }
+
+    #[test]
+    fn the_filter_is_centred_and_bounded() {
+        let filter = PixelFilter::new(1.5);
+        let mean: f32 = (0..1000).map(|i| filter.sample((i as f32 + 0.5) / 1000.0)).sum::<f32>() / 1000.0;
+        assert!(mean.abs() < 1e-4);
+        assert!(filter.sample(0.0) >= -0.75 && filter.sample(0.999_999) <= 0.75);
+        // A window narrower than its support: half of the weight within about a fifth of the width.
+        assert!(filter.sample(0.75) < 0.2);
+        assert!((PixelFilter::new(0.0).sample(0.25) + 0.25).abs() < 1e-6);
+    }
+}

@@ -1,0 +1,70 @@
+//! Blender's lamps as described: point, spot, sun and area.
+
+use crate::Rgb;
+use glam::{Affine3A, Vec3A};
+
+/// The shapes of light that a lamp can be.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub enum LampKind {
+    /// A sphere.
+    Point {
+        /// Blender units.
+        radius: f32,
+    },
+    /// A sphere that shines into a cone about the lamp's -z.
+    Spot {
+        /// Blender units.
+        radius: f32,
+        /// Half of the cone.
+        half_angle_rad: f32,
+        /// 0 hard to 1 soft.
+        blend: f32,
+    },
+    /// A disk infinitely far along the lamp's +z.
+    Sun {
+        /// Half of its angular diameter.
+        half_angle_rad: f32,
+    },
+    /// A flat shape in the lamp's xy plane that shines along -z.
+    Area {
+        /// Full sides in lamp space.
+        size: [f32; 2],
+        /// An ellipse with these diameters rather than a rectangle.
+        ellipse: bool,
+        /// Half of the angle that it shines into; pi/2 is a plain Lambert emitter.
+        half_spread_rad: f32,
+    },
+}
+
+/// A lamp. In a finished scene its frame is in render space.
+#[derive(Clone, Debug)]
+pub struct Lamp {
+    /// The Blender object.
+    pub object_name: String,
+    /// Shape.
+    pub kind: LampKind,
+    /// Watts by channel; for a sun, watts per square metre.
+    pub color: Rgb,
+    /// Seen by the camera directly.
+    pub visible_camera: bool,
+    /// Is shadowed by objects.
+    pub cast_shadow: bool,
+    /// Lamp axes to render space.
+    pub to_render: Affine3A,
+}
+
+impl Lamp {
+    /// The lamp with its frame set. Blender's lamps other than area lights ignore the object's scale.
+    pub(super) fn placed(mut self, to_render: Affine3A) -> Self {
+        let m = to_render.matrix3;
+        let unit = |v: Vec3A, otherwise: Vec3A| v.try_normalize().unwrap_or(otherwise);
+        let axes = [unit(m.x_axis, Vec3A::X), unit(m.y_axis, Vec3A::Y), unit(m.z_axis, Vec3A::Z)];
+        if let LampKind::Area { size, .. } = &mut self.kind {
+            size[0] *= m.x_axis.length();
+            size[1] *= m.y_axis.length();
+        }
+        self.to_render =
+            Affine3A { matrix3: glam::Mat3A::from_cols(axes[0], axes[1], axes[2]), translation: to_render.translation };
+        self
+    }
+}

@@ -1,0 +1,147 @@
+//! Materials as described: Blender's Principled BSDF with constant or image-driven inputs.
+
+use super::texture::{Extension, Interpolation};
+use crate::Rgb;
+
+/// Which value of an image an input takes.
+#[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
+pub enum Channel {
+    /// The colour; its luminance where a number is wanted.
+    #[default]
+    Color,
+    /// Alpha.
+    Alpha,
+    /// One of the three.
+    Red,
+    /// One of the three.
+    Green,
+    /// One of the three.
+    Blue,
+}
+
+/// An image that drives an input.
+#[derive(Clone, Debug, PartialEq)]
+pub struct ImageInput {
+    /// Index into the scene's textures.
+    pub texture: u32,
+    /// `None` is the mesh's first map.
+    pub uv_map: Option<String>,
+    /// Rows of the affine map from UV to texture coordinates.
+    pub mapping: [[f32; 3]; 2],
+    /// Between pixels.
+    pub interpolation: Interpolation,
+    /// Outside of the picture.
+    pub extension: Extension,
+    /// Which value.
+    pub channel: Channel,
+}
+
+/// A value that may vary over the surface.
+#[derive(Clone, Debug, PartialEq)]
+pub enum Input<T> {
+    /// The same everywhere.
+    Constant(T),
+    /// From an image.
+    Image(ImageInput),
+}
+
+impl<T> Input<T> {
+    fn texture(&self) -> Option<u32> {
+        match self {
+            Self::Constant(_) => None,
+            Self::Image(image) => Some(image.texture),
+        }
+    }
+}
+
+/// Blender's Principled BSDF (4.x and 5.x), as far as this engine goes.
+#[derive(Clone, Debug, PartialEq)]
+pub struct Material {
+    /// For messages.
+    pub name: String,
+    /// Albedo of the diffuse base and of metal; its square root tints transmission.
+    pub base_color: Input<Rgb>,
+    /// 0 dielectric to 1 metal.
+    pub metallic: Input<f32>,
+    /// Perceptual; the microfacet width alpha is its square.
+    pub roughness: Input<f32>,
+    /// Index of refraction.
+    pub ior: f32,
+    /// 0.5 leaves the reflection that the index gives.
+    pub specular_ior_level: f32,
+    /// Tint of reflections at normal incidence (dielectric), at grazing angles (metal).
+    pub specular_tint: Rgb,
+    /// 0 opaque to 1 glass.
+    pub transmission: Input<f32>,
+    /// 0 lets everything through unbent.
+    pub alpha: Input<f32>,
+    /// Emitted colour.
+    pub emission_color: Input<Rgb>,
+    /// Emitted radiance is colour times this.
+    pub emission_strength: f32,
+    /// Whether the diffuse base has its dielectric coat; false is a plain Lambert surface.
+    pub specular: bool,
+}
+
+impl Material {
+    /// What Blender gives an object without material.
+    pub fn default_grey() -> Self {
+        Self {
+            name: "(default)".into(),
+            base_color: Input::Constant(Rgb::splat(0.8)),
+            metallic: Input::Constant(0.0),
+            roughness: Input::Constant(0.5),
+            ior: 1.5,
+            specular_ior_level: 0.5,
+            specular_tint: Rgb::ONE,
+            transmission: Input::Constant(0.0),
+            alpha: Input::Constant(1.0),
+            emission_color: Input::Constant(Rgb::ONE),
+            emission_strength: 0.0,
+            specular: true,
+        }
+    }
+
+    /// The images that it uses.
+    pub fn textures(&self) -> impl Iterator<Item = u32> + '_ {
+        let colours = [&self.base_color, &self.emission_color].map(Input::texture);
+        let numbers = [&self.metallic, &self.roughness, &self.transmission, &self.alpha].map(Input::texture);
+        colours.into_iter().chain(numbers).flatten()
+    }
+
+    /// Whether any of its surface may emit.
+    pub fn emits(&self) -> bool {
+        self.emission_strength != 0.0 && self.emission_color != Input::Constant(Rgb::ZERO)
+    }
+
+    /// Whether any of its surface may let light through unbent.
+    pub fn may_be_transparent(&self) -> bool {
+        self.alpha != Input::Constant(1.0)
+    }
+
+    /// Brings constants into the range that the shading is defined for.
+    pub(super) fn sanitise(&mut self) {
+        let clean = |v: &mut f32, lo: f32, hi: f32, otherwise: f32| {
+            *v = if v.is_nan() { otherwise } else { v.clamp(lo, hi) };
+        };
+        for (input, otherwise) in [
+            (&mut self.metallic, 0.0),
+            (&mut self.roughness, 0.5),
+            (&mut self.transmission, 0.0),
+            (&mut self.alpha, 1.0),
+        ] {
+            if let Input::Constant(v) = input {
+                clean(v, 0.0, 1.0, otherwise);
+            }
+        }
+        clean(&mut self.ior, 1e-3, 1e3, 1.5);
+        clean(&mut self.specular_ior_level, 0.0, 1e3, 0.5);
+        clean(&mut self.emission_strength, 0.0, 1e30, 0.0);
+        for input in [&mut self.base_color, &mut self.emission_color] {
+            if let Input::Constant(c) = input {
+                *c = if c.is_finite() { c.max(Rgb::ZERO) } else { Rgb::ZERO };
+            }
+        }
+        self.specular_tint = if self.specular_tint.is_finite() { self.specular_tint.max(Rgb::ZERO) } else { Rgb::ONE };
+    }
+}

@@ -1,0 +1,202 @@
+//! Triangle meshes, checked once so that nothing later needs to.
+
+use super::SceneError;
+use glam::{Vec2, Vec3};
+
+/// A mesh as it arrives; arrays by triangle have one entry a triangle.
+#[derive(Clone, Debug, Default)]
+pub struct MeshDescription {
+    /// For messages.
+    pub name: String,
+    /// Object space.
+    pub positions: Vec<Vec3>,
+    /// Three indices into `positions`, anticlockwise seen from the front.
+    pub triangles: Vec<[u32; 3]>,
+    /// Normals at the corners, object space; `None` is flat.
+    pub corner_normals: Option<Vec<[Vec3; 3]>>,
+    /// UV maps by name, in Blender's order.
+    pub uv_maps: Vec<(String, Vec<[Vec2; 3]>)>,
+    /// Material slot by triangle; `None` is slot 0.
+    pub material_slots: Option<Vec<u32>>,
+}
+
+/// A checked mesh: every index valid, every position finite, every triangle with area.
+#[derive(Clone, Debug)]
+pub struct Mesh {
+    /// For messages.
+    pub name: String,
+    /// Object space.
+    pub positions: Vec<Vec3>,
+    /// Three indices into `positions`, anticlockwise seen from the front.
+    pub triangles: Vec<[u32; 3]>,
+    /// Unit normals at the corners, object space.
+    pub corner_normals: Option<Vec<[Vec3; 3]>>,
+    /// UV maps by name.
+    pub uv_maps: Vec<(String, Vec<[Vec2; 3]>)>,
+    /// Material slot by triangle.
+    pub material_slots: Option<Vec<u32>>,
+}
+
+impl Mesh {
+    /// Checks a description. The second value is a warning about triangles left out.
+    ///
+    /// # Errors
+    /// [`SceneError::BadMesh`].
+    pub fn new(d: MeshDescription) -> Result<(Self, Option<String>), SceneError> {
+        let bad = |what: String| SceneError::BadMesh { mesh: d.name.clone(), what };
+        let n = d.triangles.len();
+        let fits = |len: usize, what: &str| {
+            if len == n { Ok(()) } else { Err(bad(format!("{what} for {len} triangles, but there are {n}"))) }
+        };
+        if let Some(normals) = &d.corner_normals {
+            fits(normals.len(), "corner normals")?;
+        }
+        for (name, uvs) in &d.uv_maps {
+            fits(uvs.len(), &format!("UV map '{name}'"))?;
+        }
+        if let Some(slots) = &d.material_slots {
+            fits(slots.len(), "material slots")?;
+        }
+        if u32::try_from(n).is_err() {
+            return Err(bad(format!("{n} triangles are more than 2^32")));
+        }
+        if let Some(t) = d.triangles.iter().find(|t| t.iter().any(|&i| i as usize >= d.positions.len())) {
+            return Err(bad(format!("triangle {t:?} points past its {} vertices", d.positions.len())));
+        }
+        let whole = |t: &[u32; 3]| {
+            let [a, b, c] = t.map(|i| d.positions[i as usize]);
+            a.is_finite() && b.is_finite() && c.is_finite() && has_area(a, b, c)
+        };
+        let keep: Vec<bool> = d.triangles.iter().map(whole).collect();
+        let dropped = keep.iter().filter(|&&k| !k).count();
+        let warning = (dropped > 0).then(|| {
+            format!(
+                "mesh '{}': {dropped} of {n} triangles have no area or a vertex that is not finite; left out",
+                d.name
+            )
+        });
+        let mut mesh = Self {
+            name: d.name,
+            positions: d.positions,
+            triangles: d.triangles,
+            corner_normals: d.corner_normals,
+            uv_maps: d.uv_maps,
+            material_slots: d.material_slots,
+        };
+        if dropped > 0 {
+            mesh.keep_only(&keep);
+        }
+        mesh.normalise_normals();
+        Ok((mesh, warning))
+    }
+
+    /// Positions of a triangle's corners, object space.
+    #[inline]
+    pub fn corners(&self, triangle: u32) -> [Vec3; 3] {
+        self.triangles[triangle as usize].map(|i| self.positions[i as usize])
+    }
+
+    /// The material slot of a triangle.
+    #[inline]
+    pub fn slot(&self, triangle: u32) -> u32 {
+        self.material_slots.as_ref().map_or(0, |s| s[triangle as usize])
+    }
+
+    /// The UV map of that name, or the first where no name is given.
+    pub fn uv_map(&self, name: Option<&str>) -> Option<usize> {
+        match name {
+            None => (!self.uv_maps.is_empty()).then_some(0),
+            Some(name) => self.uv_maps.iter().position(|(n, _)| n == name),
+        }
+    }
+
+    fn keep_only(&mut self, keep: &[bool]) {
+        fn filter<T: Copy>(list: &mut Vec<T>, keep: &[bool]) {
+            let mut flags = keep.iter();
+            list.retain(|_| *flags.next().expect("lengths were checked"));
+        }
+        filter(&mut self.triangles, keep);
+        if let Some(normals) = &mut self.corner_normals {
+            filter(normals, keep);
+        }
+        for (_, uvs) in &mut self.uv_maps {
+            filter(uvs, keep);
+        }
+        if let Some(slots) = &mut self.material_slots {
+            filter(slots, keep);
+        }
+    }
+
+    /// Corner normals that are not finite or have no length become the face's own; the rest get length one.
+    fn normalise_normals(&mut self) {
+        let Some(normals) = &mut self.corner_normals else { return };
+        for (corner, t) in normals.iter_mut().zip(&self.triangles) {
+            let [a, b, c] = t.map(|i| self.positions[i as usize]);
+            for n in corner {
+                *n = n.try_normalize().unwrap_or_else(|| (b - a).cross(c - a).normalize_or(Vec3::Z));
+            }
+        }
+        // A UV that is not finite would poison a texture lookup.
+        for (_, uvs) in &mut self.uv_maps {
+            for uv in uvs.iter_mut().flatten().filter(|uv| !uv.is_finite()) {
+                *uv = Vec2::ZERO;
+            }
+        }
+    }
+}
+
+/// Whether a triangle has area in double precision, with single-precision corners.
+fn has_area(a: Vec3, b: Vec3, c: Vec3) -> bool {
+    let (a, b, c) = (a.as_dvec3(), b.as_dvec3(), c.as_dvec3());
+    (b - a).cross(c - a).length_squared() > 0.0
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    fn quad() -> MeshDescription {
+        MeshDescription {
+            name: "quad".into(),
+            positions: vec![Vec3::ZERO, Vec3::X, Vec3::ONE, Vec3::Y],
+            triangles: vec![[0, 1, 2], [0, 2, 3]],
+            ..Default::default()
+        }
+    }
+
+    #[test]
+    fn bad_triangles_are_left_out_and_counted() {
+        let mut d = quad();
+        d.positions.push(Vec3::new(f32::NAN, 0.0, 0.0));
+        d.triangles.extend([[0, 1, 4], [0, 0, 1], [0, 1, 1]]);
+        d.material_slots = Some(vec![0, 1, 2, 3, 4]);
+        let (mesh, warning) = Mesh::new(d).unwrap();
+        assert_eq!(mesh.triangles.len(), 2);
+        assert_eq!(mesh.material_slots, Some(vec![0, 1]));
+        assert!(warning.unwrap().contains("3 of 5"));
+        assert!(Mesh::new(quad()).unwrap().1.is_none());
+    }
+
+    #[test]
+    fn arrays_that_do_not_fit_are_named() {
+        let mut d = quad();
+        d.uv_maps = vec![("UVMap".into(), vec![[Vec2::ZERO; 3]])];
+        assert!(Mesh::new(d).unwrap_err().to_string().contains("UV map 'UVMap'"));
+        let mut d = quad();
+        d.triangles[0][2] = 9;
+        assert!(Mesh::new(d).unwrap_err().to_string().contains("points past its 4 vertices"));
+        let mut d = quad();
+        d.material_slots = Some(vec![]);
+        assert!(Mesh::new(d).is_err());
+    }
+
+    #[test]
+    fn normals_are_made_usable() {
+        let mut d = quad();
+        d.corner_normals = Some(vec![[Vec3::new(0.0, 0.0, 3.0), Vec3::ZERO, Vec3::NAN]; 2]);
+        let (mesh, _) = Mesh::new(d).unwrap();
+        for n in mesh.corner_normals.unwrap().iter().flatten() {
+            assert!((n.length() - 1.0).abs() < 1e-6);
+        }
+    }
+}

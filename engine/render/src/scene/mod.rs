@@ -1,0 +1,292 @@
+//! What there is to photograph: a plain description comes in piece by piece ([`SceneBuilder`]), is checked, and
+//! becomes an immutable [`Scene`] in render space. Nothing here knows how light moves or what a camera is.
+
+pub mod lamp;
+pub mod material;
+pub mod mesh;
+pub mod texture;
+pub mod world;
+
+use crate::Rgb;
+use glam::{Affine3A, DMat4, DVec3, Mat3A};
+use lamp::Lamp;
+use material::Material;
+use mesh::{Mesh, MeshDescription};
+use texture::Texture;
+use world::World;
+
+/// What was wrong with a piece of the description.
+#[derive(Debug, thiserror::Error)]
+pub enum SceneError {
+    /// Arrays of a mesh disagree in length or point outside of one another.
+    #[error("mesh '{mesh}': {what}; export the mesh again or remove it")]
+    BadMesh {
+        /// The mesh's name.
+        mesh: String,
+        /// Which array, and how it is wrong.
+        what: String,
+    },
+    /// An index to an earlier piece that was never added.
+    #[error("object '{object}': {kind} number {index} does not exist; there are {count}")]
+    NoSuchPiece {
+        /// The object that asked.
+        object: String,
+        /// Mesh, material or image.
+        kind: &'static str,
+        /// What it asked for.
+        index: usize,
+        /// How many were added.
+        count: usize,
+    },
+    /// A matrix with NaN, infinities, or no inverse.
+    #[error("object '{object}': its matrix is not finite or flattens the object; reset its scale")]
+    BadMatrix {
+        /// The object's name.
+        object: String,
+    },
+    /// An image whose pixel array has another size than its width and height say.
+    #[error("image '{image}': {pixels} values for {width} x {height} RGBA pixels; reload the image")]
+    BadImage {
+        /// The image's name.
+        image: String,
+        /// Values given.
+        pixels: usize,
+        /// Columns.
+        width: usize,
+        /// Rows.
+        height: usize,
+    },
+}
+
+/// A mesh placed in the scene.
+#[derive(Clone, Debug)]
+pub struct Instance {
+    /// The Blender object it comes from.
+    pub object_name: String,
+    /// Index into [`Scene::meshes`].
+    pub mesh: u32,
+    /// Object space to render space.
+    pub to_render: Affine3A,
+    /// Render space to object space.
+    pub to_object: Affine3A,
+    /// Object-space normals to render space (inverse transpose), unnormalised.
+    pub normal_to_render: Mat3A,
+    /// The matrix mirrors: front and back are exchanged.
+    pub mirrored: bool,
+    /// Material of each slot; never empty.
+    pub materials: Vec<u32>,
+    /// Seen by the camera directly.
+    pub visible_camera: bool,
+    /// Casts shadows.
+    pub visible_shadow: bool,
+}
+
+impl Instance {
+    /// The material of a mesh's slot; slots past the end take the last, as Blender does.
+    #[inline]
+    pub fn material(&self, slot: u32) -> u32 {
+        self.materials[(slot as usize).min(self.materials.len() - 1)]
+    }
+}
+
+/// Everything there is to photograph, in render space; immutable.
+#[derive(Debug)]
+pub struct Scene {
+    /// Meshes in object space.
+    pub meshes: Vec<Mesh>,
+    /// Where they stand.
+    pub instances: Vec<Instance>,
+    /// Materials; the first is the default grey.
+    pub materials: Vec<Material>,
+    /// Images.
+    pub textures: Vec<Texture>,
+    /// Point, spot, sun and area lights.
+    pub lamps: Vec<Lamp>,
+    /// Light from everywhere else.
+    pub world: World,
+    /// World-space position of render space's origin.
+    pub origin: DVec3,
+}
+
+impl Scene {
+    /// Triangles, each instance counted.
+    pub fn triangle_count(&self) -> usize {
+        self.instances.iter().map(|i| self.meshes[i.mesh as usize].triangles.len()).sum()
+    }
+}
+
+struct RawInstance {
+    object_name: String,
+    mesh: usize,
+    matrix: DMat4,
+    materials: Vec<u32>,
+    visible_camera: bool,
+    visible_shadow: bool,
+}
+
+/// Collects a scene's pieces in any order in which each piece comes after those that it names.
+#[derive(Default)]
+pub struct SceneBuilder {
+    meshes: Vec<Mesh>,
+    instances: Vec<RawInstance>,
+    materials: Vec<Material>,
+    textures: Vec<Texture>,
+    lamps: Vec<(Lamp, DMat4)>,
+    world: World,
+    warnings: Vec<String>,
+}
+
+impl SceneBuilder {
+    /// An empty scene: nothing in a black world.
+    pub fn new() -> Self {
+        Self::default()
+    }
+
+    /// What was left out or repaired so far, a line each.
+    pub fn warnings(&self) -> &[String] {
+        &self.warnings
+    }
+
+    /// Adds an image; gives its index.
+    pub fn add_texture(&mut self, texture: Texture) -> usize {
+        self.textures.push(texture);
+        self.textures.len() - 1
+    }
+
+    /// Adds a material; gives its index. Values out of range are brought into range.
+    ///
+    /// # Errors
+    /// [`SceneError::NoSuchPiece`] where it names an image that was not added.
+    pub fn add_material(&mut self, mut material: Material) -> Result<usize, SceneError> {
+        let missing = material.textures().find(|&t| t as usize >= self.textures.len());
+        if let Some(index) = missing {
+            return Err(SceneError::NoSuchPiece {
+                object: material.name,
+                kind: "image",
+                index: index as usize,
+                count: self.textures.len(),
+            });
+        }
+        material.sanitise();
+        self.materials.push(material);
+        Ok(self.materials.len() - 1)
+    }
+
+    /// Adds a mesh; gives its index. Triangles with a corner that is not finite, or without area, are left out
+    /// with a warning.
+    ///
+    /// # Errors
+    /// [`SceneError::BadMesh`] where its arrays do not fit together.
+    pub fn add_mesh(&mut self, description: MeshDescription) -> Result<usize, SceneError> {
+        let (mesh, warning) = Mesh::new(description)?;
+        self.warnings.extend(warning);
+        self.meshes.push(mesh);
+        Ok(self.meshes.len() - 1)
+    }
+
+    /// Places a mesh. `matrix` takes object space to world space.
+    ///
+    /// # Errors
+    /// [`SceneError::NoSuchPiece`], [`SceneError::BadMatrix`]. A matrix that flattens the object entirely (a
+    /// scale of zero, which Blender allows) leaves the instance out with a warning.
+    pub fn add_instance(
+        &mut self,
+        object_name: &str,
+        mesh: usize,
+        matrix: DMat4,
+        materials: &[usize],
+        visible_camera: bool,
+        visible_shadow: bool,
+    ) -> Result<(), SceneError> {
+        let missing = |kind, index, count| SceneError::NoSuchPiece { object: object_name.into(), kind, index, count };
+        if mesh >= self.meshes.len() {
+            return Err(missing("mesh", mesh, self.meshes.len()));
+        }
+        if let Some(&index) = materials.iter().find(|&&m| m >= self.materials.len()) {
+            return Err(missing("material", index, self.materials.len()));
+        }
+        if !matrix.is_finite() {
+            return Err(SceneError::BadMatrix { object: object_name.into() });
+        }
+        let flat = !matrix.inverse().is_finite() || matrix.determinant().abs() < 1e-30;
+        if flat {
+            self.warnings.push(format!("object '{object_name}': its scale is zero; left out"));
+            return Ok(());
+        }
+        self.instances.push(RawInstance {
+            object_name: object_name.into(),
+            mesh,
+            matrix,
+            materials: materials.iter().map(|&m| m as u32 + 1).collect(),
+            visible_camera,
+            visible_shadow,
+        });
+        Ok(())
+    }
+
+    /// Adds a lamp. `matrix` takes its axes to world space; it shines along its -z.
+    ///
+    /// # Errors
+    /// [`SceneError::BadMatrix`].
+    pub fn add_lamp(&mut self, lamp: Lamp, matrix: DMat4) -> Result<(), SceneError> {
+        if !matrix.is_finite() {
+            return Err(SceneError::BadMatrix { object: lamp.object_name });
+        }
+        if !lamp.color.is_finite() || lamp.color == Rgb::ZERO {
+            return Ok(());
+        }
+        self.lamps.push((lamp, matrix));
+        Ok(())
+    }
+
+    /// Sets the world.
+    ///
+    /// # Errors
+    /// [`SceneError::NoSuchPiece`] where it names an image that was not added.
+    pub fn set_world(&mut self, world: World) -> Result<(), SceneError> {
+        if let Some(index) = world.texture.filter(|&t| t as usize >= self.textures.len()) {
+            return Err(SceneError::NoSuchPiece {
+                object: "world".into(),
+                kind: "image",
+                index: index as usize,
+                count: self.textures.len(),
+            });
+        }
+        self.world = world;
+        Ok(())
+    }
+
+    /// The finished scene, with render space's origin at `origin` (world space; the camera's place).
+    pub fn build(self, origin: DVec3) -> Scene {
+        let place = |m: DMat4| -> Affine3A {
+            let moved = DMat4::from_translation(-origin) * m;
+            Affine3A::from_mat4(moved.as_mat4())
+        };
+        let mut materials = vec![Material::default_grey()];
+        materials.extend(self.materials);
+        let instances = self
+            .instances
+            .into_iter()
+            .map(|raw| {
+                let moved = DMat4::from_translation(-origin) * raw.matrix;
+                let inverse = moved.inverse();
+                let linear = glam::DMat3::from_mat4(raw.matrix);
+                // Scaled by the determinant's size, so that single precision neither overflows nor vanishes.
+                let normal = linear.inverse().transpose() * linear.determinant().abs().cbrt();
+                Instance {
+                    object_name: raw.object_name,
+                    mesh: raw.mesh as u32,
+                    to_render: Affine3A::from_mat4(moved.as_mat4()),
+                    to_object: Affine3A::from_mat4(inverse.as_mat4()),
+                    normal_to_render: Mat3A::from(normal.as_mat3()),
+                    mirrored: linear.determinant() < 0.0,
+                    materials: if raw.materials.is_empty() { vec![0] } else { raw.materials },
+                    visible_camera: raw.visible_camera,
+                    visible_shadow: raw.visible_shadow,
+                }
+            })
+            .collect();
+        let lamps = self.lamps.into_iter().map(|(lamp, matrix)| lamp.placed(place(matrix))).collect();
+        Scene { meshes: self.meshes, instances, materials, textures: self.textures, lamps, world: self.world, origin }
+    }
+}

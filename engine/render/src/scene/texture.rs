@@ -1,0 +1,219 @@
+//! Images and how they are looked up: interpolation, and what lies outside of the picture.
+
+use super::SceneError;
+use crate::Rgb;
+use glam::{Vec2, Vec4, Vec4Swizzles};
+
+/// What an image repeats like outside of the unit square (Blender's Image Texture node).
+#[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
+pub enum Extension {
+    /// Tiles.
+    #[default]
+    Repeat,
+    /// Continues its edge pixels.
+    Extend,
+    /// Is transparent black.
+    Clip,
+    /// Tiles, every other one mirrored.
+    Mirror,
+}
+
+/// How the value between pixels is found.
+#[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
+pub enum Interpolation {
+    /// Bilinear.
+    #[default]
+    Linear,
+    /// The nearest pixel.
+    Closest,
+}
+
+#[derive(Clone, Debug)]
+enum Pixels {
+    // Eight bits a channel stay eight bits; sRGB is decoded on lookup through a table.
+    Bytes { rgba: Vec<[u8; 4]>, srgb: bool },
+    Floats(Vec<Vec4>),
+}
+
+/// An image, first row at the bottom as Blender stores it. Lookups give scene-linear values.
+#[derive(Clone, Debug)]
+pub struct Texture {
+    name: String,
+    width: usize,
+    height: usize,
+    pixels: Pixels,
+}
+
+impl Texture {
+    /// From eight-bit RGBA.
+    ///
+    /// # Errors
+    /// [`SceneError::BadImage`] where the number of values is not `width * height * 4`.
+    pub fn from_bytes(name: &str, width: usize, height: usize, rgba: &[u8], srgb: bool) -> Result<Self, SceneError> {
+        check(name, width, height, rgba.len())?;
+        let rgba = rgba.chunks_exact(4).map(|p| [p[0], p[1], p[2], p[3]]).collect();
+        Ok(Self { name: name.into(), width, height, pixels: Pixels::Bytes { rgba, srgb } })
+    }
+
+    /// From floating-point RGBA; values that are not finite become 0.
+    ///
+    /// # Errors
+    /// As [`Texture::from_bytes`].
+    pub fn from_floats(name: &str, width: usize, height: usize, rgba: &[f32], srgb: bool) -> Result<Self, SceneError> {
+        check(name, width, height, rgba.len())?;
+        let finite = |x: f32| if x.is_finite() { x } else { 0.0 };
+        let decode = |x: f32| if srgb { srgb_to_linear(finite(x)) } else { finite(x) };
+        let texels =
+            rgba.chunks_exact(4).map(|p| Vec4::new(decode(p[0]), decode(p[1]), decode(p[2]), finite(p[3]))).collect();
+        Ok(Self { name: name.into(), width, height, pixels: Pixels::Floats(texels) })
+    }
+
+    /// The image's name.
+    pub fn name(&self) -> &str {
+        &self.name
+    }
+
+    /// Columns and rows.
+    pub fn size(&self) -> (usize, usize) {
+        (self.width, self.height)
+    }
+
+    /// One pixel, linear RGBA.
+    #[inline]
+    pub fn texel(&self, x: usize, y: usize) -> Vec4 {
+        let i = y * self.width + x;
+        match &self.pixels {
+            Pixels::Floats(p) => p[i],
+            Pixels::Bytes { rgba, srgb } => {
+                let p = rgba[i];
+                let byte = |b: u8| b as f32 / 255.0;
+                if *srgb {
+                    let t = &SRGB_TABLE;
+                    Vec4::new(t[p[0] as usize], t[p[1] as usize], t[p[2] as usize], byte(p[3]))
+                } else {
+                    Vec4::new(byte(p[0]), byte(p[1]), byte(p[2]), byte(p[3]))
+                }
+            }
+        }
+    }
+
+    /// The value at `uv`, linear RGBA.
+    pub fn lookup(&self, uv: Vec2, interpolation: Interpolation, extension: Extension) -> Vec4 {
+        let x = uv.x * self.width as f32;
+        let y = uv.y * self.height as f32;
+        if !(x.is_finite() && y.is_finite()) {
+            return Vec4::ZERO;
+        }
+        match interpolation {
+            Interpolation::Closest => self.outside(x.floor() as i64, y.floor() as i64, extension),
+            Interpolation::Linear => {
+                let (fx, fy) = ((x - 0.5).floor(), (y - 0.5).floor());
+                let (ix, iy) = (fx as i64, fy as i64);
+                let (tx, ty) = (x - 0.5 - fx, y - 0.5 - fy);
+                let row = |iy: i64| {
+                    let a = self.outside(ix, iy, extension);
+                    let b = self.outside(ix.saturating_add(1), iy, extension);
+                    a + (b - a) * tx
+                };
+                let (a, b) = (row(iy), row(iy.saturating_add(1)));
+                a + (b - a) * ty
+            }
+        }
+    }
+
+    /// The average colour, for choosing lights.
+    pub fn average(&self) -> Rgb {
+        // Every 16th row and column of a large image is enough to choose by.
+        let step = (self.width.min(self.height) / 64).max(1);
+        let mut sum = Rgb::ZERO;
+        let mut count = 0.0;
+        for y in (0..self.height).step_by(step) {
+            for x in (0..self.width).step_by(step) {
+                sum += self.texel(x, y).xyz();
+                count += 1.0;
+            }
+        }
+        sum / count
+    }
+
+    #[inline]
+    fn outside(&self, x: i64, y: i64, extension: Extension) -> Vec4 {
+        let (w, h) = (self.width as i64, self.height as i64);
+        let (x, y) = match extension {
+            Extension::Repeat => (x.rem_euclid(w), y.rem_euclid(h)),
+            Extension::Extend => (x.clamp(0, w - 1), y.clamp(0, h - 1)),
+            Extension::Clip => {
+                if x < 0 || y < 0 || x >= w || y >= h {
+                    return Vec4::ZERO;
+                }
+                (x, y)
+            }
+            Extension::Mirror => (mirror(x, w), mirror(y, h)),
+        };
+        self.texel(x as usize, y as usize)
+    }
+}
+
+fn mirror(x: i64, n: i64) -> i64 {
+    let m = x.rem_euclid(2 * n);
+    if m < n { m } else { 2 * n - 1 - m }
+}
+
+fn check(name: &str, width: usize, height: usize, values: usize) -> Result<(), SceneError> {
+    if width > 0 && height > 0 && width.checked_mul(height).and_then(|n| n.checked_mul(4)) == Some(values) {
+        return Ok(());
+    }
+    Err(SceneError::BadImage { image: name.into(), pixels: values, width, height })
+}
+
+/// The sRGB transfer function (IEC 61966-2-1), continued linearly below zero.
+pub fn srgb_to_linear(v: f32) -> f32 {
+    if v <= 0.04045 { v / 12.92 } else { ((v + 0.055) / 1.055).powf(2.4) }
+}
+
+static SRGB_TABLE: std::sync::LazyLock<[f32; 256]> =
+    std::sync::LazyLock::new(|| std::array::from_fn(|i| srgb_to_linear(i as f32 / 255.0)));
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    fn ramp() -> Texture {
+        // Red is the column, green the row.
+        let rgba: Vec<f32> = (0..4).flat_map(|y| (0..4).flat_map(move |x| [x as f32, y as f32, 0.0, 1.0])).collect();
+        Texture::from_floats("ramp", 4, 4, &rgba, false).unwrap()
+    }
+
+    #[test]
+    fn pixel_centres_are_exact_and_between_is_linear() {
+        let t = ramp();
+        let at = |u: f32, v: f32| t.lookup(Vec2::new(u, v), Interpolation::Linear, Extension::Extend);
+        assert_eq!(at(0.375, 0.625), Vec4::new(1.0, 2.0, 0.0, 1.0));
+        assert_eq!(at(0.5, 0.625).x, 1.5);
+        let closest = t.lookup(Vec2::new(0.49, 0.51), Interpolation::Closest, Extension::Extend);
+        assert_eq!((closest.x, closest.y), (1.0, 2.0));
+    }
+
+    #[test]
+    fn outside_is_as_asked() {
+        let t = ramp();
+        let at = |u: f32, e| t.lookup(Vec2::new(u, 0.5), Interpolation::Closest, e).x;
+        assert_eq!(at(1.1, Extension::Repeat), 0.0);
+        assert_eq!(at(-0.1, Extension::Repeat), 3.0);
+        assert_eq!(at(1.1, Extension::Extend), 3.0);
+        assert_eq!(at(1.1, Extension::Mirror), 3.0);
+        assert_eq!(at(1.9, Extension::Mirror), 0.0);
+        assert_eq!(at(1.1, Extension::Clip), 0.0);
+        assert_eq!(at(f32::NAN, Extension::Repeat), 0.0);
+        assert_eq!(at(1e30, Extension::Extend), 3.0);
+    }
+
+    #[test]
+    fn srgb_bytes_are_decoded() {
+        let t = Texture::from_bytes("b", 1, 1, &[255, 188, 0, 128], true).unwrap();
+        let p = t.texel(0, 0);
+        // 188/255 is close to half the light: (0.7373 + 0.055)/1.055 to the power 2.4.
+        assert!((p.y - 0.5029).abs() < 1e-3 && p.x == 1.0 && (p.w - 0.50196).abs() < 1e-4);
+        assert!(Texture::from_bytes("b", 2, 1, &[0; 4], true).is_err());
+    }
+}

@@ -1,0 +1,72 @@
+//! Light from infinity: one colour, or an equirectangular image.
+
+use super::texture::{Extension, Interpolation, Texture};
+use crate::Rgb;
+use glam::{Mat3A, Vec2, Vec3A, Vec4Swizzles};
+use std::f32::consts::{PI, TAU};
+
+/// The world's light.
+#[derive(Clone, Debug)]
+pub struct World {
+    /// Radiance, or what the image is multiplied by.
+    pub color: Rgb,
+    /// Equirectangular image, index into the scene's textures.
+    pub texture: Option<u32>,
+    /// World direction to image direction.
+    pub rotation: Mat3A,
+    /// Seen by the camera directly.
+    pub visible_camera: bool,
+}
+
+impl Default for World {
+    fn default() -> Self {
+        Self { color: Rgb::ZERO, texture: None, rotation: Mat3A::IDENTITY, visible_camera: true }
+    }
+}
+
+impl World {
+    /// Radiance that arrives from the direction `d` (unit, pointing away from the scene).
+    pub fn radiance(&self, d: Vec3A, textures: &[Texture]) -> Rgb {
+        match self.texture {
+            None => self.color,
+            Some(t) => {
+                let uv = direction_to_equirectangular(self.rotation * d);
+                let texel = textures[t as usize].lookup(uv, Interpolation::Linear, Extension::Repeat);
+                self.color * texel.xyz().max(Rgb::ZERO)
+            }
+        }
+    }
+}
+
+/// Where a direction is found on Blender's equirectangular images: the middle is +x, u falls with the azimuth
+/// from +x towards +y, v rises with the elevation.
+#[inline]
+pub fn direction_to_equirectangular(d: Vec3A) -> Vec2 {
+    let u = 0.5 - d.y.atan2(d.x) / TAU;
+    let v = d.z.atan2(d.x.hypot(d.y)) / PI + 0.5;
+    Vec2::new(u, v)
+}
+
+/// The inverse of [`direction_to_equirectangular`].
+#[inline]
+pub fn equirectangular_to_direction(uv: Vec2) -> Vec3A {
+    let azimuth = (0.5 - uv.x) * TAU;
+    let elevation = (uv.y - 0.5) * PI;
+    let (s, c) = elevation.sin_cos();
+    let (sa, ca) = azimuth.sin_cos();
+    Vec3A::new(c * ca, c * sa, s)
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn the_map_inverts() {
+        for i in 0..100 {
+            let uv = Vec2::new(0.05 + 0.009 * i as f32, 0.02 + 0.0096 * i as f32);
+            let back = direction_to_equirectangular(equirectangular_to_direction(uv));
+            assert!((back - uv).length() < 1e-5, "{uv} {back}");
+        }
+    }
+}

@@ -1,0 +1,121 @@
+//! How much light a rough boundary sends back in all, by roughness and angle: tables that let one layer know
+//! what another leaves, and give back what single scattering between facets loses.
+
+use super::fresnel;
+use super::microfacet::{Ggx, reflect, refract};
+use glam::Vec3A;
+
+/// Steps of roughness and of the cosine. Twice as many change the white furnace by less than 0.001.
+const STEPS: usize = 32;
+/// Points of the integral at each entry, squared.
+const POINTS: u32 = 16;
+
+/// Directional albedo over roughness and cosine, interpolated linearly.
+#[derive(Clone, Debug)]
+pub struct AlbedoTable {
+    values: [[f32; STEPS]; STEPS],
+}
+
+impl AlbedoTable {
+    /// Of facets that reflect everything: 1 less what is lost between them.
+    pub fn reflection() -> Self {
+        Self::new(|ggx, wo, h| {
+            let wi = reflect(wo, h);
+            if wi.z > 0.0 { ggx.masking_shadowing(wo, wi) / ggx.masking(wo) } else { 0.0 }
+        })
+    }
+
+    /// Of dielectric reflection alone, relative index `eta`.
+    pub fn dielectric_reflection(eta: f32) -> Self {
+        Self::new(|ggx, wo, h| {
+            let wi = reflect(wo, h);
+            let f = fresnel::dielectric(wo.dot(h), eta);
+            if wi.z > 0.0 { f * ggx.masking_shadowing(wo, wi) / ggx.masking(wo) } else { 0.0 }
+        })
+    }
+
+    /// Of a dielectric boundary, reflection and transmission together, into relative index `eta`.
+    pub fn dielectric_boundary(eta: f32) -> Self {
+        Self::new(|ggx, wo, h| {
+            let f = fresnel::dielectric(wo.dot(h), eta);
+            let wi = reflect(wo, h);
+            let mut sum = 0.0;
+            if wi.z > 0.0 {
+                sum += f * ggx.masking_shadowing(wo, wi);
+            }
+            if let Some(wt) = refract(wo, h, eta).filter(|wt| wt.z < 0.0) {
+                sum += (1.0 - f) * ggx.masking_shadowing(wo, wt);
+            }
+            sum / ggx.masking(wo)
+        })
+    }
+
+    fn new(weight: impl Fn(&Ggx, Vec3A, Vec3A) -> f32) -> Self {
+        let mut values = [[0.0; STEPS]; STEPS];
+        for (i, row) in values.iter_mut().enumerate() {
+            let ggx = Ggx::from_roughness(i as f32 / (STEPS - 1) as f32);
+            for (j, value) in row.iter_mut().enumerate() {
+                // The cosine is tabled by its square root: albedos change fast near grazing.
+                let cos = (j as f32 / (STEPS - 1) as f32).powi(2).max(1e-4);
+                let wo = Vec3A::new((1.0 - cos * cos).sqrt(), 0.0, cos);
+                let mut sum = 0.0;
+                for k in 0..POINTS * POINTS {
+                    let u = [((k % POINTS) as f32 + 0.5) / POINTS as f32, ((k / POINTS) as f32 + 0.5) / POINTS as f32];
+                    sum += weight(&ggx, wo, ggx.sample_visible(wo, u));
+                }
+                *value = sum / (POINTS * POINTS) as f32;
+            }
+        }
+        Self { values }
+    }
+
+    /// The albedo seen at that cosine.
+    pub fn at(&self, roughness: f32, cos: f32) -> f32 {
+        let last = (STEPS - 1) as f32;
+        let x = roughness.clamp(0.0, 1.0) * last;
+        let y = cos.clamp(0.0, 1.0).sqrt() * last;
+        let (i, j) = ((x as usize).min(STEPS - 2), (y as usize).min(STEPS - 2));
+        let (tx, ty) = (x - i as f32, y - j as f32);
+        let row = |i: usize| self.values[i][j] * (1.0 - ty) + self.values[i][j + 1] * ty;
+        row(i) * (1.0 - tx) + row(i + 1) * tx
+    }
+
+    /// The cosine-weighted average at that roughness.
+    pub fn average(&self, roughness: f32) -> f32 {
+        let n = 16;
+        (0..n)
+            .map(|k| {
+                let cos = (k as f32 + 0.5) / n as f32;
+                2.0 * cos * self.at(roughness, cos) / n as f32
+            })
+            .sum()
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn mirrors_lose_nothing_and_rough_facets_some() {
+        let table = AlbedoTable::reflection();
+        assert!((table.at(0.0, 0.5) - 1.0).abs() < 1e-4);
+        assert!((table.at(0.3, 1.0) - 1.0).abs() < 0.01);
+        // Alpha = 1 seen from above has a closed form: half vectors are cosine-distributed, and the integral of
+        // 2 - 1/x over x = cos^2 from 1/2 to 1 is 1 - ln 2.
+        assert!((table.at(1.0, 1.0) - (1.0 - std::f32::consts::LN_2)).abs() < 0.003);
+        let glass = AlbedoTable::dielectric_boundary(1.5);
+        assert!((glass.at(0.0, 0.7) - 1.0).abs() < 1e-4);
+        assert!(glass.at(1.0, 0.7) < 1.0);
+    }
+
+    #[test]
+    fn a_smooth_dielectric_reflects_what_fresnel_says() {
+        let table = AlbedoTable::dielectric_reflection(1.5);
+        assert!((table.at(0.0, 1.0) - 0.04).abs() < 1e-4);
+        for cos in [0.1f32, 0.3, 0.5, 0.8] {
+            // Linear interpolation between the table's steps.
+            assert!((table.at(0.0, cos) - fresnel::dielectric(cos, 1.5)).abs() < 0.02, "{cos}");
+        }
+    }
+}

@@ -1,0 +1,283 @@
+//! Blender's Principled BSDF (4.x, 5.x): metal, glass, and a dielectric coat over a diffuse base, mixed in the
+//! order and with the energy bookkeeping that Cycles has, so that scenes look alike in both.
+
+use super::albedo::AlbedoTable;
+use super::fresnel::{self, F82Tint};
+use super::microfacet::{Ggx, reflect, refract};
+use crate::nodes::MaterialValues;
+use crate::sampler::warp;
+use crate::scene::material::Material;
+use crate::surface::SurfacePoint;
+use crate::{Rgb, luminance};
+use glam::Vec3A;
+use std::f32::consts::FRAC_1_PI;
+use std::sync::Arc;
+
+/// What of a material depends on its constants alone: made once for each index of refraction in a scene.
+#[derive(Clone, Debug)]
+pub struct PrincipledTables {
+    /// Relative index of the specular coat, after the specular level.
+    coat_eta: f32,
+    /// Its reflectance at normal incidence, before the tint.
+    coat_f0: f32,
+    ior: f32,
+    reflection: Arc<AlbedoTable>,
+    coat: AlbedoTable,
+    entering: AlbedoTable,
+    leaving: AlbedoTable,
+}
+
+impl PrincipledTables {
+    /// `reflection` is [`AlbedoTable::reflection`], shared by all.
+    pub fn new(material: &Material, reflection: Arc<AlbedoTable>) -> Self {
+        let ior = material.ior;
+        let mut coat_f0 = fresnel::f0_from_ior(ior);
+        let mut coat_eta = ior;
+        if material.specular_ior_level != 0.5 {
+            coat_f0 = (coat_f0 * 2.0 * material.specular_ior_level).min(0.99);
+            let eta = fresnel::ior_from_f0(coat_f0);
+            coat_eta = if ior < 1.0 { 1.0 / eta } else { eta };
+        }
+        Self {
+            coat_eta,
+            coat_f0,
+            ior,
+            reflection,
+            coat: AlbedoTable::dielectric_reflection(coat_eta),
+            entering: AlbedoTable::dielectric_boundary(ior),
+            leaving: AlbedoTable::dielectric_boundary(1.0 / ior),
+        }
+    }
+
+    /// What tells one set of tables from another.
+    pub fn key(material: &Material) -> (u32, u32) {
+        (material.ior.to_bits(), material.specular_ior_level.to_bits())
+    }
+}
+
+/// A direction to go on in.
+#[derive(Clone, Copy, Debug)]
+pub struct BsdfSample {
+    /// Unit, away from the surface.
+    pub wi: Vec3A,
+    /// BSDF times cosine over density.
+    pub weight: Rgb,
+    /// Density per steradian; meaningless where `mirror`.
+    pub pdf: f32,
+    /// A single direction, which no light sample can find.
+    pub mirror: bool,
+    /// Through the surface.
+    pub transmitted: bool,
+}
+
+/// The BSDF of one point seen from one direction.
+pub struct Bsdf {
+    frame: [Vec3A; 3],
+    geometric_normal: Vec3A,
+    wo: Vec3A,
+    ggx: Ggx,
+    eta: f32,
+    metal: F82Tint,
+    metal_weight: Rgb,
+    glass_weight: f32,
+    glass_tint: Rgb,
+    glass_reflection_tint: Rgb,
+    coat_weight: f32,
+    coat_f0: Rgb,
+    coat_eta: f32,
+    diffuse: Rgb,
+    // Chance of each lobe: metal, glass, coat, diffuse.
+    chance: [f32; 4],
+}
+
+impl Bsdf {
+    /// At a point whose inputs have been evaluated; `wo` is the unit direction to where the path came from.
+    pub fn new(
+        material: &Material,
+        values: &MaterialValues,
+        tables: &PrincipledTables,
+        point: &SurfacePoint,
+        wo: Vec3A,
+    ) -> Self {
+        // Smooth normals may turn away from a viewer who sees the triangle.
+        let normal = if point.shading_normal.dot(wo) > 1e-4 { point.shading_normal } else { point.geometric_normal };
+        let frame = warp::frame(normal);
+        let local = warp::to_local(&frame, wo);
+        let cos = local.z.max(1e-4);
+        let ggx = Ggx::from_roughness(values.roughness);
+        let r = values.roughness;
+        // What single scattering loses is given back in proportion (Turquin 2019).
+        let single = tables.reflection.at(r, cos).max(1e-3);
+        let average = tables.reflection.average(r);
+        let restored = |fresnel_average: Rgb| -> Rgb {
+            let missing = (1.0 - single) / single;
+            let multiple = fresnel_average * average / (Rgb::ONE - fresnel_average * (1.0 - average));
+            Rgb::ONE + multiple * missing
+        };
+
+        let dielectric = 1.0 - values.metallic;
+        let opaque = dielectric * (1.0 - values.transmission);
+        let metal = F82Tint::new(values.base_color, material.specular_tint);
+        let metal_weight = restored(metal.average()) * values.metallic;
+
+        let boundary = if point.backfacing { &tables.leaving } else { &tables.entering };
+        let eta = if point.backfacing { 1.0 / tables.ior } else { tables.ior };
+        let glass_weight = dielectric * values.transmission / boundary.at(r, cos).max(1e-3);
+
+        let (mut coat_weight, mut coat_albedo) = (0.0, 0.0);
+        if material.specular && opaque > 0.0 {
+            let give_back = restored(Rgb::splat(fresnel::dielectric_average(tables.coat_eta))).x;
+            coat_weight = opaque * give_back;
+            let f0_tinted = luminance(material.specular_tint).min(1.0);
+            coat_albedo = (tables.coat.at(r, cos) * give_back).min(1.0) * f0_tinted.max(0.0);
+        }
+        let diffuse = values.base_color * (opaque * (1.0 - coat_albedo));
+        let mut bsdf = Self {
+            frame,
+            geometric_normal: point.geometric_normal,
+            wo: local,
+            ggx,
+            eta,
+            metal,
+            metal_weight,
+            glass_weight,
+            glass_tint: values.base_color.powf(0.5),
+            glass_reflection_tint: material.specular_tint.min(Rgb::ONE),
+            coat_weight,
+            coat_f0: (tables.coat_f0 * material.specular_tint).min(Rgb::ONE),
+            coat_eta: tables.coat_eta,
+            diffuse,
+            chance: [
+                luminance(metal.at(cos)) * values.metallic,
+                dielectric * values.transmission,
+                coat_albedo * opaque,
+                luminance(diffuse),
+            ],
+        };
+        let total: f32 = bsdf.chance.iter().sum();
+        if total > 0.0 {
+            bsdf.chance = bsdf.chance.map(|c| c / total);
+        }
+        bsdf
+    }
+
+    /// Whether nothing but mirror lobes scatters here: no light sample can be of use.
+    pub fn is_mirror(&self) -> bool {
+        self.ggx.is_mirror() && self.chance[3] == 0.0
+    }
+
+    /// BSDF times cosine, and the density with which [`Bsdf::sample`] chooses `wi`. Mirror lobes count nothing.
+    pub fn evaluate(&self, wi: Vec3A) -> (Rgb, f32) {
+        let above = self.geometric_normal.dot(wi) > 0.0;
+        let wi = warp::to_local(&self.frame, wi);
+        self.evaluate_local(wi, above)
+    }
+
+    fn evaluate_local(&self, wi: Vec3A, above: bool) -> (Rgb, f32) {
+        let mut value = Rgb::ZERO;
+        let mut pdf = 0.0;
+        // The triangle itself and its interpolated normal must agree on the side.
+        if above && wi.z > 0.0 {
+            if self.chance[3] > 0.0 {
+                value += self.diffuse * (wi.z * FRAC_1_PI);
+                pdf += self.chance[3] * warp::cosine_hemisphere_pdf(wi.z);
+            }
+            if !self.ggx.is_mirror() && self.wo.z > 0.0 {
+                let h = (self.wo + wi).normalize_or(Vec3A::Z);
+                let cos = self.wo.dot(h);
+                if cos > 0.0 {
+                    let facets = self.ggx.density(h) / (4.0 * self.wo.z);
+                    let fresnel = fresnel::dielectric(cos, self.eta);
+                    let reflected = self.metal.at(cos) * self.metal_weight
+                        + self.glass_reflection_tint * (self.glass_weight * fresnel)
+                        + self.coat_fresnel(cos) * self.coat_weight;
+                    value += reflected * (facets * self.ggx.masking_shadowing(self.wo, wi));
+                    let reflects = self.chance[0] + self.chance[2] + self.chance[1] * fresnel;
+                    pdf += reflects * facets * self.ggx.masking(self.wo);
+                }
+            }
+        } else if !above && wi.z < 0.0 && self.chance[1] > 0.0 && !self.ggx.is_mirror() && self.wo.z > 0.0 {
+            let half = wi * self.eta + self.wo;
+            if let Some(h) = half.try_normalize() {
+                let h = if h.z < 0.0 { -h } else { h };
+                let (co, ci) = (self.wo.dot(h), wi.dot(h));
+                if co > 0.0 && ci < 0.0 {
+                    let fresnel = fresnel::dielectric(co, self.eta);
+                    let jacobian = -ci / (ci + co / self.eta).powi(2);
+                    let facets = self.ggx.density(h) * co / self.wo.z * jacobian;
+                    let shadow = self.ggx.masking_shadowing(self.wo, wi);
+                    value += self.glass_tint * (self.glass_weight * (1.0 - fresnel) * facets * shadow);
+                    pdf += self.chance[1] * (1.0 - fresnel) * facets * self.ggx.masking(self.wo);
+                }
+            }
+        }
+        (value, pdf)
+    }
+
+    /// A direction chosen roughly in proportion to what it scatters; `None` where the light ends here.
+    pub fn sample(&self, u_lobe: f32, u: [f32; 2], u_side: f32) -> Option<BsdfSample> {
+        if self.wo.z <= 0.0 {
+            return None;
+        }
+        let mut lobe = 0;
+        let mut below = 0.0;
+        while lobe < 3 && u_lobe >= below + self.chance[lobe] {
+            below += self.chance[lobe];
+            lobe += 1;
+        }
+        if self.chance[lobe] <= 0.0 {
+            return None;
+        }
+        if lobe == 3 {
+            return self.finish(warp::sample_cosine_hemisphere(u), false);
+        }
+        let h = self.ggx.sample_visible(self.wo, u);
+        let cos = self.wo.dot(h);
+        if cos <= 0.0 {
+            return None;
+        }
+        let fresnel = fresnel::dielectric(cos, self.eta);
+        let transmit = lobe == 1 && u_side >= fresnel;
+        let wi = if transmit { refract(self.wo, h, self.eta)? } else { reflect(self.wo, h) };
+        if !self.ggx.is_mirror() {
+            return self.finish(wi, transmit);
+        }
+        // Mirrors: the chance of the choice is all the density there is.
+        let weight = match lobe {
+            0 => self.metal.at(cos) * self.metal_weight / self.chance[0],
+            1 if transmit => self.glass_tint * self.glass_weight / self.chance[1],
+            1 => self.glass_reflection_tint * self.glass_weight / self.chance[1],
+            _ => self.coat_fresnel(cos) * self.coat_weight / self.chance[2],
+        };
+        let world = warp::to_world(&self.frame, wi).normalize();
+        let above = self.geometric_normal.dot(world) > 0.0;
+        (above != transmit).then_some(BsdfSample { wi: world, weight, pdf: 0.0, mirror: true, transmitted: transmit })
+    }
+
+    fn finish(&self, wi: Vec3A, transmit: bool) -> Option<BsdfSample> {
+        let world = warp::to_world(&self.frame, wi).normalize();
+        let above = self.geometric_normal.dot(world) > 0.0;
+        // A tilted facet can bend light back to the side it came from, or mirror it below the surface: that
+        // light would meet another facet, which the restored energy accounts for.
+        if above == transmit || (wi.z > 0.0) == transmit {
+            return None;
+        }
+        let (value, pdf) = self.evaluate_local(wi, above);
+        (pdf > 0.0 && value.is_finite() && pdf.is_finite()).then(|| BsdfSample {
+            wi: world,
+            weight: value / pdf,
+            pdf,
+            mirror: false,
+            transmitted: !above,
+        })
+    }
+
+    #[inline]
+    fn coat_fresnel(&self, cos: f32) -> Rgb {
+        let rise = fresnel::dielectric_rise(cos, self.coat_eta);
+        self.coat_f0 + (Rgb::ONE - self.coat_f0) * rise
+    }
+}
+
+#[cfg(test)]
+mod tests;

@@ -1,0 +1,113 @@
+//! A point on a surface, from what a ray met: where it is, which way it faces, and its texture coordinates.
+
+use crate::accel::Hit;
+use crate::scene::{Instance, Scene, mesh::Mesh};
+use glam::{Vec2, Vec3, Vec3A};
+
+/// A point on a surface in render space.
+#[derive(Clone, Copy, Debug)]
+pub struct SurfacePoint {
+    /// Where.
+    pub position: Vec3A,
+    /// How far rounding may have put `position` from the surface, Blender units.
+    pub position_error: f32,
+    /// The triangle's own unit normal, on the side that the ray came from.
+    pub geometric_normal: Vec3A,
+    /// The interpolated unit normal, on the same side as the triangle's.
+    pub shading_normal: Vec3A,
+    /// The ray came from behind the triangle.
+    pub backfacing: bool,
+    /// Index of the instance.
+    pub instance: u32,
+    /// Index of the triangle in its mesh.
+    pub triangle: u32,
+    /// Index of the material.
+    pub material: u32,
+    /// Barycentric weights of the second and third corner.
+    pub barycentric: [f32; 2],
+}
+
+impl SurfacePoint {
+    /// The point of a hit by a ray along `direction`.
+    pub fn new(scene: &Scene, hit: &Hit, direction: Vec3A) -> Self {
+        let instance = &scene.instances[hit.instance as usize];
+        let mesh = &scene.meshes[instance.mesh as usize];
+        let corners = mesh.corners(hit.triangle);
+        let [w0, w1, w2] = weights([hit.u, hit.v]);
+        let local = corners[0] * w0 + corners[1] * w1 + corners[2] * w2;
+        let position = instance.to_render.transform_point3a(Vec3A::from(local));
+        let position_error = position_error(instance, Vec3A::from(local));
+        let outward = geometric_normal(instance, &corners);
+        let backfacing = outward.dot(direction) > 0.0;
+        let geometric_normal = if backfacing { -outward } else { outward };
+        let shading_normal = match &mesh.corner_normals {
+            None => geometric_normal,
+            Some(normals) => {
+                let n = normals[hit.triangle as usize];
+                let mixed = n[0] * w0 + n[1] * w1 + n[2] * w2;
+                // Flipped with the triangle. Where interpolation gives nothing, or a normal behind the
+                // triangle itself, the triangle's own stands in.
+                let world = (instance.normal_to_render * Vec3A::from(mixed)).normalize_or_zero();
+                let sided = if backfacing { -world } else { world };
+                if sided.dot(geometric_normal) > 0.0 { sided } else { geometric_normal }
+            }
+        };
+        Self {
+            position,
+            position_error,
+            geometric_normal,
+            shading_normal,
+            backfacing,
+            instance: hit.instance,
+            triangle: hit.triangle,
+            material: instance.material(mesh.slot(hit.triangle)),
+            barycentric: [hit.u, hit.v],
+        }
+    }
+
+    /// Texture coordinates in the UV map of that name (`None`: the first); zero where the mesh has none.
+    pub fn uv(&self, scene: &Scene, map: Option<&str>) -> Vec2 {
+        uv(mesh_of(scene, self.instance), self.triangle, self.barycentric, map)
+    }
+}
+
+/// A bound on what rounding does to a point on its way from object to render space and, as a ray's start, back:
+/// the sum of absolute values (Higham 2002, section 3.1), with room for interpolation and the ray's own transform.
+fn position_error(instance: &Instance, local: Vec3A) -> f32 {
+    // Roundings on the way; fewer let surfaces shadow themselves, more let light leak under thin ones.
+    const ROUNDINGS: f32 = 24.0;
+    let m = &instance.to_render;
+    let [x, y, z] = local.abs().to_array();
+    let size = m.matrix3.x_axis.abs() * x + m.matrix3.y_axis.abs() * y + m.matrix3.z_axis.abs() * z;
+    ROUNDINGS * f32::EPSILON * (size + m.translation.abs()).max_element()
+}
+
+/// The mesh of an instance.
+pub fn mesh_of(scene: &Scene, instance: u32) -> &Mesh {
+    &scene.meshes[scene.instances[instance as usize].mesh as usize]
+}
+
+/// Texture coordinates at a point of a triangle.
+pub fn uv(mesh: &Mesh, triangle: u32, barycentric: [f32; 2], map: Option<&str>) -> Vec2 {
+    let Some(index) = mesh.uv_map(map) else { return Vec2::ZERO };
+    let c = mesh.uv_maps[index].1[triangle as usize];
+    let [w0, w1, w2] = weights(barycentric);
+    c[0] * w0 + c[1] * w1 + c[2] * w2
+}
+
+/// The unit normal of a placed triangle, on its front side.
+pub fn geometric_normal(instance: &Instance, corners: &[Vec3; 3]) -> Vec3A {
+    let [a, b, c] = corners.map(|p| instance.to_render.transform_vector3a(Vec3A::from(p)));
+    let n = (b - a).cross(c - a);
+    let n = n.try_normalize().unwrap_or_else(|| {
+        // So small that its square vanishes in single precision.
+        let (e, f) = ((b - a).as_dvec3(), (c - a).as_dvec3());
+        e.cross(f).normalize_or(glam::DVec3::Z).as_vec3a()
+    });
+    if instance.mirrored { -n } else { n }
+}
+
+#[inline]
+fn weights([u, v]: [f32; 2]) -> [f32; 3] {
+    [1.0 - u - v, u, v]
+}
