@@ -36,7 +36,7 @@ import glob, os, sys, zipfile
 target, = sys.argv[1:]
 wheel, = glob.glob("dist/petzval-*.whl")
 with zipfile.ZipFile(wheel) as archive:
-    name, = [name for name in archive.namelist() if name.startswith("petzval/_native.")]
+    name, = [name for name in archive.namelist() if name == "petzval/_native.abi3.so"]
     with open(target + ".new", "wb") as out:
         out.write(archive.read(name))
 os.replace(target + ".new", target)
