@@ -169,6 +169,6 @@ fn surface_sums(s: &Thin, conic: f64, ray: [f64; 2], ray2: [f64; 2], chief: [f64
         -ac * ac * y * delta + asphere * y * y * yc * yc,
         -lagrange * lagrange * c * inverse,
         // The form without a division by A, which is 0 where the marginal ray meets the surface at right angles.
-        -ac * (ac * ac * inverse_square * y - (lagrange + ac * y) * yc * c * inverse) + asphere * y * yc.powi(3),
+        -ac * (ac * ac * inverse_square * y - (ac * y - lagrange) * yc * c * inverse) + asphere * y * yc.powi(3),
     ]
 }

@@ -92,7 +92,8 @@ impl Conic {
             return Err(Failure::WrongSheet);
         }
         let normal = DVec3::new(-c * point.x, -c * point.y, vertex_side);
-        let normal_squared = 1.0 - k * (normal.x * normal.x + normal.y * normal.y);
+        // 1 − k c² r² is the same and loses its digits at the rim of a huge conic.
+        let normal_squared = if k == 0.0 { 1.0 } else { normal.length_squared() };
         Ok(Hit { t, point, normal, normal_squared, cosine_squared: q })
     }
 }

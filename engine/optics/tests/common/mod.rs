@@ -1,0 +1,59 @@
+//! The reference data, read.
+#![allow(dead_code, unreachable_pub)]
+
+use std::path::PathBuf;
+
+use glam::DVec3;
+use petzval_optics::formats::lens;
+use petzval_optics::glass::Catalogue;
+use petzval_optics::prescription::Prescription;
+use petzval_optics::system::{System, SystemSettings};
+use serde_json::Value;
+
+/// A path from the top of the repository.
+pub fn repository(path: &str) -> PathBuf {
+    PathBuf::from(env!("CARGO_MANIFEST_DIR")).join("../..").join(path)
+}
+
+/// A JSON file of the reference data.
+pub fn reference_json(path: &str) -> Value {
+    let path = repository("tests/reference").join(path);
+    let text = std::fs::read_to_string(&path).unwrap_or_else(|e| panic!("{}: {e}", path.display()));
+    serde_json::from_str(&text).unwrap_or_else(|e| panic!("{}: {e}", path.display()))
+}
+
+/// Names of all lenses of the reference data that a lens file can hold.
+pub fn lens_names() -> Vec<String> {
+    let folder = repository("tests/reference/lenses");
+    let mut names: Vec<String> = std::fs::read_dir(folder)
+        .unwrap()
+        .filter_map(|entry| entry.unwrap().file_name().to_str()?.strip_suffix(".lens").map(str::to_owned))
+        .collect();
+    names.sort();
+    assert_eq!(names.len(), 39);
+    names
+}
+
+/// A reference lens as published.
+pub fn prescription(name: &str) -> Prescription {
+    let path = repository("tests/reference/lenses").join(format!("{name}.lens"));
+    lens::read(&path, Catalogue::shipped()).unwrap_or_else(|e| panic!("{e}"))
+}
+
+/// A reference lens, wide open.
+pub fn system(name: &str) -> System {
+    System::new(&prescription(name), &SystemSettings::default()).unwrap()
+}
+
+/// A number, written as one or as a decimal string.
+pub fn number(value: &Value) -> f64 {
+    match value {
+        Value::String(text) => text.parse().unwrap(),
+        other => other.as_f64().unwrap_or_else(|| panic!("{other} is no number")),
+    }
+}
+
+/// Three numbers.
+pub fn vector(value: &Value) -> DVec3 {
+    DVec3::new(number(&value[0]), number(&value[1]), number(&value[2]))
+}
