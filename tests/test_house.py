@@ -1,0 +1,256 @@
+# SPDX-License-Identifier: GPL-3.0-or-later
+"""The house rules that no compiler holds: who may use whom, and what must not stand in a tracked file.
+
+Data goes one way. Crates depend downward: python, render, optics. Inside a crate a module uses only those above it in
+the list with arrows of its `lib.rs`. The add-on's modules form no circle, and its plain ones know no Blender.
+"""
+
+from __future__ import annotations
+
+import ast
+import graphlib
+import re
+import subprocess
+import tomllib
+import warnings
+from itertools import pairwise
+from pathlib import Path
+
+import pytest
+
+pytestmark = pytest.mark.once
+
+ROOT = Path(__file__).resolve().parent.parent
+CRATES = ("optics", "render")
+
+# A longer file is asked whether it is one subject.
+LONG_FILE_LINES = 450
+
+
+def tracked_files() -> list[Path]:
+    listing = subprocess.run(["git", "ls-files", "-z"], cwd=ROOT, capture_output=True, text=True, check=False)
+    if listing.returncode:
+        pytest.skip(f"not a git checkout: {listing.stderr.strip()}")
+    return [ROOT / name for name in listing.stdout.split("\0") if name and (ROOT / name).is_file()]
+
+
+# Rust ------------------------------------------------------------------------------------------------------------
+
+
+def module_order(crate: str) -> list[str]:
+    """The modules of `lib.rs`'s own list, [`first`] → [`second`] → ..., first to last."""
+    text = (ROOT / "engine" / crate / "src/lib.rs").read_text()
+    comment = " ".join(line.removeprefix("//!").strip() for line in text.splitlines() if line.startswith("//!"))
+    chain = re.search(r"\[`\w+`\](?:\s*→\s*\[`\w+`\])+", comment)
+    return re.findall(r"\[`(\w+)`\]", chain.group()) if chain else []
+
+
+def program_text(source: str) -> str:
+    """Rust source without comments and without the tests at its end."""
+    source = re.split(r"^#\[cfg\(test\)\]\s*(?:#\[[^\]]*\]\s*)*mod ", source, flags=re.MULTILINE)[0]
+    return re.sub(r"//[^\n]*", "", source)
+
+
+def used_modules(source: str, root_word: str) -> set[str]:
+    """First names after `crate::` (or `super::` where that is the crate), braces opened."""
+    names = set(re.findall(rf"\b{root_word}::(\w+)", source))
+    for group in re.finditer(rf"\b{root_word}::\{{", source):
+        depth, start, position = 1, group.end(), group.end()
+        while depth:
+            character = source[position]
+            depth += (character == "{") - (character == "}")
+            if (depth == 1 and character == ",") or depth == 0:
+                names.add(re.match(r"\s*(\w*)", source[start:position]).group(1))
+                start = position + 1
+            position += 1
+    return names
+
+
+@pytest.mark.parametrize("crate", CRATES)
+def test_every_module_has_its_place_in_the_list(crate):
+    text = program_text((ROOT / "engine" / crate / "src/lib.rs").read_text())
+    modules = set(re.findall(r"^(?:pub(?:\([^)]*\))? )?mod (\w+);", text, flags=re.MULTILINE))
+    order = module_order(crate)
+    assert order, f"engine/{crate}/src/lib.rs lists no order: write [`first`] → [`second`] → ... in its comment"
+    assert set(order) == modules, f"engine/{crate}/src/lib.rs: its list and its modules differ"
+    assert len(order) == len(set(order))
+
+
+@pytest.mark.parametrize("crate", CRATES)
+def test_a_module_uses_only_those_above_it(crate):
+    source_folder = ROOT / "engine" / crate / "src"
+    order = module_order(crate)
+    wrong = []
+    for path in sorted(source_folder.rglob("*.rs")):
+        inside = path.relative_to(source_folder)
+        module = inside.parts[0].removesuffix(".rs")
+        if module == "lib" or path.stem == "tests" or module not in order:
+            continue
+        text = program_text(path.read_text())
+        used = used_modules(text, "crate")
+        if len(inside.parts) == 1 or inside.parts[1:] == ("mod.rs",):
+            used |= used_modules(text, "super")
+        below = {name for name in used if name in order and order.index(name) > order.index(module)}
+        wrong += [f"{path.relative_to(ROOT)} uses {name}, which stands below {module}" for name in sorted(below)]
+    assert not wrong, "\n".join(wrong)
+
+
+@pytest.mark.parametrize(
+    ("crate", "forbidden"),
+    [
+        ("optics", {"petzval-render", "petzval-python", "pyo3", "numpy", "rayon", "petzval-testkit"}),
+        ("render", {"petzval-python", "pyo3", "numpy", "petzval-testkit"}),
+        ("testkit", {"petzval-python", "pyo3", "numpy"}),
+        ("python", {"petzval-testkit"}),
+    ],
+)
+def test_crates_depend_downward(crate, forbidden):
+    manifest = tomllib.loads((ROOT / "engine" / crate / "Cargo.toml").read_text())
+    assert not forbidden & set(manifest.get("dependencies", {}))
+
+
+def test_cargo_test_needs_no_python():
+    workspace = tomllib.loads((ROOT / "Cargo.toml").read_text())["workspace"]
+    assert "engine/python" not in workspace["default-members"]
+
+
+# Python ----------------------------------------------------------------------------------------------------------
+
+
+def imports(path: Path, package: str, *, everywhere: bool) -> set[str]:
+    """Full names that a file of `package` imports: at its top level, or `everywhere`, in functions too.
+
+    What stands under `if TYPE_CHECKING:` is not an import.
+    """
+    tree = ast.parse(path.read_text(), str(path))
+    found: set[str] = set()
+    parts = package.split(".")
+    nodes = ast.walk(tree) if everywhere else tree.body
+    for node in nodes:
+        if isinstance(node, ast.Import):
+            found |= {alias.name for alias in node.names}
+        elif isinstance(node, ast.ImportFrom):
+            base = (
+                ".".join([*parts[: len(parts) - node.level + 1], *filter(None, [node.module])])
+                if node.level
+                else node.module
+            )
+            found |= {base, *(f"{base}.{alias.name}" for alias in node.names)}
+    return found
+
+
+def python_modules(folder: Path, package: str) -> dict[str, tuple[Path, str]]:
+    """Module name to (file, the package that it counts its dots from)."""
+    modules = {}
+    for path in sorted(folder.rglob("*.py")):
+        inside = path.relative_to(folder)
+        if "_bundled" in inside.parts or "presets" in inside.parts:
+            continue
+        parts = [package, *inside.with_suffix("").parts]
+        if parts[-1] == "__init__":
+            parts = parts[:-1]
+            modules[".".join(parts)] = (path, ".".join(parts))
+        else:
+            modules[".".join(parts)] = (path, ".".join(parts[:-1]))
+    return modules
+
+
+@pytest.mark.parametrize(("folder", "package"), [("addon", "addon"), ("engine/python/petzval", "petzval")])
+def test_python_modules_form_no_circle(folder, package):
+    modules = python_modules(ROOT / folder, package)
+    graph = {
+        # A package's own __init__ is loaded before its modules whatever they import; it stands above them.
+        name: {
+            used
+            for used in imports(path, base, everywhere=False)
+            if used in modules and used != name and not name.startswith(f"{used}.")
+        }
+        for name, (path, base) in modules.items()
+    }
+    try:
+        tuple(graphlib.TopologicalSorter(graph).static_order())
+    except graphlib.CycleError as error:
+        pytest.fail("a circle of imports: " + " → ".join(error.args[1]))
+
+
+def top_names(names: set[str]) -> set[str]:
+    return {name.split(".")[0] for name in names}
+
+
+@pytest.mark.parametrize("name", ["description.py", "tiles.py"])
+def test_plain_parts_of_the_addon_know_no_blender(name):
+    path = ROOT / "addon" / name
+    assert not {"bpy", "gpu", "mathutils"} & top_names(imports(path, "addon", everywhere=True))
+
+
+def test_the_package_loads_no_blender_by_itself():
+    for name, (path, base) in python_modules(ROOT / "engine/python/petzval", "petzval").items():
+        assert not {"bpy", "numpy", "petzval_addon"} & top_names(imports(path, base, everywhere=False)), name
+
+
+def test_the_addon_does_not_use_the_command_line():
+    for name, (path, base) in python_modules(ROOT / "addon", "addon").items():
+        used = imports(path, base, everywhere=True)
+        assert not {one for one in used if re.match(r"petzval\.(cli|\w+_command)\b", one)}, name
+
+
+# Tracked files ---------------------------------------------------------------------------------------------------
+
+# Put together here so that this file does not trip over itself.
+MACHINE_PATHS = re.compile("|".join(rf"(?<![\w.]){path}" for path in ("/root/", "/home/[a-z]", "/work/", "/Users/")))
+REGISTRY_HOSTS = re.compile(
+    "|".join(re.escape(host) for host in ("pypi.org", "pythonhosted.org", "deb.debian.org", "static.crates.io"))
+)
+
+
+def tracked_texts():
+    for path in tracked_files():
+        try:
+            yield path.relative_to(ROOT), path.read_text(encoding="utf-8")
+        except UnicodeDecodeError:
+            continue
+
+
+def test_no_path_of_a_machine_and_no_registry_in_tracked_files():
+    wrong = [
+        f"{path}:{number}: {line.strip()[:120]}"
+        for path, text in tracked_texts()
+        for number, line in enumerate(text.splitlines(), 1)
+        if MACHINE_PATHS.search(line) or REGISTRY_HOSTS.search(line)
+    ]
+    assert not wrong, "\n".join(wrong)
+
+
+def test_one_version():
+    cargo = tomllib.loads((ROOT / "Cargo.toml").read_text())["workspace"]["package"]["version"]
+    extension = tomllib.loads((ROOT / "addon/blender_manifest.toml").read_text())["version"]
+    assert extension == cargo
+
+
+def test_long_files_are_named():
+    for path, text in tracked_texts():
+        if path.suffix in (".rs", ".py") and (lines := text.count("\n")) > LONG_FILE_LINES:
+            warnings.warn(f"{path} has {lines} lines: is it one subject?", stacklevel=1)
+
+
+# The rules themselves --------------------------------------------------------------------------------------------
+
+
+def test_used_modules_opens_braces():
+    source = "use crate::{film::{Film, Tile}, job, scene::Scene};\nuse crate::lights::Light; // crate::no\n"
+    assert used_modules(program_text(source), "crate") == {"film", "job", "scene", "lights"}
+
+
+def test_program_text_leaves_tests_out():
+    assert "job" not in program_text("use crate::film;\n#[cfg(test)]\nmod tests {\n    use crate::job;\n}\n")
+
+
+def test_module_order_is_read():
+    order = module_order("render")
+    assert len(order) > 3
+    assert all(first != second for first, second in pairwise(order))
+
+
+def test_machine_paths_are_found():
+    assert MACHINE_PATHS.search("see /ho" + "me/ann/lens.txt")
+    assert not MACHINE_PATHS.search("engine/wo" + "rk/x and docs/ho" + "me/a")
