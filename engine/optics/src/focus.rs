@@ -69,7 +69,7 @@ impl Conjugates {
         // The ray (y, ν) on the last vertex plane that meets the film on the axis, taken back: the inverse matrix.
         let distance = (film_z_mm - self.last_z_mm) / self.image_index;
         let Matrix { a, b, c, d } = self.matrix;
-        let (y, nu) = (d * distance + b, c * distance + a);
+        let (y, nu) = (-d * distance - b, c * distance + a);
         // A film at the focal plane to within rounding sees infinity.
         if nu.abs() <= 1e-13 * (c * distance).abs() { f64::INFINITY } else { -y / nu }
     }
