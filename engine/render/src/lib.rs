@@ -13,10 +13,13 @@
 //! Radiance and colour are scene-linear Rec.709 triples, [`Rgb`].
 
 pub mod accel;
+pub mod camera;
 pub mod film;
 pub mod integrator;
+pub mod job;
 pub mod lights;
 pub mod nodes;
+pub mod pipeline;
 pub mod sampler;
 pub mod scene;
 pub mod shading;

@@ -49,8 +49,15 @@ impl Chosen {
     }
 }
 
-/// Follows a ray from the camera; at most `max_bounces` bounces after the first surface.
-pub fn trace(stage: &Stage, camera_ray: Ray, max_bounces: u32, sampler: &mut PathSampler) -> PathResult {
+/// Follows a ray from the camera; at most `max_bounces` bounces after the first surface. With `hide_sky` the world
+/// and suns light the scene, but the camera does not see them.
+pub fn trace(
+    stage: &Stage,
+    camera_ray: Ray,
+    max_bounces: u32,
+    hide_sky: bool,
+    sampler: &mut PathSampler,
+) -> PathResult {
     let scene = &stage.scene;
     let mut result = PathResult::default();
     let mut ray = camera_ray;
@@ -70,6 +77,9 @@ pub fn trace(stage: &Stage, camera_ray: Ray, max_bounces: u32, sampler: &mut Pat
             result.hit = true;
         });
         let Some(hit) = hit else {
+            if camera && hide_sky {
+                break;
+            }
             stage.lights.sky_along(scene, ray.direction, camera, |radiance, pdf| {
                 result.radiance += throughput * radiance * chosen.weight(pdf);
             });

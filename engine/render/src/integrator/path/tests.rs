@@ -31,7 +31,7 @@ fn mean(stage: &Stage, origin: Vec3A, max_bounces: u32, n: u32) -> Rgb {
         let mut sampler = PathSampler::new(0, 0, i, 1);
         let u = sampler.next_4d();
         let d = warp::sample_sphere([u[0], u[1]]);
-        sum += trace(stage, Ray::new(origin, d), max_bounces, &mut sampler).radiance.as_dvec3();
+        sum += trace(stage, Ray::new(origin, d), max_bounces, false, &mut sampler).radiance.as_dvec3();
     }
     (sum / n as f64).as_vec3()
 }
@@ -125,7 +125,7 @@ fn alpha_lets_light_through() {
     let mut sampler = PathSampler::new(0, 0, 0, 1);
     // Off the diagonal, where two triangles of the sheet meet.
     let ray = Ray::new(Vec3A::new(0.02, 0.01, 0.5), -Vec3A::Z);
-    let found = trace(&stage, ray, 0, &mut sampler).radiance.x;
+    let found = trace(&stage, ray, 0, false, &mut sampler).radiance.x;
     let pi = std::f32::consts::PI;
     let expected = 100.0 / (4.0 * pi) / 4.0 / pi * 0.75;
     // The floor is met 0.02 off the lamp's axis: cos^4 of a hundredth of a radian.

@@ -1,0 +1,245 @@
+//! From a point of the picture to a weighted ray into the scene, by one of several models of a camera.
+//!
+//! The only place where lens millimetres meet world units. Picture coordinates are fractions of the picture's
+//! width and height from its centre, right and up as one looks at the finished picture: -1/2 to 1/2.
+
+pub mod pinhole;
+pub mod real_lens;
+pub mod thin;
+
+use crate::Rgb;
+use crate::accel::Ray;
+use glam::{DMat3, DMat4, DVec3, Vec2};
+use petzval_optics::focus::FocusError;
+use petzval_optics::formats::lens::LensFileError;
+use petzval_optics::system::SystemError;
+use pinhole::Pinhole;
+use real_lens::{LensInfo, RealLens};
+use std::path::PathBuf;
+use thin::Thin;
+
+/// Why a camera cannot photograph.
+#[derive(Debug, thiserror::Error)]
+pub enum CameraError {
+    /// The lens file is missing or wrong.
+    #[error(transparent)]
+    Lens(#[from] LensFileError),
+    /// The lens cannot be set as asked.
+    #[error("lens '{lens}': {source}")]
+    System {
+        /// The lens's name.
+        lens: String,
+        /// Why.
+        source: SystemError,
+    },
+    /// The lens cannot be focused as asked.
+    #[error("camera '{camera}': {source}")]
+    Focus {
+        /// The camera's object.
+        camera: String,
+        /// Why.
+        source: FocusError,
+    },
+    /// A setting out of range.
+    #[error("camera '{camera}': {what}")]
+    Setting {
+        /// The camera's object.
+        camera: String,
+        /// Which, and what to do.
+        what: String,
+    },
+}
+
+/// Which model photographs.
+#[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
+pub enum Model {
+    /// Every ray traced through the prescription.
+    #[default]
+    Lens,
+    /// A point.
+    Pinhole,
+    /// A plane that bends light without aberration.
+    Thin,
+}
+
+/// A camera as it arrives. Angles in radians; `None` leaves the lens's own value.
+#[derive(Clone, Debug)]
+pub struct CameraDescription {
+    /// For messages.
+    pub object_name: String,
+    /// Which model.
+    pub model: Model,
+    /// Camera space (x right, y up, looking along -z) to world space; its scale does not count.
+    pub matrix_world: DMat4,
+    /// Blender's own focal length, mm, for pinhole and thin.
+    pub pinhole_focal_length_mm: f64,
+    /// Width of the whole picture on Blender's own sensor, mm.
+    pub pinhole_film_width_mm: f64,
+    /// Blender's own shift, in units of the picture's larger side.
+    pub pinhole_shift: [f64; 2],
+    /// The lens file.
+    pub lens_path: PathBuf,
+    /// Focal length to scale the lens to, mm.
+    pub focal_length_mm: Option<f64>,
+    /// Or its scale.
+    pub focal_scale: Option<f64>,
+    /// Stop; `None` is wide open.
+    pub f_number: Option<f64>,
+    /// Diaphragm blades; 0 is round.
+    pub blades: u32,
+    /// Turn of the diaphragm.
+    pub blade_rotation_rad: f64,
+    /// Along the axis from the entrance pupil, Blender units; `None` is infinity.
+    pub focus_distance: Option<f64>,
+    /// A point whose depth is focused on, world space; wins over the distance.
+    pub focus_point_world: Option<DVec3>,
+    /// From the last vertex to the film's middle, mm; wins over both.
+    pub film_distance_mm: Option<f64>,
+    /// Film.
+    pub film_width_mm: f64,
+    /// Film.
+    pub film_height_mm: f64,
+    /// Turn of the film about its horizontal axis.
+    pub tilt_rad: f64,
+    /// Turn of the film about its vertical axis.
+    pub swing_rad: f64,
+    /// Millimetres in the lens's space for a Blender unit along the camera's axes.
+    pub scale_mm_per_unit: DVec3,
+    /// One wavelength, nm; `None` is the visible spectrum.
+    pub wavelength_nm: Option<f64>,
+}
+
+impl CameraDescription {
+    pub(super) fn error(&self, what: impl Into<String>) -> CameraError {
+        CameraError::Setting { camera: self.object_name.clone(), what: what.into() }
+    }
+
+    /// The camera's place in the world: render space's origin.
+    pub fn position(&self) -> DVec3 {
+        self.matrix_world.w_axis.truncate()
+    }
+
+    /// Camera axes in world space, unit and perpendicular.
+    fn axes(&self) -> Result<DMat3, CameraError> {
+        let m = DMat3::from_mat4(self.matrix_world);
+        let bad = || self.error("its matrix is not finite or has no scale; reset the camera object's scale");
+        if !self.matrix_world.is_finite() {
+            return Err(bad());
+        }
+        let z = m.z_axis.try_normalize().ok_or_else(bad)?;
+        let x = (m.x_axis - z * m.x_axis.dot(z)).try_normalize().ok_or_else(bad)?;
+        // A mirrored camera object still takes an unmirrored picture, as in Cycles.
+        let y = z.cross(x);
+        Ok(DMat3::from_cols(x, y, z))
+    }
+
+    /// Distance of the plane to be sharp along the axis, Blender units; `None` is infinity.
+    pub(super) fn focus_depth(&self) -> Result<Option<f64>, CameraError> {
+        if let Some(p) = self.focus_point_world {
+            let depth = -(p - self.position()).dot(self.axes()?.z_axis);
+            if !(depth > 0.0 && depth.is_finite()) {
+                return Err(self.error("the focus object lies behind the camera or in it; move one of them"));
+            }
+            return Ok(Some(depth));
+        }
+        match self.focus_distance {
+            Some(d) if d.is_nan() || d <= 0.0 => Err(self.error("the focus distance is not positive; raise it")),
+            Some(d) if d.is_infinite() => Ok(None),
+            d => Ok(d),
+        }
+    }
+
+    /// Checks what every model needs.
+    fn check(&self, width: u32, height: u32) -> Result<(), CameraError> {
+        if width == 0 || height == 0 {
+            return Err(self.error("the picture has no pixels; raise the resolution"));
+        }
+        let positive = |value: f64, name: &str| {
+            if value > 0.0 && value.is_finite() {
+                Ok(())
+            } else {
+                Err(self.error(format!("{name} is {value}; set it above zero")))
+            }
+        };
+        for value in self.scale_mm_per_unit.to_array() {
+            positive(value, "a world-to-lens scale")?;
+        }
+        match self.model {
+            Model::Lens => {
+                positive(self.film_width_mm, "the film width")?;
+                positive(self.film_height_mm, "the film height")
+            }
+            Model::Pinhole | Model::Thin => {
+                positive(self.pinhole_focal_length_mm, "the focal length")?;
+                positive(self.pinhole_film_width_mm, "the sensor width")
+            }
+        }
+    }
+}
+
+/// A ray into the scene and what its radiance counts in each channel.
+#[derive(Clone, Copy, Debug)]
+pub struct CameraRay {
+    /// Render space.
+    pub ray: Ray,
+    /// Averages to the picture's brightness, one in the middle of a uniform white world.
+    pub weight: Rgb,
+}
+
+/// A camera ready to photograph.
+pub enum Camera {
+    /// A point.
+    Pinhole(Pinhole),
+    /// A thin lens.
+    Thin(Thin),
+    /// A real one.
+    Lens(Box<RealLens>),
+}
+
+impl Camera {
+    /// Checks a description and prepares its model for a picture of that many pixels.
+    ///
+    /// # Errors
+    /// [`CameraError`].
+    pub fn new(d: &CameraDescription, width: u32, height: u32) -> Result<Self, CameraError> {
+        d.check(width, height)?;
+        let axes = d.axes()?;
+        Ok(match d.model {
+            Model::Pinhole => Self::Pinhole(Pinhole::new(d, axes, width, height)),
+            Model::Thin => Self::Thin(Thin::new(d, axes, width, height)?),
+            Model::Lens => Self::Lens(Box::new(RealLens::new(d, axes, width, height)?)),
+        })
+    }
+
+    /// A ray for the picture point `p`, or `None` where it is lost in the lens. `u_lens` chooses the point of
+    /// the pupil, `u_wavelength` the wavelength.
+    #[inline]
+    pub fn sample(&self, p: Vec2, u_lens: [f32; 2], u_wavelength: f32) -> Option<CameraRay> {
+        match self {
+            Self::Pinhole(c) => Some(c.ray(p)),
+            Self::Thin(c) => Some(c.sample(p, u_lens)),
+            Self::Lens(c) => c.sample(p, u_lens, u_wavelength),
+        }
+    }
+
+    /// What it is called in reports.
+    pub fn name(&self) -> &str {
+        match self {
+            Self::Pinhole(_) => "pinhole",
+            Self::Thin(_) => "thin lens",
+            Self::Lens(lens) => &lens.info().lens_name,
+        }
+    }
+}
+
+/// What a real lens does in this camera, without preparing to render; quick enough for a panel.
+///
+/// # Errors
+/// As [`Camera::new`].
+pub fn lens_info(d: &CameraDescription, width: u32, height: u32) -> Result<LensInfo, CameraError> {
+    d.check(width, height)?;
+    real_lens::Setup::new(d, width, height).map(|setup| setup.info)
+}
+
+#[cfg(test)]
+mod tests;

@@ -1,0 +1,44 @@
+//! The pinhole: every ray through one point, as Blender's perspective camera without depth of field.
+
+use super::{CameraDescription, CameraRay};
+use crate::Rgb;
+use crate::accel::Ray;
+use glam::{DMat3, DVec3, Vec2, Vec3A};
+
+/// A perspective camera.
+pub struct Pinhole {
+    axes: DMat3,
+    // At unit depth: width, height, and the picture's centre.
+    width: f64,
+    height: f64,
+    centre: [f64; 2],
+}
+
+impl Pinhole {
+    pub(super) fn new(d: &CameraDescription, axes: DMat3, width: u32, height: u32) -> Self {
+        let w = d.pinhole_film_width_mm / d.pinhole_focal_length_mm;
+        let h = w * height as f64 / width as f64;
+        let larger = w.max(h);
+        let centre = d.pinhole_shift.map(|s| s * larger);
+        Self { axes, width: w, height: h, centre }
+    }
+
+    /// The ray of a picture point.
+    #[inline]
+    pub fn ray(&self, p: Vec2) -> CameraRay {
+        let d = (self.axes * self.at_unit_depth(p)).normalize();
+        CameraRay { ray: Ray::new(Vec3A::ZERO, d.as_vec3a()), weight: Rgb::ONE }
+    }
+
+    /// The point of a picture point's ray at depth one, camera space.
+    #[inline]
+    pub(super) fn at_unit_depth(&self, p: Vec2) -> DVec3 {
+        let x = p.x as f64 * self.width + self.centre[0];
+        let y = p.y as f64 * self.height + self.centre[1];
+        DVec3::new(x, y, -1.0)
+    }
+
+    pub(super) fn axes(&self) -> &DMat3 {
+        &self.axes
+    }
+}

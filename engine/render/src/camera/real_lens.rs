@@ -1,0 +1,284 @@
+//! The real lens: from a point of the film, every ray is traced exactly through every surface.
+//!
+//! Radiance is conserved along a ray, so a film point's exposure is the integral of radiance over the clear pupil
+//! with the weight cos(film) cos(pupil) / distance^2; it is divided by what the middle of the film gets from a
+//! uniform world of radiance one.
+
+use super::{CameraDescription, CameraError, CameraRay};
+use crate::accel::Ray;
+use crate::spectrum::FilmSpectrum;
+use glam::{DMat3, DVec3, Vec2};
+use petzval_optics::focus::{self, FilmPlane, FocusError};
+use petzval_optics::formats::lens;
+use petzval_optics::glass::Catalogue;
+use petzval_optics::paraxial::Paraxial;
+use petzval_optics::pupil_map::{PupilMap, on_axis_throughput};
+use petzval_optics::system::{FocalLength, System, SystemError, SystemSettings};
+use petzval_optics::trace::{Ray as LensRay, Tracer};
+
+/// Yellow helium line, where lenses are focused and measured, nm.
+const D_LINE_NM: f64 = 587.5618;
+
+/// What a lens does in a camera: for panels, reports, and a viewport that frames the same picture.
+#[derive(Clone, Debug)]
+pub struct LensInfo {
+    /// From the lens file.
+    pub lens_name: String,
+    /// Surfaces, the diaphragm among them.
+    pub surfaces: usize,
+    /// At the d line, mm; `None` for an afocal lens.
+    pub efl_mm: Option<f64>,
+    /// Last vertex to image focal point, mm.
+    pub bfd_mm: Option<f64>,
+    /// In force.
+    pub f_number: f64,
+    /// What the clear apertures allow.
+    pub widest_f_number: f64,
+    /// The f-number asked for is wider than that.
+    pub f_number_was_clamped: bool,
+    /// Film's middle in lens space, mm.
+    pub film_z_mm: f64,
+    /// Film's middle from the last vertex, mm.
+    pub film_distance_mm: f64,
+    /// From the entrance pupil to what is sharp, mm; `None` is infinity.
+    pub focus_distance_mm: Option<f64>,
+    /// Image over object height; negative is upside down on the film.
+    pub magnification: f64,
+    /// Whole angles that the picture sees, by exact rays; `None` where they are lost.
+    pub fov_horizontal_rad: Option<f64>,
+    /// As before.
+    pub fov_vertical_rad: Option<f64>,
+    /// As before.
+    pub fov_diagonal_rad: Option<f64>,
+    /// The part of the film that the picture takes, mm.
+    pub picture_width_mm: f64,
+    /// As before.
+    pub picture_height_mm: f64,
+    /// A pinhole of this focal length over that width frames the same picture, mm.
+    pub viewport_focal_length_mm: f64,
+    /// mm.
+    pub entrance_pupil_diameter_mm: Option<f64>,
+}
+
+/// A lens set, focused and put before its film: all that a panel needs.
+pub(super) struct Setup {
+    pub(super) info: LensInfo,
+    system: System,
+    film: FilmPlane,
+    // Entrance pupil's centre in lens space; the front vertex where that is at infinity.
+    origin_z_mm: f64,
+}
+
+impl Setup {
+    pub(super) fn new(d: &CameraDescription, width: u32, height: u32) -> Result<Self, CameraError> {
+        let prescription = lens::read(&d.lens_path, Catalogue::shipped())?;
+        let name = prescription.name.clone();
+        let wrong = |source: SystemError| CameraError::System { lens: name.clone(), source };
+        let focal_length = match (d.focal_length_mm, d.focal_scale) {
+            (Some(mm), _) => FocalLength::Millimetres(mm),
+            (None, Some(scale)) => FocalLength::Scale(scale),
+            (None, None) => FocalLength::AsPublished,
+        };
+        let settings = SystemSettings {
+            focal_length,
+            f_number: d.f_number,
+            blades: d.blades,
+            blade_rotation_rad: d.blade_rotation_rad,
+        };
+        let system = System::new(&prescription, &settings).map_err(wrong)?;
+        let line = d.wavelength_nm.unwrap_or(D_LINE_NM);
+        let film_z_mm = film_z(d, &system, line)?;
+        let film = FilmPlane { tilt_rad: d.tilt_rad, swing_rad: d.swing_rad, ..FilmPlane::upright(film_z_mm) };
+        let paraxial = Paraxial::new(&system, line);
+        let origin_z_mm = paraxial.entrance_pupil.z_mm.unwrap_or(0.0);
+
+        // The largest part of the film with the picture's shape.
+        let aspect = width as f64 / height as f64;
+        let picture_width_mm = d.film_width_mm.min(d.film_height_mm * aspect);
+        let picture_height_mm = picture_width_mm / aspect;
+
+        let distance = focus::focus_distance_for_film_mm(&system, line, film_z_mm);
+        let magnification = focus::magnification(&system, line, film_z_mm);
+        let efl = paraxial.efl_mm;
+        // A chief ray at unit slope in front of the lens lands this far from the film's middle.
+        let viewport_focal_length_mm = if distance.is_finite() && magnification != 0.0 {
+            (magnification * distance).abs()
+        } else {
+            efl.map_or(50.0, f64::abs)
+        };
+        let chief = ChiefRays { tracer: system.at_wavelength(line), film, exit_z_mm: paraxial.exit_pupil.z_mm };
+        let (hw, hh) = (0.5 * picture_width_mm, 0.5 * picture_height_mm);
+        let info = LensInfo {
+            lens_name: system.name().to_owned(),
+            surfaces: system.surface_count(),
+            efl_mm: efl,
+            bfd_mm: paraxial.bfd_mm,
+            f_number: system.f_number(),
+            widest_f_number: system.widest_f_number(),
+            f_number_was_clamped: system.f_number_was_clamped(),
+            film_z_mm,
+            film_distance_mm: film_z_mm - system.last_vertex_z_mm(),
+            focus_distance_mm: distance.is_finite().then_some(distance),
+            magnification,
+            fov_horizontal_rad: chief.angle_between([-hw, 0.0], [hw, 0.0]),
+            fov_vertical_rad: chief.angle_between([0.0, -hh], [0.0, hh]),
+            fov_diagonal_rad: chief.angle_between([-hw, -hh], [hw, hh]),
+            picture_width_mm,
+            picture_height_mm,
+            viewport_focal_length_mm,
+            entrance_pupil_diameter_mm: paraxial.entrance_pupil.diameter_mm,
+        };
+        Ok(Self { info, system, film, origin_z_mm })
+    }
+}
+
+/// Where the film's middle is to stand, lens space.
+fn film_z(d: &CameraDescription, system: &System, line_nm: f64) -> Result<f64, CameraError> {
+    let wrong = |source: FocusError| CameraError::Focus { camera: d.object_name.clone(), source };
+    if let Some(distance) = d.film_distance_mm {
+        if !(distance.is_finite() && distance * system.light_direction_at_film() > 0.0) {
+            return Err(d.error(format!("the film distance is {distance} mm; the film must stand behind the lens")));
+        }
+        return Ok(system.last_vertex_z_mm() + distance);
+    }
+    let distance_mm = d.focus_depth()?.map_or(f64::INFINITY, |units| units * d.scale_mm_per_unit.z);
+    focus::film_z_for_focus_mm(system, line_nm, distance_mm).map_err(wrong)
+}
+
+/// Rays from film points through the middle of the exit pupil.
+struct ChiefRays {
+    tracer: Tracer,
+    film: FilmPlane,
+    exit_z_mm: Option<f64>,
+}
+
+impl ChiefRays {
+    /// The angle between the scene directions of two film points.
+    fn angle_between(&self, a: [f64; 2], b: [f64; 2]) -> Option<f64> {
+        let direction = |[u, v]: [f64; 2]| {
+            let p = self.film.point(u, v);
+            let through = match self.exit_z_mm {
+                Some(z) => DVec3::new(0.0, 0.0, z) - p,
+                None => DVec3::NEG_Z,
+            };
+            // An exit pupil behind the film is looked at backwards.
+            let d = through.normalize_or(DVec3::NEG_Z);
+            let d = if d.dot(self.film.normal()) < 0.0 { -d } else { d };
+            self.tracer.from_film(LensRay { origin: p, direction: d }).ok().map(|r| r.direction)
+        };
+        let (a, b) = (direction(a)?, direction(b)?);
+        let angle = a.cross(b).length().atan2(a.dot(b));
+        // Fisheyes: more than half a turn when both look backwards.
+        Some(if a.z > 0.0 && b.z > 0.0 { std::f64::consts::TAU - angle } else { angle })
+    }
+}
+
+/// A real lens before its film, ready to photograph.
+pub struct RealLens {
+    info: LensInfo,
+    film: FilmPlane,
+    spectrum: FilmSpectrum,
+    // By wavelength of the film.
+    lines: Vec<Line>,
+    maps: Vec<PupilMap>,
+    /// Lens space to render space.
+    axes: DMat3,
+    origin_z_mm: f64,
+    per_unit: DVec3,
+}
+
+/// One wavelength of the film.
+struct Line {
+    tracer: Tracer,
+    map: usize,
+    /// One over the exposure of the film's middle.
+    gain: f64,
+}
+
+impl RealLens {
+    pub(super) fn new(d: &CameraDescription, axes: DMat3, width: u32, height: u32) -> Result<Self, CameraError> {
+        let Setup { info, system, film, origin_z_mm } = Setup::new(d, width, height)?;
+        let spectrum = match d.wavelength_nm {
+            Some(nm) if !(100.0..=20_000.0).contains(&nm) => {
+                return Err(d.error(format!("the wavelength is {nm} nm; visible light is 380 to 780 nm")));
+            }
+            Some(nm) => FilmSpectrum::single(nm),
+            None => FilmSpectrum::visible(),
+        };
+        let tracers: Vec<Tracer> = spectrum.wavelengths().iter().map(|w| system.at_wavelength(w.nm)).collect();
+        let half = [0.5 * info.picture_width_mm, 0.5 * info.picture_height_mm];
+        let middle = tracers.len() / 2;
+        let representative: Vec<Tracer> = if tracers.len() == 1 {
+            tracers.clone()
+        } else {
+            [0, middle, tracers.len() - 1].map(|i| tracers[i].clone()).to_vec()
+        };
+        let maps = vec![PupilMap::for_tracers(&representative, &system, &film, half[0], half[1])];
+        let gains = gains(&tracers, &system, film.z_mm);
+        if !gains.iter().all(|g| g.is_finite()) {
+            return Err(d.error(format!(
+                "no light gets through '{}' to the middle of the film; open the diaphragm or change the focus",
+                info.lens_name
+            )));
+        }
+        let lines = tracers.into_iter().zip(gains).map(|(tracer, gain)| Line { tracer, map: 0, gain }).collect();
+        Ok(Self { info, film, spectrum, lines, maps, axes, origin_z_mm, per_unit: d.scale_mm_per_unit })
+    }
+
+    /// What the lens does in this camera.
+    pub fn info(&self) -> &LensInfo {
+        &self.info
+    }
+
+    /// A ray for a picture point, or `None` where it is lost in the lens.
+    #[inline]
+    pub fn sample(&self, p: Vec2, u_lens: [f32; 2], u_wavelength: f32) -> Option<CameraRay> {
+        let index = self.spectrum.sample(u_wavelength);
+        let line = &self.lines[index];
+        let film_point = self.film_point(p);
+        let aim = self.maps[line.map].sample(film_point, u_lens.map(f64::from));
+        let to = aim.target - film_point;
+        let distance2 = to.length_squared();
+        let direction = to / distance2.sqrt();
+        let out = line.tracer.from_film(LensRay { origin: film_point, direction }).ok()?;
+        let cosines = self.film.normal().dot(direction).abs() * direction.z.abs();
+        let exposure = cosines / (distance2 * aim.pdf_per_mm2) * line.gain;
+        let (origin, direction) = self.to_render(&out);
+        let weight = self.spectrum.wavelengths()[index].weight * exposure as f32;
+        Some(CameraRay { ray: Ray::new(origin.as_vec3a(), direction.as_vec3a()), weight })
+    }
+
+    /// The film point of a picture point, lens space: the picture on the film is turned by half a turn.
+    fn film_point(&self, p: Vec2) -> DVec3 {
+        self.film.point(-p.x as f64 * self.info.picture_width_mm, -p.y as f64 * self.info.picture_height_mm)
+    }
+
+    /// A ray in front of the lens, from lens space to render space: camera space has the lens's axes, with the
+    /// entrance pupil's centre as origin.
+    fn to_render(&self, ray: &LensRay) -> (DVec3, DVec3) {
+        let origin = (ray.origin - DVec3::new(0.0, 0.0, self.origin_z_mm)) / self.per_unit;
+        let direction = (ray.direction / self.per_unit).normalize();
+        (self.axes * origin, self.axes * direction)
+    }
+}
+
+/// One over the exposure of the film's middle at each wavelength. It changes smoothly, so a parabola through
+/// three wavelengths serves for all.
+fn gains(tracers: &[Tracer], system: &System, film_z_mm: f64) -> Vec<f64> {
+    let exact = |i: usize| on_axis_throughput(&tracers[i], system, film_z_mm);
+    if tracers.len() < 3 {
+        return (0..tracers.len()).map(|i| 1.0 / exact(i)).collect();
+    }
+    let nodes = [0, tracers.len() / 2, tracers.len() - 1];
+    let x = nodes.map(|i| tracers[i].wavelength_nm());
+    let y = nodes.map(exact);
+    tracers
+        .iter()
+        .map(|t| {
+            let at = t.wavelength_nm();
+            let term =
+                |i: usize, j: usize, k: usize| y[i] * (at - x[j]) * (at - x[k]) / ((x[i] - x[j]) * (x[i] - x[k]));
+            1.0 / (term(0, 1, 2) + term(1, 2, 0) + term(2, 0, 1))
+        })
+        .collect()
+}

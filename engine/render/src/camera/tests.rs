@@ -1,0 +1,173 @@
+//! Cameras against closed forms and against the lens itself.
+
+use super::*;
+use glam::Vec3A;
+use std::path::Path;
+
+fn description(model: Model) -> CameraDescription {
+    CameraDescription {
+        object_name: "Camera".into(),
+        model,
+        matrix_world: DMat4::IDENTITY,
+        pinhole_focal_length_mm: 50.0,
+        pinhole_film_width_mm: 36.0,
+        pinhole_shift: [0.0, 0.0],
+        lens_path: lens("wide-angle-smith-f3.4.lens"),
+        focal_length_mm: None,
+        focal_scale: None,
+        f_number: None,
+        blades: 0,
+        blade_rotation_rad: 0.0,
+        focus_distance: Some(2.0),
+        focus_point_world: None,
+        film_distance_mm: None,
+        film_width_mm: 120.0,
+        film_height_mm: 80.0,
+        tilt_rad: 0.0,
+        swing_rad: 0.0,
+        scale_mm_per_unit: DVec3::splat(1000.0),
+        wavelength_nm: Some(587.5618),
+    }
+}
+
+fn lens(name: &str) -> PathBuf {
+    Path::new(env!("CARGO_MANIFEST_DIR")).join("../../lenses").join(name)
+}
+
+fn points(n: u32) -> impl Iterator<Item = [f32; 4]> {
+    (0..n).map(|i| sobol_burley::sample_4d(i, 0, 11))
+}
+
+#[test]
+fn pinhole_rays_are_blenders() {
+    let camera = Camera::new(&CameraDescription { pinhole_shift: [0.1, 0.0], ..description(Model::Pinhole) }, 200, 100);
+    let ray = camera.unwrap().sample(Vec2::new(0.5, -0.5), [0.0; 2], 0.0).unwrap().ray;
+    // Right edge: half of 36 mm plus a tenth of it, over 50 mm.
+    let expected = Vec3A::new(21.6, -9.0, -50.0).normalize();
+    assert!((ray.direction - expected).length() < 1e-6);
+}
+
+#[test]
+fn thin_rays_meet_in_the_focused_plane() {
+    let camera = Camera::new(&CameraDescription { blades: 6, ..description(Model::Thin) }, 200, 100).unwrap();
+    for u in points(100) {
+        let ray = camera.sample(Vec2::new(0.3, 0.2), [u[0], u[1]], 0.0).unwrap().ray;
+        let p = ray.origin + ray.direction * (-2.0 / ray.direction.z);
+        assert!((p - Vec3A::new(0.432, 0.144, -2.0)).length() < 1e-5, "{p}");
+        assert!(ray.origin.length() <= 0.05 / 5.6 + 1e-6);
+    }
+}
+
+/// In the middle of the film a uniform white world is 1, for every shipped lens, open, stopped down and with
+/// blades. This tests the pupil map, its densities, and the measure of the axis together.
+#[test]
+fn a_white_world_is_one_on_axis() {
+    let mut seen = 0;
+    for entry in std::fs::read_dir(lens("")).unwrap() {
+        let path = entry.unwrap().path();
+        if path.extension().is_none_or(|e| e != "lens") {
+            continue;
+        }
+        for (f_number, blades) in [(None, 0), (Some(11.0), 0), (Some(8.0), 5)] {
+            let d = CameraDescription {
+                lens_path: path.clone(),
+                f_number,
+                blades,
+                focus_distance: None,
+                film_width_mm: 3.0,
+                film_height_mm: 2.0,
+                ..description(Model::Lens)
+            };
+            let camera = match Camera::new(&d, 30, 20) {
+                Ok(camera) => camera,
+                // Lenses that focus nothing on their own film say so.
+                Err(CameraError::Focus { .. }) => continue,
+                Err(e) => panic!("{}: {e}", path.display()),
+            };
+            let n = 4096;
+            let sum: f64 = points(n)
+                .filter_map(|u| camera.sample(Vec2::ZERO, [u[0], u[1]], u[2]))
+                .map(|r| r.weight.x as f64)
+                .sum();
+            let mean = sum / n as f64;
+            // 4096 stratified samples of a nearly constant weight, some of them lost at the rim.
+            assert!((mean - 1.0).abs() < 0.01, "{}: {f_number:?} {blades}: {mean}", path.display());
+            seen += 1;
+        }
+    }
+    assert!(seen > 60, "{seen}");
+}
+
+/// The same through the whole spectrum, in every channel.
+#[test]
+fn a_white_world_is_white() {
+    let camera = Camera::new(&CameraDescription { wavelength_nm: None, ..description(Model::Lens) }, 300, 200).unwrap();
+    let n = 16384;
+    let sum: glam::DVec3 =
+        points(n).filter_map(|u| camera.sample(Vec2::ZERO, [u[0], u[1]], u[2])).map(|r| r.weight.as_dvec3()).sum();
+    let mean = sum / n as f64;
+    assert!((mean - glam::DVec3::ONE).abs().max_element() < 0.01, "{mean}");
+}
+
+/// Rays of one film point meet where the focus says, upright: the right of the picture looks to the right.
+#[test]
+fn the_lens_looks_where_the_picture_says() {
+    let d = description(Model::Lens);
+    let camera = Camera::new(&d, 300, 200).unwrap();
+    let info = lens_info(&d, 300, 200).unwrap();
+    assert!((info.focus_distance_mm.unwrap() - 2000.0).abs() < 1e-6, "{info:?}");
+    let p = Vec2::new(0.02, 0.01);
+    let mut n = 0;
+    for u in points(256) {
+        let Some(r) = camera.sample(p, [u[0], u[1]], u[2]) else { continue };
+        let at = r.ray.origin + r.ray.direction * ((-2.0 - r.ray.origin.z) / r.ray.direction.z);
+        let expected = Vec2::new(0.02 * 120.0, 0.01 * 80.0) / info.magnification.abs() as f32 / 1000.0;
+        // Wide open the lens has some spherical aberration: within 3 mm at two metres.
+        assert!((Vec2::new(at.x, at.y) - expected).length() < 3e-3, "{at} {expected}");
+        n += 1;
+    }
+    assert!(n > 200, "only {n} of 256 rays got through");
+    let viewport = 120.0 / info.viewport_focal_length_mm / 2.0;
+    let paraxial = 60.0 / info.magnification.abs() / 2000.0;
+    assert!((viewport - paraxial).abs() < 1e-9);
+}
+
+/// Nothing is lost or gained by where the camera stands and how it is turned, or by the scale of the world.
+#[test]
+fn world_scale_and_place_do_not_matter() {
+    let base = description(Model::Lens);
+    let scaled = CameraDescription {
+        matrix_world: DMat4::from_rotation_y(0.3) * DMat4::from_scale(DVec3::new(2.0, 2.0, -2.0)),
+        scale_mm_per_unit: DVec3::splat(10.0),
+        focus_distance: Some(200.0),
+        ..base.clone()
+    };
+    let (a, b) = (Camera::new(&base, 300, 200).unwrap(), Camera::new(&scaled, 300, 200).unwrap());
+    for u in points(64) {
+        let ray = |c: &Camera| c.sample(Vec2::new(0.2, -0.3), [u[0], u[1]], u[2]);
+        match (ray(&a), ray(&b)) {
+            (Some(a), Some(b)) => {
+                assert!((a.ray.origin * 100.0).length() - b.ray.origin.length() < 1e-3);
+                assert!((a.weight - b.weight).length() < 1e-5);
+            }
+            (None, None) => {}
+            _ => panic!("lost in one world only"),
+        }
+    }
+}
+
+#[test]
+fn errors_say_what_to_do() {
+    let bad = |change: &dyn Fn(&mut CameraDescription)| {
+        let mut d = description(Model::Lens);
+        change(&mut d);
+        Camera::new(&d, 30, 20).map(|_| ()).unwrap_err().to_string()
+    };
+    assert!(bad(&|d| d.lens_path = "nowhere.lens".into()).contains("nowhere.lens"));
+    assert!(bad(&|d| d.focus_distance = Some(1e-6)).contains("Camera"));
+    assert!(bad(&|d| d.focus_distance = Some(f64::NAN)).contains("focus distance"));
+    assert!(bad(&|d| d.film_width_mm = 0.0).contains("film width"));
+    assert!(bad(&|d| d.film_distance_mm = Some(-1.0)).contains("behind the lens"));
+    assert!(bad(&|d| d.matrix_world = DMat4::ZERO).contains("matrix"));
+    assert!(bad(&|d| d.focus_point_world = Some(DVec3::Z)).contains("behind the camera"));
+}

@@ -1,0 +1,313 @@
+//! A render: raw settings become checked ones, threads share out the tiles, and the outside watches and may stop it.
+//!
+//! The picture is refined in passes over all tiles. A tile's passes are added in order, whichever threads make
+//! them, so that the same seed gives the same bits for any number of threads.
+
+use crate::camera::Camera;
+use crate::film::{Film, TilePixels};
+use crate::integrator::Stage;
+use crate::pipeline::film_first::{Counts, Shot, render_tile};
+use crate::sampler::warp::PixelFilter;
+use std::panic::{AssertUnwindSafe, catch_unwind};
+use std::sync::atomic::{AtomicBool, AtomicUsize, Ordering};
+use std::sync::{Arc, Condvar, Mutex, PoisonError};
+use std::thread::JoinHandle;
+use std::time::{Duration, Instant};
+
+/// The most samples a pixel gets in one pass. More cost less overhead; fewer show a picture and stop sooner.
+const MOST_PER_PASS: u32 = 16;
+/// The largest picture side, so that sizes fit in memory arithmetic.
+const MOST_PIXELS: u32 = 65_536;
+
+/// Settings as they arrive.
+#[derive(Clone, Debug)]
+pub struct Settings {
+    /// Columns.
+    pub width: u32,
+    /// Rows.
+    pub height: u32,
+    /// Samples a pixel.
+    pub samples: u32,
+    /// Of all random choices.
+    pub seed: u32,
+    /// Number of the first sample: renders of one seed and disjoint ranges can be merged.
+    pub sample_offset: u32,
+    /// 0 is one a core.
+    pub threads: usize,
+    /// Bounces after the first surface.
+    pub max_bounces: u32,
+    /// Of the Blackman-Harris filter; 0 is a box of one pixel.
+    pub filter_width_px: f32,
+    /// The world is not seen by the camera; its pixels are transparent.
+    pub transparent_film: bool,
+}
+
+/// A setting out of range.
+#[derive(Debug, thiserror::Error)]
+pub enum SettingsError {
+    /// The picture's size.
+    #[error("resolution {width} x {height}: set each side from 1 to {MOST_PIXELS} pixels")]
+    Resolution {
+        /// Columns.
+        width: u32,
+        /// Rows.
+        height: u32,
+    },
+    /// No samples, or more than can be counted.
+    #[error("{samples} samples from number {offset}: set at least one, and less than 2^31 in all")]
+    Samples {
+        /// How many.
+        samples: u32,
+        /// From which.
+        offset: u32,
+    },
+    /// The filter.
+    #[error("filter width {0} pixels: set it from 0 to 10")]
+    Filter(f32),
+}
+
+impl Settings {
+    fn check(&self) -> Result<(), SettingsError> {
+        let side = 1..=MOST_PIXELS;
+        if !side.contains(&self.width) || !side.contains(&self.height) {
+            return Err(SettingsError::Resolution { width: self.width, height: self.height });
+        }
+        let last = self.samples.checked_add(self.sample_offset);
+        if self.samples == 0 || last.is_none_or(|n| n > i32::MAX as u32) {
+            return Err(SettingsError::Samples { samples: self.samples, offset: self.sample_offset });
+        }
+        if !(0.0..=10.0).contains(&self.filter_width_px) {
+            return Err(SettingsError::Filter(self.filter_width_px));
+        }
+        Ok(())
+    }
+
+    /// Threads to use.
+    pub fn thread_count(&self) -> usize {
+        let cores = std::thread::available_parallelism().map_or(1, |n| n.get());
+        if self.threads == 0 { cores } else { self.threads.min(1024) }
+    }
+}
+
+/// What a render did.
+#[derive(Clone, Debug)]
+pub struct Statistics {
+    /// Wall time from the start to now or to the end, s.
+    pub render_seconds: f64,
+    /// Samples that every pixel has.
+    pub samples: u32,
+    /// Counts over all threads.
+    pub counts: Counts,
+    /// Threads used.
+    pub threads: usize,
+    /// A thread failed; the picture is what was done until then.
+    pub failure: Option<String>,
+}
+
+/// State that the threads share.
+struct Shared {
+    stage: Arc<Stage>,
+    camera: Camera,
+    settings: Settings,
+    filter: PixelFilter,
+    film: Film,
+    /// First sample and count of each pass.
+    passes: Vec<(u32, u32)>,
+    next: AtomicUsize,
+    stop: AtomicBool,
+    counts: Mutex<Counts>,
+    failure: Mutex<Option<String>>,
+    running: Mutex<usize>,
+    ended: Condvar,
+    started: Instant,
+    ended_at: Mutex<Option<Duration>>,
+}
+
+/// A render under way.
+pub struct Job {
+    shared: Arc<Shared>,
+    threads: Vec<JoinHandle<()>>,
+}
+
+impl Job {
+    /// Starts rendering in threads of its own.
+    ///
+    /// # Errors
+    /// [`SettingsError`].
+    pub fn start(stage: Arc<Stage>, camera: Camera, settings: Settings) -> Result<Self, SettingsError> {
+        settings.check()?;
+        let threads = settings.thread_count();
+        let shared = Arc::new(Shared {
+            filter: PixelFilter::new(settings.filter_width_px),
+            film: Film::new(settings.width, settings.height),
+            passes: passes(settings.samples),
+            stage,
+            camera,
+            settings,
+            next: AtomicUsize::new(0),
+            stop: AtomicBool::new(false),
+            counts: Mutex::default(),
+            failure: Mutex::default(),
+            running: Mutex::new(threads),
+            ended: Condvar::new(),
+            started: Instant::now(),
+            ended_at: Mutex::default(),
+        });
+        let threads = (0..threads)
+            .map(|_| {
+                let shared = shared.clone();
+                std::thread::spawn(move || shared.work())
+            })
+            .collect();
+        Ok(Self { shared, threads })
+    }
+
+    /// Waits until the render has ended or `timeout` is over; true where it has ended.
+    pub fn wait(&self, timeout: Duration) -> bool {
+        let running = lock(&self.shared.running);
+        let (running, _) =
+            self.shared.ended.wait_timeout_while(running, timeout, |n| *n > 0).unwrap_or_else(PoisonError::into_inner);
+        *running == 0
+    }
+
+    /// Asks to stop; what is finished stays. Returns at once.
+    pub fn stop(&self) {
+        self.shared.stop.store(true, Ordering::Relaxed);
+    }
+
+    /// The part of the work that is done, 0 to 1.
+    pub fn progress(&self) -> f32 {
+        let total = self.shared.passes.len() * self.shared.film.tile_count();
+        let taken = self.shared.next.load(Ordering::Relaxed).min(total);
+        // Passes are unequal: count samples.
+        let tiles = self.shared.film.tile_count();
+        let whole: u32 = self.shared.passes[..taken / tiles].iter().map(|p| p.1).sum();
+        let part = self.shared.passes.get(taken / tiles).map_or(0.0, |p| p.1 as f32 * (taken % tiles) as f32);
+        (whole as f32 + part / tiles as f32) / self.shared.settings.samples as f32
+    }
+
+    /// The film.
+    pub fn film(&self) -> &Film {
+        &self.shared.film
+    }
+
+    /// The tiles that changed since the last call.
+    pub fn take_tiles(&self) -> Vec<TilePixels> {
+        self.shared.film.take_changed()
+    }
+
+    /// The camera.
+    pub fn camera(&self) -> &Camera {
+        &self.shared.camera
+    }
+
+    /// The settings.
+    pub fn settings(&self) -> &Settings {
+        &self.shared.settings
+    }
+
+    /// The scene.
+    pub fn stage(&self) -> &Stage {
+        &self.shared.stage
+    }
+
+    /// What was done so far.
+    pub fn statistics(&self) -> Statistics {
+        let ended = *lock(&self.shared.ended_at);
+        Statistics {
+            render_seconds: ended.unwrap_or_else(|| self.shared.started.elapsed()).as_secs_f64(),
+            samples: self.shared.film.samples_everywhere(),
+            counts: *lock(&self.shared.counts),
+            threads: self.threads.len(),
+            failure: lock(&self.shared.failure).clone(),
+        }
+    }
+}
+
+impl Drop for Job {
+    /// Threads end before what they use goes.
+    fn drop(&mut self) {
+        self.stop();
+        for thread in self.threads.drain(..) {
+            // A panic was caught and recorded inside.
+            let _ = thread.join();
+        }
+    }
+}
+
+impl Shared {
+    /// One thread's life.
+    fn work(&self) {
+        if let Err(panic) = catch_unwind(AssertUnwindSafe(|| self.render())) {
+            let text = panic
+                .downcast_ref::<String>()
+                .cloned()
+                .or_else(|| panic.downcast_ref::<&str>().map(|s| (*s).to_owned()))
+                .unwrap_or_default();
+            *lock(&self.failure) = Some(format!("the renderer failed ({text}); please report this with the scene"));
+            self.stop.store(true, Ordering::Relaxed);
+        }
+        let mut running = lock(&self.running);
+        *running -= 1;
+        if *running == 0 {
+            *lock(&self.ended_at) = Some(self.started.elapsed());
+        }
+        self.ended.notify_all();
+    }
+
+    fn render(&self) {
+        let s = &self.settings;
+        let shot = Shot {
+            stage: &self.stage,
+            camera: &self.camera,
+            filter: &self.filter,
+            width: s.width,
+            height: s.height,
+            max_bounces: s.max_bounces,
+            seed: s.seed,
+            transparent_film: s.transparent_film,
+        };
+        let stopped = || self.stop.load(Ordering::Relaxed);
+        let tiles = self.film.tile_count();
+        loop {
+            let task = self.next.fetch_add(1, Ordering::Relaxed);
+            let (pass, tile) = (task / tiles, task % tiles);
+            let Some(&(first, count)) = self.passes.get(pass) else { return };
+            let first = s.sample_offset + first;
+            let Some((sums, counts)) = render_tile(&shot, self.film.rect(tile), first, count, &stopped) else { return };
+            // The pass before may still be under way in another thread.
+            loop {
+                let mut sums_so_far = self.film.tile(tile);
+                if sums_so_far.passes as usize == pass {
+                    sums_so_far.add_pass(&sums, count);
+                    break;
+                }
+                drop(sums_so_far);
+                if stopped() {
+                    return;
+                }
+                std::thread::yield_now();
+            }
+            lock(&self.counts).add(&counts);
+        }
+    }
+}
+
+/// First sample and count of each pass: one sample first, for something to look at, then twice as many each time.
+fn passes(samples: u32) -> Vec<(u32, u32)> {
+    let mut list = Vec::new();
+    let mut first = 0;
+    while first < samples {
+        let count = first.clamp(1, MOST_PER_PASS).min(samples - first);
+        list.push((first, count));
+        first += count;
+    }
+    list
+}
+
+fn lock<T>(mutex: &Mutex<T>) -> std::sync::MutexGuard<'_, T> {
+    mutex.lock().unwrap_or_else(PoisonError::into_inner)
+}
+
+#[cfg(test)]
+mod tests;
