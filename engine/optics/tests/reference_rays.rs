@@ -10,9 +10,9 @@ use petzval_optics::glass::line_nm;
 use petzval_optics::trace::{Failure, Ray, Tracer};
 use serde_json::Value;
 
-/// Hits and directions agree to this part of the lens's size (hits) and of 1 (directions), times the condition of
-/// the ray, see `tolerance`.
-const TOLERANCE: f64 = 1e-12;
+/// Hits agree to this part of the lens's size, directions to this part of 1. The start direction is normalised here
+/// in doubles and twenty surfaces add a rounding or two each: 3e-14 is the largest seen.
+const TOLERANCE: f64 = 1e-13;
 
 const LINES: [(&str, f64); 3] = [("F", line_nm::F), ("d", line_nm::D), ("C", line_nm::C)];
 
