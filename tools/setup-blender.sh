@@ -11,7 +11,7 @@ cache=${PETZVAL_CACHE:-${XDG_CACHE_HOME:-$HOME/.cache}/petzval}
 suite=trixie
 root=$cache/blender-$suite
 # A change of the recipe builds the folder anew: raise the number.
-recipe=1
+recipe=2
 packages="blender xvfb xauth libgl1-mesa-dri imagemagick xdotool python3-numpy"
 
 fail() {
@@ -77,6 +77,8 @@ if [ ! -e "$partial/.petzval-packages" ]; then
         run() { chroot "$1" env -i PATH=/usr/sbin:/usr/bin:/sbin:/bin HOME=/root DEBIAN_FRONTEND=noninteractive sh -euc "$2"; }
         run "$1" "dpkg --configure -a; apt-get update -q; apt-get install -yq --no-install-recommends $2; apt-get clean"
     ' sh "$partial" "$packages"
+    # Blender asks it for the disks.
+    ln -sf /proc/self/mounts "$partial/etc/mtab"
     : >"$partial/.petzval-packages"
 fi
 rm -rf "$root"
