@@ -15,6 +15,9 @@
 //! where its planes lie and where the film must stand; a [`trace::Tracer`] carries rays through it at one wavelength,
 //! either way; a [`pupil_map::PupilMap`] chooses where to aim from the film.
 //!
+//! A module uses only those that stand before it here: [`glass`] → [`surface`] → [`interface`] → [`diaphragm`] →
+//! [`prescription`] → [`formats`] → [`first_order`] → [`system`] → [`trace`] → [`paraxial`] → [`focus`] → [`pupil_map`].
+//!
 //! A ray that is lost is a result: the surface and one of seven reasons. No value is ever NaN, and no input panics.
 //!
 //! # One lens, worked through
