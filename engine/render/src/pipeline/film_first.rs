@@ -97,7 +97,7 @@ pub fn render_tile(
 
 /// One sample of one pixel.
 fn sample(shot: &Shot<'_>, x: u32, y: u32, index: u32, counts: &mut Counts) -> [f32; 4] {
-    let timed = counts.camera_rays % TIMED_EVERY == 0;
+    let timed = counts.camera_rays.is_multiple_of(TIMED_EVERY);
     let start = timed.then(Instant::now);
     let mut sampler = PathSampler::new(x, y, index, shot.seed);
     let [u0, u1, u2, u3] = sampler.next_4d();

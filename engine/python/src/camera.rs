@@ -1,0 +1,115 @@
+//! Camera descriptions, read by attribute.
+
+use crate::doorway::away;
+use crate::error::{Error, refused};
+use glam::{DMat4, DVec3};
+use petzval_render::camera::{self, CameraDescription, Model};
+use pyo3::prelude::*;
+use serde_json::json;
+
+/// A 4 x 4 matrix as Blender gives it, row by row.
+#[derive(FromPyObject)]
+#[pyo3(transparent)]
+pub(crate) struct Matrix4([[f64; 4]; 4]);
+
+impl From<Matrix4> for DMat4 {
+    fn from(m: Matrix4) -> Self {
+        DMat4::from_cols_array_2d(&m.0).transpose()
+    }
+}
+
+#[derive(FromPyObject)]
+pub(crate) struct PyCamera {
+    object_name: String,
+    model: String,
+    matrix_world: Matrix4,
+    pinhole_focal_length_mm: f64,
+    pinhole_film_width_mm: f64,
+    pinhole_shift: (f64, f64),
+    lens_path: String,
+    focal_length_mm: Option<f64>,
+    focal_scale: Option<f64>,
+    f_number: Option<f64>,
+    blades: u32,
+    blade_rotation_rad: f64,
+    focus_distance: Option<f64>,
+    focus_point_world: Option<(f64, f64, f64)>,
+    film_distance_mm: Option<f64>,
+    film_width_mm: f64,
+    film_height_mm: f64,
+    tilt_rad: f64,
+    swing_rad: f64,
+    scale_mm_per_unit: (f64, f64, f64),
+    wavelength_nm: Option<f64>,
+}
+
+impl TryFrom<PyCamera> for CameraDescription {
+    type Error = Error;
+
+    fn try_from(c: PyCamera) -> Result<Self, Error> {
+        let model = match c.model.as_str() {
+            "LENS" => Model::Lens,
+            "PINHOLE" => Model::Pinhole,
+            "THIN" => Model::Thin,
+            other => {
+                return Err(refused(format!(
+                    "camera '{}': there is no camera model '{other}'; use LENS, PINHOLE or THIN",
+                    c.object_name
+                )));
+            }
+        };
+        let (sx, sy, sz) = c.scale_mm_per_unit;
+        Ok(CameraDescription {
+            object_name: c.object_name,
+            model,
+            matrix_world: c.matrix_world.into(),
+            pinhole_focal_length_mm: c.pinhole_focal_length_mm,
+            pinhole_film_width_mm: c.pinhole_film_width_mm,
+            pinhole_shift: [c.pinhole_shift.0, c.pinhole_shift.1],
+            lens_path: c.lens_path.into(),
+            focal_length_mm: c.focal_length_mm,
+            focal_scale: c.focal_scale,
+            f_number: c.f_number,
+            blades: c.blades,
+            blade_rotation_rad: c.blade_rotation_rad,
+            focus_distance: c.focus_distance,
+            focus_point_world: c.focus_point_world.map(|(x, y, z)| DVec3::new(x, y, z)),
+            film_distance_mm: c.film_distance_mm,
+            film_width_mm: c.film_width_mm,
+            film_height_mm: c.film_height_mm,
+            tilt_rad: c.tilt_rad,
+            swing_rad: c.swing_rad,
+            scale_mm_per_unit: DVec3::new(sx, sy, sz),
+            wavelength_nm: c.wavelength_nm,
+        })
+    }
+}
+
+/// What the panel shows and the viewport needs.
+#[pyfunction]
+pub(crate) fn camera_info_json(py: Python<'_>, camera: PyCamera, width: u32, height: u32) -> Result<String, Error> {
+    let description: CameraDescription = camera.try_into()?;
+    let i = away(py, || camera::lens_info(&description, width, height))??;
+    Ok(json!({
+        "lens_name": i.lens_name,
+        "surfaces": i.surfaces,
+        "efl_mm": i.efl_mm,
+        "bfd_mm": i.bfd_mm,
+        "f_number": i.f_number,
+        "widest_f_number": i.widest_f_number,
+        "f_number_was_clamped": i.f_number_was_clamped,
+        "film_z_mm": i.film_z_mm,
+        "film_distance_mm": i.film_distance_mm,
+        "focus_distance_mm": i.focus_distance_mm,
+        "magnification": i.magnification,
+        "fov_horizontal_rad": i.fov_horizontal_rad,
+        "fov_vertical_rad": i.fov_vertical_rad,
+        "fov_diagonal_rad": i.fov_diagonal_rad,
+        "picture_width_mm": i.picture_width_mm,
+        "picture_height_mm": i.picture_height_mm,
+        "viewport_focal_length_mm": i.viewport_focal_length_mm,
+        "viewport_sensor_width_mm": i.picture_width_mm,
+        "entrance_pupil_diameter_mm": i.entrance_pupil_diameter_mm,
+    })
+    .to_string())
+}

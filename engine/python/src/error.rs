@@ -1,0 +1,69 @@
+//! The one map from the engine's errors to Python's exceptions.
+
+use petzval_optics::focus::FocusError;
+use petzval_optics::formats::lens::LensFileError;
+use petzval_optics::system::SystemError;
+use petzval_render::camera::CameraError;
+use petzval_render::job::SettingsError;
+use petzval_render::scene::SceneError;
+use pyo3::create_exception;
+use pyo3::exceptions::PyException;
+use pyo3::prelude::*;
+
+create_exception!(_native, PetzvalError, PyException, "Anything the engine refuses: what, where, what to do.");
+create_exception!(_native, LensError, PetzvalError, "A lens file that cannot be read, or a lens that cannot be set.");
+create_exception!(_native, SceneError_, PetzvalError, "A piece of a scene that does not fit.");
+create_exception!(_native, CameraError_, PetzvalError, "A camera that cannot photograph.");
+
+pub(crate) fn register(m: &Bound<'_, PyModule>) -> PyResult<()> {
+    let py = m.py();
+    m.add("PetzvalError", py.get_type::<PetzvalError>())?;
+    m.add("LensError", py.get_type::<LensError>())?;
+    m.add("SceneError", py.get_type::<SceneError_>())?;
+    m.add("CameraError", py.get_type::<CameraError_>())?;
+    Ok(())
+}
+
+/// An engine error on its way to Python.
+pub(crate) struct Error(PyErr);
+
+impl From<Error> for PyErr {
+    fn from(e: Error) -> Self {
+        e.0
+    }
+}
+
+impl From<PyErr> for Error {
+    fn from(e: PyErr) -> Self {
+        Self(e)
+    }
+}
+
+macro_rules! maps {
+    ($($engine:ty => $python:ty),* $(,)?) => {
+        $(impl From<$engine> for Error {
+            fn from(e: $engine) -> Self {
+                Self(PyErr::new::<$python, _>(e.to_string()))
+            }
+        })*
+    };
+}
+
+maps! {
+    LensFileError => LensError,
+    SystemError => LensError,
+    FocusError => LensError,
+    SceneError => SceneError_,
+    CameraError => CameraError_,
+    SettingsError => PetzvalError,
+}
+
+/// What Python handed over is not what was asked for.
+pub(crate) fn refused(what: impl Into<String>) -> Error {
+    Error(PyErr::new::<PetzvalError, _>(what.into()))
+}
+
+/// The same for a piece of a scene.
+pub(crate) fn bad_scene(what: impl Into<String>) -> Error {
+    Error(PyErr::new::<SceneError_, _>(what.into()))
+}

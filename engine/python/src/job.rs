@@ -1,0 +1,127 @@
+//! Renders, watched from Python.
+
+use crate::camera::PyCamera;
+use crate::doorway::away;
+use crate::error::{Error, refused};
+use crate::scene::Scene;
+use numpy::{PyArray1, PyArray3, PyArrayMethods};
+use petzval_render::camera::{Camera, CameraDescription};
+use petzval_render::job::{self as engine, Settings};
+use pyo3::prelude::*;
+use serde_json::json;
+use std::time::Duration;
+
+#[derive(FromPyObject)]
+struct PySettings {
+    width: u32,
+    height: u32,
+    samples: u32,
+    seed: u32,
+    sample_offset: u32,
+    threads: usize,
+    max_bounces: u32,
+    filter_width_px: f32,
+    transparent_film: bool,
+}
+
+impl From<PySettings> for Settings {
+    fn from(s: PySettings) -> Self {
+        Self {
+            width: s.width,
+            height: s.height,
+            samples: s.samples,
+            seed: s.seed,
+            sample_offset: s.sample_offset,
+            threads: s.threads,
+            max_bounces: s.max_bounces,
+            filter_width_px: s.filter_width_px,
+            transparent_film: s.transparent_film,
+        }
+    }
+}
+
+type PyTile<'py> = (u32, u32, u32, u32, Bound<'py, PyArray3<f32>>);
+
+/// One render.
+#[pyclass(frozen)]
+pub(crate) struct Job {
+    job: engine::Job,
+}
+
+#[pymethods]
+impl Job {
+    #[new]
+    fn new(py: Python<'_>, scene: &Scene, camera: PyCamera, settings: PySettings) -> Result<Self, Error> {
+        let description: CameraDescription = camera.try_into()?;
+        let settings: Settings = settings.into();
+        let stage = scene.stage.clone();
+        away(py, || -> Result<Self, Error> {
+            let camera = Camera::new(&description, settings.width, settings.height)?;
+            Ok(Self { job: engine::Job::start(stage, camera, settings)? })
+        })?
+    }
+
+    fn wait(&self, py: Python<'_>, timeout_s: f64) -> Result<bool, Error> {
+        let timeout = Duration::try_from_secs_f64(timeout_s.clamp(0.0, 1e6))
+            .map_err(|_| refused("the time to wait is not a number"))?;
+        away(py, || self.job.wait(timeout))
+    }
+
+    fn progress(&self) -> f32 {
+        self.job.progress()
+    }
+
+    fn samples_done(&self) -> u32 {
+        self.job.film().samples_everywhere()
+    }
+
+    fn take_tiles<'py>(&self, py: Python<'py>) -> Result<Vec<PyTile<'py>>, Error> {
+        let tiles = away(py, || self.job.take_tiles())?;
+        tiles
+            .into_iter()
+            .map(|t| {
+                let r = t.rect;
+                let pixels = array(py, t.pixels, r.width, r.height)?;
+                Ok((r.x, r.y, r.width, r.height, pixels))
+            })
+            .collect()
+    }
+
+    fn image<'py>(&self, py: Python<'py>) -> Result<Bound<'py, PyArray3<f32>>, Error> {
+        let (width, height) = self.job.film().size();
+        let pixels = away(py, || self.job.film().picture())?;
+        array(py, pixels, width, height)
+    }
+
+    fn stop(&self) {
+        self.job.stop();
+    }
+
+    fn stats_json(&self) -> String {
+        let s = self.job.statistics();
+        let settings = self.job.settings();
+        let timed = s.counts.sample_time.as_secs_f64();
+        let lens_share = if timed > 0.0 { s.counts.camera_time.as_secs_f64() / timed } else { 0.0 };
+        json!({
+            "seconds": { "bvh": self.job.stage().build_seconds, "plan": 0.0, "render": s.render_seconds },
+            "samples": s.samples,
+            "camera_rays": s.counts.camera_rays,
+            "camera_rays_lost": s.counts.camera_rays_lost,
+            "rays": s.counts.rays,
+            "lens_share": lens_share,
+            "non_finite_samples": s.counts.non_finite,
+            "seed": settings.seed,
+            "threads": s.threads,
+            "lens": self.job.camera().name(),
+            "width": settings.width,
+            "height": settings.height,
+            "failure": s.failure,
+        })
+        .to_string()
+    }
+}
+
+fn array(py: Python<'_>, pixels: Vec<[f32; 4]>, width: u32, height: u32) -> Result<Bound<'_, PyArray3<f32>>, Error> {
+    let flat = PyArray1::from_vec(py, pixels.into_flattened());
+    Ok(flat.reshape([height as usize, width as usize, 4])?)
+}

@@ -1,0 +1,193 @@
+//! Material, lamp and world descriptions, read by attribute.
+
+use crate::camera::Matrix4;
+use crate::error::{Error, bad_scene};
+use glam::{Affine3A, DMat4, Mat3, Mat3A};
+use petzval_render::Rgb;
+use petzval_render::scene::lamp::{Lamp, LampKind};
+use petzval_render::scene::material::{Channel, ImageInput, Input, Material};
+use petzval_render::scene::texture::{Extension, Interpolation};
+use petzval_render::scene::world::World;
+use pyo3::prelude::*;
+
+type Colour = (f32, f32, f32);
+
+fn rgb(c: Colour) -> Rgb {
+    Rgb::new(c.0, c.1, c.2)
+}
+
+#[derive(FromPyObject)]
+struct PyImageInput {
+    image: u32,
+    uv_map: Option<String>,
+    mapping: [[f32; 3]; 2],
+    interpolation: String,
+    extension: String,
+    channel: String,
+}
+
+impl TryFrom<PyImageInput> for ImageInput {
+    type Error = Error;
+
+    fn try_from(i: PyImageInput) -> Result<Self, Error> {
+        let unknown = |what: &str, value: &str| bad_scene(format!("image input: there is no {what} '{value}'"));
+        let interpolation = match i.interpolation.as_str() {
+            "LINEAR" => Interpolation::Linear,
+            "CLOSEST" => Interpolation::Closest,
+            other => return Err(unknown("interpolation", other)),
+        };
+        let extension = match i.extension.as_str() {
+            "REPEAT" => Extension::Repeat,
+            "EXTEND" => Extension::Extend,
+            "CLIP" => Extension::Clip,
+            "MIRROR" => Extension::Mirror,
+            other => return Err(unknown("extension", other)),
+        };
+        let channel = match i.channel.as_str() {
+            "COLOR" => Channel::Color,
+            "ALPHA" => Channel::Alpha,
+            "RED" => Channel::Red,
+            "GREEN" => Channel::Green,
+            "BLUE" => Channel::Blue,
+            other => return Err(unknown("channel", other)),
+        };
+        Ok(Self { texture: i.image, uv_map: i.uv_map, mapping: i.mapping, interpolation, extension, channel })
+    }
+}
+
+#[derive(FromPyObject)]
+enum PyColour {
+    Constant(Colour),
+    Image(PyImageInput),
+}
+
+#[derive(FromPyObject)]
+enum PyNumber {
+    Constant(f32),
+    Image(PyImageInput),
+}
+
+impl PyColour {
+    fn input(self) -> Result<Input<Rgb>, Error> {
+        Ok(match self {
+            Self::Constant(c) => Input::Constant(rgb(c)),
+            Self::Image(i) => Input::Image(i.try_into()?),
+        })
+    }
+}
+
+impl PyNumber {
+    fn input(self) -> Result<Input<f32>, Error> {
+        Ok(match self {
+            Self::Constant(v) => Input::Constant(v),
+            Self::Image(i) => Input::Image(i.try_into()?),
+        })
+    }
+}
+
+#[derive(FromPyObject)]
+pub(crate) struct PyMaterial {
+    name: String,
+    base_color: PyColour,
+    metallic: PyNumber,
+    roughness: PyNumber,
+    ior: f32,
+    specular_ior_level: f32,
+    specular_tint: Colour,
+    transmission: PyNumber,
+    alpha: PyNumber,
+    emission_color: PyColour,
+    emission_strength: f32,
+    specular: bool,
+}
+
+impl TryFrom<PyMaterial> for Material {
+    type Error = Error;
+
+    fn try_from(m: PyMaterial) -> Result<Self, Error> {
+        Ok(Self {
+            name: m.name,
+            base_color: m.base_color.input()?,
+            metallic: m.metallic.input()?,
+            roughness: m.roughness.input()?,
+            ior: m.ior,
+            specular_ior_level: m.specular_ior_level,
+            specular_tint: rgb(m.specular_tint),
+            transmission: m.transmission.input()?,
+            alpha: m.alpha.input()?,
+            emission_color: m.emission_color.input()?,
+            emission_strength: m.emission_strength,
+            specular: m.specular,
+        })
+    }
+}
+
+#[derive(FromPyObject)]
+pub(crate) struct PyLight {
+    object_name: String,
+    kind: String,
+    matrix_world: Matrix4,
+    color: Colour,
+    radius: f32,
+    angle_rad: f32,
+    shape: String,
+    size: (f32, f32),
+    spread_rad: f32,
+    spot_angle_rad: f32,
+    spot_blend: f32,
+    visible_camera: bool,
+    cast_shadow: bool,
+}
+
+impl PyLight {
+    pub(crate) fn lamp(self) -> Result<(Lamp, DMat4), Error> {
+        let unknown = |what: &str, value: &str| bad_scene(format!("light '{}': no {what} '{value}'", self.object_name));
+        let kind = match self.kind.as_str() {
+            "POINT" => LampKind::Point { radius: self.radius },
+            "SPOT" => LampKind::Spot {
+                radius: self.radius,
+                half_angle_rad: 0.5 * self.spot_angle_rad,
+                blend: self.spot_blend,
+            },
+            "SUN" => LampKind::Sun { half_angle_rad: 0.5 * self.angle_rad },
+            "AREA" => LampKind::Area {
+                size: [self.size.0, self.size.1],
+                ellipse: match self.shape.as_str() {
+                    "RECTANGLE" => false,
+                    "ELLIPSE" => true,
+                    other => return Err(unknown("shape", other)),
+                },
+                half_spread_rad: 0.5 * self.spread_rad,
+            },
+            other => return Err(unknown("kind of light", other)),
+        };
+        let lamp = Lamp {
+            object_name: self.object_name,
+            kind,
+            color: rgb(self.color),
+            visible_camera: self.visible_camera,
+            cast_shadow: self.cast_shadow,
+            to_render: Affine3A::IDENTITY,
+        };
+        Ok((lamp, self.matrix_world.into()))
+    }
+}
+
+#[derive(FromPyObject)]
+pub(crate) struct PyWorld {
+    color: Colour,
+    image: Option<u32>,
+    rotation: [[f32; 3]; 3],
+    visible_camera: bool,
+}
+
+impl From<PyWorld> for World {
+    fn from(w: PyWorld) -> Self {
+        Self {
+            color: rgb(w.color),
+            texture: w.image,
+            rotation: Mat3A::from(Mat3::from_cols_array_2d(&w.rotation).transpose()),
+            visible_camera: w.visible_camera,
+        }
+    }
+}

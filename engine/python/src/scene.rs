@@ -1,0 +1,201 @@
+//! Scenes from Python's arrays.
+
+use crate::camera::Matrix4;
+use crate::doorway::away;
+use crate::error::{Error, bad_scene, refused};
+use crate::material::{PyLight, PyMaterial, PyWorld};
+use glam::{DVec3, Vec2, Vec3};
+use numpy::{PyArrayDyn, PyArrayMethods, PyReadonlyArray2, PyReadonlyArray3, PyUntypedArrayMethods};
+use petzval_render::integrator::Stage;
+use petzval_render::scene::mesh::MeshDescription;
+use petzval_render::scene::texture::Texture;
+use petzval_render::scene::{self as engine};
+use pyo3::prelude::*;
+use pyo3::types::PyDict;
+use std::sync::Arc;
+
+/// Takes a scene apart from Python, piece by piece.
+#[pyclass]
+#[derive(Default)]
+pub(crate) struct SceneBuilder {
+    builder: engine::SceneBuilder,
+}
+
+/// A built scene; cheap to share between renders.
+#[pyclass(frozen)]
+pub(crate) struct Scene {
+    pub(crate) stage: Arc<Stage>,
+}
+
+#[pymethods]
+impl SceneBuilder {
+    #[new]
+    fn new() -> Self {
+        Self::default()
+    }
+
+    #[pyo3(signature = (name, pixels, *, srgb))]
+    fn add_image(&mut self, py: Python<'_>, name: &str, pixels: &Bound<'_, PyAny>, srgb: bool) -> Result<usize, Error> {
+        let shape = |s: &[usize]| match s {
+            [h, w, 4] => Ok((*w, *h)),
+            other => Err(bad_scene(format!("image '{name}': pixels of shape {other:?}; give (height, width, 4)"))),
+        };
+        let not_contiguous = |_| bad_scene(format!("image '{name}': its pixel array is not contiguous"));
+        let texture = if let Ok(array) = pixels.cast::<PyArrayDyn<f32>>() {
+            let (w, h) = shape(array.shape())?;
+            let array = array.readonly();
+            let values = array.as_slice().map_err(not_contiguous)?;
+            away(py, || Texture::from_floats(name, w, h, values, srgb))??
+        } else if let Ok(array) = pixels.cast::<PyArrayDyn<u8>>() {
+            let (w, h) = shape(array.shape())?;
+            let array = array.readonly();
+            let values = array.as_slice().map_err(not_contiguous)?;
+            away(py, || Texture::from_bytes(name, w, h, values, srgb))??
+        } else {
+            return Err(bad_scene(format!("image '{name}': give its pixels as a float32 or uint8 array")));
+        };
+        Ok(self.builder.add_texture(texture))
+    }
+
+    fn add_material(&mut self, material: PyMaterial) -> Result<usize, Error> {
+        Ok(self.builder.add_material(material.try_into()?)?)
+    }
+
+    #[pyo3(signature = (name, positions, triangles, *, corner_normals = None, uv_maps = None, material_slots = None))]
+    #[allow(clippy::too_many_arguments)]
+    fn add_mesh(
+        &mut self,
+        py: Python<'_>,
+        name: &str,
+        positions: PyReadonlyArray2<'_, f32>,
+        triangles: &Bound<'_, PyAny>,
+        corner_normals: Option<PyReadonlyArray3<'_, f32>>,
+        uv_maps: Option<&Bound<'_, PyDict>>,
+        material_slots: Option<numpy::PyReadonlyArray1<'_, i32>>,
+    ) -> Result<usize, Error> {
+        let bad = |what: &str| bad_scene(format!("mesh '{name}': {what}"));
+        let positions = vec3s(positions.as_slice().map_err(|_| bad("positions are not contiguous"))?);
+        let indices: Vec<u32> = if let Ok(a) = triangles.cast::<PyArrayDyn<u32>>() {
+            a.readonly().as_slice().map_err(|_| bad("triangles are not contiguous"))?.to_vec()
+        } else if let Ok(a) = triangles.cast::<PyArrayDyn<i32>>() {
+            // A negative index becomes one past every vertex, which the check below names.
+            a.readonly()
+                .as_slice()
+                .map_err(|_| bad("triangles are not contiguous"))?
+                .iter()
+                .map(|&i| i as u32)
+                .collect()
+        } else {
+            return Err(bad("give its triangles as an int32 or uint32 array"));
+        };
+        let corner_normals = match &corner_normals {
+            Some(a) => Some(triples(&vec3s(a.as_slice().map_err(|_| bad("corner normals are not contiguous"))?))),
+            None => None,
+        };
+        let mut maps = Vec::new();
+        if let Some(dict) = uv_maps {
+            for (key, value) in dict {
+                let key: String = key.extract()?;
+                let array: PyReadonlyArray3<'_, f32> = value.extract()?;
+                let values = array.as_slice().map_err(|_| bad("a UV map is not contiguous"))?;
+                let uvs: Vec<Vec2> = values.chunks_exact(2).map(Vec2::from_slice).collect();
+                maps.push((key, triples(&uvs)));
+            }
+        }
+        let material_slots = match &material_slots {
+            Some(a) => {
+                let list = a.as_slice().map_err(|_| bad("material slots are not contiguous"))?;
+                Some(list.iter().map(|&s| s.max(0) as u32).collect())
+            }
+            None => None,
+        };
+        let description = MeshDescription {
+            name: name.to_owned(),
+            positions,
+            triangles: indices.chunks_exact(3).map(|t| [t[0], t[1], t[2]]).collect(),
+            corner_normals,
+            uv_maps: maps,
+            material_slots,
+        };
+        let builder = &mut self.builder;
+        Ok(away(py, || builder.add_mesh(description))??)
+    }
+
+    #[pyo3(signature = (object_name, mesh, matrix_world, materials, *, visible_camera = true, visible_shadow = true))]
+    fn add_instance(
+        &mut self,
+        object_name: &str,
+        mesh: usize,
+        matrix_world: Matrix4,
+        materials: Vec<usize>,
+        visible_camera: bool,
+        visible_shadow: bool,
+    ) -> Result<(), Error> {
+        self.builder.add_instance(
+            object_name,
+            mesh,
+            matrix_world.into(),
+            &materials,
+            visible_camera,
+            visible_shadow,
+        )?;
+        Ok(())
+    }
+
+    fn add_light(&mut self, light: PyLight) -> Result<(), Error> {
+        let (lamp, matrix) = light.lamp()?;
+        Ok(self.builder.add_lamp(lamp, matrix)?)
+    }
+
+    fn set_world(&mut self, world: PyWorld) -> Result<(), Error> {
+        Ok(self.builder.set_world(world.into())?)
+    }
+
+    fn warnings(&self) -> Vec<String> {
+        self.builder.warnings().to_vec()
+    }
+
+    #[pyo3(signature = (camera_position, threads = 0))]
+    fn build(&mut self, py: Python<'_>, camera_position: (f64, f64, f64), threads: usize) -> Result<Scene, Error> {
+        let (x, y, z) = camera_position;
+        let origin = DVec3::new(x, y, z);
+        if !origin.is_finite() {
+            return Err(refused("the camera's position is not finite; reset its location"));
+        }
+        let builder = std::mem::take(&mut self.builder);
+        let stage = away(py, || -> Result<Stage, Error> {
+            let pool = rayon::ThreadPoolBuilder::new()
+                .num_threads(threads)
+                .build()
+                .map_err(|e| refused(format!("no threads to be had: {e}")))?;
+            Ok(pool.install(|| Stage::new(builder.build(origin))))
+        })??;
+        Ok(Scene { stage: Arc::new(stage) })
+    }
+}
+
+#[pymethods]
+impl Scene {
+    #[getter]
+    fn triangle_count(&self) -> usize {
+        self.stage.scene.triangle_count()
+    }
+
+    #[getter]
+    fn instance_count(&self) -> usize {
+        self.stage.scene.instances.len()
+    }
+
+    #[getter]
+    fn bvh_seconds(&self) -> f64 {
+        self.stage.build_seconds
+    }
+}
+
+fn vec3s(values: &[f32]) -> Vec<Vec3> {
+    values.chunks_exact(3).map(Vec3::from_slice).collect()
+}
+
+fn triples<T: Copy>(list: &[T]) -> Vec<[T; 3]> {
+    list.chunks_exact(3).map(|t| [t[0], t[1], t[2]]).collect()
+}
