@@ -264,3 +264,55 @@ fn is_far(from: &Surface, to: &Surface, thickness_mm: f64) -> bool {
     // Written so that NaN, too, is far.
     !(radii <= FAR_RADII)
 }
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::formats::lens::parse;
+    use crate::glass::Catalogue;
+    use crate::system::SystemSettings;
+
+    /// A hemisphere of glass with an obstruction, its flat rear side the stop, five blades.
+    fn tracer() -> Tracer {
+        let text = "#radius thickness glass diameter conic isstop obstruction
+                    10 10 1.5 19.9 -0.0 0 2\n 0 5 air 10 0 1 0\n 2 2 1.8 4.0 -4 0 0";
+        let settings = SystemSettings { f_number: Some(4.0), blades: 5, ..SystemSettings::default() };
+        let prescription = parse(text, "test", Catalogue::shipped()).unwrap();
+        System::new(&prescription, &settings).unwrap().at_wavelength(550.0)
+    }
+
+    fn lost(origin: [f64; 3], direction: [f64; 3]) -> Lost {
+        let direction = DVec3::from(direction).normalize();
+        tracer().from_scene(Ray { origin: origin.into(), direction }).unwrap_err()
+    }
+
+    #[test]
+    fn every_reason_names_its_surface() {
+        let along = [0.0, 0.0, 1.0];
+        assert_eq!(lost([11.0, 0.0, -5.0], along), Lost { surface: 0, reason: Failure::Missed });
+        assert_eq!(lost([9.96, 0.0, -5.0], along), Lost { surface: 0, reason: Failure::OutsideAperture });
+        assert_eq!(lost([0.99, 0.0, -5.0], along), Lost { surface: 0, reason: Failure::Obstructed });
+        assert_eq!(lost([5.0, 0.0, -5.0], along), Lost { surface: 1, reason: Failure::BladeStop });
+        assert_eq!(lost([20.0, 0.0, 12.0], [-1.0, 0.0, 0.01]), Lost { surface: 0, reason: Failure::WrongSheet });
+    }
+
+    #[test]
+    fn points_on_a_rim_pass() {
+        let text = "0 5 1.5 10 0 1";
+        let tracer = System::new(&parse(text, "test", Catalogue::shipped()).unwrap(), &SystemSettings::default());
+        let tracer = tracer.unwrap().at_wavelength(550.0);
+        let at = |x: f64| tracer.from_scene(Ray { origin: DVec3::new(x, 4.0, -1.0), direction: DVec3::Z });
+        assert!(at(3.0).is_ok());
+        assert_eq!(at(3.0f64.next_up()).unwrap_err().reason, Failure::OutsideAperture);
+    }
+
+    #[test]
+    fn a_ray_into_the_thinner_medium_can_turn_back() {
+        let text = "0 5 1.5 100 0 1\n 0 5 air 100 0 0";
+        let tracer = System::new(&parse(text, "test", Catalogue::shipped()).unwrap(), &SystemSettings::default());
+        let tracer = tracer.unwrap().with_indices(&[1.0, 0.7]);
+        let ray = Ray { origin: DVec3::new(0.0, 0.0, -1.0), direction: DVec3::new(0.9, 0.0, 0.5).normalize() };
+        let expected = Lost { surface: 1, reason: Failure::TotalInternalReflection };
+        assert_eq!(tracer.from_scene(ray).unwrap_err(), expected);
+    }
+}
