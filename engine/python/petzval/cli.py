@@ -11,6 +11,7 @@ from __future__ import annotations
 import argparse
 import importlib
 import os
+import shutil
 import sys
 from collections.abc import Sequence
 from typing import NoReturn
@@ -78,8 +79,8 @@ def _is_engine_error(error: Exception) -> bool:
     return native is not None and isinstance(error, native.PetzvalError)
 
 
-def main(argv: Sequence[str] | None = None) -> int:
-    """Runs one command; returns its exit status."""
+def run_command(argv: Sequence[str] | None = None) -> int:
+    """Runs one command; returns its exit status. Says errors instead of raising them."""
     try:
         status = _run(sys.argv[1:] if argv is None else argv)
         sys.stdout.flush()
@@ -99,3 +100,18 @@ def main(argv: Sequence[str] | None = None) -> int:
             raise
         complain(str(error))
     return EXIT_ERROR
+
+
+def main() -> int:
+    """The command's entry: like `run_command`, and leaves Blender's module for good where it was used.
+
+    At the interpreter's own exit bpy hangs (4.5) or crashes (4.2) while a render engine is registered.
+    """
+    status = run_command()
+    bpy = sys.modules.get("bpy")
+    if bpy is None:
+        return status
+    shutil.rmtree(bpy.app.tempdir, ignore_errors=True)
+    sys.stdout.flush()
+    sys.stderr.flush()
+    os._exit(status)
