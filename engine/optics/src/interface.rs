@@ -52,7 +52,7 @@ impl Interface {
 }
 
 /// Below this part of (m cos i)², the radicand is formed in factors. Larger costs time, smaller loses digits.
-const NEAR_CRITICAL: f64 = 1e-2;
+pub(crate) const NEAR_CRITICAL: f64 = 1e-2;
 
 /// The reflected unit direction: D − 2 (N · D) N / |N|².
 #[inline(always)]

@@ -1,5 +1,7 @@
 //! A ray through a lens, either way: the ray that leaves it, or the surface and reason that ended it.
 
+mod packet;
+
 use std::sync::Arc;
 
 use glam::DVec3;
@@ -48,6 +50,8 @@ struct Step {
     side: f64,
     clear_squared: f64,
     obstruction_squared: f64,
+    /// Square of the diaphragm's radius at the stop, infinite elsewhere.
+    round_stop_squared: f64,
     action: Action,
     is_stop: bool,
     /// True if a ray from the surface before may start so far away, in radii, that it must be carried first.
@@ -82,16 +86,17 @@ impl System {
     /// As [`Self::at_wavelength`], with the index after each surface given instead of taken from the media.
     ///
     /// For comparison with tables that state their indices. Missing ones count as 1.
-    pub fn with_indices(&self, after: &[f64]) -> Tracer {
+    pub fn with_indices(&self, wavelength_nm: f64, after: &[f64]) -> Tracer {
         let at = |i: usize| after.get(i).copied().unwrap_or(1.0);
         let index = |i: usize| [if i == 0 { 1.0 } else { at(i - 1) }, at(i)];
-        Tracer::new(self, f64::NAN, index)
+        Tracer::new(self, wavelength_nm, index)
     }
 }
 
 impl Tracer {
     fn new(system: &System, wavelength_nm: f64, index: impl Fn(usize) -> [f64; 2]) -> Self {
         let surfaces = system.surfaces();
+        let opening = system.diaphragm().radius_mm();
         let mut side = 1.0;
         let mut from_scene = Vec::with_capacity(surfaces.len());
         let mut from_film = Vec::with_capacity(surfaces.len());
@@ -113,6 +118,7 @@ impl Tracer {
                 side,
                 clear_squared: s.semi_diameter_mm * s.semi_diameter_mm,
                 obstruction_squared: s.obstruction_mm * s.obstruction_mm,
+                round_stop_squared: if is_stop { opening * opening } else { f64::INFINITY },
                 action: action(n, n2),
                 is_stop,
                 is_far: before.is_none_or(|b| is_far(b, s, b.thickness_mm)),
@@ -136,7 +142,7 @@ impl Tracer {
         }
     }
 
-    /// The vacuum wavelength in nm; NaN if the indices were given instead.
+    /// The vacuum wavelength in nm.
     pub fn wavelength_nm(&self) -> f64 {
         self.wavelength_nm
     }
@@ -310,7 +316,7 @@ mod tests {
     fn a_ray_into_the_thinner_medium_can_turn_back() {
         let text = "0 5 1.5 100 0 1\n 0 5 air 100 0 0";
         let tracer = System::new(&parse(text, "test", Catalogue::shipped()).unwrap(), &SystemSettings::default());
-        let tracer = tracer.unwrap().with_indices(&[1.0, 0.7]);
+        let tracer = tracer.unwrap().with_indices(550.0, &[1.0, 0.7]);
         let ray = Ray { origin: DVec3::new(0.0, 0.0, -1.0), direction: DVec3::new(0.9, 0.0, 0.5).normalize() };
         let expected = Lost { surface: 1, reason: Failure::TotalInternalReflection };
         assert_eq!(tracer.from_scene(ray).unwrap_err(), expected);

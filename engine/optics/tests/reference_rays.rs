@@ -43,7 +43,7 @@ fn indices(table: &Value, line: &str) -> Vec<f64> {
 fn tracers(name: &str, table: &Value) -> Vec<(&'static str, Tracer)> {
     let system = system(name);
     let after = |line| indices(table, line).iter().map(|n: &f64| n.abs()).collect::<Vec<_>>();
-    LINES.iter().map(|(line, _)| (*line, system.with_indices(&after(line)))).collect()
+    LINES.iter().map(|(line, nm)| (*line, system.with_indices(*nm, &after(line)))).collect()
 }
 
 fn is_status(found: Option<Failure>, expected: &str) -> bool {

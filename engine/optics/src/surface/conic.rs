@@ -30,7 +30,7 @@ pub struct Hit {
 
 /// Below this part of B², the discriminant B² − A C is formed again without the rounding of its products.
 /// Larger costs time, smaller loses digits at grazing incidence.
-const CANCELLED: f64 = 1e-2;
+pub(crate) const CANCELLED: f64 = 1e-2;
 
 impl Conic {
     /// A conicoid of curvature 1 / `radius_mm` (radius 0 or infinite: a plane) and conic constant `conic`.

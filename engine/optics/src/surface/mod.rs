@@ -5,6 +5,7 @@
 
 mod conic;
 
+pub(crate) use conic::CANCELLED;
 pub use conic::{Conic, Hit};
 
 /// Why a ray got no farther than a surface. A lost ray is a result, not an error.
