@@ -260,3 +260,22 @@ fn a_dark_corner_is_dark_and_harmless() {
         assert!(sample.pdf_per_mm2 > 0.0 && sample.target.is_finite());
     }
 }
+
+/// A thin lens's own case: the stop is the last surface and plane, so the integral over a polygon is known.
+#[test]
+fn throughput_of_a_polygon_is_exact() {
+    let lens = parse("0 50 air 40 0 1", "hole", Catalogue::shipped()).unwrap();
+    for blades in [3, 4, 7] {
+        let settings = SystemSettings { blades, blade_rotation_rad: 0.3, ..Default::default() };
+        let system = System::new(&lens, &settings).unwrap();
+        let found = on_axis_throughput(&system.at_wavelength(550.0), &system, 50.0);
+        // With r(φ) = a / cos φ from the middle of a side: π mean of r² / (r² + d²), by the midpoint rule.
+        let (a, d, n) = (20.0 * (PI / f64::from(blades)).cos(), 50.0, 20_000);
+        let term = |i: i32| {
+            let r = a / ((f64::from(i) + 0.5) / f64::from(n) * PI / f64::from(blades)).cos();
+            r * r / (r * r + d * d)
+        };
+        let expected = PI * (0..n).map(term).sum::<f64>() / f64::from(n);
+        assert!((found / expected - 1.0).abs() < 1e-6, "{blades}: {found} {expected}");
+    }
+}

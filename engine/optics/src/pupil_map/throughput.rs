@@ -9,9 +9,9 @@ use crate::trace::{Ray, Tracer};
 
 /// Points along a meridian at which the pupil is tried before its edges are narrowed down: a lens whose clear pupil
 /// has narrower rings than a part in so many of the rear glass loses them.
-const SCAN: usize = 4096;
-/// Azimuths across half a blade.
-const AZIMUTHS: usize = 64;
+const SCAN: usize = 1024;
+/// Parts of half a blade, with two azimuths each (Gauss): the error is below 1e-6 even for a triangle.
+const PARTS: usize = 12;
 
 /// ∫ cos θ_film cos θ_plane / d² dA over the clear pupil on the reference plane, seen from the point (0, 0,
 /// `film_z_mm`) of a film at right angles to the axis: the irradiance there under a uniform world of radiance 1, without
@@ -27,10 +27,12 @@ pub fn on_axis_throughput(tracer: &Tracer, system: &System, film_z_mm: f64) -> f
         return PI * along_meridian(tracer, system, film_z_mm, DVec2::X);
     }
     let half_blade = PI / f64::from(blades);
-    let azimuth = |i: usize| diaphragm.rotation_rad() + half_blade * (i as f64 + 0.5) / AZIMUTHS as f64;
+    let across = |place: f64| diaphragm.rotation_rad() + half_blade * place / PARTS as f64;
+    let gauss = 0.5 / 3f64.sqrt();
+    let places = (0..PARTS).map(|i| i as f64 + 0.5).flat_map(|middle| [middle - gauss, middle + gauss]);
     let sum: f64 =
-        (0..AZIMUTHS).map(|i| along_meridian(tracer, system, film_z_mm, DVec2::from_angle(azimuth(i)))).sum();
-    PI * sum / AZIMUTHS as f64
+        places.map(|place| along_meridian(tracer, system, film_z_mm, DVec2::from_angle(across(place)))).sum();
+    PI * sum / (2 * PARTS) as f64
 }
 
 /// Σ sin² b − sin² a over the clear rings [a, b] along one meridian.
