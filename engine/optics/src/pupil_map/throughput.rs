@@ -11,7 +11,7 @@ use crate::trace::{Ray, Tracer};
 /// has narrower rings than a part in so many of the rear glass loses them.
 const SCAN: usize = 1024;
 /// Parts of half a blade, with two azimuths each (Gauss): the error is below 1e-6 even for a triangle.
-const PARTS: usize = 12;
+const PARTS: usize = 16;
 
 /// ∫ cos θ_film cos θ_plane / d² dA over the clear pupil on the reference plane, seen from the point (0, 0,
 /// `film_z_mm`) of a film at right angles to the axis: the irradiance there under a uniform world of radiance 1, without
