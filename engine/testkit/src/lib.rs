@@ -1,1 +1,3 @@
-//! Statistical checks and generators for the tests of Petzval.
+//! Statistical checks for the tests of Petzval: whether samples follow the density that they claim.
+
+pub mod chi_square;

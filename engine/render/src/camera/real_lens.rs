@@ -214,7 +214,7 @@ impl RealLens {
             [0, middle, tracers.len() - 1].map(|i| tracers[i].clone()).to_vec()
         };
         let maps = vec![PupilMap::for_tracers(&representative, &system, &film, half[0], half[1])];
-        let gains = gains(&tracers, &system, film.z_mm);
+        let gains = gains(&tracers, &spectrum, &system, film.z_mm);
         if !gains.iter().all(|g| g.is_finite()) {
             return Err(d.error(format!(
                 "no light gets through '{}' to the middle of the film; open the diaphragm or change the focus",
@@ -264,18 +264,19 @@ impl RealLens {
 
 /// One over the exposure of the film's middle at each wavelength. It changes smoothly, so a parabola through
 /// three wavelengths serves for all.
-fn gains(tracers: &[Tracer], system: &System, film_z_mm: f64) -> Vec<f64> {
+fn gains(tracers: &[Tracer], spectrum: &FilmSpectrum, system: &System, film_z_mm: f64) -> Vec<f64> {
     let exact = |i: usize| on_axis_throughput(&tracers[i], system, film_z_mm);
     if tracers.len() < 3 {
         return (0..tracers.len()).map(|i| 1.0 / exact(i)).collect();
     }
     let nodes = [0, tracers.len() / 2, tracers.len() - 1];
-    let x = nodes.map(|i| tracers[i].wavelength_nm());
+    let lines = spectrum.wavelengths();
+    let x = nodes.map(|i| lines[i].nm);
     let y = nodes.map(exact);
-    tracers
+    lines
         .iter()
-        .map(|t| {
-            let at = t.wavelength_nm();
+        .map(|line| {
+            let at = line.nm;
             let term =
                 |i: usize, j: usize, k: usize| y[i] * (at - x[j]) * (at - x[k]) / ((x[i] - x[j]) * (x[i] - x[k]));
             1.0 / (term(0, 1, 2) + term(1, 2, 0) + term(2, 0, 1))

@@ -157,3 +157,45 @@ fn smooth_glass_is_a_mirror_lobe() {
     let expected = 1.0 - fresnel::dielectric(0.8, 1.5);
     assert!((through as f32 / 1000.0 - expected).abs() < 0.01);
 }
+
+/// Pearson's test of every mixture: counts of samples by cell of the sphere against the density's integrals.
+#[test]
+fn samples_follow_their_density() {
+    const ROWS: usize = 12;
+    const COLUMNS: usize = 24;
+    const FINE: usize = 24;
+    let n = 1 << 16;
+    for (k, c) in CASES.iter().enumerate() {
+        for wo in directions() {
+            let b = bsdf(c, wo);
+            let mut observed = vec![0u64; ROWS * COLUMNS];
+            for u in points(n, 21) {
+                if let Some(s) = b.sample(u[0], [u[1], u[2]], u[3]) {
+                    let row = ((0.5 - 0.5 * s.wi.z) * ROWS as f32) as usize;
+                    let turn = s.wi.y.atan2(s.wi.x) / std::f32::consts::TAU + 0.5;
+                    let column = (turn * COLUMNS as f32) as usize;
+                    observed[row.min(ROWS - 1) * COLUMNS + column.min(COLUMNS - 1)] += 1;
+                }
+            }
+            // Even steps of the polar angle resolve lobes at the poles, where even steps of z do not.
+            let cell_pdf = |row: usize, column: usize| {
+                let theta_of = |row: usize| (1.0 - 2.0 * row as f64 / ROWS as f64).acos();
+                let (start, step) = (theta_of(row), (theta_of(row + 1) - theta_of(row)) / FINE as f64);
+                let turn = std::f64::consts::TAU / (COLUMNS * FINE) as f64;
+                let mut sum = 0.0f64;
+                for i in 0..FINE * FINE {
+                    let theta = start + ((i / FINE) as f64 + 0.5) * step;
+                    let phi = ((column * FINE + i % FINE) as f64 + 0.5) * turn - std::f64::consts::PI;
+                    let d = glam::DVec3::new(theta.sin() * phi.cos(), theta.sin() * phi.sin(), theta.cos());
+                    sum += b.evaluate(d.as_vec3a()).1 as f64 * theta.sin() * step * turn;
+                }
+                sum
+            };
+            let expected: Vec<f64> =
+                (0..ROWS * COLUMNS).map(|i| cell_pdf(i / COLUMNS, i % COLUMNS) * n as f64).collect();
+            // Stratified points scatter less than independent ones, which only raises the value.
+            let p = petzval_testkit::chi_square::p_value(&observed, &expected);
+            assert!(p > 0.01 / 24.0, "case {k} from {wo}: p = {p}");
+        }
+    }
+}
