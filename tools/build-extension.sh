@@ -4,6 +4,8 @@
 set -eu
 cd "$(dirname "$0")/.."
 
+ls dist/petzval-*.whl >/dev/null 2>&1 || { echo "petzval: no wheel in dist/: run make extension" >&2; exit 1; }
+
 fresh() {
     [ -n "$(find dist -name 'petzval-*.zip' -newer dist/.petzval-wheel)" ] &&
         [ -z "$(find addon tools/build-extension.sh -name __pycache__ -prune -o -newer dist/.petzval-extension -print | head -n 1)" ]

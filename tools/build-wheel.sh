@@ -20,7 +20,7 @@ fresh() {
 }
 
 build() {
-    rm -rf "$package/_bundled" "$package"/*.so.new dist/petzval-*.whl
+    rm -rf "$package/_bundled" "$package"/*.so.new dist/new
     mkdir -p "$package/_bundled"
     cp -R addon lenses "$package/_bundled/"
     find "$package/_bundled" -name __pycache__ -prune -exec rm -rf {} +
@@ -29,19 +29,21 @@ build() {
     flags=
     if .venv-tools/bin/python -c 'import ziglang' 2>/dev/null; then flags="--zig --compatibility manylinux_2_28"; fi
     # shellcheck disable=SC2086
-    PATH="$PWD/.venv-tools/bin:$PATH" maturin build --quiet --release $flags --out dist
+    PATH="$PWD/.venv-tools/bin:$PATH" maturin build --quiet --release $flags --out dist/new
     # Renamed into place: a Blender that runs keeps the old one.
     .venv-tools/bin/python - "$package/_native.abi3.so" <<'PY'
 import glob, os, sys, zipfile
 target, = sys.argv[1:]
-wheel, = glob.glob("dist/petzval-*.whl")
+wheel, = glob.glob("dist/new/petzval-*.whl")
 with zipfile.ZipFile(wheel) as archive:
     name, = [name for name in archive.namelist() if name == "petzval/_native.abi3.so"]
     with open(target + ".new", "wb") as out:
         out.write(archive.read(name))
 os.replace(target + ".new", target)
 PY
-    rm -rf "$package/_bundled"
+    rm -rf "$package/_bundled" dist/petzval-*.whl
+    mv dist/new/petzval-*.whl dist/
+    rmdir dist/new
 }
 
 lend() {
