@@ -97,6 +97,7 @@ class CameraDescription:
     film_height_mm: float = 24.0
     tilt_rad: float = 0.0
     swing_rad: float = 0.0
+    shift_mm: tuple[float, float] = (0.0, 0.0)
     scale_mm_per_unit: tuple[float, float, float] = (1000.0, 1000.0, 1000.0)
     wavelength_nm: float | None = None
 

@@ -74,6 +74,7 @@ class CameraDescription(Protocol):
     film_height_mm: float
     tilt_rad: float  # the film about its horizontal axis
     swing_rad: float  # about its vertical axis
+    shift_mm: tuple[float, float]  # the lens right and up against the film
     scale_mm_per_unit: tuple[float, float, float]
     wavelength_nm: float | None  # None: the visible spectrum
 
@@ -81,7 +82,7 @@ def camera_info_json(camera: CameraDescription, width: int, height: int) -> str:
     """What the panel shows and the viewport needs: efl_mm, bfd_mm, f_number (in force), widest_f_number,
     film_z_mm, film_distance_mm, focus_distance_mm (null: infinity), magnification, fov_horizontal_rad,
     fov_vertical_rad, fov_diagonal_rad, picture_width_mm, picture_height_mm (the used part of the film),
-    viewport_focal_length_mm with viewport_sensor_width_mm (a Blender camera that frames the same picture),
+    viewport_focal_length_mm with viewport_sensor_width_mm and viewport_shift (a Blender camera that frames the same picture),
     entrance_pupil_diameter_mm, lens_name, surfaces."""
 
 class SceneBuilder:

@@ -39,6 +39,7 @@ pub(crate) struct PyCamera {
     film_height_mm: f64,
     tilt_rad: f64,
     swing_rad: f64,
+    shift_mm: (f64, f64),
     scale_mm_per_unit: (f64, f64, f64),
     wavelength_nm: Option<f64>,
 }
@@ -79,6 +80,7 @@ impl TryFrom<PyCamera> for CameraDescription {
             film_height_mm: c.film_height_mm,
             tilt_rad: c.tilt_rad,
             swing_rad: c.swing_rad,
+            shift_mm: [c.shift_mm.0, c.shift_mm.1],
             scale_mm_per_unit: DVec3::new(sx, sy, sz),
             wavelength_nm: c.wavelength_nm,
         })
@@ -109,6 +111,7 @@ pub(crate) fn camera_info_json(py: Python<'_>, camera: PyCamera, width: u32, hei
         "picture_height_mm": i.picture_height_mm,
         "viewport_focal_length_mm": i.viewport_focal_length_mm,
         "viewport_sensor_width_mm": i.picture_width_mm,
+        "viewport_shift": i.viewport_shift,
         "entrance_pupil_diameter_mm": i.entrance_pupil_diameter_mm,
     })
     .to_string())

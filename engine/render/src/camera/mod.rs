@@ -103,6 +103,8 @@ pub struct CameraDescription {
     pub tilt_rad: f64,
     /// Turn of the film about its vertical axis.
     pub swing_rad: f64,
+    /// How far the lens is moved right and up against the film: the picture moves the same way over the scene.
+    pub shift_mm: [f64; 2],
     /// Millimetres in the lens's space for a Blender unit along the camera's axes.
     pub scale_mm_per_unit: DVec3,
     /// One wavelength, nm; `None` is the visible spectrum.

@@ -56,6 +56,8 @@ pub struct LensInfo {
     pub picture_height_mm: f64,
     /// A pinhole of this focal length over that width frames the same picture, mm.
     pub viewport_focal_length_mm: f64,
+    /// Blender's shift of that pinhole, in units of the picture's larger side.
+    pub viewport_shift: [f64; 2],
     /// mm.
     pub entrance_pupil_diameter_mm: Option<f64>,
 }
@@ -88,7 +90,9 @@ impl Setup {
         let system = System::new(&prescription, &settings).map_err(wrong)?;
         let line = d.wavelength_nm.unwrap_or(D_LINE_NM);
         let film_z_mm = film_z(d, &system, line)?;
-        let film = FilmPlane { tilt_rad: d.tilt_rad, swing_rad: d.swing_rad, ..FilmPlane::upright(film_z_mm) };
+        // The lens moved to the right is the film moved to the left.
+        let shift_mm = d.shift_mm.map(|s| -s);
+        let film = FilmPlane { z_mm: film_z_mm, tilt_rad: d.tilt_rad, swing_rad: d.swing_rad, shift_mm };
         let paraxial = Paraxial::new(&system, line);
         let origin_z_mm = paraxial.entrance_pupil.z_mm.unwrap_or(0.0);
 
@@ -126,6 +130,7 @@ impl Setup {
             picture_width_mm,
             picture_height_mm,
             viewport_focal_length_mm,
+            viewport_shift: d.shift_mm.map(|s| s / picture_width_mm.max(picture_height_mm)),
             entrance_pupil_diameter_mm: paraxial.entrance_pupil.diameter_mm,
         };
         Ok(Self { info, system, film, origin_z_mm })

@@ -25,6 +25,7 @@ fn description(model: Model) -> CameraDescription {
         film_height_mm: 80.0,
         tilt_rad: 0.0,
         swing_rad: 0.0,
+        shift_mm: [0.0, 0.0],
         scale_mm_per_unit: DVec3::splat(1000.0),
         wavelength_nm: Some(587.5618),
     }

@@ -42,6 +42,7 @@ fn camera(model: Model) -> Camera {
         film_height_mm: 60.0,
         tilt_rad: 0.1,
         swing_rad: 0.0,
+        shift_mm: [0.0, 0.0],
         scale_mm_per_unit: DVec3::splat(1000.0),
         wavelength_nm: None,
     };

@@ -1,0 +1,140 @@
+# SPDX-License-Identifier: GPL-3.0-or-later
+"""A camera object as the engine takes it. Reads evaluated data in a render, original data for a panel."""
+
+from __future__ import annotations
+
+import bpy
+
+from ..description import CameraDescription, Matrix4, Report
+from ..lens_files import LensMissing, resolve
+from .errors import ExportError
+
+MILLIMETRES_PER_METRE = 1000.0
+
+
+def resolution(render: bpy.types.RenderSettings) -> tuple[int, int]:
+    """Pixels of the whole picture, rounded as Blender does it."""
+    percent = render.resolution_percentage
+    return max(render.resolution_x * percent // 100, 1), max(render.resolution_y * percent // 100, 1)
+
+
+def rows(matrix: object) -> Matrix4:
+    """A matrix of mathutils, row by row."""
+    return tuple(tuple(row) for row in matrix)
+
+
+def describe(
+    holder: bpy.types.Object | None, scene: bpy.types.Scene, width: int, height: int, report: Report
+) -> CameraDescription:
+    """What the engine is told. Raises `ExportError`."""
+    if holder is None:
+        raise ExportError(f"Scene '{scene.name}' has no camera: add one, and make it the active camera")
+    if holder.type != "CAMERA":
+        raise ExportError(f"Object '{holder.name}' is not a camera: choose a camera as the scene's camera")
+    camera = holder.data
+    settings = camera.petzval
+    picture_width_mm, side = _picture(camera, scene.render, width, height)
+    larger = max(width, height)
+    of_lens = settings.model == "LENS"
+    wide_open = settings.wide_open
+    description = CameraDescription(
+        object_name=holder.name,
+        matrix_world=rows(holder.matrix_world),
+        model=settings.model,
+        pinhole_focal_length_mm=camera.lens,
+        pinhole_film_width_mm=picture_width_mm,
+        pinhole_shift=(camera.shift_x * side / larger, camera.shift_y * side / larger),
+        f_number=(None if wide_open else settings.f_number) if of_lens else _thin_f_number(camera),
+        blades=_blades(settings.blades if of_lens or settings.blades else camera.dof.aperture_blades),
+        blade_rotation_rad=settings.blade_rotation,
+        scale_mm_per_unit=scale(settings, scene),
+        wavelength_nm=None if settings.spectral else settings.wavelength,
+    )
+    _focus(description, camera)
+    if of_lens:
+        _lens(description, camera, width, height)
+    _warn(description, camera, scene, report)
+    return description
+
+
+def scale(settings: bpy.types.PropertyGroup, scene: bpy.types.Scene) -> tuple[float, float, float]:
+    """Millimetres in the lens for a Blender unit, along the camera's axes."""
+    if settings.scale_from_scene:
+        return (MILLIMETRES_PER_METRE * scene.unit_settings.scale_length,) * 3
+    return (settings.scale[0],) * 3 if settings.scale_locked else tuple(settings.scale)
+
+
+def _picture(
+    camera: bpy.types.Camera, render: bpy.types.RenderSettings, width: int, height: int
+) -> tuple[float, float]:
+    """The picture's width on Blender's sensor, and the side that the sensor is fitted to (pixels of the width)."""
+    aspect = render.pixel_aspect_y / render.pixel_aspect_x
+    fit = camera.sensor_fit
+    sensor = camera.sensor_height if fit == "VERTICAL" else camera.sensor_width
+    if fit == "AUTO":
+        fit = "HORIZONTAL" if width >= height * aspect else "VERTICAL"
+    side = width if fit == "HORIZONTAL" else height * aspect
+    return sensor * width / side, side
+
+
+def _thin_f_number(camera: bpy.types.Camera) -> float:
+    settings = camera.petzval
+    return camera.dof.aperture_fstop if settings.wide_open else settings.f_number
+
+
+def _blades(count: int) -> int:
+    return min(count, 24) if count >= 3 else 0
+
+
+def _focus(description: CameraDescription, camera: bpy.types.Camera) -> None:
+    settings, dof = camera.petzval, camera.dof
+    mode = settings.focus_mode
+    if mode == "FILM" and settings.model == "LENS":
+        description.film_distance_mm = settings.film_distance
+    elif mode == "INFINITY":
+        description.focus_distance = None
+    elif dof.focus_object is not None:
+        description.focus_point_world = _focus_point(dof)
+    else:
+        description.focus_distance = dof.focus_distance
+
+
+def _focus_point(dof: bpy.types.CameraDOFSettings) -> tuple[float, float, float]:
+    matrix = dof.focus_object.matrix_world
+    pose = dof.focus_object.pose
+    if dof.focus_subtarget and pose is not None and dof.focus_subtarget in pose.bones:
+        matrix = matrix @ pose.bones[dof.focus_subtarget].matrix
+    return tuple(matrix.translation)
+
+
+def _lens(description: CameraDescription, camera: bpy.types.Camera, width: int, height: int) -> None:
+    settings = camera.petzval
+    try:
+        description.lens_path = resolve(settings.lens_file, camera.library)
+    except LensMissing as error:
+        raise ExportError(f"Camera '{description.object_name}': {error}") from None
+    if settings.focal_mode == "LENGTH":
+        description.focal_length_mm = settings.focal_length
+    elif settings.focal_mode == "SCALE":
+        description.focal_scale = settings.focal_scale
+    if settings.film_mode == "SIZE":
+        description.film_width_mm = settings.film_width
+        description.film_height_mm = settings.film_height
+    else:
+        description.film_width_mm = description.pinhole_film_width_mm
+        description.film_height_mm = description.pinhole_film_width_mm * height / width
+    description.tilt_rad = settings.tilt
+    description.swing_rad = settings.swing
+
+
+def _warn(
+    description: CameraDescription, camera: bpy.types.Camera, scene: bpy.types.Scene, report: Report
+) -> None:
+    name = f"Camera '{description.object_name}'"
+    if camera.type != "PERSP":
+        kind = {"ORTHO": "orthographic", "PANO": "panoramic"}.get(camera.type, camera.type.lower())
+        report.warn(f"{name}: {kind} cameras are not supported yet, it is taken as perspective")
+    if scene.render.pixel_aspect_x != scene.render.pixel_aspect_y:
+        report.warn(f"{name}: pixels that are not square are not supported yet, the picture is stretched")
+    if description.model == "LENS" and any(description.pinhole_shift):
+        report.warn(f"{name}: Blender's shift is not supported with a real lens yet, it is left out")

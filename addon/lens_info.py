@@ -1,0 +1,52 @@
+# SPDX-License-Identifier: GPL-3.0-or-later
+"""What the engine says of a camera's lens, remembered so that a panel may ask at every redraw."""
+
+from __future__ import annotations
+
+import json
+import os
+from typing import Any
+
+import bpy
+
+from .description import CameraDescription, Report
+from .export import camera as camera_export
+from .export.errors import ExportError
+from .native import EngineMissing, engine
+
+# A panel asks for one camera again and again; a slider being dragged leaves one entry a step.
+_REMEMBERED = 64
+
+_answers: dict[tuple, dict[str, Any]] = {}
+
+
+def of_camera(camera: bpy.types.Object, scene: bpy.types.Scene) -> dict[str, Any]:
+    """The engine's `camera_info_json` as a dictionary; where there is none, only `error`, one line."""
+    width, height = camera_export.resolution(scene.render)
+    try:
+        description = camera_export.describe(camera, scene, width, height, Report())
+        return _ask(description, width, height)
+    except (ExportError, EngineMissing) as error:
+        return {"error": str(error)}
+
+
+def _ask(description: CameraDescription, width: int, height: int) -> dict[str, Any]:
+    try:
+        changed = os.stat(description.lens_path).st_mtime_ns
+    except OSError:
+        changed = 0
+    key = (repr(description), width, height, changed)
+    if key not in _answers:
+        while len(_answers) >= _REMEMBERED:
+            del _answers[next(iter(_answers))]
+        native = engine()
+        try:
+            _answers[key] = json.loads(native.camera_info_json(description, width, height))
+        except native.PetzvalError as error:
+            _answers[key] = {"error": " ".join(str(error).split())}
+    return _answers[key]
+
+
+def forget() -> None:
+    """Drops what is remembered."""
+    _answers.clear()

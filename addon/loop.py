@@ -1,0 +1,93 @@
+# SPDX-License-Identifier: GPL-3.0-or-later
+"""Next tile, progress, stop: watches a render while it runs. No bpy."""
+
+from __future__ import annotations
+
+import threading
+import time
+from collections.abc import Callable
+from typing import Any, TypeVar
+
+from .tiles import Tile
+
+# Long enough to cost nothing, short enough that Esc feels immediate.
+POLL_SECONDS = 0.05
+# Showing tiles takes at most this part of the time; they wait and go together when Blender is slow to take them.
+SHOWING_SHARE = 0.2
+
+Result = TypeVar("Result")
+
+
+class Stopped(Exception):
+    """The user asked to stop before there was anything to keep."""
+
+
+class Watch:
+    """For a program that drives Blender from outside: it may ask to stop, and be told of the progress."""
+
+    def __init__(self) -> None:
+        self.stop = threading.Event()
+        self.on_progress: Callable[[float, str], None] | None = None
+
+
+#: Read by every render of this process.
+WATCH = Watch()
+
+
+def stoppable(work: Callable[[], Result], stop_asked: Callable[[], bool]) -> Result:
+    """The result of a long call that cannot be stopped itself; raises `Stopped` and leaves it behind when asked to."""
+    outcome: list[tuple[bool, Any]] = []
+
+    def run() -> None:
+        try:
+            outcome.append((True, work()))
+        except BaseException as error:  # handed on to the caller's thread
+            outcome.append((False, error))
+
+    thread = threading.Thread(target=run, name="petzval", daemon=True)
+    thread.start()
+    thread.join(POLL_SECONDS)
+    while thread.is_alive():
+        if stop_asked():
+            raise Stopped
+        thread.join(POLL_SECONDS)
+    good, value = outcome[0]
+    if not good:
+        raise value
+    return value
+
+
+def follow(
+    job: Any,
+    *,
+    stop_asked: Callable[[], bool],
+    show: Callable[[list[Tile]], None],
+    tell: Callable[[float, int], None],
+) -> bool:
+    """Follows a job to its end, or to its stop when asked; True where it was stopped.
+
+    `show` gets the tiles that changed, `tell` the progress and the samples done. What is there at the end is for the
+    caller to take: `Job.image`.
+    """
+    stopped = False
+    next_show = 0.0
+    try:
+        while not job.wait(POLL_SECONDS):
+            tell(job.progress(), job.samples_done())
+            began = time.monotonic()
+            if began >= next_show:
+                show([Tile(x, y, pixels) for x, y, _width, _height, pixels in job.take_tiles()])
+                ended = time.monotonic()
+                next_show = ended + (ended - began) / SHOWING_SHARE
+            if stop_asked():
+                stopped = True
+                break
+    except KeyboardInterrupt:
+        # The bpy module raises it here on Ctrl-C; the program around it decides what comes next.
+        WATCH.stop.set()
+        stopped = True
+    if stopped:
+        job.stop()
+        while not job.wait(POLL_SECONDS):
+            pass
+    return stopped

@@ -1,0 +1,271 @@
+# SPDX-License-Identifier: GPL-3.0-or-later
+"""Settings kept in the .blend: `Camera.petzval` and `Scene.petzval`. Unit, range and tooltip each."""
+
+from __future__ import annotations
+
+from math import pi, radians
+
+import bpy
+from bpy.props import (
+    BoolProperty,
+    EnumProperty,
+    FloatProperty,
+    FloatVectorProperty,
+    IntProperty,
+    PointerProperty,
+    StringProperty,
+)
+
+from . import viewport_camera
+
+MODELS = (
+    ("LENS", "Lens", "A real lens: every ray is traced through its surfaces"),
+    ("THIN", "Thin Lens", "Depth of field without aberrations, framed by Blender's own focal length"),
+    ("PINHOLE", "Pinhole", "Everything sharp, framed by Blender's own focal length"),
+)
+FOCAL_MODES = (
+    ("PUBLISHED", "As Published", "The lens at the size in which it was published"),
+    ("LENGTH", "Focal Length", "The whole lens scaled to a focal length"),
+    ("SCALE", "Scale", "The whole lens scaled by a factor"),
+)
+FOCUS_MODES = (
+    ("CAMERA", "Object or Distance", "The camera's own depth of field settings: its focus object, else its distance"),
+    ("INFINITY", "Infinity", "What is infinitely far is sharp"),
+    ("FILM", "Film Distance", "The film stands at a distance behind the lens; what is sharp follows"),
+)
+FILM_MODES = (
+    ("SENSOR", "Camera Sensor", "The camera's own sensor size and fit"),
+    ("SIZE", "Film Size", "A film of its own size; the picture is the largest part of it with the picture's shape"),
+)
+
+
+def _changed(settings: PetzvalCamera, context: bpy.types.Context) -> None:
+    viewport_camera.lens_changed(settings.id_data, context.scene)
+
+
+class PetzvalCamera(bpy.types.PropertyGroup):
+    """`Camera.petzval`."""
+
+    model: EnumProperty(name="Model", description="How the camera takes its picture", items=MODELS, update=_changed)
+    lens_file: StringProperty(
+        name="Lens File",
+        description="A lens file, or the name of a lens that comes with Petzval",
+        default="wide-angle-smith-f3.4.lens",
+        subtype="FILE_PATH",
+        update=_changed,
+    )
+    focal_mode: EnumProperty(
+        name="Focal Length", description="The size of the lens", items=FOCAL_MODES, update=_changed
+    )
+    focal_length: FloatProperty(
+        name="Focal Length",
+        description="Radii, thicknesses and apertures are all scaled to reach this focal length",
+        default=50.0,
+        min=0.01,
+        max=1e6,
+        soft_min=1.0,
+        soft_max=1000.0,
+        step=100,
+        subtype="DISTANCE_CAMERA",
+        update=_changed,
+    )
+    focal_scale: FloatProperty(
+        name="Scale",
+        description="Radii, thicknesses and apertures are all multiplied by this",
+        default=1.0,
+        min=1e-4,
+        max=1e4,
+        soft_min=0.1,
+        soft_max=10.0,
+        precision=3,
+        update=_changed,
+    )
+    wide_open: BoolProperty(
+        name="Wide Open",
+        description="The diaphragm as far open as the lens allows. A thin lens takes Blender's own f-stop instead",
+        default=True,
+        update=_changed,
+    )
+    f_number: FloatProperty(
+        name="F-Number",
+        description="Focal length over the diameter of the entrance pupil. It never opens past the clear apertures",
+        default=5.6,
+        min=0.05,
+        max=1000.0,
+        soft_min=0.95,
+        soft_max=32.0,
+        step=10,
+        precision=2,
+        update=_changed,
+    )
+    blades: IntProperty(
+        name="Blades",
+        description="Blades of the diaphragm; fewer than three make a round opening",
+        default=0,
+        min=0,
+        max=24,
+    )
+    blade_rotation: FloatProperty(
+        name="Rotation", description="The diaphragm turned about the axis", default=0.0, subtype="ANGLE"
+    )
+    focus_mode: EnumProperty(name="Focus", description="What is sharp", items=FOCUS_MODES, update=_changed)
+    film_distance: FloatProperty(
+        name="Film Distance",
+        description="From the last vertex of the lens to the middle of the film",
+        default=50.0,
+        min=1e-3,
+        max=1e6,
+        soft_max=1000.0,
+        step=10,
+        precision=3,
+        subtype="DISTANCE_CAMERA",
+        update=_changed,
+    )
+    film_mode: EnumProperty(name="Film", description="How large the film is", items=FILM_MODES, update=_changed)
+    film_width: FloatProperty(
+        name="Width",
+        description="Width of the film",
+        default=36.0,
+        min=1e-3,
+        max=1e6,
+        soft_min=1.0,
+        soft_max=300.0,
+        subtype="DISTANCE_CAMERA",
+        update=_changed,
+    )
+    film_height: FloatProperty(
+        name="Height",
+        description="Height of the film",
+        default=24.0,
+        min=1e-3,
+        max=1e6,
+        soft_min=1.0,
+        soft_max=300.0,
+        subtype="DISTANCE_CAMERA",
+        update=_changed,
+    )
+    tilt: FloatProperty(
+        name="Tilt",
+        description="The film turned about its horizontal axis, so that the plane of sharp focus leans",
+        default=0.0,
+        min=radians(-80.0),
+        max=radians(80.0),
+        soft_min=-pi / 6,
+        soft_max=pi / 6,
+        subtype="ANGLE",
+        update=_changed,
+    )
+    swing: FloatProperty(
+        name="Swing",
+        description="The film turned about its vertical axis",
+        default=0.0,
+        min=radians(-80.0),
+        max=radians(80.0),
+        soft_min=-pi / 6,
+        soft_max=pi / 6,
+        subtype="ANGLE",
+        update=_changed,
+    )
+    scale_from_scene: BoolProperty(
+        name="Scale of the Scene",
+        description="The lens has its true size: 1000 millimetres to a metre, by the scene's unit scale",
+        default=True,
+        update=_changed,
+    )
+    scale_locked: BoolProperty(
+        name="Locked Together", description="One scale for all three axes: the first", default=True, update=_changed
+    )
+    scale: FloatVectorProperty(
+        name="World to Lens",
+        description="Millimetres in the lens for one Blender unit, along the camera's x, y and z",
+        size=3,
+        default=(1000.0, 1000.0, 1000.0),
+        min=1e-6,
+        max=1e9,
+        soft_min=0.1,
+        soft_max=1e5,
+        precision=2,
+        subtype="XYZ",
+        update=_changed,
+    )
+    spectral: BoolProperty(
+        name="Spectral",
+        description="Light of all visible wavelengths, each bent as the glass bends it; off: one wavelength",
+        default=True,
+    )
+    wavelength: FloatProperty(
+        name="Wavelength",
+        description="Nanometres, where the picture is taken in one wavelength; its colours stay as they are",
+        default=587.5618,
+        min=380.0,
+        max=780.0,
+        step=100,
+        precision=1,
+        subtype="WAVELENGTH" if bpy.app.version >= (5, 0, 0) else "NONE",
+        update=_changed,
+    )
+    match_viewport: BoolProperty(
+        name="Viewport Follows",
+        description="Set Blender's focal length (and sensor, where the film has a size of its own) so that the camera "
+        "view frames what the lens will photograph",
+        default=True,
+        update=_changed,
+    )
+    in_step: BoolProperty(
+        description="The lens was set up here: Blender's camera may be kept in step", options={"HIDDEN"}
+    )
+
+
+class PetzvalScene(bpy.types.PropertyGroup):
+    """`Scene.petzval`."""
+
+    samples: IntProperty(
+        name="Samples", description="Camera rays for each pixel", default=64, min=1, max=1 << 24, soft_max=4096
+    )
+    seed: IntProperty(
+        name="Seed",
+        description="Of all random choices: the same seed gives the same picture to the last bit",
+        default=0,
+        min=0,
+    )
+    sample_offset: IntProperty(
+        name="Sample Offset",
+        description="Number of the first sample, so that renders of one seed can be joined later",
+        default=0,
+        min=0,
+        max=1 << 24,
+    )
+    max_bounces: IntProperty(
+        name="Max Bounces",
+        description="Bounces of light after the first surface",
+        default=12,
+        min=0,
+        max=1024,
+        soft_max=64,
+    )
+    filter_width: FloatProperty(
+        name="Filter Width",
+        description="Width of the Blackman-Harris pixel filter; zero is a box of one pixel",
+        default=1.5,
+        min=0.0,
+        max=10.0,
+        soft_max=3.0,
+        subtype="PIXEL",
+    )
+
+
+CLASSES = (PetzvalCamera, PetzvalScene)
+
+
+def register() -> None:
+    for cls in CLASSES:
+        bpy.utils.register_class(cls)
+    bpy.types.Camera.petzval = PointerProperty(type=PetzvalCamera, name="Petzval", description="The real lens")
+    bpy.types.Scene.petzval = PointerProperty(type=PetzvalScene, name="Petzval", description="Render settings")
+
+
+def unregister() -> None:
+    del bpy.types.Scene.petzval
+    del bpy.types.Camera.petzval
+    for cls in reversed(CLASSES):
+        bpy.utils.unregister_class(cls)

@@ -1,0 +1,45 @@
+# SPDX-License-Identifier: GPL-3.0-or-later
+"""What the last render of each scene took and did; kept in memory, for the panels and for programs. No bpy."""
+
+from __future__ import annotations
+
+from dataclasses import dataclass, field
+from typing import Any
+
+#: By the scene's name.
+_last: dict[str, LastRender] = {}
+
+
+@dataclass
+class LastRender:
+    """`stats` is the engine's `Job.stats_json`, with the seconds of `sync` added."""
+
+    stats: dict[str, Any]
+    warnings: list[str] = field(default_factory=list)
+    stopped: bool = False
+
+    def lines(self) -> list[str]:
+        """For people."""
+        seconds = self.stats["seconds"]
+        lost = self.stats["camera_rays_lost"] / max(self.stats["camera_rays"], 1)
+        return [
+            f"{self.stats['lens']}, {self.stats['width']} x {self.stats['height']}, {self.stats['samples']} samples"
+            + (" (stopped)" if self.stopped else ""),
+            f"sync {seconds['sync']:.2f} s, trees {seconds['bvh']:.2f} s, render {seconds['render']:.2f} s",
+            f"{100.0 * lost:.2f} % of the camera rays lost in the lens",
+        ]
+
+
+def keep(scene_name: str, render: LastRender) -> None:
+    """Remembers a render as the scene's last."""
+    _last[scene_name] = render
+
+
+def last(scene_name: str) -> LastRender | None:
+    """The scene's last render in this session."""
+    return _last.get(scene_name)
+
+
+def forget() -> None:
+    """Drops all of them."""
+    _last.clear()

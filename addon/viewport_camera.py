@@ -1,0 +1,84 @@
+# SPDX-License-Identifier: GPL-3.0-or-later
+"""Keeps Blender's own camera in step with the lens, so that the camera view frames what will be photographed.
+
+Only cameras whose lens was set up are touched: choosing the engine alone changes nothing. Nothing is written while
+drawing or rendering.
+"""
+
+from __future__ import annotations
+
+import bpy
+from bpy.app.handlers import persistent
+
+from . import lens_info
+
+# Writing a value that is there already would only mark the file as changed.
+_SAME = 1e-5
+
+
+def lens_changed(camera: bpy.types.Camera, scene: bpy.types.Scene | None) -> None:
+    """A lens setting was changed by the user."""
+    if not camera.petzval.in_step:
+        camera.petzval.in_step = True
+    follow(camera, scene)
+
+
+def follow(camera: bpy.types.Camera, scene: bpy.types.Scene | None) -> None:
+    """Brings Blender's camera in step where that is wanted and possible."""
+    settings = camera.petzval
+    if scene is None or camera.library or settings.model != "LENS" or not settings.match_viewport:
+        return
+    holder = camera_object(camera, scene)
+    if holder is not None:
+        match(holder, scene)
+
+
+def match(holder: bpy.types.Object, scene: bpy.types.Scene) -> str:
+    """Sets the camera so that it frames the lens's picture; returns the engine's complaint where it cannot."""
+    info = lens_info.of_camera(holder, scene)
+    if "error" in info:
+        return info["error"]
+    camera = holder.data
+    wanted = {"lens": info["viewport_focal_length_mm"]}
+    if camera.petzval.film_mode == "SIZE":
+        if camera.sensor_fit != "HORIZONTAL":
+            camera.sensor_fit = "HORIZONTAL"
+        wanted["sensor_width"] = info["viewport_sensor_width_mm"]
+    for name, value in wanted.items():
+        if abs(getattr(camera, name) - value) > _SAME * abs(value):
+            setattr(camera, name, value)
+    return ""
+
+
+def camera_object(camera: bpy.types.Camera, scene: bpy.types.Scene) -> bpy.types.Object | None:
+    """An object of the scene with this camera: the scene's own camera if it has it."""
+    if scene.camera is not None and scene.camera.data == camera:
+        return scene.camera
+    return next((holder for holder in scene.objects if holder.data == camera), None)
+
+
+@persistent
+def _scene_changed(scene: bpy.types.Scene, depsgraph: bpy.types.Depsgraph | None = None) -> None:
+    """Focus objects move, sensors are set in Blender's own panels, frames change."""
+    if depsgraph is None or depsgraph.mode != "VIEWPORT" or scene.render.engine != "PETZVAL":
+        return
+    holder = scene.camera
+    if holder is None or holder.type != "CAMERA" or not holder.data.petzval.in_step:
+        return
+    follow(holder.data, scene)
+
+
+_HANDLERS = ("depsgraph_update_post", "frame_change_post")
+
+
+def register() -> None:
+    for name in _HANDLERS:
+        getattr(bpy.app.handlers, name).append(_scene_changed)
+
+
+def unregister() -> None:
+    for name in _HANDLERS:
+        handlers = getattr(bpy.app.handlers, name)
+        if _scene_changed in handlers:
+            handlers.remove(_scene_changed)
+    lens_info.forget()

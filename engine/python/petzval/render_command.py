@@ -1,0 +1,210 @@
+# SPDX-License-Identifier: GPL-3.0-or-later
+"""`petzval render`: its arguments, and where it runs: in this Python's bpy, or in a Blender that is named."""
+
+from __future__ import annotations
+
+import argparse
+import json
+import math
+import subprocess
+from pathlib import Path
+
+from .errors import CommandError
+from .places import find_lens
+
+_SUFFIXES = {".exr", ".png"}
+#: What the engine always simulates, and what it cannot yet; colour can be chosen.
+_ALWAYS = {"defocus", "aberration", "distortion", "vignetting", "diaphragm"}
+_COLOUR = {"lateral_colour", "axial_colour"}
+_NOT_YET = {"transmission", "ghosts", "glare", "diffraction", "motion_blur"}
+#: Exit status of a command that was broken off.
+_INTERRUPTED = 130
+
+
+def add_parser(subparsers: argparse._SubParsersAction) -> None:
+    """Adds `render`."""
+    p = subparsers.add_parser("render", help="render a .blend through a lens", allow_abbrev=False)
+    p.add_argument("scene", metavar="SCENE.blend")
+    which = p.add_mutually_exclusive_group()
+    which.add_argument("--lens", metavar="FILE", help="a lens file, or the name of a shipped lens")
+    which.add_argument("--camera", choices=("pinhole", "thin", "thick", "paraxial"), help="a simpler camera instead")
+    p.add_argument("--focal-length", type=_positive, metavar="MM", help="scale the lens to this focal length")
+    p.add_argument("--f-number", type=_positive, metavar="N", help="default: as the file has it")
+    p.add_argument("--blades", type=int, metavar="N", help="blades of the diaphragm, 3 to 24; 0 is round")
+    p.add_argument("--focus-distance", type=_distance, metavar="MM|inf", help="from the entrance pupil")
+    p.add_argument("--film", type=_size_mm, metavar="WxH", help="film size, mm")
+    p.add_argument("--tilt", type=_number, metavar="DEG", help="turn of the film about its horizontal axis")
+    p.add_argument("--swing", type=_number, metavar="DEG", help="turn of the film about its vertical axis")
+    p.add_argument("--shift", type=_pair, metavar="X,Y", help="the lens right and up against the film, mm")
+    p.add_argument("--scale", type=_triple, metavar="X,Y,Z", help="millimetres for one Blender unit along each axis")
+    p.add_argument("--pipeline", choices=("film", "scene", "hero"), default="film")
+    p.add_argument("--effect", action="append", default=[], type=_effect, metavar="NAME=auto|on|off")
+    p.add_argument("--quality", type=_positive, metavar="Q", help="1 is the default")
+    p.add_argument("--samples", type=_count, metavar="N", help="paths for each pixel")
+    p.add_argument("--seed", type=_natural, metavar="N")
+    p.add_argument("--sample-offset", type=_natural, metavar="N", help="number of the first sample")
+    p.add_argument("--resolution", type=_pixels, metavar="WxH")
+    p.add_argument("--frame", type=int, metavar="N")
+    p.add_argument("--threads", type=_natural, metavar="N", help="0: one for each core")
+    p.add_argument("-o", "--output", metavar="OUT.exr|png", help="default: SCENE.png where you are")
+    p.add_argument("--stats", metavar="STATS.json", help="write what was done, and what it took")
+    p.add_argument("--blender", metavar="PATH", help="run in this Blender rather than in bpy")
+
+
+def run(arguments: argparse.Namespace) -> int:
+    """Renders; the exit status."""
+    options = _checked(arguments)
+    if arguments.blender:
+        return _in_blender(arguments.blender, options)
+    from .render_in_blender import finish, render
+
+    try:
+        import bpy  # noqa: F401
+    except ImportError as error:
+        raise CommandError(
+            f"no Blender in this Python: {error}: pip install bpy, or name a Blender with --blender"
+        ) from None
+    # bpy with a render engine hangs or crashes when Python ends by itself.
+    finish(render(options))
+    return _INTERRUPTED
+
+
+def _checked(a: argparse.Namespace) -> dict:
+    """The options as plain data, checked as far as they can be without Blender."""
+    scene = Path(a.scene)
+    if not scene.is_file():
+        raise CommandError(f"no such scene: {scene}: name a .blend file")
+    if a.camera in {"thick", "paraxial"}:
+        raise CommandError(f"camera model {a.camera}: not available yet: use pinhole, thin, or a --lens")
+    if a.pipeline != "film":
+        raise CommandError(f"pipeline {a.pipeline}: not available yet: leave --pipeline out, or use film")
+    if a.quality not in (None, 1.0):
+        raise CommandError(f"quality {a.quality:g}: effects are not planned yet: leave --quality out")
+    if a.blades is not None and a.blades != 0 and not 3 <= a.blades <= 24:
+        raise CommandError(f"{a.blades} blades: a diaphragm has 3 to 24, or 0 for a round one: change --blades")
+    output = Path(a.output) if a.output else Path(f"{scene.stem}.png")
+    if output.suffix.lower() not in _SUFFIXES:
+        raise CommandError(f"unknown picture format: {output}: end its name in .exr or .png")
+    for file in (output, Path(a.stats) if a.stats else None):
+        if file is not None and not file.absolute().parent.is_dir():
+            raise CommandError(f"no such folder: {file.parent}: make it first")
+    return {
+        "scene": str(scene.absolute()),
+        "output": str(output.absolute()),
+        "stats": str(Path(a.stats).absolute()) if a.stats else None,
+        "lens": str(find_lens(a.lens).absolute()) if a.lens else None,
+        "camera": a.camera,
+        "focal_length_mm": a.focal_length,
+        "f_number": a.f_number,
+        "blades": a.blades,
+        "focus_distance_mm": "inf" if a.focus_distance == math.inf else a.focus_distance,
+        "film_mm": a.film,
+        "tilt_rad": None if a.tilt is None else math.radians(a.tilt),
+        "swing_rad": None if a.swing is None else math.radians(a.swing),
+        "shift_mm": a.shift,
+        "scale_mm": a.scale,
+        "spectrum": _spectrum(dict(a.effect)),
+        "samples": a.samples,
+        "seed": a.seed,
+        "sample_offset": a.sample_offset,
+        "resolution": a.resolution,
+        "frame": a.frame,
+        "threads": a.threads,
+    }
+
+
+def _spectrum(effects: dict[str, str]) -> bool | None:
+    """Whether the lens is to disperse; None leaves it as the file has it. What cannot be had is refused."""
+    for name, word in effects.items():
+        if name in _ALWAYS and word == "off":
+            raise CommandError(f"effect {name}=off: exact tracing always has it: use --camera pinhole or thin")
+        if name in _NOT_YET and word == "on":
+            raise CommandError(f"effect {name}=on: not available yet: leave it out")
+    colours = {effects.get(name, "auto") for name in _COLOUR} - {"auto"}
+    if len(colours) > 1:
+        raise CommandError("lateral_colour and axial_colour: one cannot be had without the other yet: set both alike")
+    return colours.pop() == "on" if colours else None
+
+
+def _in_blender(program: str, options: dict) -> int:
+    """Runs the same inside of a Blender program."""
+    runner = Path(__file__).with_name("render_in_blender.py")
+    handed_over = {**options, "package_parent": str(Path(__file__).resolve().parent.parent)}
+    command = [program, "-b", "--factory-startup", "--python", str(runner), "--", json.dumps(handed_over)]
+    try:
+        return subprocess.run(command, check=False).returncode
+    except OSError as error:
+        raise CommandError(f"cannot start {program}: {error.strerror}: give --blender a Blender program") from None
+
+
+def _number(text: str) -> float:
+    value = float(text)
+    if not math.isfinite(value):
+        raise argparse.ArgumentTypeError(f"not a finite number: {text}")
+    return value
+
+
+def _positive(text: str) -> float:
+    value = _number(text)
+    if value <= 0.0:
+        raise argparse.ArgumentTypeError(f"must be above zero: {text}")
+    return value
+
+
+def _distance(text: str) -> float:
+    value = float(text)
+    if math.isnan(value) or value <= 0.0:
+        raise argparse.ArgumentTypeError(f"not a distance: {text}")
+    return value
+
+
+def _natural(text: str) -> int:
+    value = int(text)
+    if not 0 <= value < 2**31:
+        raise argparse.ArgumentTypeError(f"must be from 0 to 2^31 - 1: {text}")
+    return value
+
+
+def _count(text: str) -> int:
+    value = _natural(text)
+    if value == 0:
+        raise argparse.ArgumentTypeError("must be at least 1")
+    return value
+
+
+def _split(text: str, separator: str, count: int) -> list[str]:
+    parts = text.lower().split(separator)
+    if len(parts) != count:
+        raise argparse.ArgumentTypeError(f"must be {count} values with '{separator}' between them: {text}")
+    return parts
+
+
+def _size_mm(text: str) -> list[float]:
+    return [_positive(part) for part in _split(text, "x", 2)]
+
+
+def _pixels(text: str) -> list[int]:
+    return [_count(part) for part in _split(text, "x", 2)]
+
+
+def _pair(text: str) -> list[float]:
+    return [_number(part) for part in _split(text, ",", 2)]
+
+
+def _triple(text: str) -> list[float]:
+    return [_positive(part) for part in _split(text, ",", 3)]
+
+
+def _effect(text: str) -> tuple[str, str]:
+    name, _, word = text.partition("=")
+    names = sorted(_ALWAYS | _COLOUR | _NOT_YET)
+    if name not in names or word not in {"auto", "on", "off"}:
+        raise argparse.ArgumentTypeError(f"{text}: give NAME=auto|on|off, NAME one of {', '.join(names)}")
+    return name, word
+
+
+for _type, _name in ((_number, "number"), (_positive, "number"), (_distance, "distance"), (_natural, "number"),
+                     (_count, "number"), (_size_mm, "size"), (_pixels, "size"), (_pair, "pair"), (_triple, "triple"),
+                     (_effect, "effect")):  # fmt: skip
+    # argparse names the type in its message: "invalid number value: 'x'".
+    _type.__name__ = _name
