@@ -194,14 +194,13 @@ class PetzvalCamera(bpy.types.PropertyGroup):
         default=True,
     )
     wavelength: FloatProperty(
-        name="Wavelength",
+        name="Wavelength (nm)",
         description="Nanometres, where the picture is taken in one wavelength; its colours stay as they are",
         default=587.5618,
         min=380.0,
         max=780.0,
         step=100,
         precision=1,
-        subtype="WAVELENGTH" if bpy.app.version >= (5, 0, 0) else "NONE",
         update=_changed,
     )
     match_viewport: BoolProperty(

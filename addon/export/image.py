@@ -1,51 +1,80 @@
 # SPDX-License-Identifier: GPL-3.0-or-later
-"""Images: pixels sent once each, missing ones in Blender's magenta."""
+"""Images: each sent once, with Blender's magenta where its file is missing."""
 
 from __future__ import annotations
+
+from typing import Any
 
 import bpy
 import numpy as np
 
 from ..description import Report
 
-_LINEAR = {"Non-Color", "Raw", "Linear", "Linear Rec.709", "Generic Data"}
-_MISSING = np.array([[[1.0, 0.0, 1.0, 1.0]]], np.float32)
+MAGENTA = np.array([[[1.0, 0.0, 1.0, 1.0]]], np.float32)
+LINEAR_SPACES = {"Linear", "Linear Rec.709", "scene_linear"}
 
 
 class Images:
-    """The images that a scene's materials use."""
+    """The images of one scene, by the engine's index."""
 
-    def __init__(self, builder, report: Report) -> None:
+    def __init__(self, builder: Any, report: Report) -> None:
         self._builder = builder
         self._report = report
-        self._sent: dict[str, int] = {}
+        self._known: dict[int, int] = {}
 
     def index(self, image: bpy.types.Image | None, user: str) -> int:
-        """The engine's number for an image; `user` names who asked, for messages."""
-        key = image.name_full if image else ""
-        if key not in self._sent:
-            self._sent[key] = self._send(image, user)
-        return self._sent[key]
-
-    def _send(self, image: bpy.types.Image | None, user: str) -> int:
+        """The engine's index of an image; `user` is who asks, for the warning where there is none."""
+        key = 0 if image is None else image.original.as_pointer()
         if image is None:
-            self._report.warn(f"{user}: an image texture has no image; shown in magenta")
-            return self._builder.add_image("(none)", _MISSING, srgb=False)
-        if image.source == "TILED":
-            self._report.warn(f"image '{image.name}': of its UDIM tiles only the first is used yet")
+            self._report.warn(f"{user}: no image is chosen, magenta is shown")
+        if key not in self._known:
+            name, pixels, srgb = ("(missing)", MAGENTA, False) if image is None else self._read(image.original)
+            self._known[key] = self._builder.add_image(name, pixels, srgb=srgb)
+        return self._known[key]
+
+    def _read(self, image: bpy.types.Image) -> tuple[str, np.ndarray, bool]:
+        """Name, pixels (height, width, 4) from below, and whether they are sRGB-encoded."""
         width, height = image.size
-        if width == 0 or height == 0:
-            where = bpy.path.abspath(image.filepath, library=image.library) or "not saved"
-            self._report.warn(f"image '{image.name}' of {user} is missing ({where}); shown in magenta")
-            return self._builder.add_image(image.name, _MISSING, srgb=False)
-        pixels = np.empty(width * height * 4, np.float32)
-        image.pixels.foreach_get(pixels)
-        pixels = pixels.reshape(height, width, 4)
-        space = image.colorspace_settings.name
-        if not image.is_float:
-            if space != "sRGB" and space not in _LINEAR:
-                self._report.warn(f"image '{image.name}': its colour space '{space}' is taken as sRGB")
-            whole = np.rint(pixels * 255.0).astype(np.uint8)
-            return self._builder.add_image(image.name, whole, srgb=space not in _LINEAR)
-        # Blender has brought float images to scene-linear already.
-        return self._builder.add_image(image.name, pixels, srgb=False)
+        if width == 0 or height == 0 or image.channels == 0:
+            path = bpy.path.abspath(image.filepath, library=image.library) or "no file"
+            self._report.warn(f"Image '{image.name}' cannot be read ({path}), magenta is shown: restore the file")
+            return image.name, MAGENTA, False
+        self._warn_of_kind(image)
+        values = np.empty(width * height * image.channels, np.float32)
+        image.pixels.foreach_get(values)
+        pixels = _four_channels(values.reshape(height, width, image.channels))
+        # Blender turns the pixels of float images into scene-linear ones when it loads them.
+        if image.is_float:
+            return image.name, pixels, False
+        return image.name, np.rint(np.clip(pixels, 0.0, 1.0) * 255.0).astype(np.uint8), self._is_srgb(image)
+
+    def _warn_of_kind(self, image: bpy.types.Image) -> None:
+        if image.source == "TILED" and len(image.tiles) > 1:
+            self._report.warn(f"Image '{image.name}': tiles (UDIM) are not supported yet, its first tile is used")
+        elif image.source in {"SEQUENCE", "MOVIE"}:
+            self._report.warn(f"Image '{image.name}': image sequences are not supported yet, one frame is used")
+
+    def _is_srgb(self, image: bpy.types.Image) -> bool:
+        settings = image.colorspace_settings
+        if settings.is_data or settings.name in LINEAR_SPACES:
+            return False
+        if settings.name != "sRGB":
+            self._report.warn(
+                f"Image '{image.name}': the colour space {settings.name} is not supported yet, it is taken as sRGB"
+            )
+        return True
+
+
+def _four_channels(pixels: np.ndarray) -> np.ndarray:
+    """RGBA, whatever the file had."""
+    channels = pixels.shape[2]
+    if channels == 4:
+        return pixels
+    out = np.ones((*pixels.shape[:2], 4), np.float32)
+    if channels == 3:
+        out[..., :3] = pixels
+    else:
+        out[..., :3] = pixels[..., :1]
+        if channels == 2:
+            out[..., 3] = pixels[..., 1]
+    return out

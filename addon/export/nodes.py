@@ -1,109 +1,176 @@
 # SPDX-License-Identifier: GPL-3.0-or-later
-"""Walking node graphs: through reroutes, muted nodes and groups, to what drives a socket."""
+"""Follows links through a node tree, and folds what is constant.
+
+Reroutes, muted nodes and groups are passed through. An input is either a value that stands still, or the output of
+a node that the caller must understand.
+"""
 
 from __future__ import annotations
 
-from collections.abc import Iterator
+import math
 from dataclasses import dataclass
+from typing import Any
 
 import bpy
 
-# Deeper than any graph that people draw; a circle, which Blender refuses, would never end.
-_MOST_STEPS = 256
+# Deeper than any sane tree; a group that holds itself cannot be made in Blender.
+_DEEPEST = 1000
 
 
 @dataclass(frozen=True)
-class Socket:
-    """An input socket, and the group nodes that its tree was entered by."""
+class Input:
+    """A node's input socket, with the group nodes that lead to it, outermost first."""
 
     socket: bpy.types.NodeSocket
     groups: tuple[bpy.types.Node, ...] = ()
 
-    @property
-    def name(self) -> str:
-        return self.socket.name
-
-    def source(self) -> Output | Socket:
-        """The node output that drives it; or the unlinked socket at the end whose own value counts."""
-        here = self
-        for _ in range(_MOST_STEPS):
-            link = next((link for link in here.socket.links if link.is_valid and not link.is_muted), None)
-            if link is None:
-                return here
-            node, groups = link.from_node, here.groups
-            if node.type == "REROUTE":
-                here = Socket(node.inputs[0], groups)
-            elif node.mute:
-                inside = next((i.from_socket for i in node.internal_links if i.to_socket == link.from_socket), None)
-                if inside is None:
-                    return Output(node, link.from_socket, groups)
-                here = Socket(inside, groups)
-            elif node.type == "GROUP" and node.node_tree is not None:
-                out = _group_output(node.node_tree)
-                inner = out.inputs.get(link.from_socket.name) if out else None
-                if inner is None:
-                    return Output(node, link.from_socket, groups)
-                here = Socket(inner, (*groups, node))
-            elif node.type == "GROUP_INPUT" and groups:
-                outer = groups[-1].inputs.get(link.from_socket.name)
-                if outer is None:
-                    return Output(node, link.from_socket, groups)
-                here = Socket(outer, groups[:-1])
-            else:
-                return Output(node, link.from_socket, groups)
-        return here
-
 
 @dataclass(frozen=True)
-class Output:
-    """An output of a node that does something."""
+class Source:
+    """The output socket of a node that feeds an input, with the group nodes that lead to it."""
 
     node: bpy.types.Node
     socket: bpy.types.NodeSocket
     groups: tuple[bpy.types.Node, ...] = ()
 
-    def input(self, *names: str) -> Socket | None:
-        """The first of the node's inputs that has one of the names: they differ between Blender's versions."""
-        for name in names:
-            found = self.node.inputs.get(name)
-            if found is not None:
-                return Socket(found, self.groups)
-        return None
+    def input(self, name: str) -> Input:
+        """An input of the node by name."""
+        return Input(self.node.inputs[name], self.groups)
 
-    def inputs(self) -> Iterator[Socket]:
-        for socket in self.node.inputs:
-            if socket.enabled:
-                yield Socket(socket, self.groups)
+    def inputs(self) -> list[Input]:
+        """All inputs of the node that are in use."""
+        return [Input(socket, self.groups) for socket in self.node.inputs if socket.enabled]
 
 
-def output_surface(tree: bpy.types.NodeTree) -> Output | None:
-    """What is linked to the surface of the tree's active output."""
-    node = tree.get_output_node("CYCLES")
-    socket = node.inputs.get("Surface") if node else None
-    found = Socket(socket).source() if socket else None
-    return found if isinstance(found, Output) else None
-
-
-def constant(socket: Socket | None) -> float | tuple[float, float, float] | None:
-    """The value of a socket that nothing but plain values drive; None where it varies."""
-    if socket is None:
-        return None
-    found = socket.source()
-    if isinstance(found, Socket):
-        return value(found.socket)
-    if found.node.type in {"RGB", "VALUE"}:
-        return value(found.node.outputs[0])
-    if found.node.type == "BLACKBODY":
-        return None
+def trace(start: Input) -> Source | Input | None:
+    """What an input gets: a node's output; or the input whose own value counts; or nothing (a dead end)."""
+    socket, groups = start.socket, start.groups
+    for _ in range(_DEEPEST):
+        link = next((link for link in socket.links if link.is_valid and not link.is_muted), None)
+        if link is None:
+            return Input(socket, groups)
+        node, output = link.from_node, link.from_socket
+        if node.mute:
+            socket = next((inner.from_socket for inner in node.internal_links if inner.to_socket == output), None)
+        elif node.type == "REROUTE":
+            socket = node.inputs[0]
+            if not socket.is_linked:
+                return None
+        elif node.type == "GROUP":
+            socket = _group_result(node, output)
+            groups = (*groups, node)
+        elif node.type == "GROUP_INPUT" and groups:
+            socket = next((outer for outer in groups[-1].inputs if outer.identifier == output.identifier), None)
+            groups = groups[:-1]
+        else:
+            return Source(node, output, groups)
+        if socket is None:
+            return None
     return None
 
 
-def value(socket: bpy.types.NodeSocket) -> float | tuple[float, float, float]:
-    """A socket's own value; a colour loses its alpha."""
-    v = socket.default_value
-    return float(v) if isinstance(v, (int, float)) else tuple(float(x) for x in v)[:3]
+def _group_result(node: bpy.types.Node, output: bpy.types.NodeSocket) -> bpy.types.NodeSocket | None:
+    """The input of a group's output node that feeds an output of the group node."""
+    if node.node_tree is None:
+        return None
+    ends = [inner for inner in node.node_tree.nodes if inner.type == "GROUP_OUTPUT"]
+    end = next((inner for inner in ends if inner.is_active_output), None)
+    if end is None:
+        return None
+    return next((socket for socket in end.inputs if socket.identifier == output.identifier), None)
 
 
-def _group_output(tree: bpy.types.NodeTree) -> bpy.types.Node | None:
-    outputs = [n for n in tree.nodes if n.type == "GROUP_OUTPUT"]
-    return next((n for n in outputs if n.is_active_output), outputs[0] if outputs else None)
+def value(socket: bpy.types.NodeSocket) -> Any:
+    """A socket's own value: a float, or a tuple of them; None for shaders."""
+    own = getattr(socket, "default_value", None)
+    if own is None:
+        return None
+    return tuple(own) if hasattr(own, "__len__") else float(own)
+
+
+def constant(start: Input) -> Any:
+    """The value of an input where it does not vary, as `value` gives it; None where it may vary."""
+    found = trace(start)
+    if found is None:
+        # Nothing arrives through a dead end: Blender takes zero.
+        own = value(start.socket)
+        return tuple(0.0 for _ in own) if isinstance(own, tuple) else 0.0
+    if isinstance(found, Input):
+        return _as_kind_of(start.socket, value(found.socket))
+    folded = _fold(found)
+    return None if folded is None else _as_kind_of(start.socket, folded)
+
+
+def _fold(source: Source) -> Any:
+    node = source.node
+    if node.type in {"VALUE", "RGB"}:
+        return value(node.outputs[0])
+    if node.type == "MATH":
+        return _fold_math(source)
+    if node.type in {"COMBINE_COLOR", "COMBRGB", "COMBXYZ"} and getattr(node, "mode", "RGB") == "RGB":
+        parts = [constant(part) for part in source.inputs()]
+        return None if None in parts else tuple(parts)
+    if node.type == "GAMMA":
+        colour, gamma = constant(source.input("Color")), constant(source.input("Gamma"))
+        if colour is None or gamma is None:
+            return None
+        return tuple(max(part, 0.0) ** gamma for part in colour[:3])
+    return None
+
+
+_MATH = {
+    "ADD": lambda a, b: a + b,
+    "SUBTRACT": lambda a, b: a - b,
+    "MULTIPLY": lambda a, b: a * b,
+    "DIVIDE": lambda a, b: a / b if b else 0.0,
+    "MINIMUM": min,
+    "MAXIMUM": max,
+    "POWER": lambda a, b: a**b if a >= 0.0 or float(b).is_integer() else 0.0,
+    "SQRT": lambda a, _: math.sqrt(max(a, 0.0)),
+    "ABSOLUTE": lambda a, _: abs(a),
+    "LESS_THAN": lambda a, b: float(a < b),
+    "GREATER_THAN": lambda a, b: float(a > b),
+}
+
+
+def _fold_math(source: Source) -> float | None:
+    operation = _MATH.get(source.node.operation)
+    parts = [constant(Input(socket, source.groups)) for socket in source.node.inputs[:2]]
+    if operation is None or None in parts:
+        return None
+    try:
+        result = operation(*parts)
+    except (OverflowError, ZeroDivisionError):
+        return 0.0
+    return min(max(result, 0.0), 1.0) if source.node.use_clamp else result
+
+
+def _as_kind_of(socket: bpy.types.NodeSocket, given: Any) -> Any:
+    """A value as Blender converts it on its way into a socket: grey to colour, colour to its luminance."""
+    own = value(socket)
+    if isinstance(own, tuple) and not isinstance(given, tuple):
+        return None if given is None else (given,) * min(len(own), 3)
+    if isinstance(own, float) and isinstance(given, tuple):
+        if socket.type == "VALUE" and len(given) >= 3:
+            return 0.2126 * given[0] + 0.7152 * given[1] + 0.0722 * given[2]
+        return given[0]
+    return given
+
+
+def find_upstream(start: Input, kind: str) -> Source | None:
+    """The nearest node of a type above an input, breadth first."""
+    level, seen = [start], set()
+    while level:
+        following = []
+        for one in level:
+            found = trace(one)
+            if not isinstance(found, Source):
+                continue
+            if found.node.type == kind:
+                return found
+            key = (found.node.as_pointer(), found.groups)
+            if key not in seen:
+                seen.add(key)
+                following += found.inputs()
+        level = following
+    return None
