@@ -3,7 +3,7 @@
 
 use super::Stage;
 use crate::accel::{Hit, Ray, RayKind, offset_origin};
-use crate::lights::LightSample;
+use crate::lights::{LightSample, tree::Receiver};
 use crate::nodes;
 use crate::sampler::PathSampler;
 use crate::shading::principled::Bsdf;
@@ -35,8 +35,8 @@ pub struct PathResult {
 enum Chosen {
     /// By the camera or a mirror: no light sample competes.
     Alone,
-    /// By a surface's scattering, with this density per steradian.
-    WithPdf(f32),
+    /// By a surface's scattering, with this density per steradian; and where a light sample competed.
+    WithPdf(f32, Receiver),
 }
 
 impl Chosen {
@@ -44,7 +44,15 @@ impl Chosen {
     fn weight(self, light_pdf: f32) -> f32 {
         match self {
             Self::Alone => 1.0,
-            Self::WithPdf(pdf) => power_heuristic(pdf, light_pdf),
+            Self::WithPdf(pdf, _) => power_heuristic(pdf, light_pdf),
+        }
+    }
+
+    /// Where a light sample competed.
+    fn receiver(&self) -> Option<&Receiver> {
+        match self {
+            Self::Alone => None,
+            Self::WithPdf(_, to) => Some(to),
         }
     }
 }
@@ -72,7 +80,7 @@ pub fn trace(
         result.rays += 1;
         let hit = stage.accel.closest(&ray, kind);
         let t_max = hit.map_or(f32::INFINITY, |h| h.t);
-        stage.lights.lamps_along(ray.origin, ray.direction, t_max, camera, |radiance, pdf| {
+        stage.lights.lamps_along(ray.origin, ray.direction, t_max, camera, chosen.receiver(), |radiance, pdf| {
             result.radiance += throughput * radiance * chosen.weight(pdf);
             result.hit = true;
         });
@@ -98,12 +106,9 @@ pub fn trace(
         if material.emits() {
             let radiance = nodes::emission(material, scene, hit.instance, hit.triangle, point.barycentric);
             let cos = -point.geometric_normal.dot(ray.direction);
-            let pdf = match chosen {
-                Chosen::Alone => 0.0,
-                Chosen::WithPdf(_) => {
-                    stage.lights.triangle_pdf(scene, hit.instance, hit.triangle, travelled + hit.t, cos)
-                }
-            };
+            let pdf = chosen.receiver().map_or(0.0, |to| {
+                stage.lights.triangle_pdf(scene, to, (hit.instance, hit.triangle), travelled + hit.t, cos)
+            });
             result.radiance += throughput * radiance * chosen.weight(pdf);
         }
         if bounce > max_bounces {
@@ -113,7 +118,8 @@ pub fn trace(
         let bsdf = Bsdf::new(material, &values, &stage.tables[point.material as usize], &point, -ray.direction);
         let [u0, u1, u2, u3] = sampler.next_4d();
         if !bsdf.is_mirror() {
-            let light = stage.lights.sample(scene, point.position, u_light, [u0, u1]);
+            let to = Receiver { position: point.position, normal: bsdf.receiving_normal() };
+            let light = stage.lights.sample(scene, &to, u_light, [u0, u1]);
             result.radiance +=
                 throughput * light.map_or(Rgb::ZERO, |l| direct(stage, &point, &bsdf, &l, &mut result.rays));
         }
@@ -128,7 +134,11 @@ pub fn trace(
             }
             throughput /= go_on;
         }
-        chosen = if next.mirror { Chosen::Alone } else { Chosen::WithPdf(next.pdf) };
+        chosen = if next.mirror {
+            Chosen::Alone
+        } else {
+            Chosen::WithPdf(next.pdf, Receiver { position: point.position, normal: bsdf.receiving_normal() })
+        };
         travelled = 0.0;
         ray = Ray::new(leave(&point, next.wi), next.wi);
     }

@@ -1,6 +1,7 @@
 //! Blender's point, spot, sun and area lamps, with the brightness that Cycles gives them.
 
 use super::LightSample;
+use super::tree::LightBounds;
 use crate::scene::lamp::{Lamp, LampKind};
 use crate::{Rgb, luminance, sampler::warp};
 use glam::{Mat3A, Vec3A};
@@ -62,6 +63,37 @@ impl PreparedLamp {
     /// Watts, for choosing; a sun's, per unit of area.
     pub(super) fn power(&self) -> f32 {
         luminance(self.color)
+    }
+
+    /// Where the lamp is, and where it shines to; not for suns.
+    pub(super) fn bounds(&self) -> LightBounds {
+        let everywhere = |radius: f32| LightBounds {
+            min: self.center - Vec3A::splat(radius),
+            max: self.center + Vec3A::splat(radius),
+            power: self.power(),
+            axis: -self.axes.z_axis,
+            normal_spread_rad: PI,
+            emission_spread_rad: FRAC_PI_2,
+            two_sided: false,
+        };
+        match self.kind {
+            LampKind::Spot { radius, half_angle_rad, .. } => LightBounds {
+                normal_spread_rad: 0.0,
+                emission_spread_rad: half_angle_rad.min(PI),
+                ..everywhere(radius)
+            },
+            LampKind::Area { size, .. } => {
+                let half = self.axes.x_axis.abs() * (0.5 * size[0]) + self.axes.y_axis.abs() * (0.5 * size[1]);
+                LightBounds {
+                    min: self.center - half,
+                    max: self.center + half,
+                    normal_spread_rad: 0.0,
+                    ..everywhere(0.0)
+                }
+            }
+            LampKind::Point { radius } => everywhere(radius),
+            LampKind::Sun { .. } => everywhere(0.0),
+        }
     }
 
     /// Light at `from`.

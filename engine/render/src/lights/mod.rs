@@ -5,16 +5,21 @@
 
 pub mod lamp;
 pub mod sky;
+pub mod tree;
 
 use crate::nodes;
-use crate::sampler::{distribution::AliasTable, warp};
+use crate::sampler::warp;
+use crate::scene::material::{Input, Material};
+use crate::scene::mesh::Mesh;
 use crate::scene::{Scene, lamp::LampKind};
 use crate::surface::{geometric_normal, mesh_of};
 use crate::{Rgb, luminance};
 use glam::Vec3A;
 use lamp::PreparedLamp;
 use sky::Sky;
-use std::f32::consts::PI;
+use std::collections::HashSet;
+use std::f32::consts::{FRAC_PI_2, PI};
+use tree::{LightBounds, LightTree, Receiver};
 
 /// Light that reaches a point from one direction, if nothing stands in between.
 #[derive(Clone, Copy, Debug)]
@@ -41,9 +46,9 @@ enum Emitter {
 
 /// Every emitter of a scene, ready to be sampled.
 pub struct Lights {
-    // Lamps and emissive triangles within the scene, and their choice by power.
+    // Lamps and emissive triangles within the scene, and their choice by what they may send to a place.
     local: Vec<Emitter>,
-    local_choice: Option<AliasTable>,
+    tree: Option<LightTree>,
     // By instance: by triangle, 1 + its index in `local`; empty where the instance emits nothing.
     emitter_of: Vec<Vec<u32>>,
     lamps: Vec<PreparedLamp>,
@@ -57,34 +62,35 @@ impl Lights {
     pub fn new(scene: &Scene) -> Self {
         let lamps: Vec<PreparedLamp> = scene.lamps.iter().map(PreparedLamp::new).collect();
         let mut local = Vec::new();
-        let mut powers = Vec::new();
+        let mut bounds = Vec::new();
         for (i, lamp) in lamps.iter().enumerate() {
             if !matches!(lamp.kind(), LampKind::Sun { .. }) {
                 local.push(Emitter::Lamp(i as u32));
-                powers.push(lamp.power());
+                bounds.push(lamp.bounds());
             }
         }
-        let emitter_of = emissive_triangles(scene, &mut local, &mut powers);
-        let local_choice = AliasTable::new(&powers);
+        let emitter_of = emissive_triangles(scene, &mut local, &mut bounds);
+        let tree = LightTree::new(&bounds);
         let sky = Sky::new(scene, &lamps);
-        let sky_chance = match (&local_choice, sky.is_dark()) {
+        let sky_chance = match (&tree, sky.is_dark()) {
             (None, _) => 1.0,
             (Some(_), true) => 0.0,
-            // Neither kind of light knows from its power alone how much of it gets to a place.
+            // Nothing tells beforehand how much of the sky is seen from a place.
             (Some(_), false) => 0.5,
         };
-        Self { local, local_choice, emitter_of, lamps, sky, sky_chance }
+        Self { local, tree, emitter_of, lamps, sky, sky_chance }
     }
 
-    /// Light at `from`; `None` where none was found.
-    pub fn sample(&self, scene: &Scene, from: Vec3A, u_choice: f32, u: [f32; 2]) -> Option<LightSample> {
+    /// Light at a place; `None` where none was found.
+    pub fn sample(&self, scene: &Scene, to: &Receiver, u_choice: f32, u: [f32; 2]) -> Option<LightSample> {
+        let from = to.position;
         if u_choice < self.sky_chance {
             let mut sample = self.sky.sample(scene, &self.lamps, u_choice / self.sky_chance, u)?;
             sample.pdf *= self.sky_chance;
             return Some(sample);
         }
         let rest = ((u_choice - self.sky_chance) / (1.0 - self.sky_chance)).min(1.0 - f32::EPSILON);
-        let (index, probability, _) = self.local_choice.as_ref()?.sample(rest);
+        let (index, probability) = self.tree.as_ref()?.sample(to, rest)?;
         let mut sample = match self.local[index] {
             Emitter::Lamp(i) => self.lamps[i as usize].sample(from, u)?,
             Emitter::Triangle { instance, triangle } => sample_triangle(scene, instance, triangle, from, u)?,
@@ -93,22 +99,28 @@ impl Lights {
         Some(sample)
     }
 
-    /// The density with which [`Lights::sample`] would have found a point on an emissive triangle: `distance`
-    /// away, met at `cos` to its normal.
-    pub fn triangle_pdf(&self, scene: &Scene, instance: u32, triangle: u32, distance: f32, cos: f32) -> f32 {
+    /// The density with which [`Lights::sample`] at `to` would have found a point on an emissive triangle:
+    /// `distance` away, met at `cos` to its normal.
+    pub fn triangle_pdf(&self, scene: &Scene, to: &Receiver, hit: (u32, u32), distance: f32, cos: f32) -> f32 {
+        let (instance, triangle) = hit;
         let index = self.emitter_of[instance as usize].get(triangle as usize).copied().unwrap_or(0);
-        if index == 0 {
-            return 0.0;
-        }
-        let Some(choice) = &self.local_choice else { return 0.0 };
-        let area = triangle_area(scene, instance, triangle);
-        let by_area = choice.probability(index as usize - 1) * (1.0 - self.sky_chance) / area;
-        by_area * distance * distance / cos.max(1e-6)
+        let Some(tree) = self.tree.as_ref().filter(|_| index > 0) else { return 0.0 };
+        let chance = tree.probability(to, index as usize - 1) * (1.0 - self.sky_chance);
+        chance / triangle_area(scene, instance, triangle) * distance * distance / cos.max(1e-6)
     }
 
-    /// Calls `found(radiance, pdf)` for each lamp with extent that the ray meets before `t_max`. Lamps do not
-    /// hide what is behind them, as in Cycles.
-    pub fn lamps_along(&self, origin: Vec3A, d: Vec3A, t_max: f32, camera: bool, mut found: impl FnMut(Rgb, f32)) {
+    /// Calls `found(radiance, pdf)` for each lamp with extent that a ray from `from` along `d` meets before
+    /// `t_max`; `to` is where a light sample would have been taken. Lamps do not hide what is behind them, as in
+    /// Cycles.
+    pub fn lamps_along(
+        &self,
+        from: Vec3A,
+        d: Vec3A,
+        t_max: f32,
+        camera: bool,
+        to: Option<&Receiver>,
+        mut found: impl FnMut(Rgb, f32),
+    ) {
         for (index, emitter) in self.local.iter().enumerate() {
             // Lamps come first.
             let Emitter::Lamp(i) = *emitter else { break };
@@ -116,9 +128,12 @@ impl Lights {
             if camera && !lamp.visible_camera() {
                 continue;
             }
-            if let Some((radiance, pdf)) = lamp.hit(origin, d, t_max) {
-                let chance = self.local_choice.as_ref().map_or(0.0, |c| c.probability(index));
-                found(radiance, pdf * chance * (1.0 - self.sky_chance));
+            if let Some((radiance, pdf)) = lamp.hit(from, d, t_max) {
+                let chance = match (&self.tree, to) {
+                    (Some(tree), Some(to)) => tree.probability(to, index) * (1.0 - self.sky_chance),
+                    _ => 0.0,
+                };
+                found(radiance, pdf * chance);
             }
         }
     }
@@ -129,42 +144,70 @@ impl Lights {
     }
 }
 
-/// Appends every triangle that may emit, with its power.
-fn emissive_triangles(scene: &Scene, local: &mut Vec<Emitter>, powers: &mut Vec<f32>) -> Vec<Vec<u32>> {
-    let brightness: Vec<f32> = scene
-        .materials
-        .iter()
-        .map(|m| {
-            if !m.emits() {
-                return 0.0;
-            }
-            let color = match &m.emission_color {
-                crate::scene::material::Input::Constant(c) => *c,
-                crate::scene::material::Input::Image(image) => scene.textures[image.texture as usize].average(),
-            };
-            // A texture that is black on average may still glow somewhere.
-            (luminance(color) * m.emission_strength).max(1e-6)
-        })
-        .collect();
+/// Appends every triangle that may emit, with its bounds.
+fn emissive_triangles(scene: &Scene, local: &mut Vec<Emitter>, bounds: &mut Vec<LightBounds>) -> Vec<Vec<u32>> {
+    let brightness: Vec<f32> = scene.materials.iter().map(|m| average_emission(scene, m)).collect();
+    // By mesh, found when first needed.
+    let mut closed: Vec<Option<bool>> = vec![None; scene.meshes.len()];
     let mut emitter_of = vec![Vec::new(); scene.instances.len()];
     for (i, instance) in scene.instances.iter().enumerate() {
         if instance.materials.iter().all(|&m| brightness[m as usize] == 0.0) {
             continue;
         }
         let mesh = &scene.meshes[instance.mesh as usize];
+        // The inside of a closed surface is not seen from outside: only its front is worth a light sample.
+        let two_sided = !*closed[instance.mesh as usize].get_or_insert_with(|| is_closed(mesh));
         let mut list = vec![0; mesh.triangles.len()];
         for (t, entry) in list.iter_mut().enumerate() {
             let b = brightness[instance.material(mesh.slot(t as u32)) as usize];
-            let power = b * triangle_area(scene, i as u32, t as u32) * 2.0 * PI;
+            let power = b * triangle_area(scene, i as u32, t as u32) * PI * if two_sided { 2.0 } else { 1.0 };
             if power > 0.0 {
+                let [a, b, c] = placed_corners(scene, i as u32, t as u32);
                 local.push(Emitter::Triangle { instance: i as u32, triangle: t as u32 });
-                powers.push(power);
+                bounds.push(LightBounds {
+                    min: a.min(b).min(c),
+                    max: a.max(b).max(c),
+                    power,
+                    axis: geometric_normal(instance, &mesh.corners(t as u32)),
+                    normal_spread_rad: 0.0,
+                    emission_spread_rad: FRAC_PI_2,
+                    two_sided,
+                });
                 *entry = local.len() as u32;
             }
         }
         emitter_of[i] = list;
     }
     emitter_of
+}
+
+/// Brightness of a material, for choosing; 0 only where it cannot emit.
+fn average_emission(scene: &Scene, m: &Material) -> f32 {
+    if !m.emits() {
+        return 0.0;
+    }
+    let color = match &m.emission_color {
+        Input::Constant(c) => *c,
+        Input::Image(image) => scene.textures[image.texture as usize].average(),
+    };
+    // A texture that is black on average may still glow somewhere.
+    (luminance(color) * m.emission_strength).max(1e-6)
+}
+
+/// Whether every edge of a mesh is walked once each way by its triangles, corners told apart by position.
+fn is_closed(mesh: &Mesh) -> bool {
+    let mut open: HashSet<([u32; 3], [u32; 3])> = HashSet::new();
+    // Plus zero makes -0 and 0 one place.
+    let place = |i: u32| (mesh.positions[i as usize] + glam::Vec3::ZERO).to_array().map(f32::to_bits);
+    for t in &mesh.triangles {
+        for k in 0..3 {
+            let (a, b) = (place(t[k]), place(t[(k + 1) % 3]));
+            if !open.remove(&(b, a)) && !open.insert((a, b)) {
+                return false;
+            }
+        }
+    }
+    open.is_empty()
 }
 
 fn placed_corners(scene: &Scene, instance: u32, triangle: u32) -> [Vec3A; 3] {

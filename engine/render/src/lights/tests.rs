@@ -24,13 +24,17 @@ fn lights(kind: LampKind) -> (Scene, Lights) {
     (scene, lights)
 }
 
+fn at(position: Vec3A) -> Receiver {
+    Receiver { position, normal: None }
+}
+
 /// Irradiance on a floor at the origin that faces up, by samples.
 fn irradiance(scene: &Scene, lights: &Lights) -> Rgb {
     let n = 4096;
     (0..n)
         .filter_map(|i| {
             let u = sobol_burley::sample_4d(i, 0, 3);
-            let s = lights.sample(scene, Vec3A::ZERO, u[0], [u[1], u[2]])?;
+            let s = lights.sample(scene, &at(Vec3A::ZERO), u[0], [u[1], u[2]])?;
             Some(s.radiance * s.wi.z.max(0.0) / s.pdf)
         })
         .sum::<Rgb>()
@@ -77,9 +81,9 @@ fn densities_of_hits_are_those_of_samples() {
         for i in 0..500 {
             let u = sobol_burley::sample_4d(i, 0, 5);
             let from = Vec3A::new(0.3, -0.2, 0.0);
-            let s = lights.sample(&scene, from, u[0], [u[1] * 0.98 + 0.01, u[2] * 0.98 + 0.01]).unwrap();
+            let s = lights.sample(&scene, &at(from), u[0], [u[1] * 0.98 + 0.01, u[2] * 0.98 + 0.01]).unwrap();
             let mut found = None;
-            lights.lamps_along(from, s.wi, f32::INFINITY, false, |r, pdf| found = Some((r, pdf)));
+            lights.lamps_along(from, s.wi, f32::INFINITY, false, Some(&at(from)), |r, pdf| found = Some((r, pdf)));
             lights.sky_along(&scene, s.wi, false, |r, pdf| {
                 if pdf > 0.0 {
                     found = Some((r, pdf));

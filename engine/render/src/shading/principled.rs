@@ -161,6 +161,12 @@ impl Bsdf {
         bsdf
     }
 
+    /// The normal that scattering is about, where light from behind it does not matter; `None` where light may
+    /// come through.
+    pub fn receiving_normal(&self) -> Option<Vec3A> {
+        (self.chance[1] == 0.0).then_some(self.frame[2])
+    }
+
     /// Whether nothing but mirror lobes scatters here: no light sample can be of use.
     pub fn is_mirror(&self) -> bool {
         self.ggx.is_mirror() && self.chance[3] == 0.0
