@@ -59,6 +59,8 @@ lend() {
     done
 }
 
+# One build at a time, whoever asks.
+if command -v flock >/dev/null; then exec 9>dist/.lock && flock 9; fi
 # A build may begin before a change and end after it: then the change is newer than the beginning, not than the end.
 if ! fresh; then
     touch "$stamp.begun"
