@@ -1,16 +1,25 @@
 # SPDX-License-Identifier: GPL-3.0-or-later
-"""Petzval in Blender: what is registered, in which order."""
+"""Petzval's Blender add-on: asks Blender, tells the engine, shows the answer. Here is the registration order alone."""
 
-from . import builtin_panels, engine, properties, ui, viewport_camera
+from __future__ import annotations
 
-_PARTS = (properties, viewport_camera, engine, ui, builtin_panels)
+import sys
+
+from . import engine, native, operators, properties, ui, viewport_camera
+
+# What is used stands before what uses it.
+PARTS = (properties, viewport_camera, operators, engine, ui)
 
 
 def register() -> None:
-    for part in _PARTS:
+    complaint = native.missing()
+    if complaint:
+        # The add-on stays usable enough to say so in Blender, in its panel and when rendering.
+        print(f"petzval: {complaint}", file=sys.stderr)
+    for part in PARTS:
         part.register()
 
 
 def unregister() -> None:
-    for part in reversed(_PARTS):
+    for part in reversed(PARTS):
         part.unregister()

@@ -1,28 +1,172 @@
 # SPDX-License-Identifier: GPL-3.0-or-later
-"""The engine as Blender calls it."""
+"""The RenderEngine class: Blender's calls, a few lines each."""
 
 from __future__ import annotations
 
+import json
+import time
+import traceback
+
 import bpy
+import numpy as np
 
-from . import loop
+from . import export, loop, passes, statistics, tiles
+from .description import Report, SettingsDescription
+from .export import camera as camera_export
+from .export.errors import ExportError
+from .native import EngineMissing, engine
 
-ENGINE_ID = "PETZVAL"
+#: The one name of the engine.
+ENGINE = "PETZVAL"
 
 
 class PetzvalRenderEngine(bpy.types.RenderEngine):
-    """Photographs a scene through a real lens."""
+    """Photographs the scene through a real lens."""
 
-    bl_idname = ENGINE_ID
+    bl_idname = ENGINE
     bl_label = "Petzval"
     bl_use_preview = False
     bl_use_eevee_viewport = True
     bl_use_shading_nodes_custom = False
+    # Blender would draw Freestyle's lines by another engine, which crashes without a window.
+    bl_use_custom_freestyle = True
 
     # There is no __init__: Blender's own takes whatever arguments its version has.
 
-    def render(self, depsgraph: bpy.types.Depsgraph) -> None:
-        loop.render(self, depsgraph)
+    def update_render_passes(self, scene=None, renderlayer=None):
+        for one in passes.PASSES:
+            self.register_pass(scene, renderlayer, one.name, one.channels, one.channel_names, one.kind)
+
+    def render(self, depsgraph):
+        """One view layer. An exception would only be printed, so everything ends as a report and a picture."""
+        try:
+            _Photograph(self, depsgraph).take()
+        except loop.Stopped:
+            _deliver_black(self, depsgraph)
+        except (ExportError, EngineMissing) as error:
+            _fail(self, depsgraph, str(error))
+        except KeyboardInterrupt:
+            loop.WATCH.stop.set()
+            _deliver_black(self, depsgraph)
+        except Exception as error:
+            if not _is_engine_error(error):
+                traceback.print_exc()
+            _fail(self, depsgraph, " ".join(str(error).split()) or type(error).__name__)
+
+
+def _is_engine_error(error: Exception) -> bool:
+    try:
+        return isinstance(error, engine().PetzvalError)
+    except EngineMissing:
+        return False
+
+
+def _fail(host: PetzvalRenderEngine, depsgraph: bpy.types.Depsgraph, message: str) -> None:
+    """An error report, and a black picture: writing a picture without pixels crashes Blender."""
+    _deliver_black(host, depsgraph)
+    host.report({"ERROR"}, message)
+
+
+def _deliver_black(host: PetzvalRenderEngine, depsgraph: bpy.types.Depsgraph) -> None:
+    window = _region(depsgraph.scene_eval.render)
+    black = np.zeros((window.height, window.width, 4), np.float32)
+    _deliver(host, depsgraph, [tiles.Tile(0, 0, black)])
+
+
+def _deliver(host: PetzvalRenderEngine, depsgraph: bpy.types.Depsgraph, finished: list[tiles.Tile]) -> None:
+    """Hands tiles, placed in the rendered region, to Blender."""
+    layer = depsgraph.view_layer_eval.name
+    for tile in finished:
+        height, width = tile.pixels.shape[:2]
+        result = host.begin_result(tile.x, tile.y, width, height, layer=layer)
+        for one in result.layers[0].passes:
+            if one.name == passes.COMBINED.name:
+                one.rect.foreach_set(tiles.flat(tile))
+        host.end_result(result)
+
+
+def _region(render: bpy.types.RenderSettings) -> tiles.Window:
+    border = None
+    if render.use_border:
+        border = (render.border_min_x, render.border_max_x, render.border_min_y, render.border_max_y)
+    return tiles.region(*camera_export.resolution(render), border)
+
+
+class _Photograph:
+    """One render of one view layer, from the dependency graph to the last tile."""
+
+    def __init__(self, host: PetzvalRenderEngine, depsgraph: bpy.types.Depsgraph) -> None:
+        self.host = host
+        self.depsgraph = depsgraph
+        self.scene = depsgraph.scene_eval
+        self.report = Report()
+        self.window = _region(self.scene.render)
+
+    def take(self) -> None:
+        native = engine()
+        self._tell("Reading the scene", 0.0)
+        began = time.perf_counter()
+        width, height = camera_export.resolution(self.scene.render)
+        camera = camera_export.describe(self.scene.camera, self.scene, width, height, self.report)
+        settings = self._settings(width, height)
+        builder = native.SceneBuilder()
+        export.send_scene(self.depsgraph, builder, self.report, self._check_stop)
+        self.report.warnings += builder.warnings()
+        sync_seconds = time.perf_counter() - began
+        for warning in self.report.warnings:
+            self.host.report({"WARNING"}, warning)
+
+        self._tell("Building trees", 0.0)
+        position = tuple(row[3] for row in camera.matrix_world[:3])
+        scene = loop.stoppable(lambda: builder.build(position, settings.threads), self._stop_asked)
+        self._tell("Preparing the lens", 0.0)
+        job = loop.stoppable(lambda: native.Job(scene, camera, settings), self._stop_asked)
+        stopped = loop.follow(job, stop_asked=self._stop_asked, show=self._show, tell=self._progress)
+        self._show([tiles.Tile(0, 0, job.image())])
+        self._keep(json.loads(job.stats_json()), sync_seconds, stopped)
+
+    def _settings(self, width: int, height: int) -> SettingsDescription:
+        own, render = self.scene.petzval, self.scene.render
+        return SettingsDescription(
+            width=width,
+            height=height,
+            samples=own.samples,
+            seed=own.seed,
+            sample_offset=own.sample_offset,
+            threads=render.threads if render.threads_mode == "FIXED" else 0,
+            max_bounces=own.max_bounces,
+            filter_width_px=own.filter_width,
+            transparent_film=render.film_transparent,
+        )
+
+    def _show(self, finished: list[tiles.Tile]) -> None:
+        inside = (tiles.clipped(tile, self.window) for tile in finished)
+        _deliver(self.host, self.depsgraph, [tile for tile in inside if tile is not None])
+
+    def _progress(self, part: float, samples: int) -> None:
+        self._tell(f"Sample {samples}/{self.scene.petzval.samples}", part)
+
+    def _tell(self, text: str, part: float) -> None:
+        self.host.update_stats("", text)
+        self.host.update_progress(part)
+        if loop.WATCH.on_progress is not None:
+            loop.WATCH.on_progress(part, text)
+
+    def _stop_asked(self) -> bool:
+        return self.host.test_break() or loop.WATCH.stop.is_set()
+
+    def _check_stop(self) -> None:
+        if self._stop_asked():
+            raise loop.Stopped
+
+    def _keep(self, stats: dict, sync_seconds: float, stopped: bool) -> None:
+        stats["seconds"]["sync"] = sync_seconds
+        render = statistics.LastRender(stats, self.report.warnings, stopped)
+        statistics.keep(self.scene.name, render)
+        for line in render.lines():
+            print(f"Petzval: {line}")
+        if stats.get("failure"):
+            self.host.report({"ERROR"}, stats["failure"])
 
 
 def register() -> None:
@@ -31,3 +175,4 @@ def register() -> None:
 
 def unregister() -> None:
     bpy.utils.unregister_class(PetzvalRenderEngine)
+    statistics.forget()

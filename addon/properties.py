@@ -166,6 +166,32 @@ class PetzvalCamera(bpy.types.PropertyGroup):
         subtype="ANGLE",
         update=_changed,
     )
+    shift_x: FloatProperty(
+        name="Shift",
+        description="The lens moved to the right against the film: more of the scene's right side comes into the picture",
+        default=0.0,
+        min=-1e6,
+        max=1e6,
+        soft_min=-50.0,
+        soft_max=50.0,
+        step=10,
+        precision=3,
+        subtype="DISTANCE_CAMERA",
+        update=_changed,
+    )
+    shift_y: FloatProperty(
+        name="Rise",
+        description="The lens moved up against the film: more of what is high comes into the picture",
+        default=0.0,
+        min=-1e6,
+        max=1e6,
+        soft_min=-50.0,
+        soft_max=50.0,
+        step=10,
+        precision=3,
+        subtype="DISTANCE_CAMERA",
+        update=_changed,
+    )
     scale_from_scene: BoolProperty(
         name="Scale of the Scene",
         description="The lens has its true size: 1000 millimetres to a metre, by the scene's unit scale",

@@ -36,7 +36,8 @@ def region(width: int, height: int, border: tuple[float, float, float, float] | 
     if border is None:
         return Window(0, 0, width, height)
     left, right, bottom, top = (
-        int(np.float32(part) * np.float32(side)) for part, side in zip(border, (width, width, height, height), strict=True)
+        int(np.float32(part) * np.float32(side))
+        for part, side in zip(border, (width, width, height, height), strict=True)
     )
     return Window(left, bottom, max(right - left, 1), max(top - bottom, 1))
 

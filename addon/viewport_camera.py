@@ -11,6 +11,7 @@ import bpy
 from bpy.app.handlers import persistent
 
 from . import lens_info
+from .engine import ENGINE
 
 # Writing a value that is there already would only mark the file as changed.
 _SAME = 1e-5
@@ -60,7 +61,7 @@ def camera_object(camera: bpy.types.Camera, scene: bpy.types.Scene) -> bpy.types
 @persistent
 def _scene_changed(scene: bpy.types.Scene, depsgraph: bpy.types.Depsgraph | None = None) -> None:
     """Focus objects move, sensors are set in Blender's own panels, frames change."""
-    if depsgraph is None or depsgraph.mode != "VIEWPORT" or scene.render.engine != "PETZVAL":
+    if depsgraph is None or depsgraph.mode != "VIEWPORT" or scene.render.engine != ENGINE:
         return
     holder = scene.camera
     if holder is None or holder.type != "CAMERA" or not holder.data.petzval.in_step:

@@ -1,9 +1,31 @@
 # SPDX-License-Identifier: GPL-3.0-or-later
-"""From Blender's evaluated scene to the engine's description: one file per kind of datablock."""
+"""From Blender's evaluated scene to the engine's builder: one file per kind of datablock.
 
-from .camera import camera
-from .errors import ExportError
-from .scene import scene
-from .settings import picture_size, settings
+Reads only; nothing here changes the scene, and what cannot be handed over is said in the report, once.
+"""
 
-__all__ = ["ExportError", "camera", "picture_size", "scene", "settings"]
+from __future__ import annotations
+
+from collections.abc import Callable
+from typing import Any
+
+import bpy
+
+from ..description import Report
+from . import world
+from .image import Images
+from .instances import Stage
+from .material import Materials
+
+
+def send_scene(depsgraph: bpy.types.Depsgraph, builder: Any, report: Report, check_stop: Callable[[], None]) -> None:
+    """Fills a `SceneBuilder`. `check_stop` is called between objects and may raise."""
+    images = Images(builder, report)
+    materials = Materials(builder, images, report)
+    scene = depsgraph.scene_eval
+    builder.set_world(world.describe(scene.world, images, report))
+    Stage(builder, materials, images, report, check_stop).send(depsgraph)
+    if scene.render.use_motion_blur:
+        report.warn(f"Scene '{scene.name}': motion blur is not supported yet, it is left out")
+    if scene.render.use_freestyle:
+        report.warn(f"Scene '{scene.name}': Freestyle lines are not supported yet, they are left out")

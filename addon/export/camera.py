@@ -125,16 +125,15 @@ def _lens(description: CameraDescription, camera: bpy.types.Camera, width: int, 
         description.film_height_mm = description.pinhole_film_width_mm * height / width
     description.tilt_rad = settings.tilt
     description.swing_rad = settings.swing
+    description.shift_mm = (settings.shift_x, settings.shift_y)
 
 
-def _warn(
-    description: CameraDescription, camera: bpy.types.Camera, scene: bpy.types.Scene, report: Report
-) -> None:
+def _warn(description: CameraDescription, camera: bpy.types.Camera, scene: bpy.types.Scene, report: Report) -> None:
     name = f"Camera '{description.object_name}'"
     if camera.type != "PERSP":
         kind = {"ORTHO": "orthographic", "PANO": "panoramic"}.get(camera.type, camera.type.lower())
         report.warn(f"{name}: {kind} cameras are not supported yet, it is taken as perspective")
     if scene.render.pixel_aspect_x != scene.render.pixel_aspect_y:
         report.warn(f"{name}: pixels that are not square are not supported yet, the picture is stretched")
-    if description.model == "LENS" and any(description.pinhole_shift):
-        report.warn(f"{name}: Blender's shift is not supported with a real lens yet, it is left out")
+    if description.model == "LENS" and any(description.pinhole_shift) and not camera.petzval.in_step:
+        report.warn(f"{name}: Blender's shift does not move a real lens: use the shift of its Film & Movements panel")

@@ -1,68 +1,82 @@
 # SPDX-License-Identifier: GPL-3.0-or-later
-"""Lamps."""
+"""Lamps: their colour times energy in Blender's units, their shape, their place."""
 
 from __future__ import annotations
 
+from math import pi, tan
+
 import bpy
+from mathutils import Matrix
 
-from ..description import LightDescription, Report
-from .matrix import rows
-from .nodes import constant, output_surface
-
-
-def describe(obj: bpy.types.Object, matrix_world, report: Report) -> LightDescription:
-    data = obj.data
-    colour = [channel * data.energy for channel in data.color]
-    # Since 4.5 a lamp has an exposure, and a temperature that multiplies its colour.
-    exposure = 2.0 ** getattr(data, "exposure", 0.0)
-    tint = data.temperature_color if getattr(data, "use_temperature", False) else (1.0, 1.0, 1.0)
-    nodes = _node_factor(obj.name, data, report)
-    colour = tuple(c * exposure * t * n for c, t, n in zip(colour, tint, nodes, strict=True))
-    if not getattr(data, "normalize", True):
-        report.warn(f"light '{obj.name}': 'Normalize' switched off is not supported yet; taken as on")
-    common = {
-        "object_name": obj.name,
-        "matrix_world": rows(matrix_world),
-        "color": colour,
-        "visible_camera": obj.visible_camera,
-        "cast_shadow": getattr(data, "use_shadow", True),
-    }
-    if data.type == "SUN":
-        return LightDescription(kind="SUN", angle_rad=data.angle, **common)
-    if data.type == "AREA":
-        # Square and disk have one size for both sides.
-        one_size = data.shape in {"SQUARE", "DISK"}
-        return LightDescription(
-            kind="AREA",
-            shape="ELLIPSE" if data.shape in {"DISK", "ELLIPSE"} else "RECTANGLE",
-            size=(data.size, data.size if one_size else data.size_y),
-            spread_rad=data.spread,
-            **common,
-        )
-    if data.type == "SPOT":
-        return LightDescription(
-            kind="SPOT",
-            radius=data.shadow_soft_size,
-            spot_angle_rad=data.spot_size,
-            spot_blend=data.spot_blend,
-            **common,
-        )
-    return LightDescription(kind="POINT", radius=data.shadow_soft_size, **common)
+from ..description import Colour, LightDescription, Report
+from . import nodes
+from .camera import rows
+from .image import Images
+from .material import uses_nodes
+from .texture import Inputs
 
 
-def _node_factor(name: str, data: bpy.types.Light, report: Report) -> tuple[float, float, float]:
-    """What a lamp's own nodes multiply its light by: one Emission node with constants."""
-    if not getattr(data, "use_nodes", False) or data.node_tree is None:
-        return (1.0, 1.0, 1.0)
-    found = output_surface(data.node_tree)
-    if found is None:
+def describe(holder: bpy.types.Object, matrix: Matrix, images: Images, report: Report) -> LightDescription:
+    """What the engine is told of a lamp object; `matrix` is where this instance of it stands."""
+    light = holder.data
+    description = LightDescription(
+        object_name=holder.name,
+        kind=light.type,
+        matrix_world=rows(matrix),
+        color=_colour(light, Inputs(f"Light '{light.name}'", images, report)),
+        visible_camera=holder.visible_camera,
+        cast_shadow=light.use_shadow,
+    )
+    if light.type in {"POINT", "SPOT"}:
+        description.radius = light.shadow_soft_size
+    if light.type == "SPOT":
+        description.spot_angle_rad = light.spot_size
+        description.spot_blend = light.spot_blend
+    elif light.type == "SUN":
+        description.angle_rad = light.angle
+    elif light.type == "AREA":
+        description.shape = "ELLIPSE" if light.shape in {"DISK", "ELLIPSE"} else "RECTANGLE"
+        description.size = (light.size, light.size_y if light.shape in {"RECTANGLE", "ELLIPSE"} else light.size)
+        description.spread_rad = light.spread
+    if not getattr(light, "normalize", True):
+        size = _size(light, matrix)
+        description.color = tuple(part * size for part in description.color)
+    return description
+
+
+def _colour(light: bpy.types.Light, inputs: Inputs) -> Colour:
+    # Exposure and temperature came with 4.5.
+    strength = light.energy * 2.0 ** getattr(light, "exposure", 0.0)
+    colour = [part * strength for part in light.color]
+    if getattr(light, "use_temperature", False):
+        colour = [a * b for a, b in zip(colour, light.temperature_color, strict=True)]
+    if uses_nodes(light):
+        colour = [a * b for a, b in zip(colour, _node_colour(light, inputs), strict=True)]
+    return tuple(colour)
+
+
+def _node_colour(light: bpy.types.Light, inputs: Inputs) -> Colour:
+    output = light.node_tree.get_output_node("CYCLES")
+    found = None if output is None else nodes.trace(nodes.Input(output.inputs["Surface"]))
+    if not isinstance(found, nodes.Source):
         return (0.0, 0.0, 0.0)
     if found.node.type != "EMISSION":
-        report.warn(f"light '{name}': node '{found.node.name}' is not supported yet; its light is taken as plain")
+        inputs.warn(f"{found.node.bl_label} is not supported in a light yet, the nodes are left out")
         return (1.0, 1.0, 1.0)
-    colour = constant(found.input("Color"))
-    strength = constant(found.input("Strength"))
-    if colour is None or strength is None:
-        report.warn(f"light '{name}': nodes that vary its light are not supported yet; taken as plain")
-        return (1.0, 1.0, 1.0)
-    return tuple(channel * strength for channel in colour)
+    strength = inputs.constant(found.input("Strength"))
+    return tuple(part * strength for part in inputs.constant(found.input("Color")))
+
+
+def _size(light: bpy.types.Light, matrix: Matrix) -> float:
+    """What Blender divides by where a light's power is spread over its size; 1 for lights without size."""
+    if light.type == "SUN":
+        size = pi * tan(0.5 * light.angle) ** 2
+    elif light.type == "AREA":
+        size_y = light.size_y if light.shape in {"RECTANGLE", "ELLIPSE"} else light.size
+        across = matrix.to_scale()
+        size = light.size * abs(across.x) * size_y * abs(across.y)
+        if light.shape in {"DISK", "ELLIPSE"}:
+            size *= 0.25 * pi
+    else:
+        size = pi * light.shadow_soft_size**2
+    return size or 1.0

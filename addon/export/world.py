@@ -1,71 +1,104 @@
 # SPDX-License-Identifier: GPL-3.0-or-later
-"""The world: a colour or an equirectangular image."""
+"""The world: one colour, or an equirectangular image with its turn."""
 
 from __future__ import annotations
 
 import bpy
 from mathutils import Matrix
 
-from ..description import Report, WorldDescription
+from ..description import Colour, Report, WorldDescription
+from . import nodes
+from .camera import rows
 from .image import Images
-from .nodes import Output, Socket, constant, output_surface
+from .material import uses_nodes
+from .texture import Inputs
 
-_IDENTITY = Matrix.Identity(3)
+# About the average of a clear sky, for skies that the engine cannot make yet.
+PLAIN_SKY = (0.25, 0.35, 0.5)
 
 
-def send(world: bpy.types.World | None, builder, images: Images, report: Report) -> None:
-    """Hands the world over; without one it is black."""
+def describe(world: bpy.types.World | None, images: Images, report: Report) -> WorldDescription:
+    """What the engine is told of the world; none is black."""
     if world is None:
-        return
-    if world.node_tree is None or not getattr(world, "use_nodes", True):
-        builder.set_world(WorldDescription(color=tuple(world.color)))
-        return
-    found = output_surface(world.node_tree)
-    if found is None:
-        return
-    if found.node.type != "BACKGROUND":
-        report.warn(f"world '{world.name}': node '{found.node.name}' is not supported yet; its viewport colour is used")
-        builder.set_world(WorldDescription(color=tuple(world.color)))
-        return
-    builder.set_world(_background(world, found, images, report))
+        return WorldDescription()
+    # Cycles keeps ray visibility of worlds in its own settings.
+    visibility = getattr(world, "cycles_visibility", None)
+    description = _surface(world, Inputs(f"World '{world.name}'", images, report))
+    description.visible_camera = getattr(visibility, "camera", True)
+    return description
 
 
-def _background(world: bpy.types.World, node: Output, images: Images, report: Report) -> WorldDescription:
-    strength = constant(node.input("Strength"))
-    if strength is None:
-        report.warn(f"world '{world.name}': nodes that vary its strength are not supported yet; taken as 1")
-        strength = 1.0
-    colour = node.input("Color")
-    plain = constant(colour)
-    if plain is not None:
-        return WorldDescription(color=tuple(c * strength for c in plain))
-    source = colour.source()
-    if source.node.type == "TEX_ENVIRONMENT":
-        if source.node.projection != "EQUIRECTANGULAR":
-            report.warn(f"world '{world.name}': mirror-ball images are not supported yet; taken as equirectangular")
-        return WorldDescription(
-            color=(strength,) * 3,
-            image=images.index(source.node.image, f"world '{world.name}'"),
-            rotation=tuple(tuple(row) for row in _rotation(world, source, report)),
+def _surface(world: bpy.types.World, inputs: Inputs) -> WorldDescription:
+    if not uses_nodes(world):
+        return WorldDescription(color=tuple(world.color))
+    output = world.node_tree.get_output_node("CYCLES")
+    if output is None:
+        return WorldDescription()
+    if isinstance(nodes.trace(nodes.Input(output.inputs["Volume"])), nodes.Source):
+        inputs.warn("volume is not supported yet, it is left out")
+    start = nodes.Input(output.inputs["Surface"])
+    found = nodes.trace(start)
+    if not isinstance(found, nodes.Source):
+        return WorldDescription()
+    if found.node.type not in {"BACKGROUND", "EMISSION"}:
+        behind = nodes.find_upstream(start, "BACKGROUND")
+        inputs.warn(
+            f"{found.node.bl_label} is not supported yet, "
+            + ("its first background is used" if behind else "the plain world colour is used")
         )
-    report.warn(
-        f"world '{world.name}': node '{source.node.name}' ({source.node.bl_label}) is not supported yet; "
-        "its viewport colour is used"
+        if behind is None:
+            return WorldDescription(color=tuple(world.color))
+        found = behind
+    return _background(found, inputs)
+
+
+def _background(source: nodes.Source, inputs: Inputs) -> WorldDescription:
+    strength = inputs.constant(source.input("Strength"))
+    start = source.input("Color")
+    colour = nodes.constant(start)
+    if colour is not None:
+        return WorldDescription(color=_times(colour[:3], strength))
+    found = nodes.trace(start)
+    if found.node.type != "TEX_ENVIRONMENT":
+        behind = nodes.find_upstream(start, "TEX_ENVIRONMENT")
+        if behind is None:
+            return _plain(found.node, start, strength, inputs)
+        inputs.warn(f"{found.node.bl_label} is not supported yet, the image before it is used as it is")
+        found = behind
+    if found.node.projection != "EQUIRECTANGULAR":
+        inputs.warn("the mirror ball projection is not supported yet, the image is taken as equirectangular")
+    return WorldDescription(
+        color=_times((1.0, 1.0, 1.0), strength),
+        image=inputs.images.index(found.node.image, inputs.owner),
+        rotation=_turn(found, inputs),
     )
-    return WorldDescription(color=tuple(c * strength for c in world.color))
 
 
-def _rotation(world: bpy.types.World, texture: Output, report: Report) -> Matrix:
-    """World direction to image direction, from a Mapping node on the texture's vector."""
-    source = texture.input("Vector").source()
-    if isinstance(source, Socket) or source.node.type == "TEX_COORD":
-        return _IDENTITY
-    if source.node.type != "MAPPING":
-        report.warn(f"world '{world.name}': node '{source.node.name}' is not supported yet; its image is not turned")
-        return _IDENTITY
-    angles = source.node.inputs["Rotation"].default_value
-    scale = source.node.inputs["Scale"].default_value
-    if source.node.inputs["Rotation"].is_linked or any(abs(s - 1.0) > 1e-6 for s in scale):
-        report.warn(f"world '{world.name}': of its Mapping node only a constant rotation is used yet")
-    turned = angles.to_matrix()
-    return turned.transposed() if source.node.vector_type == "TEXTURE" else turned
+def _plain(node: bpy.types.Node, start: nodes.Input, strength: float, inputs: Inputs) -> WorldDescription:
+    if node.type == "TEX_SKY":
+        inputs.warn("Sky Texture is not supported yet, a plain sky colour is used")
+        return WorldDescription(color=_times(PLAIN_SKY, strength))
+    inputs.warn(f"{node.bl_label} is not supported yet, the plain world colour is used")
+    return WorldDescription(color=_times(nodes.value(start.socket)[:3], strength))
+
+
+def _turn(source: nodes.Source, inputs: Inputs) -> tuple[tuple[float, ...], ...]:
+    """World direction to image direction."""
+    matrix = Matrix.Identity(4)
+    found = nodes.trace(source.input("Vector"))
+    while isinstance(found, nodes.Source) and found.node.type == "MAPPING":
+        matrix = matrix @ inputs.mapping(found)
+        found = nodes.trace(found.input("Vector"))
+    # A world's Generated and Object coordinates are the direction itself.
+    if isinstance(found, nodes.Source) and not (
+        found.node.type == "TEX_COORD" and found.socket.name in {"Generated", "Object"}
+    ):
+        inputs.warn("coordinates other than Generated are not supported for its image yet, Generated is used")
+    x, y, z = matrix.to_scale()
+    if matrix.translation.length > 1e-6 or max(abs(x - y), abs(x - z)) > 1e-5:
+        inputs.warn("location and scale of a Mapping node are not supported for its image yet, only rotation is used")
+    return rows(matrix.to_quaternion().to_matrix())
+
+
+def _times(colour: Colour, strength: float) -> Colour:
+    return tuple(part * strength for part in colour)

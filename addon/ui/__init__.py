@@ -1,18 +1,18 @@
 # SPDX-License-Identifier: GPL-3.0-or-later
-"""The panels, in the order in which they stand."""
+"""Panels: small, without arithmetic; what they show is asked of the engine."""
 
-import bpy
+from __future__ import annotations
 
-from . import lens, sampling
-
-_CLASSES = (*lens.CLASSES, *sampling.CLASSES)
+from . import builtin, camera, render
 
 
 def register() -> None:
-    for cls in _CLASSES:
-        bpy.utils.register_class(cls)
+    render.register()
+    camera.register()
+    builtin.register()
 
 
 def unregister() -> None:
-    for cls in reversed(_CLASSES):
-        bpy.utils.unregister_class(cls)
+    builtin.unregister()
+    camera.unregister()
+    render.unregister()

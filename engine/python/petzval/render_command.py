@@ -6,6 +6,8 @@ from __future__ import annotations
 import argparse
 import json
 import math
+import os
+import signal
 import subprocess
 from pathlib import Path
 
@@ -19,6 +21,8 @@ _COLOUR = {"lateral_colour", "axial_colour"}
 _NOT_YET = {"transmission", "ghosts", "glare", "diffraction", "motion_blur"}
 #: Exit status of a command that was broken off.
 _INTERRUPTED = 130
+#: What the half in Blender ends with, having said why.
+_OWN_STATUS = {0, 1, _INTERRUPTED}
 
 
 def add_parser(subparsers: argparse._SubParsersAction) -> None:
@@ -58,12 +62,6 @@ def run(arguments: argparse.Namespace) -> int:
         return _in_blender(arguments.blender, options)
     from .render_in_blender import finish, render
 
-    try:
-        import bpy  # noqa: F401
-    except ImportError as error:
-        raise CommandError(
-            f"no Blender in this Python: {error}: pip install bpy, or name a Blender with --blender"
-        ) from None
     # bpy with a render engine hangs or crashes when Python ends by itself.
     finish(render(options))
     return _INTERRUPTED
@@ -127,14 +125,27 @@ def _spectrum(effects: dict[str, str]) -> bool | None:
 
 
 def _in_blender(program: str, options: dict) -> int:
-    """Runs the same inside of a Blender program."""
+    """Runs the same inside of a Blender program; Ctrl-C is handed on, and its picture waited for."""
     runner = Path(__file__).with_name("render_in_blender.py")
-    handed_over = {**options, "package_parent": str(Path(__file__).resolve().parent.parent)}
-    command = [program, "-b", "--factory-startup", "--python", str(runner), "--", json.dumps(handed_over)]
+    # Blender may complain on its stderr as it likes: that goes to stdout, and Petzval's own words come through a pipe
+    # of their own.
+    voice = os.dup(2)
+    handed_over = {**options, "package_parent": str(Path(__file__).resolve().parent.parent), "stderr_fd": voice}
+    command = [program, "-b", "--factory-startup", "--disable-autoexec", "--python-exit-code", "3"]
+    command += ["--python", str(runner), "--", json.dumps(handed_over)]
     try:
-        return subprocess.run(command, check=False).returncode
+        # A group of its own: the terminal's Ctrl-C comes here alone, and goes on to all that the program started.
+        child = subprocess.Popen(
+            command, stdin=subprocess.DEVNULL, stderr=subprocess.STDOUT, pass_fds=(voice,), start_new_session=True
+        )
     except OSError as error:
         raise CommandError(f"cannot start {program}: {error.strerror}: give --blender a Blender program") from None
+    for number in (signal.SIGINT, signal.SIGTERM):
+        signal.signal(number, lambda asked, _frame: os.killpg(child.pid, asked))
+    status = child.wait()
+    if status in _OWN_STATUS:
+        return status
+    raise CommandError(f"{program} ended with status {status}: it does not run, or crashed: see what it said above")
 
 
 def _number(text: str) -> float:

@@ -8,47 +8,27 @@ from __future__ import annotations
 
 import json
 import os
+import signal
 import sys
 import time
+from typing import Any, TextIO
 
 _INTERRUPTED = 130
+# A terminal and the program before this one may both hand on one Ctrl-C; only a later one means: at once.
+_ONE_KEYPRESS_SECONDS = 1.0
 
 
 def render(options: dict) -> int:
     """Renders as `render_command` has checked the options; gives the exit status and has said what went wrong."""
-    import bpy
-
-    from petzval import load_addon
-
-    addon = load_addon()
-    if not hasattr(bpy.types.Scene, "petzval"):
-        addon.register()
+    voice = _own_stderr(options.get("stderr_fd"))
     try:
-        bpy.ops.wm.open_mainfile(filepath=options["scene"], load_ui=False, use_scripts=False)
-    except RuntimeError as error:
-        return _complain(f"cannot open {options['scene']}: {_one_line(error)}: is it a .blend of this Blender or older")
-    scene = bpy.context.scene
-    scene.render.engine = "PETZVAL"
-    error = _apply(scene, options)
-    if error:
-        return _complain(error)
-    loop = sys.modules[f"{addon.__name__}.loop"]
-    loop.watcher = _progress_bar() if sys.stderr.isatty() else None
-    try:
-        bpy.ops.render.render(write_still=True, scene=scene.name)
-        problem = None
-    except RuntimeError as error:
-        problem = _one_line(error)
+        error, interrupted = _render(options, voice)
     except KeyboardInterrupt:
-        problem = None
-    outcome = loop.last.get(scene.name)
-    if outcome is None or not outcome.stats or outcome.error:
-        return _complain(outcome.error if outcome and outcome.error else problem or "nothing was rendered")
-    if problem:
-        return _complain(problem)
-    if options["stats"]:
-        _write_stats(options["stats"], outcome)
-    return _INTERRUPTED if outcome.interrupted else 0
+        return _INTERRUPTED
+    if error:
+        print("petzval:", " ".join(error.split()), file=voice, flush=True)
+        return 1
+    return _INTERRUPTED if interrupted else 0
 
 
 def finish(status: int) -> None:
@@ -58,9 +38,82 @@ def finish(status: int) -> None:
     os._exit(status)
 
 
-def _apply(scene, o: dict) -> str | None:
+def _own_stderr(fd: int | None) -> TextIO:
+    """The terminal's stderr for Petzval alone; what Blender says there goes to stdout from here on."""
+    voice = os.fdopen(os.dup(2) if fd is None else fd, "w", buffering=1, errors="replace")
+    sys.stdout.flush()
+    os.dup2(1, 2)
+    return voice
+
+
+def _render(options: dict, voice: TextIO) -> tuple[str | None, bool]:
+    """What went wrong, if something did; and whether the render was broken off."""
+    try:
+        import bpy
+    except ImportError as error:
+        return f"no Blender in this Python: {error}: pip install bpy, or name a Blender with --blender", False
+
+    from petzval import load_addon
+
+    addon = load_addon()
+    if not hasattr(bpy.types.Scene, "petzval"):
+        addon.register()
+    try:
+        bpy.ops.wm.open_mainfile(filepath=options["scene"], load_ui=False, use_scripts=False)
+    except RuntimeError as error:
+        return f"cannot open {options['scene']}: {_one_line(error)}: is it a .blend of this Blender or older", False
+    scene = bpy.context.scene
+    scene.render.engine = addon.engine.ENGINE
+    error = _apply(scene, options, addon)
+    if error:
+        return error, False
+    watch = addon.loop.WATCH
+    if voice.isatty():
+        watch.on_progress = _progress_bar(voice)
+    _stop_on_interrupt(watch)
+    problem = None
+    try:
+        bpy.ops.render.render(write_still=True, scene=scene.name)
+    except RuntimeError as failed:
+        problem = _one_line(failed)
+    interrupted = watch.stop.is_set()
+    if watch.on_progress is not None:
+        watch.on_progress.end()
+    last = addon.statistics.last(scene.name)
+    if problem is None and last is None and not interrupted:
+        problem = f"nothing was rendered: {options['scene']}: look at what Blender said"
+    if problem is None and not os.path.isfile(options["output"]):
+        problem = f"cannot write {options['output']}: is there room, and may you write there"
+    if problem is None and options["stats"] and last is not None:
+        try:
+            _write_stats(options["stats"], last)
+        except OSError as failed:
+            problem = f"cannot write {options['stats']}: {failed.strerror}: name another file"
+    return problem, interrupted
+
+
+def _stop_on_interrupt(watch: Any) -> None:
+    """Ctrl-C asks the render to stop and to keep what is there; once more, later, ends everything."""
+    first: list[float] = []
+
+    def asked(_signal: int, _frame: object) -> None:
+        now = time.monotonic()
+        if first and now - first[0] > _ONE_KEYPRESS_SECONDS:
+            os._exit(_INTERRUPTED)
+        first.append(now)
+        watch.stop.set()
+
+    signal.signal(signal.SIGINT, asked)
+    signal.signal(signal.SIGTERM, asked)
+
+
+def _apply(scene: Any, o: dict, addon: Any) -> str | None:
     """Sets what the command line asked for; the error, if any."""
     r = scene.render
+    if scene.camera is None:
+        return f"no camera in scene '{scene.name}' of {o['scene']}: add one, or make one active"
+    if scene.camera.type != "CAMERA":
+        return f"'{scene.camera.name}' in {o['scene']} is no camera: make a camera the active one"
     if o["resolution"]:
         r.resolution_x, r.resolution_y = o["resolution"]
         r.resolution_percentage = 100
@@ -73,26 +126,33 @@ def _apply(scene, o: dict) -> str | None:
     for name in ("samples", "seed", "sample_offset"):
         if o[name] is not None:
             setattr(scene.petzval, name, o[name])
-    r.filepath = o["output"]
+    _apply_output(r, o["output"])
+    _apply_camera(scene, scene.camera.data, o, addon)
+    return None
+
+
+def _apply_output(r: Any, output: str) -> None:
+    r.filepath = output
+    # The name is taken as it is; a placeholder for the frame's number is for animations.
     r.use_file_extension = False
+    r.use_overwrite = True
+    # The engine's picture is what was asked for, not what a compositor or a video strip makes of it.
+    r.use_compositing = False
+    r.use_sequencer = False
+    r.use_multiview = False
     settings = r.image_settings
     if hasattr(settings, "media_type"):
         settings.media_type = "IMAGE"
-    if o["output"].lower().endswith(".exr"):
+    if output.lower().endswith(".exr"):
         settings.file_format = "OPEN_EXR"
         settings.color_depth = "32"
     else:
         settings.file_format = "PNG"
+        settings.color_depth = "8"
     settings.color_mode = "RGBA" if r.film_transparent else "RGB"
-    if scene.camera is None:
-        return f"no camera in scene '{scene.name}' of {o['scene']}: add one, or make one active"
-    if scene.camera.type != "CAMERA":
-        return f"'{scene.camera.name}' in {o['scene']} is no camera: make a camera the active one"
-    _apply_camera(scene, scene.camera.data, o)
-    return None
 
 
-def _apply_camera(scene, data, o: dict) -> None:
+def _apply_camera(scene: Any, data: Any, o: dict, addon: Any) -> None:
     own = data.petzval
     if o["camera"]:
         own.model = o["camera"].upper()
@@ -101,8 +161,8 @@ def _apply_camera(scene, data, o: dict) -> None:
         own.lens_file = o["lens"]
     if o["focal_length_mm"] is not None:
         if own.model == "LENS":
-            own.focal_mode = "MILLIMETRES"
-            own.focal_length_mm = o["focal_length_mm"]
+            own.focal_mode = "LENGTH"
+            own.focal_length = o["focal_length_mm"]
         else:
             data.lens = o["focal_length_mm"]
     if o["f_number"] is not None:
@@ -111,65 +171,81 @@ def _apply_camera(scene, data, o: dict) -> None:
     if o["blades"] is not None:
         own.blades = o["blades"]
     if o["scale_mm"]:
-        own.scale_auto = False
+        own.scale_from_scene = False
         own.scale_locked = False
-        own.scale_x, own.scale_y, own.scale_z = o["scale_mm"]
+        own.scale = o["scale_mm"]
     if o["focus_distance_mm"] == "inf":
         own.focus_mode = "INFINITY"
     elif o["focus_distance_mm"] is not None:
-        own.focus_mode = "FOCUS"
+        own.focus_mode = "CAMERA"
         data.dof.focus_object = None
-        data.dof.focus_distance = o["focus_distance_mm"] / own.scale_mm_per_unit(scene)[2]
+        # Blender's distance is in units of the scene.
+        data.dof.focus_distance = o["focus_distance_mm"] / addon.export.camera.scale(own, scene)[2]
     if o["film_mm"]:
-        own.film_width_mm, own.film_height_mm = o["film_mm"]
-    for option, name in (("tilt_rad", "tilt"), ("swing_rad", "swing")):
+        own.film_mode = "SIZE"
+        own.film_width, own.film_height = o["film_mm"]
+    for option, name in (("tilt_rad", "tilt"), ("swing_rad", "swing"), ("spectrum", "spectral")):
         if o[option] is not None:
             setattr(own, name, o[option])
     if o["shift_mm"]:
-        own.shift_x_mm, own.shift_y_mm = o["shift_mm"]
-    if o["spectrum"] is not None:
-        own.use_spectrum = o["spectrum"]
+        own.shift_x, own.shift_y = o["shift_mm"]
 
 
-def _write_stats(path: str, outcome) -> None:
-    import resource
-
-    stats = {
-        **outcome.stats,
-        "peak_memory_mb": resource.getrusage(resource.RUSAGE_SELF).ru_maxrss / 1024.0,
-        "plan": [],
-        "warnings": outcome.warnings,
-        "interrupted": outcome.interrupted,
-    }
+def _write_stats(path: str, last: Any) -> None:
+    stats = {"plan": [], **last.stats, "peak_memory_mb": _peak_memory_mb(), "warnings": last.warnings,
+             "interrupted": last.stopped}  # fmt: skip
     with open(path, "w", encoding="utf-8") as out:
         json.dump(stats, out, indent=2)
         out.write("\n")
 
 
-def _progress_bar():
-    """A callable that draws one line on stderr: how much is done, and how long the rest will take."""
-    started = time.monotonic()
+def _peak_memory_mb() -> float | None:
+    try:
+        import resource
+    except ImportError:  # Windows has none
+        return None
+    # Kilobytes, but bytes on a Mac.
+    unit = 1024.0**2 if sys.platform == "darwin" else 1024.0
+    return resource.getrusage(resource.RUSAGE_SELF).ru_maxrss / unit
 
-    def show(part: float, sample: int, samples: int) -> None:
-        width = 30
-        done = int(part * width)
-        left = (time.monotonic() - started) * (1.0 - part) / part if part > 0.01 else None
-        rest = f"{left:.0f} s left" if left is not None else ""
-        end = "\n" if part >= 1.0 else ""
-        bar = "#" * done + "." * (width - done)
-        sys.stderr.write(f"\r[{bar}] {part:4.0%}  sample {sample}/{samples}  {rest:<12}{end}")
-        sys.stderr.flush()
 
-    return show
+class _progress_bar:
+    """Draws one line on a terminal: how much is done, and how long the rest will take."""
+
+    _WIDTH = 30
+    _LEAST_SECONDS = 0.1
+
+    def __init__(self, terminal: TextIO) -> None:
+        self._terminal = terminal
+        self._rendering_since: float | None = None
+        self._drawn = 0.0
+        self._last = ""
+
+    def __call__(self, part: float, text: str) -> None:
+        now = time.monotonic()
+        if part > 0.0 and self._rendering_since is None:
+            self._rendering_since = now
+        if now - self._drawn < self._LEAST_SECONDS and part < 1.0:
+            return
+        self._drawn = now
+        rest = ""
+        if self._rendering_since is not None and part > 0.01:
+            rest = f"{(now - self._rendering_since) * (1.0 - part) / part:.0f} s left"
+        done = int(part * self._WIDTH)
+        self._last = f"[{'#' * done}{'.' * (self._WIDTH - done)}] {part:4.0%}  {text}  {rest}"
+        # Blender's own lines go to the same terminal: each time on a cleared line.
+        self._terminal.write(f"\r\x1b[K{self._last}")
+        self._terminal.flush()
+
+    def end(self) -> None:
+        """The line stays, and the next begins."""
+        if self._last:
+            self._terminal.write("\n")
+            self._terminal.flush()
 
 
 def _one_line(error: BaseException) -> str:
-    return " ".join(str(error).removeprefix("Error: ").split())
-
-
-def _complain(text: str) -> int:
-    sys.stderr.write(f"petzval: {text}\n")
-    return 1
+    return " ".join(part for part in str(error).split() if part != "Error:")
 
 
 def _main() -> None:

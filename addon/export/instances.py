@@ -1,0 +1,112 @@
+# SPDX-License-Identifier: GPL-3.0-or-later
+"""Everything that stands in the evaluated scene: each mesh sent once, and an instance for every place of it."""
+
+from __future__ import annotations
+
+from collections.abc import Callable
+from typing import Any
+
+import bpy
+
+from ..description import Report
+from . import light, mesh
+from .camera import rows
+from .image import Images
+from .material import Materials
+
+#: Objects whose surface Blender can hand over as a mesh.
+WITH_SURFACE = {"MESH", "CURVE", "SURFACE", "FONT", "META"}
+#: Objects that are seen in a Blender render, but not here yet.
+NOT_YET = {
+    "CURVES": "hair curves",
+    "POINTCLOUD": "point clouds",
+    "VOLUME": "volumes",
+    "GPENCIL": "grease pencil",
+    "GREASEPENCIL": "grease pencil",
+}
+
+
+class Stage:
+    """Sends the instances of a dependency graph to the engine's builder."""
+
+    def __init__(
+        self, builder: Any, materials: Materials, images: Images, report: Report, check_stop: Callable[[], None]
+    ) -> None:
+        self._builder = builder
+        self._materials = materials
+        self._images = images
+        self._report = report
+        self._check_stop = check_stop
+        # By the evaluated mesh; None where it has no triangles.
+        self._meshes: dict[int, int | None] = {}
+
+    def send(self, depsgraph: bpy.types.Depsgraph) -> None:
+        """All objects and their instances, as they are visible in this graph."""
+        for place in depsgraph.object_instances:
+            self._check_stop()
+            holder = place.object
+            self._warn_of_particles(holder)
+            if not place.show_self:
+                continue
+            if holder.type in WITH_SURFACE:
+                self._surface(holder, place)
+            elif holder.type == "LIGHT":
+                described = light.describe(holder, place.matrix_world, self._images, self._report)
+                self._builder.add_light(described)
+            elif holder.type in NOT_YET:
+                self._report.warn(f"Object '{holder.name}': {NOT_YET[holder.type]} are not supported yet, left out")
+
+    def _surface(self, holder: bpy.types.Object, place: bpy.types.DepsgraphObjectInstance) -> None:
+        index = self._mesh(holder)
+        if index is None:
+            return
+        for flag, words in (("is_holdout", "holdout"), ("is_shadow_catcher", "shadow catcher")):
+            if getattr(holder, flag):
+                self._report.warn(f"Object '{holder.name}': {words} is not supported yet, it is shown as it is")
+        self._builder.add_instance(
+            holder.name,
+            index,
+            rows(place.matrix_world),
+            [self._materials.index(slot.material) for slot in holder.material_slots],
+            visible_camera=holder.visible_camera,
+            visible_shadow=holder.visible_shadow,
+        )
+
+    def _mesh(self, holder: bpy.types.Object) -> int | None:
+        data = holder.data
+        if data is None:
+            return None
+        key = data.as_pointer()
+        if key not in self._meshes:
+            self._meshes[key] = self._send_mesh(holder, data)
+        return self._meshes[key]
+
+    def _send_mesh(self, holder: bpy.types.Object, data: bpy.types.ID) -> int | None:
+        if isinstance(data, bpy.types.Mesh):
+            return self._add(data.name, data)
+        made = holder.to_mesh()
+        try:
+            return None if made is None else self._add(holder.name, made)
+        finally:
+            holder.to_mesh_clear()
+
+    def _add(self, name: str, data: bpy.types.Mesh) -> int | None:
+        arrays = mesh.extract(data)
+        if arrays is None:
+            return None
+        return self._builder.add_mesh(
+            name,
+            arrays.positions,
+            arrays.triangles,
+            corner_normals=arrays.corner_normals,
+            uv_maps=arrays.uv_maps or None,
+            material_slots=arrays.material_slots,
+        )
+
+    def _warn_of_particles(self, holder: bpy.types.Object) -> None:
+        for system in holder.particle_systems:
+            settings = system.settings
+            if settings is not None and settings.type == "HAIR" and settings.render_type == "PATH":
+                self._report.warn(
+                    f"Object '{holder.name}': hair particles ('{system.name}') are not supported yet, left out"
+                )

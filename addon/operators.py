@@ -1,0 +1,90 @@
+# SPDX-License-Identifier: GPL-3.0-or-later
+"""What the Lens panel's buttons do."""
+
+from __future__ import annotations
+
+import bpy
+from bpy.props import EnumProperty
+
+from . import lens_files, viewport_camera
+
+# Blender does not keep the strings of enum items that are made on demand.
+_items: list[tuple[str, str, str]] = []
+
+
+def _shipped_items(_operator: bpy.types.Operator, _context: bpy.types.Context) -> list[tuple[str, str, str]]:
+    if not _items:
+        _items.extend((path.name, lens_files.title(path), path.name) for path in lens_files.shipped())
+    return _items
+
+
+def _camera(context: bpy.types.Context) -> bpy.types.Camera | None:
+    """The camera that is shown in the properties editor, else the scene's."""
+    shown = getattr(context, "camera", None)
+    if shown is not None:
+        return shown
+    holder = context.scene.camera
+    return holder.data if holder is not None and holder.type == "CAMERA" else None
+
+
+class PETZVAL_OT_choose_lens(bpy.types.Operator):
+    """Choose one of the lenses that come with Petzval"""
+
+    bl_idname = "petzval.choose_lens"
+    bl_label = "Choose Lens"
+    bl_options = {"REGISTER", "UNDO", "INTERNAL"}
+    bl_property = "lens"
+
+    lens: EnumProperty(name="Lens", items=_shipped_items)
+
+    @classmethod
+    def poll(cls, context):
+        return _camera(context) is not None
+
+    def invoke(self, context, _event):
+        context.window_manager.invoke_search_popup(self)
+        return {"RUNNING_MODAL"}
+
+    def execute(self, context):
+        _camera(context).petzval.lens_file = self.lens
+        return {"FINISHED"}
+
+
+class PETZVAL_OT_match_viewport(bpy.types.Operator):
+    """Set Blender's own camera so that its view frames what the lens will photograph"""
+
+    bl_idname = "petzval.match_viewport"
+    bl_label = "Match Viewport Camera"
+    bl_options = {"REGISTER", "UNDO"}
+
+    @classmethod
+    def poll(cls, context):
+        camera = _camera(context)
+        return camera is not None and not camera.library and camera.petzval.model == "LENS"
+
+    def execute(self, context):
+        camera = _camera(context)
+        holder = viewport_camera.camera_object(camera, context.scene)
+        if holder is None:
+            self.report({"ERROR"}, f"Camera '{camera.name}' is not in this scene: link an object with it")
+            return {"CANCELLED"}
+        complaint = viewport_camera.match(holder, context.scene)
+        if complaint:
+            self.report({"ERROR"}, complaint)
+            return {"CANCELLED"}
+        camera.petzval.in_step = True
+        return {"FINISHED"}
+
+
+CLASSES = (PETZVAL_OT_choose_lens, PETZVAL_OT_match_viewport)
+
+
+def register() -> None:
+    for cls in CLASSES:
+        bpy.utils.register_class(cls)
+
+
+def unregister() -> None:
+    for cls in reversed(CLASSES):
+        bpy.utils.unregister_class(cls)
+    _items.clear()

@@ -1,0 +1,53 @@
+# SPDX-License-Identifier: GPL-3.0-or-later
+"""Blender's own panels that stay visible while Petzval is the engine."""
+
+from __future__ import annotations
+
+import bpy
+
+from .mixin import ENGINES
+
+#: Panels of every engine that this one has a better place for, or does not do.
+LEFT_OUT = {
+    "DATA_PT_camera_dof",
+    "DATA_PT_lens",
+    "DATA_PT_light",
+    "DATA_PT_preview",
+    "MATERIAL_PT_preview",
+    "RENDER_PT_freestyle",
+    "RENDER_PT_simplify",
+    "TEXTURE_PT_preview",
+    "VIEWLAYER_PT_filter",
+    "VIEWLAYER_PT_layer_passes",
+    "WORLD_PT_preview",
+}
+#: EEVEE's panels of what is the same here: shader nodes, slots, lamps.
+TAKEN_FROM_EEVEE = {
+    "DATA_PT_EEVEE_light",
+    "EEVEE_MATERIAL_PT_context_material",
+    "EEVEE_MATERIAL_PT_surface",
+    "EEVEE_WORLD_PT_surface",
+}
+
+
+def panels() -> list[type]:
+    """The panel classes that are shared."""
+    found = []
+    for panel in bpy.types.Panel.__subclasses__():
+        engines = getattr(panel, "COMPAT_ENGINES", None)
+        if not isinstance(engines, set):
+            continue
+        name = panel.__name__
+        if name in TAKEN_FROM_EEVEE or ("BLENDER_RENDER" in engines and name not in LEFT_OUT):
+            found.append(panel)
+    return found
+
+
+def register() -> None:
+    for panel in panels():
+        panel.COMPAT_ENGINES.update(ENGINES)
+
+
+def unregister() -> None:
+    for panel in panels():
+        panel.COMPAT_ENGINES.difference_update(ENGINES)

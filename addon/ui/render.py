@@ -1,0 +1,105 @@
+# SPDX-License-Identifier: GPL-3.0-or-later
+"""Panels of the render settings."""
+
+from __future__ import annotations
+
+import bpy
+
+from .. import native, statistics
+from .mixin import PetzvalPanel, columns
+
+
+class _RenderPanel(PetzvalPanel):
+    bl_context = "render"
+
+
+class PETZVAL_RENDER_PT_sampling(_RenderPanel, bpy.types.Panel):
+    bl_label = "Sampling"
+
+    def draw(self, context):
+        layout = columns(self)
+        complaint = native.missing()
+        if complaint:
+            row = layout.row()
+            row.alert = True
+            row.label(text=complaint, icon="ERROR")
+        layout.prop(context.scene.petzval, "samples")
+
+
+class PETZVAL_RENDER_PT_sampling_advanced(_RenderPanel, bpy.types.Panel):
+    bl_label = "Advanced"
+    bl_parent_id = "PETZVAL_RENDER_PT_sampling"
+    bl_options = {"DEFAULT_CLOSED"}
+
+    def draw(self, context):
+        layout = columns(self)
+        settings = context.scene.petzval
+        layout.prop(settings, "seed")
+        layout.prop(settings, "sample_offset")
+
+
+class PETZVAL_RENDER_PT_light_paths(_RenderPanel, bpy.types.Panel):
+    bl_label = "Light Paths"
+    bl_options = {"DEFAULT_CLOSED"}
+
+    def draw(self, context):
+        columns(self).prop(context.scene.petzval, "max_bounces")
+
+
+class PETZVAL_RENDER_PT_film(_RenderPanel, bpy.types.Panel):
+    bl_label = "Film"
+    bl_options = {"DEFAULT_CLOSED"}
+
+    def draw(self, context):
+        layout = columns(self)
+        layout.prop(context.scene.petzval, "filter_width")
+        layout.prop(context.scene.render, "film_transparent", text="Transparent")
+
+
+class PETZVAL_RENDER_PT_threads(_RenderPanel, bpy.types.Panel):
+    bl_label = "Performance"
+    bl_options = {"DEFAULT_CLOSED"}
+
+    def draw(self, context):
+        layout = columns(self)
+        render = context.scene.render
+        layout.prop(render, "threads_mode")
+        row = layout.row()
+        row.enabled = render.threads_mode == "FIXED"
+        row.prop(render, "threads")
+
+
+class PETZVAL_RENDER_PT_last(_RenderPanel, bpy.types.Panel):
+    bl_label = "Last Render"
+    bl_options = {"DEFAULT_CLOSED"}
+
+    @classmethod
+    def poll(cls, context):
+        return super().poll(context) and statistics.last(context.scene.name) is not None
+
+    def draw(self, context):
+        render = statistics.last(context.scene.name)
+        for line in render.lines():
+            self.layout.label(text=line)
+        for warning in render.warnings:
+            self.layout.label(text=warning, icon="ERROR")
+
+
+CLASSES = (
+    PETZVAL_RENDER_PT_sampling,
+    PETZVAL_RENDER_PT_sampling_advanced,
+    PETZVAL_RENDER_PT_light_paths,
+    PETZVAL_RENDER_PT_film,
+    PETZVAL_RENDER_PT_threads,
+    PETZVAL_RENDER_PT_last,
+)
+
+
+def register() -> None:
+    for cls in CLASSES:
+        bpy.utils.register_class(cls)
+
+
+def unregister() -> None:
+    for cls in reversed(CLASSES):
+        bpy.utils.unregister_class(cls)
