@@ -30,10 +30,9 @@ def extract(mesh: bpy.types.Mesh) -> MeshArrays | None:
     if count == 0:
         return None
     corners = _read(mesh.loop_triangles, "loops", (count, 3), np.int32)
-    vertex_of_corner = _read(mesh.loops, "vertex_index", (len(mesh.loops),), np.int32)
-    triangles = vertex_of_corner[corners]
+    triangles = _attribute(mesh, ".corner_vert", "value", (len(mesh.loops),), np.int32).take(corners)
     return MeshArrays(
-        positions=_read(mesh.vertices, "co", (len(mesh.vertices), 3), np.float32),
+        positions=_attribute(mesh, "position", "vector", (len(mesh.vertices), 3), np.float32),
         triangles=triangles,
         corner_normals=_normals(mesh, corners, triangles),
         uv_maps=_uv_maps(mesh, corners),
@@ -47,26 +46,35 @@ def _read(collection: bpy.types.bpy_prop_collection, name: str, shape: tuple[int
     return array
 
 
+def _attribute(mesh: bpy.types.Mesh, name: str, value: str, shape: tuple[int, ...], kind: type) -> np.ndarray:
+    """An attribute that every mesh has: the same as `vertices` or `loops` give, a hundred times as fast."""
+    return _read(mesh.attributes[name].data, value, shape, kind)
+
+
 def _normals(mesh: bpy.types.Mesh, corners: np.ndarray, triangles: np.ndarray) -> np.ndarray | None:
     """Normals by corner; None where all faces are flat."""
     if mesh.normals_domain == "FACE":
         return None
     if mesh.normals_domain == "POINT":
-        return _read(mesh.vertex_normals, "vector", (len(mesh.vertices), 3), np.float32)[triangles]
-    return _read(mesh.corner_normals, "vector", (len(mesh.loops), 3), np.float32)[corners]
+        return _read(mesh.vertex_normals, "vector", (len(mesh.vertices), 3), np.float32).take(triangles, 0)
+    return _read(mesh.corner_normals, "vector", (len(mesh.loops), 3), np.float32).take(corners, 0)
 
 
 def _uv_maps(mesh: bpy.types.Mesh, corners: np.ndarray) -> dict[str, np.ndarray]:
     """UV maps by name, the one that is rendered by default first."""
     layers = sorted(mesh.uv_layers, key=lambda layer: not layer.active_render)[:MOST_UV_MAPS]
-    return {layer.name: _read(layer.uv, "vector", (len(mesh.loops), 2), np.float32)[corners] for layer in layers}
+    return {
+        layer.name: _read(layer.uv, "vector", (len(mesh.loops), 2), np.float32).take(corners, 0) for layer in layers
+    }
 
 
 def _slots(mesh: bpy.types.Mesh, count: int) -> np.ndarray | None:
     """The material slot of each triangle; None where all have the first."""
     if mesh.attributes.get("material_index") is None:
         return None
-    slots = _read(mesh.polygons, "material_index", (len(mesh.polygons),), np.int32)
+    slots = _attribute(mesh, "material_index", "value", (len(mesh.polygons),), np.int32)
     if not slots.any():
         return None
-    return slots[_read(mesh.loop_triangles, "polygon_index", (count,), np.int32)]
+    if len(slots) == count:
+        return slots
+    return slots.take(_read(mesh.loop_triangles, "polygon_index", (count,), np.int32))
