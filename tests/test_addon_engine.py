@@ -1,0 +1,332 @@
+# SPDX-License-Identifier: GPL-3.0-or-later
+"""The engine as Blender drives it: registered, rendering, cropped, layered, animated, saved and loaded."""
+
+from __future__ import annotations
+
+import numpy as np
+import pytest
+
+BALL = "ball-lens-10mm.lens"
+
+
+@pytest.fixture
+def parts(blender):
+    import scene_parts
+
+    return scene_parts
+
+
+def engines(bpy) -> str:
+    """The engine list, as Blender names it when asked for one that is not there."""
+    with pytest.raises(TypeError) as caught:
+        bpy.context.scene.render.engine = "NOT THERE"
+    return str(caught.value)
+
+
+def test_the_engine_is_in_the_list(blender):
+    assert "'PETZVAL'" in engines(blender)
+    blender.context.scene.render.engine = "PETZVAL"
+    assert blender.context.engine == "PETZVAL"
+
+
+def test_unregistering_leaves_nothing_behind(blender, parts):
+    def classes():
+        return {name for name in dir(blender.types) if "petzval" in name.lower()}
+
+    def handlers():
+        every = (getattr(blender.app.handlers, name) for name in dir(blender.app.handlers))
+        return [f for group in every if isinstance(group, list) for f in group if "petzval" in f.__module__]
+
+    def panels():
+        kept = (getattr(panel, "COMPAT_ENGINES", ()) for panel in blender.types.Panel.__subclasses__())
+        # Classes that were unregistered live on until Python forgets them.
+        return [engines for engines in kept if "PETZVAL" in engines and engines != {"PETZVAL"}]
+
+    addon = parts.addon()
+    assert classes() and handlers() and panels()
+    try:
+        for _ in range(2):
+            addon.unregister()
+            assert not classes()
+            assert not handlers()
+            assert not panels()
+            assert "PETZVAL" not in engines(blender)
+            assert not hasattr(blender.types.Camera, "petzval")
+            assert not hasattr(blender.types.Scene, "petzval")
+            addon.register()
+    finally:
+        if not hasattr(blender.types.Scene, "petzval"):
+            addon.register()
+    assert classes() and handlers() and panels()
+
+
+def test_a_render_shows_the_scene(parts, tmp_path):
+    parts.set_up()
+    parts.square("Red", (0, 5, 0), 1.0, parts.emitter((1.0, 0.0, 0.0), 3.0))
+    picture = parts.render(tmp_path)
+    assert picture.shape == (32, 48, 4)
+    assert np.allclose(picture[16, 24, :3], (3.0, 0.0, 0.0), atol=1e-3)
+    assert np.allclose(picture[1, 1, :3], 0.5, rtol=1e-3)
+
+
+def test_one_seed_gives_one_picture(parts, tmp_path):
+    scene = parts.set_up(model="LENS")
+    parts.square("Square", (0.1, 5, 0), 1.0, parts.emitter())
+    first, again = parts.render(tmp_path, "1.exr"), parts.render(tmp_path, "2.exr")
+    assert np.array_equal(first, again)
+    scene.petzval.seed = 1
+    assert not np.array_equal(first, parts.render(tmp_path, "3.exr"))
+
+
+@pytest.mark.parametrize("percent", [50, 33, 150])
+def test_resolution_percentage(parts, tmp_path, percent):
+    scene = parts.set_up(width=50, height=30)
+    scene.render.resolution_percentage = percent
+    picture = parts.render(tmp_path)
+    assert picture.shape[:2] == (30 * percent // 100, 50 * percent // 100)
+
+
+@pytest.mark.parametrize("border", [(0.25, 0.75, 0.25, 0.75), (0.1, 0.37, 0.53, 0.99), (0.0, 1.0, 0.9, 1.0)])
+@pytest.mark.parametrize("model", ["PINHOLE", "LENS"])
+def test_a_border_is_the_crop_of_the_whole(parts, tmp_path, border, model):
+    scene = parts.set_up(width=61, height=43, model=model)
+    parts.square("Square", (0.1, 5, 0.2), 1.5, parts.emitter((1.0, 0.4, 0.1)))
+    whole = parts.render(tmp_path, "whole.exr")
+    render = scene.render
+    render.use_border, render.use_crop_to_border = True, True
+    render.border_min_x, render.border_max_x, render.border_min_y, render.border_max_y = border
+    cropped = parts.render(tmp_path, "crop.exr")
+    render.use_crop_to_border = False
+    framed = parts.render(tmp_path, "frame.exr")
+
+    window = parts.part("tiles").region(61, 43, border)
+    rows, columns = slice(window.y, window.y + window.height), slice(window.x, window.x + window.width)
+    assert cropped.shape == (window.height, window.width, 4)
+    assert np.array_equal(cropped, whole[rows, columns])
+    assert framed.shape == whole.shape
+    assert np.array_equal(framed[rows, columns], whole[rows, columns])
+    outside = np.ones(whole.shape[:2], bool)
+    outside[rows, columns] = False
+    assert not framed[outside].any()
+
+
+def test_a_transparent_film(parts, tmp_path):
+    scene = parts.set_up()
+    parts.square("Square", (0, 5, 0), 1.0, parts.emitter())
+    scene.render.film_transparent = True
+    picture = parts.render(tmp_path)
+    assert np.allclose(picture[16, 24], 1.0, atol=1e-3)
+    assert not picture[1, 1].any()
+    scene.render.film_transparent = False
+    assert np.allclose(parts.render(tmp_path)[1, 1, 3], 1.0)
+
+
+def test_png(parts, tmp_path):
+    scene = parts.set_up()
+    parts.square("Square", (0, 5, 0), 1.0, parts.emitter((1.0, 0.0, 0.0)))
+    parts.exr(scene, "PNG")
+    scene.view_settings.view_transform = "Standard"
+    picture = parts.render(tmp_path, "picture.png")
+    assert picture.shape[:2] == (32, 48)
+    assert np.allclose(picture[16, 24, :3], (1.0, 0.0, 0.0), atol=0.01)
+
+
+def test_view_layers_and_multilayer_exr(parts, blender, tmp_path):
+    scene = parts.set_up()
+    scene.view_layers[0].name = "Both"
+    left = parts.square("Left", (-0.7, 5, 0), 0.6, parts.emitter((1.0, 0.0, 0.0)))
+    parts.square("Right", (0.7, 5, 0), 0.6, parts.emitter((0.0, 1.0, 0.0)))
+    shelf = blender.data.collections.new("Left only")
+    scene.collection.children.link(shelf)
+    scene.collection.objects.unlink(left)
+    shelf.objects.link(left)
+    less = scene.view_layers.new("Less")
+    less.layer_collection.children["Left only"].exclude = True
+    parts.exr(scene, "OPEN_EXR_MULTILAYER")
+    scene.render.image_settings.exr_codec = "NONE"
+    scene.render.filepath = str(tmp_path / "layers.exr")
+    blender.ops.render.render(write_still=True)
+
+    layers = exr_layers(tmp_path / "layers.exr")
+    assert {"Both", "Less"} <= set(layers)
+    both, less = layers["Both"], layers["Less"]
+    assert both[16, 14, 0] == pytest.approx(1.0, abs=1e-3) and both[16, 14, 1] == pytest.approx(0.0, abs=1e-3)
+    assert less[16, 14, :3] == pytest.approx([0.5] * 3, abs=1e-3)
+    assert np.array_equal(both[:, 30:], less[:, 30:])
+
+
+def exr_layers(path) -> dict[str, np.ndarray]:
+    """Combined of every layer of an uncompressed multilayer EXR, (height, width, RGBA), first row at the bottom."""
+    data = path.read_bytes()
+    assert data[:4] == bytes([0x76, 0x2F, 0x31, 0x01])
+    # From 5.0 on Blender writes one part for each layer.
+    multipart = bool(data[5] & 0x10)
+
+    def number(at: int, size: int = 4) -> int:
+        return int.from_bytes(data[at : at + size], "little")
+
+    def text(at: int) -> tuple[str, int]:
+        end = data.index(0, at)
+        return data[at:end].decode(), end + 1
+
+    parts, at = [], 8
+    while data[at] and (multipart or not parts):
+        header = {}
+        while data[at]:
+            name, at = text(at)
+            _, at = text(at)
+            header[name], at = data[at + 4 : at + 4 + number(at)], at + 4 + number(at)
+        parts.append(header)
+        at += 1
+    at += multipart
+    found: dict[str, np.ndarray] = {}
+    for header in parts:
+        assert header["compression"] == bytes(1)
+        left, top, right, bottom = np.frombuffer(header["dataWindow"], "<i4")
+        width, height = right - left + 1, bottom - top + 1
+        prefix = header.get("name", b"").decode()
+        channels, here = [], 0
+        while header["channels"][here]:
+            end = header["channels"].index(0, here)
+            name = header["channels"][here:end].decode()
+            name = name if "Combined" in name else f"{prefix}.{name}"
+            channels.append((name, "<f2" if header["channels"][end + 1] == 1 else "<f4"))
+            here = end + 17
+        for row in range(height):
+            chunk = number(at + 8 * row, 8) + 4 * multipart
+            y, chunk = number(chunk) - top, chunk + 8
+            for name, kind in channels:
+                values = np.frombuffer(data, kind, width, chunk)
+                chunk += values.nbytes
+                layer, _, channel = name.partition(".Combined.")
+                if channel:
+                    pixels = found.setdefault(layer, np.zeros((height, width, 4), np.float32))
+                    pixels[height - 1 - y, :, "RGBA".index(channel)] = values
+        at += 8 * height
+    return found
+
+
+@pytest.mark.parametrize("animated", ["f_number", "focal_length", "focus_distance", "tilt"])
+def test_an_animation_of_the_lens(parts, blender, tmp_path, animated):
+    scene = parts.set_up(width=36, height=24, samples=16, model="LENS")
+    scene.frame_start, scene.frame_end = 1, 2
+    camera = scene.camera.data
+    own = camera.petzval
+    own.lens_file = "double-gauss-f2-tronnier.lens"
+    own.focal_mode = "LENGTH"
+    own.wide_open = False
+    own.f_number = 2.0
+    camera.dof.focus_distance = 1.0
+    for x in (-0.2, 0.0, 0.2):
+        parts.square(f"At {x}", (x, 2.0, x / 2), 0.1, parts.emitter((4.0, 4.0, 4.0)))
+    holder, path, values = {
+        "f_number": (own, "f_number", (2.0, 16.0)),
+        "focal_length": (own, "focal_length", (50.0, 85.0)),
+        "focus_distance": (camera.dof, "focus_distance", (1.0, 2.0)),
+        "tilt": (own, "tilt", (0.0, 0.3)),
+    }[animated]
+    for frame, value in zip((1, 2), values, strict=True):
+        setattr(holder, path, value)
+        assert holder.keyframe_insert(path, frame=frame)
+    scene.render.filepath = str(tmp_path / "frame-####")
+    blender.ops.render.render(animation=True)
+    first, second = (parts.read(tmp_path / f"frame-{frame:04}.exr") for frame in (1, 2))
+    assert np.abs(first - second).mean() > 0.01
+    # The second frame alone is the same picture.
+    scene.frame_set(2)
+    assert np.array_equal(second, parts.render(tmp_path, "alone.exr"))
+
+
+def test_every_setting_survives_saving(parts, blender, tmp_path):
+    scene = parts.set_up()
+    holders = {"camera": scene.camera.data.petzval, "scene": scene.petzval}
+    wanted = {}
+    for name, holder in holders.items():
+        for prop in holder.bl_rna.properties:
+            if prop.identifier in {"rna_type", "name"}:
+                continue
+            value = another_value(prop, getattr(holder, prop.identifier))
+            setattr(holder, prop.identifier, value)
+            wanted[name, prop.identifier] = plain(getattr(holder, prop.identifier))
+            assert wanted[name, prop.identifier] == pytest.approx(plain(value)), prop.identifier
+    # Setting one must not have moved another.
+    wanted = {key: plain(getattr(holders[key[0]], key[1])) for key in wanted}
+    path = tmp_path / "kept.blend"
+    blender.ops.wm.save_as_mainfile(filepath=str(path))
+    blender.ops.wm.read_factory_settings(use_empty=True)
+    blender.ops.wm.open_mainfile(filepath=str(path))
+    scene = blender.context.scene
+    holders = {"camera": scene.camera.data.petzval, "scene": scene.petzval}
+    assert {key: plain(getattr(holders[key[0]], key[1])) for key in wanted} == wanted
+    assert len(wanted) > 20
+    for name, key in wanted:
+        assert holders[name].is_property_set(key), key
+
+
+def another_value(prop, now):
+    """A value of the property that it does not have yet."""
+    if prop.type == "ENUM":
+        return next(item.identifier for item in prop.enum_items if item.identifier != now)
+    if prop.type == "BOOLEAN":
+        return not now
+    if prop.type == "STRING":
+        return "cooke-triplet-50mm.lens"
+    if prop.type == "INT":
+        return now + 3
+    if prop.is_array:
+        return tuple(value + 1.5 + index for index, value in enumerate(now))
+    return now + 0.25
+
+
+def plain(value):
+    return tuple(value) if hasattr(value, "__len__") and not isinstance(value, str) else value
+
+
+def test_every_setting_says_what_it_is(parts):
+    scene = parts.set_up()
+    for holder in (scene.camera.data.petzval, scene.petzval):
+        for prop in holder.bl_rna.properties:
+            if prop.identifier in {"rna_type", "name"} or prop.is_hidden:
+                continue
+            assert prop.name and prop.description, prop.identifier
+            assert not prop.description.endswith("."), f"Blender adds the full stop itself: {prop.identifier}"
+
+
+@pytest.mark.parametrize(
+    ("break_it", "words"),
+    [
+        (lambda scene: setattr(scene.camera.data.petzval, "lens_file", "no-such.lens"), "no such lens: "),
+        (lambda scene: setattr(scene.camera.data.petzval, "lens_file", " "), "no lens file"),
+        (lambda scene: setattr(scene.camera.data.petzval, "lens_file", __file__), "test_addon_engine.py:2"),
+    ],
+)
+def test_what_goes_wrong_is_a_report_and_a_black_picture(parts, blender, tmp_path, break_it, words):
+    scene = parts.set_up(model="LENS")
+    break_it(scene)
+    scene.render.filepath = str(tmp_path / "picture.exr")
+    with pytest.raises(RuntimeError) as caught:
+        blender.ops.render.render(write_still=True)
+    message = str(caught.value).strip()
+    assert words in message
+    assert "\n" not in message
+    if (tmp_path / "picture.exr").exists():
+        assert not parts.read(tmp_path / "picture.exr")[..., :3].any()
+
+
+def test_no_camera_is_blenders_own_error(parts, blender):
+    scene = parts.set_up()
+    scene.camera = None
+    with pytest.raises(RuntimeError, match="[Cc]amera"):
+        blender.ops.render.render()
+
+
+def test_the_statistics_of_the_last_render_are_kept(parts, blender):
+    parts.set_up(samples=3, model="LENS")
+    blender.ops.render.render()
+    last = parts.part("statistics").last("Scene")
+    assert last.stats["samples"] == 3
+    assert last.stats["camera_rays"] >= 3 * 48 * 32
+    assert last.stats["non_finite_samples"] == 0
+    assert set(last.stats["seconds"]) >= {"sync", "bvh", "plan", "render"}
+    assert not last.stopped
+    assert all("\n" not in line for line in last.lines())
