@@ -57,6 +57,7 @@ class LightDescription:
     matrix_world: Matrix4
     color: Colour  # times energy: watts, for SUN watts per square metre
     radius: float = 0.0  # POINT, SPOT
+    soft_falloff: bool = False  # POINT, SPOT: a disk that faces whoever looks at it, rather than a sphere
     angle_rad: float = 0.0  # SUN: full angular diameter
     shape: str = "RECTANGLE"  # AREA: RECTANGLE | ELLIPSE
     size: tuple[float, float] = (1.0, 1.0)  # AREA: full sides

@@ -29,6 +29,7 @@ def describe(holder: bpy.types.Object, matrix: Matrix, images: Images, report: R
     )
     if light.type in {"POINT", "SPOT"}:
         description.radius = light.shadow_soft_size
+        description.soft_falloff = light.use_soft_falloff
     if light.type == "SPOT":
         description.spot_angle_rad = light.spot_size
         description.spot_blend = light.spot_blend

@@ -129,6 +129,7 @@ pub(crate) struct PyLight {
     matrix_world: Matrix4,
     color: Colour,
     radius: f32,
+    soft_falloff: bool,
     angle_rad: f32,
     shape: String,
     size: (f32, f32),
@@ -143,11 +144,12 @@ impl PyLight {
     pub(crate) fn lamp(self) -> Result<(Lamp, DMat4), Error> {
         let unknown = |what: &str, value: &str| bad_scene(format!("light '{}': no {what} '{value}'", self.object_name));
         let kind = match self.kind.as_str() {
-            "POINT" => LampKind::Point { radius: self.radius },
+            "POINT" => LampKind::Point { radius: self.radius, soft: self.soft_falloff },
             "SPOT" => LampKind::Spot {
                 radius: self.radius,
                 half_angle_rad: 0.5 * self.spot_angle_rad,
                 blend: self.spot_blend,
+                soft: self.soft_falloff,
             },
             "SUN" => LampKind::Sun { half_angle_rad: 0.5 * self.angle_rad },
             "AREA" => LampKind::Area {

@@ -24,7 +24,7 @@ impl PreparedLamp {
     pub(super) fn new(lamp: &Lamp) -> Self {
         let strength = match lamp.kind {
             // A watt is spread over the whole sphere; a spot is a point light seen through a hole.
-            LampKind::Point { radius } | LampKind::Spot { radius, .. } => {
+            LampKind::Point { radius, .. } | LampKind::Spot { radius, .. } => {
                 if radius > 0.0 {
                     lamp.color / (4.0 * PI * PI * radius * radius)
                 } else {
@@ -35,10 +35,10 @@ impl PreparedLamp {
                 let tan = half_angle_rad.tan();
                 if tan > 0.0 { lamp.color / (PI * tan * tan) } else { lamp.color }
             }
-            // Blender's area lamps give a quarter of their watts per unit of area as radiance.
+            // A Lambert emitter sends pi times its radiance from each unit of area.
             LampKind::Area { size, ellipse, .. } => {
                 let area = area_of(size, ellipse);
-                if area > 0.0 { lamp.color / (4.0 * area) } else { Rgb::ZERO }
+                if area > 0.0 { lamp.color / (PI * area) } else { Rgb::ZERO }
             }
         };
         Self {
@@ -91,7 +91,7 @@ impl PreparedLamp {
                     ..everywhere(0.0)
                 }
             }
-            LampKind::Point { radius } => everywhere(radius),
+            LampKind::Point { radius, .. } => everywhere(radius),
             LampKind::Sun { .. } => everywhere(0.0),
         }
     }
@@ -99,9 +99,14 @@ impl PreparedLamp {
     /// Light at `from`.
     pub(super) fn sample(&self, from: Vec3A, u: [f32; 2]) -> Option<LightSample> {
         match self.kind {
-            LampKind::Point { radius } => self.sample_sphere(from, radius, u),
-            LampKind::Spot { radius, half_angle_rad, blend } => {
-                let mut s = self.sample_sphere(from, radius, u)?;
+            LampKind::Point { radius, soft: true } if radius > 0.0 => self.sample_facing_disk(from, radius, u),
+            LampKind::Point { radius, .. } => self.sample_sphere(from, radius, u),
+            LampKind::Spot { radius, half_angle_rad, blend, soft } => {
+                let mut s = if soft && radius > 0.0 {
+                    self.sample_facing_disk(from, radius, u)?
+                } else {
+                    self.sample_sphere(from, radius, u)?
+                };
                 s.radiance *= self.cone(-s.wi, half_angle_rad, blend);
                 Some(s)
             }
@@ -131,9 +136,14 @@ impl PreparedLamp {
     /// Radiance along a ray that meets the lamp before `t_max`, and the density of [`PreparedLamp::sample`].
     pub(super) fn hit(&self, origin: Vec3A, d: Vec3A, t_max: f32) -> Option<(Rgb, f32)> {
         match self.kind {
-            LampKind::Point { radius } => self.hit_sphere(origin, d, t_max, radius),
-            LampKind::Spot { radius, half_angle_rad, blend } => {
-                let (radiance, pdf) = self.hit_sphere(origin, d, t_max, radius)?;
+            LampKind::Point { radius, soft: true } => self.hit_facing_disk(origin, d, t_max, radius),
+            LampKind::Point { radius, .. } => self.hit_sphere(origin, d, t_max, radius),
+            LampKind::Spot { radius, half_angle_rad, blend, soft } => {
+                let (radiance, pdf) = if soft {
+                    self.hit_facing_disk(origin, d, t_max, radius)?
+                } else {
+                    self.hit_sphere(origin, d, t_max, radius)?
+                };
                 Some((radiance * self.cone(-d, half_angle_rad, blend), pdf))
             }
             LampKind::Sun { .. } => None,
@@ -241,6 +251,40 @@ impl PreparedLamp {
         let sin2_max = radius * radius / distance2;
         let limit = sin2_max / (1.0 + (1.0 - sin2_max).max(0.0).sqrt());
         Some((self.strength, warp::cone_pdf(limit)))
+    }
+
+    /// The lamp as a disk that faces whoever looks at it: Blender's soft falloff, which has no edge where the
+    /// sphere would cut into a surface.
+    fn sample_facing_disk(&self, from: Vec3A, radius: f32, u: [f32; 2]) -> Option<LightSample> {
+        let axis = (self.center - from).try_normalize()?;
+        let [x, y, _] = warp::frame(axis);
+        let p = warp::sample_disk(u) * radius;
+        let to = self.center + x * p.x + y * p.y - from;
+        let distance = to.length();
+        let wi = to / distance;
+        let cos = wi.dot(axis);
+        (cos > 0.0).then(|| LightSample {
+            wi,
+            distance,
+            radiance: self.strength,
+            pdf: distance * distance / (cos * PI * radius * radius),
+            point_like: false,
+            cast_shadow: self.cast_shadow,
+        })
+    }
+
+    fn hit_facing_disk(&self, origin: Vec3A, d: Vec3A, t_max: f32, radius: f32) -> Option<(Rgb, f32)> {
+        if radius <= 0.0 {
+            return None;
+        }
+        let to = self.center - origin;
+        let distance = to.length();
+        let cos = d.dot(to) / distance;
+        let t = distance / cos;
+        // Refuses NaN, too: the start may be the lamp's very centre.
+        let ahead = cos > 0.0 && t < t_max;
+        let inside = (d * t - to).length_squared() <= radius * radius;
+        (ahead && inside).then(|| (self.strength, t * t / (cos * PI * radius * radius)))
     }
 
     /// How much of a spot's light goes along `d` (away from the lamp).

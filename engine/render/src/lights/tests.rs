@@ -46,14 +46,17 @@ fn lamps_light_a_floor_as_closed_forms_say() {
     let watts = Rgb::new(10.0, 20.0, 30.0);
     // Intensity W / 4 pi, distance 2.
     let point = watts / (4.0 * PI) / 4.0;
-    // Small square: radiance W / (4 A), solid angle A / 4.
-    let small = watts / 16.0;
+    // Small square: radiance W / (pi A), solid angle A / 4.
+    let small = watts / (4.0 * PI);
+    // A disk of radius 1/2 seen face on from distance 2: radiance W / (pi A), irradiance pi L r^2 / (r^2 + d^2).
+    let disk = watts / (4.0 * PI) / (0.25 + 4.0);
     // Sun of irradiance W, straight above.
     let cases = [
-        (LampKind::Point { radius: 0.0 }, point),
-        (LampKind::Point { radius: 0.01 }, point),
-        (LampKind::Point { radius: 0.5 }, point),
-        (LampKind::Spot { radius: 0.0, half_angle_rad: 0.5, blend: 0.1 }, point),
+        (LampKind::Point { radius: 0.0, soft: false }, point),
+        (LampKind::Point { radius: 0.01, soft: false }, point),
+        (LampKind::Point { radius: 0.5, soft: false }, point),
+        (LampKind::Point { radius: 0.5, soft: true }, disk),
+        (LampKind::Spot { radius: 0.0, half_angle_rad: 0.5, blend: 0.1, soft: false }, point),
         (LampKind::Area { size: [0.02, 0.02], ellipse: false, half_spread_rad: PI / 2.0 }, small),
         (LampKind::Area { size: [0.02, 0.02], ellipse: true, half_spread_rad: PI / 2.0 }, small),
         (LampKind::Sun { half_angle_rad: 0.0 }, watts),
@@ -72,7 +75,8 @@ fn lamps_light_a_floor_as_closed_forms_say() {
 #[test]
 fn densities_of_hits_are_those_of_samples() {
     for kind in [
-        LampKind::Point { radius: 0.3 },
+        LampKind::Point { radius: 0.3, soft: false },
+        LampKind::Point { radius: 0.3, soft: true },
         LampKind::Area { size: [0.7, 0.4], ellipse: false, half_spread_rad: 1.0 },
         LampKind::Area { size: [0.7, 0.4], ellipse: true, half_spread_rad: PI / 2.0 },
         LampKind::Sun { half_angle_rad: 0.05 },

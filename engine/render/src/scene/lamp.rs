@@ -10,6 +10,8 @@ pub enum LampKind {
     Point {
         /// Blender units.
         radius: f32,
+        /// A disk that faces whoever looks at it, rather than a sphere.
+        soft: bool,
     },
     /// A sphere that shines into a cone about the lamp's -z.
     Spot {
@@ -19,6 +21,8 @@ pub enum LampKind {
         half_angle_rad: f32,
         /// 0 hard to 1 soft.
         blend: f32,
+        /// A disk that faces whoever looks at it, rather than a sphere.
+        soft: bool,
     },
     /// A disk infinitely far along the lamp's +z.
     Sun {

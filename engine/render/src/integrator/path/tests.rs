@@ -114,7 +114,7 @@ fn alpha_lets_light_through() {
     builder.add_instance("sheet", mesh, DMat4::from_translation(DVec3::Z), &[sheet], true, true).unwrap();
     let lamp = Lamp {
         object_name: "lamp".into(),
-        kind: LampKind::Point { radius: 0.0 },
+        kind: LampKind::Point { radius: 0.0, soft: false },
         color: Rgb::splat(100.0),
         visible_camera: true,
         cast_shadow: true,
