@@ -46,7 +46,7 @@ class Images:
         # Blender turns the pixels of float images into scene-linear ones when it loads them.
         if image.is_float:
             return image.name, pixels, False
-        return image.name, np.rint(np.clip(pixels, 0.0, 1.0) * 255.0).astype(np.uint8), self._is_srgb(image)
+        return image.name, _bytes(pixels), self._is_srgb(image)
 
     def _warn_of_kind(self, image: bpy.types.Image) -> None:
         if image.source == "TILED" and len(image.tiles) > 1:
@@ -63,6 +63,14 @@ class Images:
                 f"Image '{image.name}': the colour space {settings.name} is not supported yet, it is taken as sRGB"
             )
         return True
+
+
+def _bytes(pixels: np.ndarray) -> np.ndarray:
+    """Eight bits a channel again, as the file had them. Uses the array up: large images are large."""
+    pixels *= 255.0
+    pixels += 0.5
+    np.clip(pixels, 0.0, 255.0, out=pixels)
+    return pixels.astype(np.uint8)
 
 
 def _four_channels(pixels: np.ndarray) -> np.ndarray:

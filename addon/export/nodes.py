@@ -1,5 +1,5 @@
 # SPDX-License-Identifier: GPL-3.0-or-later
-"""Follows links through a node tree, and folds what is constant.
+"""Follows links through a node tree.
 
 Reroutes, muted nodes and groups are passed through. An input is either a value that stands still, or the output of
 a node that the caller must understand.
@@ -7,7 +7,6 @@ a node that the caller must understand.
 
 from __future__ import annotations
 
-import math
 from dataclasses import dataclass
 from typing import Any
 
@@ -86,75 +85,6 @@ def value(socket: bpy.types.NodeSocket) -> Any:
     if own is None:
         return None
     return tuple(own) if hasattr(own, "__len__") else float(own)
-
-
-def constant(start: Input) -> Any:
-    """The value of an input where it does not vary, as `value` gives it; None where it may vary."""
-    found = trace(start)
-    if found is None:
-        # Nothing arrives through a dead end: Blender takes zero.
-        own = value(start.socket)
-        return tuple(0.0 for _ in own) if isinstance(own, tuple) else 0.0
-    if isinstance(found, Input):
-        return _as_kind_of(start.socket, value(found.socket))
-    folded = _fold(found)
-    return None if folded is None else _as_kind_of(start.socket, folded)
-
-
-def _fold(source: Source) -> Any:
-    node = source.node
-    if node.type in {"VALUE", "RGB"}:
-        return value(node.outputs[0])
-    if node.type == "MATH":
-        return _fold_math(source)
-    if node.type in {"COMBINE_COLOR", "COMBRGB", "COMBXYZ"} and getattr(node, "mode", "RGB") == "RGB":
-        parts = [constant(part) for part in source.inputs()]
-        return None if None in parts else tuple(parts)
-    if node.type == "GAMMA":
-        colour, gamma = constant(source.input("Color")), constant(source.input("Gamma"))
-        if colour is None or gamma is None:
-            return None
-        return tuple(max(part, 0.0) ** gamma for part in colour[:3])
-    return None
-
-
-_MATH = {
-    "ADD": lambda a, b: a + b,
-    "SUBTRACT": lambda a, b: a - b,
-    "MULTIPLY": lambda a, b: a * b,
-    "DIVIDE": lambda a, b: a / b if b else 0.0,
-    "MINIMUM": min,
-    "MAXIMUM": max,
-    "POWER": lambda a, b: a**b if a >= 0.0 or float(b).is_integer() else 0.0,
-    "SQRT": lambda a, _: math.sqrt(max(a, 0.0)),
-    "ABSOLUTE": lambda a, _: abs(a),
-    "LESS_THAN": lambda a, b: float(a < b),
-    "GREATER_THAN": lambda a, b: float(a > b),
-}
-
-
-def _fold_math(source: Source) -> float | None:
-    operation = _MATH.get(source.node.operation)
-    parts = [constant(Input(socket, source.groups)) for socket in source.node.inputs[:2]]
-    if operation is None or None in parts:
-        return None
-    try:
-        result = operation(*parts)
-    except (OverflowError, ZeroDivisionError):
-        return 0.0
-    return min(max(result, 0.0), 1.0) if source.node.use_clamp else result
-
-
-def _as_kind_of(socket: bpy.types.NodeSocket, given: Any) -> Any:
-    """A value as Blender converts it on its way into a socket: grey to colour, colour to its luminance."""
-    own = value(socket)
-    if isinstance(own, tuple) and not isinstance(given, tuple):
-        return None if given is None else (given,) * min(len(own), 3)
-    if isinstance(own, float) and isinstance(given, tuple):
-        if socket.type == "VALUE" and len(given) >= 3:
-            return 0.2126 * given[0] + 0.7152 * given[1] + 0.0722 * given[2]
-        return given[0]
-    return given
 
 
 def find_upstream(start: Input, kind: str) -> Source | None:

@@ -8,17 +8,19 @@ from dataclasses import replace
 from typing import Any
 
 from ..description import ImageInput, MaterialDescription
-from . import nodes
+from . import nodes, values
 from .texture import Inputs
 
 BLACK = (0.0, 0.0, 0.0)
 WHITE = (1.0, 1.0, 1.0)
-#: Principled inputs that the engine does not know, and what a value means that does nothing.
+#: Principled inputs that the engine does not know; zero leaves each out.
 UNUSED = ("Subsurface Weight", "Coat Weight", "Sheen Weight", "Anisotropic", "Thin Film Thickness", "Diffuse Roughness")
 
 
 def describe(source: nodes.Source, name: str, inputs: Inputs) -> MaterialDescription:
     """What a shader node is as a material of that name."""
+    if source.socket.type != "SHADER":
+        return _bare_colour(source, name, inputs)
     convert = _CONVERTERS.get(source.node.type)
     if convert is None:
         return _unknown(source, name, inputs)
@@ -27,7 +29,7 @@ def describe(source: nodes.Source, name: str, inputs: Inputs) -> MaterialDescrip
 
 def _principled(source: nodes.Source, name: str, inputs: Inputs) -> MaterialDescription:
     for unused in UNUSED:
-        if unused in source.node.inputs and nodes.constant(source.input(unused)) != 0.0:
+        if unused in source.node.inputs and values.constant(source.input(unused)) != 0.0:
             inputs.warn(f"Principled BSDF's {unused} is not supported yet, it is left out")
     _warn_of_normal(source, inputs)
     return MaterialDescription(
@@ -106,7 +108,7 @@ def _mix(source: nodes.Source, name: str, inputs: Inputs) -> MaterialDescription
     share = nodes.Input(source.node.inputs[0], source.groups)
     ends = [nodes.trace(nodes.Input(socket, source.groups)) for socket in source.node.inputs[1:3]]
     first, second = (end if isinstance(end, nodes.Source) else None for end in ends)
-    amount = nodes.constant(share)
+    amount = values.constant(share)
     if amount is not None and (amount <= 0.0 or amount >= 1.0):
         return _or_black(first if amount <= 0.0 else second, name, inputs)
     if _is_clear(first) and second is not None:
@@ -117,17 +119,33 @@ def _mix(source: nodes.Source, name: str, inputs: Inputs) -> MaterialDescription
         opaque = describe(first, name, inputs)
         if opaque.alpha == 1.0:
             return replace(opaque, alpha=1.0 - amount)
-    inputs.warn("Mix Shader is not supported yet, its first shader is used")
-    if _is_clear(first):
-        first = second
-    return _or_black(first or second, name, inputs)
+    coat = _coated(first, second, name, inputs)
+    if coat is not None:
+        return coat
+    if amount is None:
+        amount = values.estimate(share)
+    use_second = first is None or _is_clear(first) or (amount or 0.0) > 0.5
+    inputs.warn(f"Mix Shader is not supported yet, its {'second' if use_second and second else 'first'} shader is used")
+    return _or_black((second if use_second else first) or first, name, inputs)
+
+
+def _coated(
+    first: nodes.Source | None, second: nodes.Source | None, name: str, inputs: Inputs
+) -> MaterialDescription | None:
+    """A diffuse surface under a glossy one, as materials were made before Principled."""
+    by_kind = {end.node.type: end for end in (first, second) if end is not None}
+    if by_kind.keys() != {"BSDF_DIFFUSE", "BSDF_GLOSSY"}:
+        return None
+    inputs.warn("a Mix Shader of diffuse and glossy is shown as Principled")
+    under, over = by_kind["BSDF_DIFFUSE"], by_kind["BSDF_GLOSSY"]
+    return replace(_diffuse(under, name, inputs), specular=True, roughness=inputs.number(over.input("Roughness")))
 
 
 def _is_clear(source: nodes.Source | None) -> bool:
     """A Transparent BSDF that does not tint."""
     if source is None or source.node.type != "BSDF_TRANSPARENT":
         return False
-    colour = nodes.constant(source.input("Color"))
+    colour = values.constant(source.input("Color"))
     return colour is not None and colour[:3] == WHITE
 
 
@@ -150,6 +168,16 @@ def _or_black(source: nodes.Source | None, name: str, inputs: Inputs) -> Materia
     if source is None:
         return MaterialDescription(name, base_color=BLACK, specular=False)
     return describe(source, name, inputs)
+
+
+def _bare_colour(source: nodes.Source, name: str, inputs: Inputs) -> MaterialDescription:
+    """A colour where a shader belongs glows with that colour in Blender."""
+    colour = values.folded(source)
+    if colour is None:
+        inputs.warn(f"{source.node.bl_label} as a surface is not supported yet, it is black")
+        return MaterialDescription(name, base_color=BLACK, specular=False)
+    colour = colour[:3] if isinstance(colour, tuple) else (colour,) * 3
+    return MaterialDescription(name, base_color=BLACK, specular=False, emission_color=colour, emission_strength=1.0)
 
 
 def _unknown(source: nodes.Source, name: str, inputs: Inputs) -> MaterialDescription:

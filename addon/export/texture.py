@@ -9,7 +9,7 @@ import bpy
 from mathutils import Euler, Matrix, Vector
 
 from ..description import ImageInput, Report
-from . import nodes
+from . import nodes, values
 from .image import Images
 
 CHANNELS = {"Red": "RED", "Green": "GREEN", "Blue": "BLUE", "R": "RED", "G": "GREEN", "B": "BLUE"}
@@ -39,14 +39,14 @@ class Inputs:
 
     def constant(self, start: nodes.Input) -> Any:
         """A value that must stand still; where it varies, the socket's own, and a warning."""
-        given = nodes.constant(start)
+        given = values.constant(start)
         if given is None:
-            self.warn(f"{_label(start)} cannot vary over the surface yet, its own value is used")
-            given = nodes.value(start.socket)
+            self.warn(f"{_label(start)} cannot vary over the surface yet, one value is used")
+            given = self._one_value(start)
         return given[:3] if isinstance(given, tuple) else given
 
     def _value_or_image(self, start: nodes.Input) -> Any:
-        given = nodes.constant(start)
+        given = values.constant(start)
         if given is not None:
             return given
         found = nodes.trace(start)
@@ -58,8 +58,13 @@ class Inputs:
         if behind is not None:
             self.warn(f"{_label(start)}: {node_name} is not supported yet, the image before it is used as it is")
             return self._texture(behind, "ALPHA" if behind.socket.name == "Alpha" else "COLOR")
-        self.warn(f"{_label(start)}: {node_name} is not supported yet, the input's own value is used")
-        return nodes.value(start.socket)
+        self.warn(f"{_label(start)}: {node_name} is not supported yet, one value is used for the whole surface")
+        return self._one_value(start)
+
+    def _one_value(self, start: nodes.Input) -> Any:
+        """About the average of an input that varies, else its own value."""
+        guess = values.estimate(start)
+        return nodes.value(start.socket) if guess is None else guess
 
     def _image(self, found: nodes.Source | nodes.Input | None) -> ImageInput | None:
         """An image that drives an input directly, or by one of its channels."""

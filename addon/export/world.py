@@ -7,14 +7,20 @@ import bpy
 from mathutils import Matrix
 
 from ..description import Colour, Report, WorldDescription
-from . import nodes
+from . import nodes, values
 from .camera import rows
 from .image import Images
 from .material import uses_nodes
 from .texture import Inputs
 
-# About the average of a clear sky, for skies that the engine cannot make yet.
-PLAIN_SKY = (0.25, 0.35, 0.5)
+#: The average of Blender's skies without the sun's disk, for as long as the engine cannot make them.
+PLAIN_SKIES = {
+    "HOSEK_WILKIE": (0.07, 0.11, 0.17),
+    "PREETHAM": (0.42, 0.60, 1.06),
+    "NISHITA": (3.27, 3.53, 3.73),
+    "SINGLE_SCATTERING": (3.20, 3.50, 3.73),
+    "MULTIPLE_SCATTERING": (3.53, 4.83, 6.62),
+}
 
 
 def describe(world: bpy.types.World | None, images: Images, report: Report) -> WorldDescription:
@@ -55,7 +61,7 @@ def _surface(world: bpy.types.World, inputs: Inputs) -> WorldDescription:
 def _background(source: nodes.Source, inputs: Inputs) -> WorldDescription:
     strength = inputs.constant(source.input("Strength"))
     start = source.input("Color")
-    colour = nodes.constant(start)
+    colour = values.constant(start)
     if colour is not None:
         return WorldDescription(color=_times(colour[:3], strength))
     found = nodes.trace(start)
@@ -77,9 +83,10 @@ def _background(source: nodes.Source, inputs: Inputs) -> WorldDescription:
 def _plain(node: bpy.types.Node, start: nodes.Input, strength: float, inputs: Inputs) -> WorldDescription:
     if node.type == "TEX_SKY":
         inputs.warn("Sky Texture is not supported yet, a plain sky colour is used")
-        return WorldDescription(color=_times(PLAIN_SKY, strength))
-    inputs.warn(f"{node.bl_label} is not supported yet, the plain world colour is used")
-    return WorldDescription(color=_times(nodes.value(start.socket)[:3], strength))
+        return WorldDescription(color=_times(PLAIN_SKIES.get(node.sky_type, (1.0, 1.0, 1.0)), strength))
+    inputs.warn(f"{node.bl_label} is not supported yet, one colour is used")
+    colour = values.estimate(start) or nodes.value(start.socket)
+    return WorldDescription(color=_times(colour[:3], strength))
 
 
 def _turn(source: nodes.Source, inputs: Inputs) -> tuple[tuple[float, ...], ...]:
