@@ -147,28 +147,40 @@ class Camera:
         film = (origin + along[:, None] * direction - middle) @ axes[:2].T + self.shift_mm
         return (0.5 - film / np.asarray(self.picture_mm)) * np.asarray(self.pixels)
 
-    def picture_of(self, point: np.ndarray, grid: int = 60, margin: float = 1.3) -> Spot:
-        """The picture of a point in camera space (Blender units), by grid^2 rays to the entrance pupil.
+    def picture_of(self, point: np.ndarray, grid: int = 50, search: float = 4.0) -> Spot:
+        """The picture of a point in camera space (Blender units), by grid^2 rays, nearly all of which get through.
 
         The centroid is found to about 1 / grid^1.5 of the spot's radius, the flux to twice that part of itself.
-        `margin`: half of the side of the square that is aimed at over the paraxial pupil's radius; off the axis the
-        pupil moves and grows.
+        The pupil is first looked for with few rays, `search` times as far about the axis as its paraxial radius: for
+        points far off the axis it moves and grows.
         """
         source = self.to_lens(point)
-        half = 0.5 * self.info["entrance_pupil"]["diameter_mm"] * margin
-        x, y = half * (2.0 * spread(grid * grid).T - 1.0)
+        half = 0.5 * self.info["entrance_pupil"]["diameter_mm"] * search
+        coarse = 40
+        at = self._arrived(source, np.array([[-half, -half], [half, half]]), coarse)[0]
+        assert len(at), "no ray gets through the lens"
+        assert np.abs(at).max() < half * (1.0 - 2.0 / coarse), "the pupil lies further out than was looked for"
+        # The first look sees a beam's rim to about a cell; the second closes in on it.
+        for rays in (coarse, grid):
+            margin = 3.0 * half / coarse if rays == coarse else 1.5 * (at.max(axis=0) - at.min(axis=0)) / coarse
+            at, spot = self._arrived(source, np.array([at.min(axis=0) - margin, at.max(axis=0) + margin]), rays)
+        return spot
+
+    def _arrived(self, source: np.ndarray, box: np.ndarray, grid: int) -> tuple[np.ndarray, Spot | None]:
+        """Rays from a point to grid^2 places of a box in the plane of the entrance pupil: those whose rays reach the
+        film, and where."""
+        x, y = (box[0] + (box[1] - box[0]) * spread(grid * grid)).T
         to = np.column_stack([x, y, np.full_like(x, self.pupil_z_mm)]) - source
         distance = np.linalg.norm(to, axis=1)
         direction = to / distance[:, None]
-        solid_angle = (2.0 * half / grid) ** 2 * direction[:, 2] / distance**2
+        solid_angle = (box[1] - box[0]).prod() / grid**2 * direction[:, 2] / distance**2
         rays = self.trace(np.broadcast_to(source, to.shape), direction)
         good = [number for number, ray in enumerate(rays) if self.is_open(ray)]
-        assert good, "no ray gets through the lens"
-        at_pupil = np.column_stack([x, y])[good]
-        assert np.abs(at_pupil).max() < half * (1.0 - 1.5 / grid), "the square does not hold the whole pupil"
+        if not good:
+            return np.empty((0, 2)), None
         origin = np.array([rays[number]["origin"] for number in good])
         outward = np.array([rays[number]["direction"] for number in good])
-        return Spot(self.to_picture(origin, outward), solid_angle[good])
+        return np.column_stack([x, y])[good], Spot(self.to_picture(origin, outward), solid_angle[good])
 
     def exposure(self, pixels: list[tuple[float, float]], coarse: int = 48, fine: int = 40) -> float:
         """The mean over neighbouring points of the picture of what a uniform world of radiance one gives, by brute
