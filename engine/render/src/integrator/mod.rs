@@ -6,6 +6,7 @@ use crate::accel::Accel;
 use crate::lights::Lights;
 use crate::scene::Scene;
 use crate::shading::{albedo::AlbedoTable, principled::PrincipledTables};
+use rayon::prelude::*;
 use std::collections::HashMap;
 use std::sync::Arc;
 use std::time::Instant;
@@ -32,17 +33,16 @@ impl Stage {
         let accel = Accel::new(&scene);
         let lights = Lights::new(&scene);
         let reflection = Arc::new(AlbedoTable::reflection());
-        let mut known = HashMap::new();
-        let tables = scene
-            .materials
-            .iter()
-            .map(|m| {
-                known
-                    .entry(PrincipledTables::key(m))
-                    .or_insert_with(|| Arc::new(PrincipledTables::new(m, reflection.clone())))
-                    .clone()
-            })
+        // One set of tables for each that differs, made in parallel.
+        let mut representative: HashMap<_, usize> = HashMap::new();
+        for (i, m) in scene.materials.iter().enumerate() {
+            representative.entry(PrincipledTables::key(m)).or_insert(i);
+        }
+        let known: HashMap<_, _> = representative
+            .into_par_iter()
+            .map(|(key, i)| (key, Arc::new(PrincipledTables::new(&scene.materials[i], reflection.clone()))))
             .collect();
+        let tables = scene.materials.iter().map(|m| known[&PrincipledTables::key(m)].clone()).collect();
         let build_seconds = start.elapsed().as_secs_f64();
         Self { scene, accel, lights, tables, build_seconds }
     }

@@ -6,9 +6,10 @@ use super::microfacet::{Ggx, reflect, refract};
 use glam::Vec3A;
 
 /// Steps of roughness and of the cosine. Twice as many change the white furnace by less than 0.001.
-const STEPS: usize = 32;
-/// Points of the integral at each entry, squared.
-const POINTS: u32 = 16;
+const STEPS: usize = 24;
+/// Points of the integral at each entry. What is lost below the horizon is a few percent of them: with a quarter
+/// of these, a metal of roughness 0.4 comes out one percent too dark at each bounce.
+const POINTS: u32 = 1024;
 
 /// Directional albedo over roughness and cosine, interpolated linearly.
 #[derive(Clone, Debug)]
@@ -51,6 +52,7 @@ impl AlbedoTable {
     }
 
     fn new(weight: impl Fn(&Ggx, Vec3A, Vec3A) -> f32) -> Self {
+        let points: Vec<[f32; 4]> = (0..POINTS).map(|i| sobol_burley::sample_4d(i, 0, 0)).collect();
         let mut values = [[0.0; STEPS]; STEPS];
         for (i, row) in values.iter_mut().enumerate() {
             let ggx = Ggx::from_roughness(i as f32 / (STEPS - 1) as f32);
@@ -58,12 +60,8 @@ impl AlbedoTable {
                 // The cosine is tabled by its square root: albedos change fast near grazing.
                 let cos = (j as f32 / (STEPS - 1) as f32).powi(2).max(1e-4);
                 let wo = Vec3A::new((1.0 - cos * cos).sqrt(), 0.0, cos);
-                let mut sum = 0.0;
-                for k in 0..POINTS * POINTS {
-                    let u = [((k % POINTS) as f32 + 0.5) / POINTS as f32, ((k / POINTS) as f32 + 0.5) / POINTS as f32];
-                    sum += weight(&ggx, wo, ggx.sample_visible(wo, u));
-                }
-                *value = sum / (POINTS * POINTS) as f32;
+                let sum: f32 = points.iter().map(|u| weight(&ggx, wo, ggx.sample_visible(wo, [u[0], u[1]]))).sum();
+                *value = sum / POINTS as f32;
             }
         }
         Self { values }
