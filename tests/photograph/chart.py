@@ -89,12 +89,12 @@ class Studio:
         mm_per_unit = 1000.0 * self.scene.unit_settings.scale_length
         return exact_camera(LENSES / f"{name}.lens", film_mm, focus, self.pixels, mm_per_unit=mm_per_unit, **extra)
 
-    def lamp(self, at: Sequence[float], radius: float, name: str = "Lamp") -> None:
-        """A glowing sphere at a place in the camera's space."""
-        holder = self.bpy.data.objects.new(name, self._sphere_mesh())
-        self.bpy.context.view_layer.update()
-        matrix = self.holder.matrix_world
-        holder.location = matrix @ type(matrix.translation)(at)
+    def lamp(self, at: Sequence[float], radius: float, matrix=None) -> None:
+        """A glowing sphere at a place in the camera's space; `matrix`: from there to the world, none for the origin."""
+        from mathutils import Vector
+
+        holder = self.bpy.data.objects.new("Lamp", self._sphere_mesh())
+        holder.location = Vector(at) if matrix is None else matrix @ Vector(at)
         holder.scale = (radius, radius, radius)
         self.scene.collection.objects.link(holder)
 
