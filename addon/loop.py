@@ -11,7 +11,7 @@ from typing import Any, TypeVar
 from .tiles import Tile
 
 # Long enough to cost nothing, short enough that Esc feels immediate.
-POLL_SECONDS = 0.05
+POLL_SECONDS = 0.02
 # Showing tiles takes at most this part of the time; they wait and go together when Blender is slow to take them.
 SHOWING_SHARE = 0.2
 
@@ -73,15 +73,15 @@ def follow(
     next_show = 0.0
     try:
         while not job.wait(POLL_SECONDS):
+            if stop_asked():
+                stopped = True
+                break
             tell(job.progress(), job.samples_done())
             began = time.monotonic()
             if began >= next_show:
                 show([Tile(x, y, pixels) for x, y, _width, _height, pixels in job.take_tiles()])
                 ended = time.monotonic()
                 next_show = ended + (ended - began) / SHOWING_SHARE
-            if stop_asked():
-                stopped = True
-                break
     except KeyboardInterrupt:
         # The bpy module raises it here on Ctrl-C; the program around it decides what comes next.
         WATCH.stop.set()

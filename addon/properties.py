@@ -55,7 +55,7 @@ class PetzvalCamera(bpy.types.PropertyGroup):
         update=_changed,
     )
     focal_mode: EnumProperty(
-        name="Focal Length", description="The size of the lens", items=FOCAL_MODES, update=_changed
+        name="Lens Size", description="How large the whole lens is", items=FOCAL_MODES, update=_changed
     )
     focal_length: FloatProperty(
         name="Focal Length",

@@ -320,6 +320,32 @@ def test_no_camera_is_blenders_own_error(parts, blender):
         blender.ops.render.render()
 
 
+def test_a_render_stops_at_once_and_keeps_what_is_there(parts, blender, tmp_path):
+    import threading
+    import time
+
+    scene = parts.set_up(width=320, height=200, samples=1_000_000, model="LENS")
+    watch = parts.part("loop").WATCH
+    asked = []
+
+    def ask():
+        asked.append(time.monotonic())
+        watch.stop.set()
+
+    timer = threading.Timer(2.0, ask)
+    timer.start()
+    try:
+        picture = parts.render(tmp_path)
+    finally:
+        timer.cancel()
+        watch.stop.clear()
+    # Half of it is Blender's own: writing the picture. A busy machine may take longer than the promised 0.3 s.
+    assert asked and time.monotonic() - asked[0] < 3.0
+    last = parts.part("statistics").last(scene.name)
+    assert last.stopped and 1 <= last.stats["samples"] < 1_000_000
+    assert np.allclose(picture[90:110, 150:170, :3], 0.5, atol=0.15)
+
+
 def test_the_statistics_of_the_last_render_are_kept(parts, blender):
     parts.set_up(samples=3, model="LENS")
     blender.ops.render.render()

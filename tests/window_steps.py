@@ -1,11 +1,13 @@
 # SPDX-License-Identifier: GPL-3.0-or-later
-"""Runs inside Blender's window, driven by a timer: looks at the panels, renders, breaks a long render off.
+"""Runs inside Blender's window, driven by a timer: looks at the panels, renders, breaks renders off by Escape.
 
-Started by test_window.py: blender --python window_steps.py -- FOLDER. What it saw goes to FOLDER/seen.json, pictures
-of the screen beside it.
+Started by test_window.py: blender --python window_steps.py -- FOLDER ADD-ON. What it saw goes to FOLDER/seen.json,
+pictures of the screen and of the renders beside it.
 """
 
+import importlib
 import json
+import math
 import subprocess
 import sys
 import time
@@ -14,8 +16,15 @@ from pathlib import Path
 
 import bpy
 
-FOLDER = Path(sys.argv[sys.argv.index("--") + 1])
+FOLDER, ADDON = Path(sys.argv[-2]), sys.argv[-1]
+# How often it is looked whether a render has ended, after Escape.
+LOOK_SECONDS = 0.01
 seen = {}
+progress = []
+
+
+def part(name):
+    return importlib.import_module(f"{ADDON}.{name}")
 
 
 def picture(name):
@@ -23,28 +32,83 @@ def picture(name):
     subprocess.run(["import", "-window", "root", str(FOLDER / f"{name}.png")], check=True)
 
 
-def prepare():
+def set_preferences():
     preferences = bpy.context.preferences
     preferences.view.show_splash = False
     preferences.view.render_display_type = "AREA"
+    preferences.view.show_developer_ui = False
+
+
+def open_panels():
+    """Every panel of the add-on unfolded."""
+    for module in (part("ui.camera"), part("ui.render")):
+        module.unregister()
+        for cls in module.CLASSES:
+            cls.bl_options = set(getattr(cls, "bl_options", ())) - {"DEFAULT_CLOSED"}
+        module.register()
+
+
+def make_scene():
+    """A few balls in a row under a lamp, some near, some far."""
     scene = bpy.context.scene
     scene.render.engine = "PETZVAL"
-    scene.render.resolution_x, scene.render.resolution_y, scene.render.resolution_percentage = 160, 100, 100
-    scene.petzval.samples = 4
+    scene.render.resolution_x, scene.render.resolution_y, scene.render.resolution_percentage = 480, 320, 100
+    for one in list(bpy.data.objects):
+        if one.type == "MESH":
+            bpy.data.objects.remove(one)
+    bpy.ops.mesh.primitive_plane_add(size=60)
+    colours = [(0.75, 0.08, 0.05), (0.85, 0.45, 0.05), (0.1, 0.35, 0.1), (0.06, 0.15, 0.5), (0.4, 0.1, 0.4)]
+    for index, colour in enumerate(colours):
+        bpy.ops.mesh.primitive_uv_sphere_add(radius=0.5, segments=48, ring_count=24)
+        ball = bpy.context.object
+        ball.location = (1.15 * (index - 2), 1.6 * (index - 2), 0.5)
+        bpy.ops.object.shade_smooth()
+        material = bpy.data.materials.new("Paint")
+        material.use_nodes = True
+        shader = material.node_tree.nodes["Principled BSDF"]
+        shader.inputs["Base Color"].default_value = (*colour, 1.0)
+        shader.inputs["Roughness"].default_value = 0.25
+        ball.data.materials.append(material)
+    scene.world.node_tree.nodes["Background"].inputs["Color"].default_value = (0.45, 0.55, 0.7, 1.0)
+    holder = scene.camera
+    holder.location, holder.rotation_euler = (0.0, -9.0, 1.5), (math.radians(84), 0.0, 0.0)
+    own = holder.data.petzval
+    own.lens_file = "double-gauss-f2-tronnier.lens"
+    own.focal_mode = "LENGTH"
+    own.focal_length = 85.0
+    holder.data.dof.focus_distance = 9.0
+    own.scale_from_scene = False
+    own.scale = (200.0,) * 3
 
 
-def properties_area():
-    return next(area for area in bpy.context.window_manager.windows[0].screen.areas if area.type == "PROPERTIES")
+def areas(kind):
+    return [area for area in bpy.context.window_manager.windows[0].screen.areas if area.type == kind]
+
+
+def split_view():
+    """A second, tall properties editor between the view and the usual column."""
+    window = bpy.context.window_manager.windows[0]
+    view = areas("VIEW_3D")[0]
+    with bpy.context.temp_override(window=window, screen=window.screen, area=view, region=view.regions[-1]):
+        bpy.ops.screen.area_split(direction="VERTICAL", factor=0.66)
 
 
 def show(tab):
     bpy.context.view_layer.objects.active = bpy.context.scene.camera
-    properties_area().spaces.active.context = tab
+    for area in areas("PROPERTIES"):
+        area.spaces.active.context = tab
+
+
+def boxes(kind):
+    """Places of the areas of a kind on the screen, (x, y from the top, width, height)."""
+    height = bpy.context.window_manager.windows[0].height
+    return [(area.x, height - area.y - area.height, area.width, area.height) for area in areas(kind)]
 
 
 def start_render():
     window = bpy.context.window_manager.windows[0]
-    with bpy.context.temp_override(window=window, screen=window.screen):
+    view = areas("VIEW_3D") or areas("IMAGE_EDITOR")
+    with bpy.context.temp_override(window=window, screen=window.screen, area=view[0], region=view[0].regions[-1]):
         bpy.ops.render.render("INVOKE_DEFAULT")
 
 
@@ -52,36 +116,104 @@ def rendering():
     return bpy.app.is_job_running("RENDER")
 
 
+def save_result(name):
+    settings = bpy.context.scene.render.image_settings
+    settings.file_format = "OPEN_EXR"
+    settings.color_depth = "32"
+    bpy.data.images["Render Result"].save_render(str(FOLDER / f"{name}.exr"))
+
+
+def escape_after(seconds):
+    """Steps of a long render that Escape ends `seconds` after its start; yields, and at last the seconds it took."""
+    bpy.context.scene.petzval.samples = 100_000
+    start_render()
+    yield rendering, 10.0
+    yield seconds
+    running = rendering()
+    # Told by the render's own thread when it has ended, the window may still be busy with drawing.
+    ended = []
+    bpy.app.handlers.render_cancel.append(lambda *_: ended.append(time.monotonic()))
+    keys = subprocess.Popen(["xdotool", "key", "Escape"])
+    asked = time.monotonic()
+    while rendering() and time.monotonic() - asked < 10.0:
+        yield LOOK_SECONDS
+    keys.wait()
+    took = time.monotonic() - asked
+    bpy.app.handlers.render_cancel.pop()
+    seen["escapes"].append(
+        {"running": running, "stopped": not rendering(), "took_s": took, "ended_s": ended[0] - asked if ended else None}
+    )
+
+
 def steps():
     """Yields after each step the seconds to wait, or a condition with the seconds that it may take."""
-    prepare()
+    make_scene()
+    part("loop").WATCH.on_progress = lambda done, text: progress.append((done, text))
+    open_panels()
+    yield 1.0
+    split_view()
+    yield 0.5
+    right = max(areas("VIEW_3D"), key=lambda area: area.x)
+    right.type = "PROPERTIES"
+    # A new editor has no tabs before it was drawn.
+    yield 1.0
     for tab in ("RENDER", "DATA"):
         show(tab)
         yield 1.5
         picture(f"panel-{tab.lower()}")
-    ended = []
-    bpy.app.handlers.render_complete.append(lambda *_: ended.append("complete"))
-    bpy.app.handlers.render_cancel.append(lambda *_: ended.append("cancel"))
-    start_render()
-    yield (lambda: ended and not rendering()), 60.0
+    seen["properties"] = boxes("PROPERTIES")
+    own = bpy.context.scene.camera.data.petzval
+    for model in ("THIN", "PINHOLE", "LENS"):
+        own.model = model
+        yield 1.0
+        picture(f"panel-{model.lower()}")
+    own.lens_file = "no-such.lens"
     yield 1.0
-    picture("rendered")
-    seen["rendered"] = ended == ["complete"]
+    picture("panel-missing")
+    own.lens_file = "double-gauss-f2-tronnier.lens"
 
-    bpy.context.scene.petzval.samples = 100_000
+    # To the end.
+    scene = bpy.context.scene
+    scene.petzval.samples = 16
     start_render()
     yield rendering, 10.0
-    yield 3.0
-    seen["running_before_escape"] = rendering()
-    asked = time.monotonic()
-    while rendering() and time.monotonic() - asked < 15.0:
-        subprocess.run(["xdotool", "key", "Escape"], check=True)
-        yield 0.3
-    seen["stopped_after_s"] = time.monotonic() - asked
-    seen["stopped"] = not rendering()
+    yield 1.5
+    picture("rendering-1")
+    seen["view"] = boxes("IMAGE_EDITOR")
+    yield 2.0
+    picture("rendering-2")
+    seen["while_rendering"] = rendering()
+    yield (lambda: not rendering()), 90.0
+    yield 1.0
+    picture("rendered")
+    save_result("rendered")
+    seen["rendered"] = part("statistics").last(scene.name).stats
+    seen["progress"] = list(progress)
+
+    # Broken off, soon and late.
+    seen["escapes"] = []
+    for seconds in (0.6, 2.0, 4.0):
+        yield from escape_after(seconds)
+        yield 0.5
     picture("stopped")
+    save_result("stopped")
+    seen["stopped"] = part("statistics").last(scene.name).stopped
+    seen["stopped_samples"] = part("statistics").last(scene.name).stats["samples"]
+
+    # What goes wrong is said.
+    own.lens_file = "no-such.lens"
+    try:
+        start_render()
+    except RuntimeError as error:
+        # Where Blender ends the operator at once, it tells its caller.
+        seen["error_told"] = str(error)
+    yield 2.0
+    picture("error")
+    seen["rendering_after_error"] = rendering()
 
 
+# Before the window is drawn for the first time: the splash would be there already.
+set_preferences()
 walk = steps()
 condition = None
 patience_ends = 0.0
@@ -114,4 +246,7 @@ def tick():
     return None
 
 
+# Before the window first draws, or the splash hides the rest.
+bpy.context.preferences.view.show_splash = False
+bpy.context.preferences.view.render_display_type = "AREA"
 bpy.app.timers.register(tick, first_interval=2.0)

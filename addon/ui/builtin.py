@@ -9,15 +9,23 @@ from .mixin import ENGINES
 
 #: Panels of every engine that this one has a better place for, or does not do.
 LEFT_OUT = {
+    "DATA_PT_camera",
     "DATA_PT_camera_dof",
     "DATA_PT_lens",
     "DATA_PT_light",
     "DATA_PT_preview",
     "MATERIAL_PT_preview",
     "RENDER_PT_freestyle",
+    "RENDER_PT_gpencil",
+    "RENDER_PT_grease_pencil",
     "RENDER_PT_simplify",
     "TEXTURE_PT_preview",
     "VIEWLAYER_PT_filter",
+    "VIEWLAYER_PT_freestyle",
+    "VIEWLAYER_PT_freestyle_edge_detection",
+    "VIEWLAYER_PT_freestyle_edge_detection_options",
+    "VIEWLAYER_PT_freestyle_style_modules",
+    "VIEWLAYER_PT_freestyle_lineset",
     "VIEWLAYER_PT_layer_passes",
     "WORLD_PT_preview",
 }

@@ -64,7 +64,7 @@ class PETZVAL_CAMERA_PT_lens(_CameraPanel, bpy.types.Panel):
 
 
 class PETZVAL_CAMERA_PT_info(_LensPart, bpy.types.Panel):
-    bl_label = "In Force"
+    bl_label = "Lens Data"
 
     def draw(self, context):
         holder = viewport_camera.camera_object(context.camera, context.scene)
@@ -73,7 +73,7 @@ class PETZVAL_CAMERA_PT_info(_LensPart, bpy.types.Panel):
             return
         info = lens_info.of_camera(holder, context.scene)
         if "error" in info:
-            _complain(self.layout, info["error"])
+            _complain(self.layout, info["error"], _characters(context))
             return
         column = self.layout.column(align=True)
         column.label(text=f"{info['lens_name']}, {info['surfaces']} surfaces")
@@ -84,17 +84,23 @@ class PETZVAL_CAMERA_PT_info(_LensPart, bpy.types.Panel):
             row.label(text=text)
 
 
-# About as many characters as a narrow properties editor shows.
-_LINE_CHARACTERS = 48
+# Of an unscaled interface: what a character of a label takes in the mean, and what icon and margins take of a line.
+_CHARACTER_PX, _MARGIN_PX = 7, 60
 
 
-def _complain(layout, text: str) -> None:
+def _characters(context) -> int:
+    """About how many characters the panel shows in a line."""
+    width = context.region.width / context.preferences.system.ui_scale
+    return max(int((width - _MARGIN_PX) / _CHARACTER_PX), 16)
+
+
+def _complain(layout, text: str, line_characters: int) -> None:
     """The engine's complaint in red, broken where it must be."""
     column = layout.column(align=True)
     column.alert = True
     line, icon = "", "ERROR"
     for word in text.split():
-        if line and len(line) + len(word) >= _LINE_CHARACTERS:
+        if line and len(line) + len(word) >= line_characters:
             column.label(text=line, icon=icon)
             line, icon = "", "BLANK1"
         line = f"{line} {word}".strip()
@@ -181,6 +187,9 @@ class PETZVAL_CAMERA_PT_film(_LensPart, bpy.types.Panel):
         column = layout.column(align=True)
         column.prop(settings, "tilt")
         column.prop(settings, "swing")
+        column = layout.column(align=True)
+        column.prop(settings, "shift_x")
+        column.prop(settings, "shift_y")
         layout.prop(settings, "match_viewport")
         layout.operator("petzval.match_viewport")
 

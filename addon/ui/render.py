@@ -35,7 +35,7 @@ class PETZVAL_RENDER_PT_sampling_advanced(_RenderPanel, bpy.types.Panel):
         layout = columns(self)
         settings = context.scene.petzval
         layout.prop(settings, "seed")
-        layout.prop(settings, "sample_offset")
+        layout.prop(settings, "sample_offset", text="Offset")
 
 
 class PETZVAL_RENDER_PT_light_paths(_RenderPanel, bpy.types.Panel):
@@ -43,7 +43,7 @@ class PETZVAL_RENDER_PT_light_paths(_RenderPanel, bpy.types.Panel):
     bl_options = {"DEFAULT_CLOSED"}
 
     def draw(self, context):
-        columns(self).prop(context.scene.petzval, "max_bounces")
+        columns(self).prop(context.scene.petzval, "max_bounces", text="Bounces")
 
 
 class PETZVAL_RENDER_PT_film(_RenderPanel, bpy.types.Panel):
@@ -63,10 +63,10 @@ class PETZVAL_RENDER_PT_threads(_RenderPanel, bpy.types.Panel):
     def draw(self, context):
         layout = columns(self)
         render = context.scene.render
-        layout.prop(render, "threads_mode")
+        layout.prop(render, "threads_mode", text="Threads")
         row = layout.row()
         row.enabled = render.threads_mode == "FIXED"
-        row.prop(render, "threads")
+        row.prop(render, "threads", text="Number")
 
 
 class PETZVAL_RENDER_PT_last(_RenderPanel, bpy.types.Panel):
