@@ -78,17 +78,22 @@ def run_blender():
 
     def run(*arguments, window: bool = False, timeout_s: float = 300.0) -> subprocess.CompletedProcess[str]:
         start = [ROOT / "tools/blender", *(["--in-window"] if window else [])]
-        return subprocess.run(
-            [*map(str, start), *map(str, arguments)],
-            stdin=subprocess.DEVNULL,
-            stdout=subprocess.PIPE,
-            stderr=subprocess.STDOUT,
-            text=True,
-            errors="replace",
-            cwd=ROOT,
-            timeout=timeout_s,
-            check=False,
-        )
+        try:
+            return subprocess.run(
+                [*map(str, start), *map(str, arguments)],
+                stdin=subprocess.DEVNULL,
+                stdout=subprocess.PIPE,
+                stderr=subprocess.STDOUT,
+                text=True,
+                errors="replace",
+                cwd=ROOT,
+                timeout=timeout_s,
+                check=False,
+            )
+        except subprocess.TimeoutExpired as error:
+            said = error.output or b""
+            said = said if isinstance(said, str) else said.decode(errors="replace")
+            pytest.fail(f"Blender was not done after {timeout_s} s; it had said:\n{said}")
 
     return run
 
