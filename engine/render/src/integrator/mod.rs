@@ -8,7 +8,7 @@ use crate::scene::Scene;
 use crate::shading::{albedo::AlbedoTable, principled::PrincipledTables};
 use rayon::prelude::*;
 use std::collections::HashMap;
-use std::sync::Arc;
+use std::sync::{Arc, LazyLock};
 use std::time::Instant;
 
 /// A scene with everything that is worked out once before light is followed through it. Cameras and settings
@@ -32,7 +32,9 @@ impl Stage {
         let start = Instant::now();
         let accel = Accel::new(&scene);
         let lights = Lights::new(&scene);
-        let reflection = Arc::new(AlbedoTable::reflection());
+        // The same for every scene.
+        static REFLECTION: LazyLock<Arc<AlbedoTable>> = LazyLock::new(|| Arc::new(AlbedoTable::reflection()));
+        let reflection = REFLECTION.clone();
         // One set of tables for each that differs, made in parallel.
         let mut representative: HashMap<_, usize> = HashMap::new();
         for (i, m) in scene.materials.iter().enumerate() {

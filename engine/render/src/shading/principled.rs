@@ -6,7 +6,7 @@ use super::fresnel::{self, F82Tint};
 use super::microfacet::{Ggx, reflect, refract};
 use crate::nodes::MaterialValues;
 use crate::sampler::warp;
-use crate::scene::material::Material;
+use crate::scene::material::{Input, Material};
 use crate::surface::SurfacePoint;
 use crate::{Rgb, luminance};
 use glam::Vec3A;
@@ -23,8 +23,8 @@ pub struct PrincipledTables {
     ior: f32,
     reflection: Arc<AlbedoTable>,
     coat: AlbedoTable,
-    entering: AlbedoTable,
-    leaving: AlbedoTable,
+    // Entering and leaving; `None` where nothing is transmitted.
+    boundary: Option<[AlbedoTable; 2]>,
 }
 
 impl PrincipledTables {
@@ -44,15 +44,19 @@ impl PrincipledTables {
             ior,
             reflection,
             coat: AlbedoTable::dielectric_reflection(coat_eta),
-            entering: AlbedoTable::dielectric_boundary(ior),
-            leaving: AlbedoTable::dielectric_boundary(1.0 / ior),
+            boundary: transmits(material).then(|| [ior, 1.0 / ior].map(AlbedoTable::dielectric_boundary)),
         }
     }
 
     /// What tells one set of tables from another.
-    pub fn key(material: &Material) -> (u32, u32) {
-        (material.ior.to_bits(), material.specular_ior_level.to_bits())
+    pub fn key(material: &Material) -> (u32, u32, bool) {
+        (material.ior.to_bits(), material.specular_ior_level.to_bits(), transmits(material))
     }
+}
+
+/// Whether any of a material's surface may be glass.
+fn transmits(material: &Material) -> bool {
+    material.transmission != Input::Constant(0.0)
 }
 
 /// A direction to go on in.
@@ -120,9 +124,9 @@ impl Bsdf {
         let metal = F82Tint::new(values.base_color, material.specular_tint);
         let metal_weight = restored(metal.average()) * values.metallic;
 
-        let boundary = if point.backfacing { &tables.leaving } else { &tables.entering };
         let eta = if point.backfacing { 1.0 / tables.ior } else { tables.ior };
-        let glass_weight = dielectric * values.transmission / boundary.at(r, cos).max(1e-3);
+        let kept = tables.boundary.as_ref().map_or(1.0, |b| b[usize::from(point.backfacing)].at(r, cos));
+        let glass_weight = dielectric * values.transmission / kept.max(1e-3);
 
         let (mut coat_weight, mut coat_albedo) = (0.0, 0.0);
         if material.specular && opaque > 0.0 {

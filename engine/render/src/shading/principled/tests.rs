@@ -27,7 +27,11 @@ const CASES: [Case; 8] = [
 ];
 
 fn bsdf(c: &Case, wo: Vec3A) -> Bsdf {
-    let material = Material { base_color: Input::Constant(Rgb::splat(c.base)), ..Material::default_grey() };
+    let material = Material {
+        base_color: Input::Constant(Rgb::splat(c.base)),
+        transmission: Input::Constant(c.transmission),
+        ..Material::default_grey()
+    };
     let tables = PrincipledTables::new(&material, Arc::new(AlbedoTable::reflection()));
     let values = MaterialValues {
         base_color: Rgb::splat(c.base),
