@@ -166,6 +166,15 @@ class Camera:
             at, spot = self._arrived(source, np.array([at.min(axis=0) - margin, at.max(axis=0) + margin]), rays)
         return spot
 
+    def scale_at(self, point: np.ndarray) -> np.ndarray:
+        """Pixels right and up for a step right and up at a point: 2 x 2, by rays through the pupil's middle."""
+        source = self.to_lens(point)
+        step = 1e-3 * np.linalg.norm(source)
+        sources = source + step * np.array([[1.0, 0.0, 0.0], [-1.0, 0.0, 0.0], [0.0, 1.0, 0.0], [0.0, -1.0, 0.0]])
+        rays = self.trace(sources, np.array([0.0, 0.0, self.pupil_z_mm]) - sources)
+        at = self.to_picture(np.array([r["origin"] for r in rays]), np.array([r["direction"] for r in rays]))
+        return np.column_stack([at[0] - at[1], at[2] - at[3]]) / (2.0 * step) * self.mm_per_unit
+
     def _arrived(self, source: np.ndarray, box: np.ndarray, grid: int) -> tuple[np.ndarray, Spot | None]:
         """Rays from a point to grid^2 places of a box in the plane of the entrance pupil: those whose rays reach the
         film, and where."""
