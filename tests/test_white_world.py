@@ -11,7 +11,7 @@ from pathlib import Path
 import numpy as np
 import pytest
 
-from photograph import native, truth
+from photograph import chart, native, truth
 
 LENSES = sorted((Path(__file__).resolve().parent.parent / "lenses").glob("*.lens"))
 OPENINGS = {"wide open": {}, "f/8": {"f_number": 8.0}, "f/8, five blades": {"f_number": 8.0, "blades": 5}}
@@ -47,6 +47,16 @@ def test_white_is_one_on_the_axis_of_every_lens(lens, opening):
 def test_white_is_white_on_the_axis_of_every_lens(lens):
     camera = native.camera(lens, **small_film(lens), wavelength_nm=None)
     assert_white(native.white_world(camera, WIDTH, HEIGHT, SAMPLES), 1e-3)
+
+
+@pytest.mark.parametrize("spectral", [False, True], ids=["one wavelength", "spectral"])
+@pytest.mark.parametrize("name", ["wide-angle-smith-f3.4", "double-gauss-f2-tronnier"])
+def test_white_is_one_in_blender(blender, tmp_path, name, spectral):
+    studio = chart.Studio(blender, tmp_path, (WIDTH, HEIGHT), samples=SAMPLES)
+    studio.lens(name, (0.2, 0.2), None)
+    studio.data.petzval.spectral = spectral
+    studio.white_world()
+    assert_white(studio.shoot(), 1e-3)
 
 
 #: Lens, film (mm), f-number, blades: strong vignetting, a mirror lens with its obstruction, a fisheye.
