@@ -12,6 +12,7 @@ from bpy.app.handlers import persistent
 
 from . import lens_info
 from .engine import ENGINE
+from .export import camera as camera_export
 
 # Writing a value that is there already would only mark the file as changed.
 _SAME = 1e-5
@@ -45,8 +46,12 @@ def match(holder: bpy.types.Object, scene: bpy.types.Scene) -> str:
         if camera.sensor_fit != "HORIZONTAL":
             camera.sensor_fit = "HORIZONTAL"
         wanted["sensor_width"] = info["viewport_sensor_width_mm"]
+    # After the sensor's fit is as it will be.
+    size = camera_export.resolution(scene.render)
+    shift = camera_export.blender_shift(info["viewport_shift"], camera, scene.render, *size)
+    wanted["shift_x"], wanted["shift_y"] = shift
     for name, value in wanted.items():
-        if abs(getattr(camera, name) - value) > _SAME * abs(value):
+        if abs(getattr(camera, name) - value) > _SAME * max(abs(value), _SAME):
             setattr(camera, name, value)
     return ""
 

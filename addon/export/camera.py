@@ -77,6 +77,19 @@ def _picture(
     return sensor * width / side, side
 
 
+def blender_shift(
+    larger_sides: tuple[float, float],
+    camera: bpy.types.Camera,
+    render: bpy.types.RenderSettings,
+    width: int,
+    height: int,
+) -> tuple[float, float]:
+    """A shift in the picture's larger sides, in the units of the camera's own shift: the side that its sensor fits."""
+    _, side = _picture(camera, render, width, height)
+    x, y = larger_sides
+    return x * max(width, height) / side, y * max(width, height) / side
+
+
 def _thin_f_number(camera: bpy.types.Camera) -> float:
     settings = camera.petzval
     return camera.dof.aperture_fstop if settings.wide_open else settings.f_number

@@ -20,19 +20,28 @@ class Images:
     def __init__(self, builder: Any, report: Report) -> None:
         self._builder = builder
         self._report = report
-        self._known: dict[int, int] = {}
+        # By the image and whether its colours are multiplied by alpha.
+        self._known: dict[tuple[int, bool], int] = {}
 
-    def index(self, image: bpy.types.Image | None, user: str) -> int:
-        """The engine's index of an image; `user` is who asks, for the warning where there is none."""
-        key = 0 if image is None else image.original.as_pointer()
+    def index(self, image: bpy.types.Image | None, user: str, *, associated: bool) -> int:
+        """The engine's index of an image; `user` is who asks, for the warning where there is none.
+
+        `associated`: colours multiplied by alpha, as a node gives them whose alpha is not used.
+        """
+        key = (0 if image is None else image.original.as_pointer(), associated)
         if image is None:
             self._report.warn(f"{user}: no image is chosen, magenta is shown")
         if key not in self._known:
-            name, pixels, srgb = ("(missing)", MAGENTA, False) if image is None else self._read(image.original)
+            name, pixels, srgb = (
+                ("(missing)", MAGENTA, False) if image is None else self._read(image.original, associated)
+            )
+            opaque = bool((pixels[..., 3] == pixels.dtype.type(255 if pixels.dtype == np.uint8 else 1)).all())
             self._known[key] = self._builder.add_image(name, pixels, srgb=srgb)
+            if opaque:
+                self._known[key[0], not associated] = self._known[key]
         return self._known[key]
 
-    def _read(self, image: bpy.types.Image) -> tuple[str, np.ndarray, bool]:
+    def _read(self, image: bpy.types.Image, associated: bool) -> tuple[str, np.ndarray, bool]:
         """Name, pixels (height, width, 4) from below, and whether they are sRGB-encoded."""
         width, height = image.size
         if width == 0 or height == 0 or image.channels == 0:
@@ -43,6 +52,7 @@ class Images:
         values = np.empty(width * height * image.channels, np.float32)
         image.pixels.foreach_get(values)
         pixels = _four_channels(values.reshape(height, width, image.channels))
+        _associate(image, pixels, associated)
         # Blender turns the pixels of float images into scene-linear ones when it loads them.
         if image.is_float:
             return image.name, pixels, False
@@ -63,6 +73,21 @@ class Images:
                 f"Image '{image.name}': the colour space {settings.name} is not supported yet, it is taken as sRGB"
             )
         return True
+
+
+def _associate(image: bpy.types.Image, pixels: np.ndarray, wanted: bool) -> None:
+    """Brings colours and alpha together, or apart, where the image's alpha means transparency."""
+    if image.channels in (1, 3) or image.alpha_mode in {"CHANNEL_PACKED", "NONE"}:
+        return
+    if image.colorspace_settings.is_data:
+        return
+    # Bytes are kept apart from alpha; floats together with it, but from 5.0 on as the image says.
+    held = image.is_float and (image.alpha_mode == "PREMUL" or bpy.app.version < (5, 0, 0))
+    alpha = pixels[..., 3:]
+    if wanted and not held:
+        pixels[..., :3] *= alpha
+    elif held and not wanted:
+        pixels[..., :3] /= np.where(alpha > 0.0, alpha, 1.0)
 
 
 def _bytes(pixels: np.ndarray) -> np.ndarray:

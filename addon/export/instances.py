@@ -74,21 +74,13 @@ class Stage:
 
     def _mesh(self, holder: bpy.types.Object) -> int | None:
         data = holder.data
-        if data is None:
+        # Curves, texts and metaballs come twice: as they are, and as the mesh that Blender has made of them.
+        if not isinstance(data, bpy.types.Mesh):
             return None
         key = data.as_pointer()
         if key not in self._meshes:
-            self._meshes[key] = self._send_mesh(holder, data)
+            self._meshes[key] = self._add(data.name, data)
         return self._meshes[key]
-
-    def _send_mesh(self, holder: bpy.types.Object, data: bpy.types.ID) -> int | None:
-        if isinstance(data, bpy.types.Mesh):
-            return self._add(data.name, data)
-        made = holder.to_mesh()
-        try:
-            return None if made is None else self._add(holder.name, made)
-        finally:
-            holder.to_mesh_clear()
 
     def _add(self, name: str, data: bpy.types.Mesh) -> int | None:
         arrays = mesh.extract(data)

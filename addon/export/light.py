@@ -79,5 +79,5 @@ def _size(light: bpy.types.Light, matrix: Matrix) -> float:
         if light.shape in {"DISK", "ELLIPSE"}:
             size *= 0.25 * pi
     else:
-        size = pi * light.shadow_soft_size**2
+        size = 4.0 * pi * light.shadow_soft_size**2
     return size or 1.0

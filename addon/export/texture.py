@@ -86,7 +86,7 @@ class Inputs:
         if node.interpolation in {"Cubic", "Smart"}:
             self.warn(f"{node.interpolation.lower()} interpolation of images is not supported yet, linear is used")
         return ImageInput(
-            image=self.images.index(node.image, self.owner),
+            image=self.images.index(node.image, self.owner, associated=not node.outputs["Alpha"].is_linked),
             uv_map=uv_map,
             mapping=tuple((matrix[row][0], matrix[row][1], matrix[row][3]) for row in range(2)),
             interpolation=INTERPOLATIONS.get(node.interpolation, "LINEAR"),

@@ -75,7 +75,7 @@ def _background(source: nodes.Source, inputs: Inputs) -> WorldDescription:
         inputs.warn("the mirror ball projection is not supported yet, the image is taken as equirectangular")
     return WorldDescription(
         color=_times((1.0, 1.0, 1.0), strength),
-        image=inputs.images.index(found.node.image, inputs.owner),
+        image=inputs.images.index(found.node.image, inputs.owner, associated=True),
         rotation=_turn(found, inputs),
     )
 
