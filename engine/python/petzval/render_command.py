@@ -21,8 +21,8 @@ _COLOUR = {"lateral_colour", "axial_colour"}
 _NOT_YET = {"transmission", "ghosts", "glare", "diffraction", "motion_blur"}
 #: Exit status of a command that was broken off.
 _INTERRUPTED = 130
-#: What the half in Blender ends with, having said why.
-_OWN_STATUS = {0, 1, _INTERRUPTED}
+#: What the half in Blender ends with, having said why, and what that means here. No program ends so by chance.
+_OWN_STATUS = {70: 0, 71: 1, _INTERRUPTED: _INTERRUPTED}
 
 
 def add_parser(subparsers: argparse._SubParsersAction) -> None:
@@ -86,6 +86,8 @@ def _checked(a: argparse.Namespace) -> dict:
     for file in (output, Path(a.stats) if a.stats else None):
         if file is not None and not file.absolute().parent.is_dir():
             raise CommandError(f"no such folder: {file.parent}: make it first")
+        if file is not None:
+            _check_writable(file)
     return {
         "scene": str(scene.absolute()),
         "output": str(output.absolute()),
@@ -109,6 +111,17 @@ def _checked(a: argparse.Namespace) -> dict:
         "frame": a.frame,
         "threads": a.threads,
     }
+
+
+def _check_writable(file: Path) -> None:
+    """Before the work, not after it."""
+    is_new = not file.exists()
+    try:
+        file.open("ab").close()
+        if is_new:
+            file.unlink()
+    except OSError as error:
+        raise CommandError(f"cannot write {file}: {error.strerror}: name another file") from None
 
 
 def _spectrum(effects: dict[str, str]) -> bool | None:
@@ -144,7 +157,7 @@ def _in_blender(program: str, options: dict) -> int:
         signal.signal(number, lambda asked, _frame: os.killpg(child.pid, asked))
     status = child.wait()
     if status in _OWN_STATUS:
-        return status
+        return _OWN_STATUS[status]
     raise CommandError(f"{program} ended with status {status}: it does not run, or crashed: see what it said above")
 
 

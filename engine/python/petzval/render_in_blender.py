@@ -251,7 +251,9 @@ def _one_line(error: BaseException) -> str:
 def _main() -> None:
     options = json.loads(sys.argv[sys.argv.index("--") + 1])
     sys.path.insert(0, options["package_parent"])
-    finish(render(options))
+    # As render_command reads it.
+    status = render(options)
+    finish({0: 70, 1: 71}.get(status, status))
 
 
 if __name__ == "__main__":

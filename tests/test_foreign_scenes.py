@@ -1,0 +1,113 @@
+# SPDX-License-Identifier: GPL-3.0-or-later
+"""Scenes by other people: each opens and renders in a process of its own, and says what it could not show.
+
+None of them is part of the project; PETZVAL_SCENES names a folder of them.
+"""
+
+from __future__ import annotations
+
+import json
+import os
+from pathlib import Path
+
+import pytest
+
+pytestmark = [pytest.mark.once, pytest.mark.slow]
+
+# Collected here: the fixture `other_peoples_scenes` says why there are none.
+FOLDER = os.environ.get("PETZVAL_SCENES", "")
+SCENES = sorted(Path(FOLDER).rglob("*.blend")) if FOLDER and Path(FOLDER).is_dir() else []
+# Without a camera of their own they are parts for other files; and Cycles shows black in these.
+MAY_BE_BLACK = {"space_sky_nebula", "engineer_bedroom"}
+TIMES_OUT_AFTER_S = 120.0
+
+PIXELS = """
+import json, os, sys
+import bpy
+import numpy as np
+image = bpy.data.images.load(sys.argv[1])
+image.colorspace_settings.name = "Non-Color"
+pixels = np.empty(len(image.pixels), np.float32)
+image.pixels.foreach_get(pixels)
+pixels = pixels.reshape(image.size[1], image.size[0], -1)
+print("PIXELS", json.dumps([list(image.size), bool(np.isfinite(pixels).all()), float(pixels[..., :3].mean())]))
+sys.stdout.flush()
+os._exit(0)
+"""
+
+
+def test_there_are_scenes(other_peoples_scenes):
+    assert SCENES, f"no .blend in {other_peoples_scenes}"
+
+
+@pytest.mark.parametrize("scene", SCENES, ids=lambda path: path.stem)
+def test_a_scene_of_other_people(petzval_cli, other_peoples_scenes, tmp_path, scene):
+    out, stats = tmp_path / "out.exr", tmp_path / "stats.json"
+    done = petzval_cli(
+        "render", scene, "--camera", "pinhole", "--resolution", "160x90", "--samples", 4, "--threads", 2,
+        "-o", out, "--stats", stats, timeout_s=TIMES_OUT_AFTER_S,
+    )  # fmt: skip
+    if done.returncode == 1 and "no camera" in done.stderr:
+        assert done.stderr.count("\n") == 1
+        pytest.skip(f"{scene.name} is a library of parts: it has no camera")
+    assert done.returncode == 0, done.stderr + done.stdout[-2000:]
+    assert done.stderr == ""
+    told = json.loads(stats.read_text())
+    assert told["non_finite_samples"] == 0
+    assert told["samples"] == 4
+    assert len(told["warnings"]) == len(set(told["warnings"]))
+    assert all(line and "\n" not in line for line in told["warnings"])
+    (width, height), finite, mean = pixels_of(out)
+    assert (width, height) == (160, 90)
+    assert finite
+    assert mean > 0.0 or scene.stem in MAY_BE_BLACK, told["warnings"]
+
+
+def pixels_of(picture: Path):
+    import subprocess
+    import sys
+
+    done = subprocess.run([sys.executable, "-c", PIXELS, str(picture)], capture_output=True, text=True, check=False)
+    line = next((line for line in done.stdout.splitlines() if line.startswith("PIXELS ")), None)
+    assert line, done.stdout + done.stderr
+    return json.loads(line[7:])
+
+
+@pytest.mark.parametrize("scene", [one for one in SCENES if one.stem in {"cornell_emitter", "dof_monkeys"}],
+                         ids=lambda path: path.stem)  # fmt: skip
+def test_a_scene_through_a_lens(petzval_cli, other_peoples_scenes, tmp_path, scene):
+    out, stats = tmp_path / "out.exr", tmp_path / "stats.json"
+    done = petzval_cli(
+        "render", scene, "--lens", "double-gauss-f2-tronnier", "--focal-length", 35, "--resolution", "160x90",
+        "--samples", 4, "-o", out, "--stats", stats, timeout_s=TIMES_OUT_AFTER_S,
+    )  # fmt: skip
+    assert done.returncode == 0, done.stderr
+    told = json.loads(stats.read_text())
+    assert told["non_finite_samples"] == 0 and told["camera_rays"] > told["camera_rays_lost"]
+    _, finite, mean = pixels_of(out)
+    assert finite and mean > 0.0
+
+
+WHAT_IS_MISSING = {
+    "kitchen_blueprint": ["201906_lwtechSnow_panorama.hdr", "magenta"],
+    "hair_simple": ["hair"],
+    "plasma_ball": ["orthographic"],
+    "space_sky_nebula": ["panoramic"],
+    "polyhaven_brick_ball": ["displacement"],
+}
+
+
+@pytest.mark.parametrize("name", WHAT_IS_MISSING)
+def test_what_is_missing_is_named(petzval_cli, other_peoples_scenes, tmp_path, name):
+    scene = next((one for one in SCENES if one.stem == name), None)
+    if scene is None:
+        pytest.skip(f"{name}.blend is not there")
+    stats = tmp_path / "stats.json"
+    done = petzval_cli(
+        "render", scene, "--camera", "pinhole", "--resolution", "16x9", "--samples", 1,
+        "-o", tmp_path / "out.png", "--stats", stats, timeout_s=TIMES_OUT_AFTER_S,
+    )  # fmt: skip
+    assert done.returncode == 0, done.stderr
+    told = "\n".join(json.loads(stats.read_text())["warnings"])
+    for word in WHAT_IS_MISSING[name]:
+        assert word in told, told
