@@ -56,7 +56,7 @@ def principled(name, **settings):
             texture = tree.nodes.new("ShaderNodeTexImage")
             texture.image = image
             texture.location = (-400, 300 - 300 * row)
-            tree.links.new(texture.outputs["Alpha" if key == "alpha_channel" else "Color"], socket)
+            tree.links.new(texture.outputs["Color"], socket)
             if mapping:
                 uv = tree.nodes.new("ShaderNodeUVMap")
                 uv.uv_map = "UVMap"

@@ -86,17 +86,17 @@ def portrait_lens():
     return join(parts)
 
 
-def bellows(front, back, y_front, y_back, pleats=17, depth=0.010):
+def bellows(front, back, y_front, y_back, pleats=12, depth=0.017):
     """A tapering square bellows along Y with cut corners, folds as real pleats; UV in metres."""
-    rows, around = pleats * 6 + 1, 4 * 22
+    rows, around = pleats * 10 + 1, 4 * 22
     t = np.linspace(0, 1, rows)[:, None]
     turn = (np.arange(around) / around * 2 * math.pi)[None, :]
     c, s = np.cos(turn), np.sin(turn)
     power = 9.0
     unit = 1 / (np.abs(c) ** power + np.abs(s) ** power) ** (1 / power)
-    wave = np.abs(((t * pleats) % 1) * 2 - 1) ** 1.25
-    # Side faces and top faces fold in counterphase near the corners, as pasted bellows do.
-    corner = np.abs(np.abs(np.sin(2 * turn)))
+    wave = 1 - np.abs(((t * pleats) % 1) * 2 - 1) ** 2.2
+    # The folds flatten towards the cut corners.
+    corner = np.abs(np.sin(2 * turn))
     fold = (wave - 0.5) * depth * (1 - 0.35 * corner**8)
     half = back * t + front * (1 - t)
     radius = (half + fold) * unit
@@ -170,7 +170,11 @@ def field_camera():
         brass_parts.append(
             lathe([(0.011, 0), (0.011, 0.003), (0.005, 0.006), (0, 0.0065)], 32).at(side * 0.075, back_y, 0.293)
         )
-    feet = [lathe([(0, 0), (0.009, 0), (0.009, 0.005), (0, 0.005)], 24).at(x, y, -0.001) for x in (-0.07, 0.07) for y in (-0.17, 0.17)]
+    feet = [
+        lathe([(0, 0), (0.009, 0), (0.009, 0.005), (0, 0.005)], 24).at(x, y, -0.001)
+        for x in (-0.07, 0.07)
+        for y in (-0.17, 0.17)
+    ]
     brass_shape = join(brass_parts + feet)
     brass_shape.slots = np.where(brass_shape.slots == 1, 3, 1).astype(np.int32)
     return join([join(mahogany).slot(0), brass_shape, pleats, lens, *others])
@@ -210,11 +214,8 @@ def book(depth, height, thickness, cell, wobble=0.0):
             u = 0.6 + 0.4 * np.clip(along, 0, 1)
         uvs.append(np.stack([(column + 0.01 + 0.98 * u) / 4, (row + 0.01 + 0.98 * np.clip(z, 0, 1)) / 4], axis=-1))
     cover.uvs = np.concatenate(uvs)
-    nu, nv = 7, 13
-    u, v2, _ = unit_grid(nu, nv)
     block = box(thickness - 2 * board - 0.0004, depth - 0.012, height - 0.007, 0.0007, 1)
-    block = block.at(thickness / 2, depth / 2 + 0.001, height / 2).uv(1.0, 1.0).slot(1)
-    del nu, nv, u, v2
+    block = block.at(thickness / 2, depth / 2 + 0.001, height / 2).slot(1)
     bands = []
     if thickness > 0.028:
         for z in (0.16, 0.34, 0.52, 0.70, 0.86):
@@ -230,7 +231,7 @@ def book(depth, height, thickness, cell, wobble=0.0):
 
 
 def open_notebook(width=0.30, height=0.21):
-    """An open notebook lying flat: 0 spread (UV 0..1), 1 page edges, 2 leather cover."""
+    """An open notebook lying flat: 0 spread (UV 0..1), 1 page edges, 2 leather cover, 3 ribbon."""
     u, v, uvs = unit_grid(65, 25)
     x = (u - 0.5) * width
     t = np.abs(u - 0.5) * 2
@@ -239,27 +240,11 @@ def open_notebook(width=0.30, height=0.21):
     top = np.stack([x, (v - 0.5) * height, rise + curl], axis=-1)
     pages = grid(top, uvs)
     edge = []
-    for row, sign in ((0, -1), (-1, 1)):
-        line = top[row]
+    for line, axis in ((top[0], 0), (top[-1], 0), (top[:, 0], 1), (top[:, -1], 1)):
         low = line * [1, 1, 0] + [0, 0, 0.003]
-        edge.append(
-            grid(
-                np.stack([low, line]), np.stack([np.stack([x[0], x[0] * 0], -1), np.stack([x[0], x[0] * 0 + 0.02], -1)])
-            ).slot(1)
-        )
-        del sign
-    for column in (0, -1):
-        line = top[:, column]
-        low = line * [1, 1, 0] + [0, 0, 0.003]
-        along = line[:, 1]
-        edge.append(
-            grid(
-                np.stack([low, line]),
-                np.stack([np.stack([along, along * 0], -1), np.stack([along, along * 0 + 0.02], -1)]),
-            ).slot(1)
-        )
-    loose = grid(top * [0.97, 0.97, 1] + [0.003, -0.004, 0.0012], uvs)
-    loose.verts = loose.verts[:]
+        along = line[:, axis]
+        strip_uvs = np.stack([np.stack([along, along * 0 + v0], -1) for v0 in (0.0, 0.02)])
+        edge.append(grid(np.stack([low, line]), strip_uvs).slot(1))
     cover = box(width + 0.012, height + 0.012, 0.003, 0.0012).at(z=0.0016).slot(2)
     ribbon = smooth_path(
         [
@@ -272,7 +257,6 @@ def open_notebook(width=0.30, height=0.21):
         60,
     )
     strip = tube(ribbon, 0.003, 6).slot(3)
-    strip.verts = strip.verts - [0, 0, 0.0]
     return join([pages, *edge, cover, strip])
 
 
@@ -354,14 +338,13 @@ def loupe():
     return join([ring, glass, ferrule, grip]).at(z=0.0085)
 
 
-def optical_element(radius, centre, edge, seed=0):
+def optical_element(radius, centre, edge):
     """A loose lens in a thin brass cell lying flat: 0 glass, 1 brass."""
     glass = lathe(lens_profile(radius, centre, edge, 12), 80).at(z=edge / 2 + 0.002)
     cell = lathe(
         [(radius - 0.0004, 0.0), (radius + 0.002, 0.0), (radius + 0.002, edge + 0.002), (radius - 0.0006, edge + 0.002)],
         96, 0.0005, closed=True,
     )  # fmt: skip
-    del seed
     return join([glass, cell.slot(1)])
 
 
@@ -458,9 +441,8 @@ def fountain_pen():
     return join([body, *rings, nib]).at(ry=90).at(z=0.007)
 
 
-def pencil(length=0.17, seed=0):
+def pencil(length=0.17):
     """A hexagonal pencil along +Z: 0 paint, 1 bare wood, 2 lead."""
-    del seed
     body = lathe([(0, 0), (0.0036, 0.0004), (0.0036, length - 0.02)], 6)
     cone = lathe([(0.0036, length - 0.02), (0.0011, length - 0.004)], 24).slot(1)
     lead = lathe([(0.0011, length - 0.004), (0.0002, length), (0, length)], 16).slot(2)
@@ -510,7 +492,7 @@ def desk_lamp():
         8,
         closed=True,
     )
-    bulb = icosphere(0.021, 3).at(z=-0.006).slot(3)
+    bulb = icosphere(0.030, 3).at(z=-0.008).slot(3)
     head = join([outside, inside, cap, rim, bulb]).at(-0.148, 0, 0.372, ry=12)
     return join([base, stem, *collars, head])
 
@@ -662,8 +644,14 @@ def cup_of_pencils(seed=3):
     return join(parts)
 
 
+def wedge(width, depth, height):
+    """A little wooden stand with a slanting front (towards -Y)."""
+    outline = [(-depth * 0.65, 0), (depth, 0), (depth, height), (depth * 0.45, height)]
+    return prism(outline, width, 0.0015).at(rz=90)
+
+
 def candlestick():
-    """A brass candlestick with a burnt-down candle: 0 brass, 1 wax, 2 wick."""
+    """A brass candlestick with a burning candle: 0 brass, 1 wax, 2 wick, 3 flame."""
     stick = lathe(
         [
             (0, 0),
@@ -696,7 +684,8 @@ def candlestick():
         [(0, 0.14), (0.0112, 0.14), (0.0112, 0.226), (0.010, 0.232), (0.007, 0.228), (0, 0.227)], 48, 0.003
     ).slot(1)
     wick = tube([(0, 0, 0.226), (0.0004, 0, 0.233), (0.002, 0, 0.238)], 0.0008, 6).slot(2)
-    return join([stick, wax, wick])
+    flame = lathe([(0, 0.2315), (0.0035, 0.2335), (0.0052, 0.239), (0.0042, 0.248), (0.0018, 0.258), (0, 0.266)], 12)
+    return join([stick, wax, wick, flame.slot(3)])
 
 
 def telescope():
@@ -729,7 +718,7 @@ def telescope():
         0.002,
     )
     bands = [
-        lathe([(0.037, z), (0.0395, z + 0.002), (0.0395, z + 0.014), (0.037, z + 0.016)], 72).at()
+        lathe([(0.037, z), (0.0395, z + 0.002), (0.0395, z + 0.014), (0.037, z + 0.016)], 72)
         for z in (-0.12, 0.02, 0.16, 0.30)
     ]
     sleeve = lathe([(0.0376, -0.10), (0.0376, 0.30)], 72).slot(1)

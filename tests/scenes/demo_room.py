@@ -1,7 +1,5 @@
 """The rooms around the desk: walls, window, doorway, bookcase and what stands far away."""
 
-import math
-
 import numpy as np
 
 from demo_mesh import box, catenary, frame, join, lathe, tube
@@ -212,8 +210,3 @@ def wall_clock(radius=0.16):
     dial.uvs = np.concatenate([dial.verts[list(f)][:, :2] / (2 * radius * 0.96) + 0.5 for f in dial.faces])
     # Turned to face -Y with 12 up: the lathe's Z becomes -Y and its Y becomes Z.
     return join([case, bezel, dial]).at(rx=90)
-
-
-def angle_of(x, y):
-    """Heading of a horizontal vector in degrees."""
-    return math.degrees(math.atan2(y, x))

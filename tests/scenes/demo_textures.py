@@ -131,7 +131,7 @@ def brass(size, seed):
     spots = smooth(0.70, 0.83, noise(h, w, 0.9, (1, 1), seed + 1, low=12))
     turned = noise(h, w, 0.4, (1.0, 60.0), seed + 2, low=50)
     color = ramp(cloud, [(0.15, (0.60, 0.42, 0.20)), (0.5, (0.80, 0.61, 0.30)), (0.85, (0.90, 0.74, 0.42))])
-    color = mix(color, (0.36, 0.23, 0.11), 0.6 * spots)
+    color = mix(color, (0.36, 0.23, 0.11), 0.42 * spots)
     color = color * (0.94 + 0.12 * turned[..., None])
     rough = 0.20 + 0.24 * (cloud - 0.5) + 0.28 * spots + 0.16 * (turned - 0.5)
     return np.clip(color, 0, 1), np.clip(rough, 0.07, 0.7)
@@ -302,7 +302,7 @@ def notebook(size, seed):
     ink, pale, red = (38, 30, 44), (120, 112, 118), (128, 34, 26)
     half = w // 2
 
-    def arc(x, height, radius, colour=ink, width=3):
+    def arc(x, height, radius, colour=ink, width=6):
         """A refracting surface through (x, axis), centre to the right for positive radius."""
         points = []
         for t in np.linspace(-1, 1, 40):
@@ -320,11 +320,11 @@ def notebook(size, seed):
     ):
         ends = [arc(half * x, height, r) for x, r in surfaces]
         for k in (0, 1):
-            draw.line([e[k] for e in ends], fill=ink, width=3)
+            draw.line([e[k] for e in ends], fill=ink, width=6)
     for start in (-100, -60, 60, 100):
         draw.line(
             [(half * 0.05, axis + start), (half * 0.235, axis + start * 0.97), (half * 0.51, axis + start * 0.62), (half * 0.93, axis)],
-            fill=red, width=2,
+            fill=red, width=4,
         )  # fmt: skip
     draw.line((half * 0.40, axis - 170, half * 0.40, axis - 92), fill=ink, width=4)
     draw.line((half * 0.40, axis + 92, half * 0.40, axis + 170), fill=ink, width=4)
@@ -336,11 +336,11 @@ def notebook(size, seed):
         y = h * 0.60 + row * h * 0.027
         draw.line((half * 0.10, y + 26, half * 0.88, y + 26), fill=(176, 160, 140), width=1)
         for column in range(5):
-            words(draw, rng, (half * (0.12 + 0.155 * column), y), half * rng.uniform(0.07, 0.12), 20, ink, 2)
+            words(draw, rng, (half * (0.12 + 0.155 * column), y), half * rng.uniform(0.07, 0.12), 22, ink, 3)
     for row in range(27):
         y = h * 0.07 + row * h * 0.032
         length = half * (0.78 if row % 7 else 0.45) * rng.uniform(0.92, 1.0)
-        words(draw, rng, (half * 1.11, y), length, 25, ink, 2)
+        words(draw, rng, (half * 1.11, y), length, 27, ink, 3)
     draw.ellipse((half * 1.55, h * 0.66, half * 1.86, h * 0.66 + half * 0.31), outline=red, width=3)
     shade = 1 - 0.35 * np.exp(-np.abs(np.linspace(-1, 1, w)) * 26)
     return np.asarray(page.filter(ImageFilter.GaussianBlur(0.6)), float) / 255 * shade[None, :, None]
@@ -458,29 +458,29 @@ def dusk_panorama(size, seed, glow_azimuth=0.5):
     u, lat = (x + 0.5) / w, (0.5 - (y + 0.5) / h) * math.pi
     away = np.abs(u - glow_azimuth)
     away = np.minimum(away, 1 - away)
-    glow = np.exp(-((away / 0.17) ** 2))
+    glow = np.exp(-((away / 0.13) ** 2))
     height = np.clip(np.degrees(lat), 0, 90)
     sky = ramp(
         height,
         [
-            (0, (0.62, 0.50, 0.56)), (4, (0.58, 0.55, 0.70)), (12, (0.34, 0.48, 0.82)),
-            (28, (0.16, 0.30, 0.68)), (60, (0.07, 0.15, 0.42)), (90, (0.05, 0.11, 0.34)),
+            (0, (0.36, 0.36, 0.48)), (5, (0.14, 0.29, 0.64)), (12, (0.07, 0.21, 0.64)),
+            (26, (0.04, 0.13, 0.50)), (60, (0.045, 0.10, 0.30)), (90, (0.03, 0.07, 0.24)),
         ],
     )  # fmt: skip
     warm = ramp(
         height,
         [
-            (0, (2.9, 1.05, 0.34)),
-            (3, (2.2, 0.95, 0.42)),
-            (8, (0.95, 0.55, 0.42)),
-            (18, (0.2, 0.15, 0.2)),
-            (35, (0, 0, 0)),
+            (0, (1.9, 0.62, 0.20)),
+            (4, (1.25, 0.48, 0.22)),
+            (9, (0.48, 0.23, 0.20)),
+            (16, (0.10, 0.06, 0.09)),
+            (28, (0, 0, 0)),
         ],
     )
     sky = sky + warm * glow[..., None]
     drift = noise(h, w, 1.55, (1.0, 4.0), seed)
     cloud = smooth(0.52, 0.74, drift) * smooth(1, 6, height) * smooth(50, 16, height)
-    lit = mix((0.22, 0.25, 0.40), (1.7, 0.62, 0.36), glow * smooth(22, 3, height))
+    lit = mix((0.12, 0.15, 0.28), (1.2, 0.40, 0.24), glow * smooth(20, 4, height))
     sky = mix(sky, lit, 0.75 * cloud)
     # Hills, then three ranks of roofs, each nearer, lower in latitude and darker.
     picture = sky
@@ -491,8 +491,8 @@ def dusk_panorama(size, seed, glow_azimuth=0.5):
     for rank, (low, high, width, tone) in enumerate(
         (
             (0.6, 3.6, 1.1, (0.062, 0.070, 0.115)),
-            (-0.8, 4.6, 1.9, (0.030, 0.034, 0.056)),
-            (-4.5, 3.4, 4.2, (0.012, 0.013, 0.020)),
+            (-0.8, 8.5, 2.2, (0.030, 0.034, 0.056)),
+            (-4.5, 13.0, 5.5, (0.012, 0.013, 0.020)),
         )
     ):
         column = 0.0
@@ -511,10 +511,10 @@ def dusk_panorama(size, seed, glow_azimuth=0.5):
             step = max(2, int((0.35 + 0.25 * rank) / 360 * w))
             for yy in range(y0 + step, int(h * 0.53), step + 1):
                 for xx in range(x0 + 1, min(x1 - 1, w - 2), step + 1):
-                    if rng.random() < (0.20, 0.17, 0.10)[rank]:
-                        bright = rng.uniform(3, 16)
+                    if rng.random() < (0.16, 0.12, 0.075)[rank]:
+                        bright = rng.uniform(3, 12) * (1, 1.4, 1.8)[rank]
                         hue = (1.0, rng.uniform(0.45, 0.75), rng.uniform(0.12, 0.45))
-                        picture[yy : yy + 1 + rank // 2, xx : xx + 1 + rank // 2] = np.array(hue) * bright
+                        picture[yy : yy + 1 + rank, xx : xx + 1 + rank // 2] = np.array(hue) * bright
             column += breadth * rng.uniform(0.85, 1.1)
     below = np.degrees(lat) < -9
     picture[below] = (0.02, 0.022, 0.03)

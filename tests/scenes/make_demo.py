@@ -32,6 +32,7 @@ DESK_CENTRE_Y = 0.0
 
 CAMERA_AT = (0.0, -0.95, 1.02)
 CAMERA_TILT = -5.0
+CAMERA_TURN = 3.0
 SENSOR_WIDTH = 135.0
 FOCAL_LENGTH = 102.0
 F_STOP = 3.4
@@ -40,8 +41,8 @@ HERO_AT = (0.09, 0.10)
 HERO_TURN = -33.0
 
 PANORAMA_SIZE = (1024, 2048)
-PANORAMA_TURN = 55.0
-SKY_STRENGTH = 1.6
+PANORAMA_TURN = -52.0
+SKY_STRENGTH = 1.35
 
 
 class Studio:
@@ -121,18 +122,18 @@ def make_materials(studio):
     made["old brass"] = principled(
         "Dull brass",
         color=linear(0.55, 0.42, 0.22),
-        roughness=(image("patina", np.clip(rough_patch(size, 31), 0, 1), data=True, quality=80), (2, 4)),
+        roughness=(image("patina", 0.22 + 0.35 * paint.noise(*size, 1.3, (1, 1), 31), data=True, quality=80), (2, 4)),
         metallic=1.0,
     )
     made["black"] = principled("Black lacquer", color=(0.006, 0.006, 0.007), roughness=0.45)
     made["resin"] = principled("Black resin", color=(0.008, 0.007, 0.008), roughness=0.08)
 
-    color, rough = paint.leather(size, (0.16, 0.050, 0.022), (0.42, 0.18, 0.075), 6)
+    color, rough = paint.leather(size, (0.30, 0.115, 0.045), (0.60, 0.28, 0.11), 6)
     leather_rough = image("leather_roughness", rough, data=True, quality=80)
     made["leather"] = principled(
         "Cognac leather", color=(image("leather", color), (3, 3)), roughness=(leather_rough, (3, 3))
     )
-    color, _ = paint.leather(size, (0.16, 0.025, 0.022), (0.30, 0.06, 0.045), 46)
+    color, _ = paint.leather(size, (0.30, 0.040, 0.030), (0.48, 0.10, 0.06), 46)
     made["bellows"] = principled(
         "Bellows leather", color=(image("bellows", color), (5, 5)), roughness=(leather_rough, (5, 5)), specular=0.6
     )
@@ -146,7 +147,6 @@ def make_materials(studio):
     made["notebook"] = principled(
         "Notebook", color=image("notebook", paint.notebook((1448, 2048), 10), quality=86), roughness=0.75
     )
-    made["paper"] = principled("Paper", color=(image("paper", paint.paper((512, 512), 61)), (3, 3)), roughness=0.8)
 
     made["glass"] = principled(
         "Glass",
@@ -203,14 +203,10 @@ def make_materials(studio):
 
     warm = (1.0, 0.50, 0.17)
     made["fairy"] = glow("Fairy light", warm, 26.0)
-    made["festoon"] = glow("Festoon bulb", (1.0, 0.47, 0.15), 34.0)
-    made["festoon far"] = glow("Far festoon bulb", (1.0, 0.44, 0.13), 40.0)
-    made["bulb"] = glow("Desk bulb", (1.0, 0.60, 0.27), 330.0)
-
-
-def rough_patch(size, seed):
-    """A mottled roughness between polished and dull."""
-    return 0.22 + 0.35 * paint.noise(*size, 1.3, (1, 1), seed)
+    made["festoon"] = glow("Festoon bulb", (1.0, 0.47, 0.15), 17.0)
+    made["festoon far"] = glow("Far festoon bulb", (1.0, 0.44, 0.13), 15.0)
+    made["flame"] = glow("Flame", (1.0, 0.58, 0.20), 60.0)
+    made["bulb"] = glow("Desk bulb", (1.0, 0.60, 0.27), 150.0)
 
 
 def build_rooms(studio):
@@ -298,7 +294,7 @@ def build_desk(studio):
     hx, hy = HERO_AT
     studio.put(props.kilim(0.66, 0.40), "Kilim", ["rug", "fringe"], group, x=0.0, y=-0.02, z=top, rz=4)
     # Two big volumes under the camera.
-    stand = [(0.27, 0.36, 0.040, 12, -33 + 90), (0.255, 0.335, 0.032, 5, -29 + 90)]
+    stand = [(0.27, 0.36, 0.040, 12, -33 - 90), (0.255, 0.335, 0.032, 5, -29 + 90)]
     z = top + 0.006
     for k, (deep, tall, thick, cell, turn) in enumerate(stand):
         shape = props.book(deep, tall, thick, cell).at(-thick, -deep / 2, -tall / 2).at(ry=90)
@@ -308,7 +304,7 @@ def build_desk(studio):
     slots = ["mahogany", "brass", "bellows", "black", "lens glass", "engraved"]
     studio.put(hero, "Field camera", slots, group, x=hx, y=hy, z=z + 0.001, rz=HERO_TURN)
     turn = math.radians(HERO_TURN)
-    tip = 0.125 + 0.012 + 0.138
+    tip = 0.125 + 0.012 + 0.128
     studio.focus = Vector((hx + tip * math.sin(turn), hy - tip * math.cos(turn), z + 0.16))
 
     studio.put(
@@ -316,22 +312,22 @@ def build_desk(studio):
         "Notebook",
         ["notebook", "pages", "leather", "ribbon"],
         group,
-        x=-0.37,
-        y=-0.20,
+        x=-0.35,
+        y=-0.17,
         z=top,
-        rz=13,
+        rz=9,
     )
     studio.put(
-        props.loupe(), "Loupe", ["brass", "lens glass", "dark wood"], group, x=-0.31, y=-0.19, z=top + 0.014, rz=38
+        props.loupe(), "Loupe", ["brass", "lens glass", "dark wood"], group, x=-0.265, y=-0.17, z=top + 0.014, rz=38
     )
-    studio.put(props.fountain_pen(), "Pen", ["resin", "brass"], group, x=-0.43, y=-0.27, z=top + 0.013, rz=-24)
+    studio.put(props.fountain_pen(), "Pen", ["resin", "brass"], group, x=-0.385, y=-0.262, z=top + 0.013, rz=-20)
 
     glass, liquid = props.tumbler()
     for shape, name, slot in ((glass, "Tumbler", "glass"), (liquid, "Whisky", "whisky")):
-        studio.put(shape, name, [slot], group, x=0.40, y=-0.17, z=top + 0.0003)
+        studio.put(shape, name, [slot], group, x=0.385, y=-0.12, z=top + 0.0003)
     bottle, spirit = props.decanter()
     for shape, name, slot in ((bottle, "Decanter", "glass"), (spirit, "Decanted whisky", "whisky")):
-        studio.put(shape, name, [slot], group, x=0.60, y=0.06, z=top + 0.0003)
+        studio.put(shape, name, [slot], group, x=0.53, y=0.10, z=top + 0.0003)
 
     studio.put(
         props.pocket_watch(),
@@ -339,19 +335,24 @@ def build_desk(studio):
         ["brass", "dial", "lens glass"],
         group,
         x=0.215,
-        y=-0.30,
-        z=top + 0.0002,
-        rz=-28,
+        y=-0.225,
+        z=top + 0.0265,
+        rx=58,
+        rz=-12,
+    )
+    studio.put(
+        props.wedge(0.040, 0.030, 0.042), "Watch stand", ["mahogany"], group, x=0.222, y=-0.198, z=top + 0.003, rz=-12
     )
     links = props.chain(
         [
-            (0.234, -0.263, top + 0.006),
-            (0.26, -0.24, top),
-            (0.31, -0.245, top),
-            (0.33, -0.28, top),
-            (0.30, -0.31, top),
-            (0.33, -0.35, top),
-            (0.38, -0.345, top),
+            (0.235, -0.185, top + 0.050),
+            (0.262, -0.195, top + 0.030),
+            (0.285, -0.235, top + 0.002),
+            (0.265, -0.290, top),
+            (0.300, -0.330, top),
+            (0.340, -0.310, top),
+            (0.330, -0.270, top),
+            (0.365, -0.255, top),
         ]
     )
     studio.put(links, "Watch chain", ["brass"], group)
@@ -374,16 +375,15 @@ def build_desk(studio):
         )
 
     lamp = props.desk_lamp()
-    studio.put(lamp, "Desk lamp", ["brass", "enamel", "white enamel", "bulb"], group, x=0.66, y=0.42, z=top, rz=18)
+    studio.put(lamp, "Desk lamp", ["brass", "enamel", "white enamel", "bulb"], group, x=0.60, y=0.42, z=top, rz=18)
     studio.emissive_triangles += 320
-    studio.put(props.globe(), "Globe", ["globe", "brass", "dark wood"], group, x=-0.74, y=0.38, z=top, rz=40)
+    studio.put(props.globe(), "Globe", ["globe", "brass", "dark wood"], group, x=-0.92, y=0.36, z=top, rz=40)
     studio.put(
-        props.cup_of_pencils(), "Pencils", ["brass", "red paint", "bare wood", "black"], group, x=-0.36, y=0.22, z=top
+        props.cup_of_pencils(), "Pencils", ["brass", "red paint", "bare wood", "black"], group, x=-0.36, y=0.24, z=top
     )
-    studio.put(props.candlestick(), "Candlestick", ["brass", "wax", "black"], group, x=-0.53, y=0.10, z=top)
-    studio.put(props.plant(5), "Plant", ["leaf", "stem", "terracotta", "soil"], group, x=-0.42, y=-0.40, z=top, rz=20)
-    lay_books(studio, [3, 9, 14], 0.27, -0.53, top + 0.0004, 62, rng)
-    lay_books(studio, [20, 6, 11, 27], 0.80, 0.02, top + 0.0004, 100, rng)
+    studio.put(props.candlestick(), "Candlestick", ["brass", "wax", "black", "flame"], group, x=-0.50, y=0.06, z=top)
+    studio.put(props.plant(5), "Plant", ["leaf", "stem", "terracotta", "soil"], group, x=-0.70, y=0.34, z=top, rz=20)
+    lay_books(studio, [20, 6, 11, 27], 0.80, 0.20, top + 0.0004, 100, rng)
     lay_books(studio, [2, 17], -0.80, 0.02, top + 0.0004, 80, rng)
 
 
@@ -424,14 +424,14 @@ def build_furniture(studio):
     studio.put(
         props.picture(0.86, 0.62, 0.09),
         "Far painting",
-        ["old brass", "painting"],
+        ["dark wood", "painting"],
         group,
         x=-1.35,
         y=room.FAR_BACK - 0.03,
         z=1.62,
     )
     shade = join([props.drum_shade(0.15, 0.19).at(z=0.33).slot(1), props.candlestick().at().slot(0)])
-    studio.put(shade, "Far lamp", ["old brass", "shade"], group, x=-1.72, y=room.FAR_BACK - 0.27, z=0.80)
+    studio.put(shade, "Far lamp", ["dark wood", "shade"], group, x=-1.72, y=room.FAR_BACK - 0.27, z=0.80)
     studio.emissive_triangles += 40 * 4 * 3 * 2
     studio.put(
         props.plant(14, 10, 0.9, 0.34, 0.15, 0.5, 4),
@@ -449,10 +449,10 @@ def build_lights_strings(studio):
     top = DESK_HEIGHT
     path = smooth_path(
         [
-            (0.56, -0.60, top + 0.01), (0.44, -0.47, top + 0.135), (0.34, -0.42, top + 0.07), (0.27, -0.38, top + 0.004),
-            (0.16, -0.40, top + 0.003), (0.06, -0.29, top + 0.009), (-0.06, -0.24, top + 0.010), (-0.17, -0.16, top + 0.010),
+            (-0.31, -0.42, 1.50), (-0.250, -0.57, 1.14), (-0.222, -0.63, 0.97), (-0.225, -0.59, 0.85), (-0.21, -0.49, top + 0.006), (-0.08, -0.43, top + 0.003),
+            (0.10, -0.42, top + 0.003), (0.24, -0.40, top + 0.003), (0.27, -0.345, top + 0.004), (0.19, -0.31, top + 0.006), (0.06, -0.285, top + 0.009), (-0.06, -0.24, top + 0.010), (-0.17, -0.16, top + 0.010),
             (-0.24, 0.00, top + 0.010), (-0.20, 0.16, top + 0.008), (-0.22, 0.32, top + 0.004), (-0.05, 0.40, top + 0.01),
-            (0.20, 0.42, top + 0.03), (0.42, 0.46, top + 0.02), (0.62, 0.44, top + 0.05), (0.665, 0.42, top + 0.25),
+            (0.20, 0.42, top + 0.03), (0.42, 0.46, top + 0.02), (0.57, 0.44, top + 0.05), (0.605, 0.42, top + 0.25),
         ],
         900,
     )  # fmt: skip
@@ -465,15 +465,15 @@ def build_lights_strings(studio):
     fine = (distance > 0.75) & (distance < 1.05)
     add_bulbs(studio, points, radii, fine, "Fairy lights", "fairy", group)
 
-    x0, x1, door_top = room.DOOR
+    door_top = room.DOOR[2]
     anchors = [
         (1.55, -0.10, 1.72),
         (-0.40, room.BACK - 0.03, door_top + 0.02),
-        (-0.9, 7.4, 2.42),
-        (-1.9, room.FAR_BACK - 0.1, 2.35),
+        (-1.7, 7.6, 2.30),
+        (-0.2, room.FAR_BACK - 0.1, 2.62),
     ]
-    cable = room.spans(anchors, [0.42, 0.22, 0.25])
-    hang_festoon(studio, cable, 0.20, "Festoon", "festoon", group)
+    hang_festoon(studio, room.spans(anchors[:2], [0.42]), 0.235, "Festoon", "festoon", group)
+    hang_festoon(studio, room.spans(anchors[1:], [0.30, 0.10]), 0.60, "Far festoon", "festoon far", group)
     anchors = [
         (room.LEFT + 0.12, 1.2, 2.30),
         (room.LEFT + 0.14, 4.1, 2.34),
@@ -484,18 +484,18 @@ def build_lights_strings(studio):
     hang_festoon(studio, cable, 0.27, "Wall festoon", "festoon", group)
     rng = np.random.default_rng(12)
     curtain = []
-    for x in np.linspace(-1.95, -0.2, 8):
-        for z in np.arange(2.45, 1.0 + 0.5 * rng.random(), -0.24):
-            curtain.append((x + rng.normal(0, 0.02), room.FAR_BACK - 0.08, z + rng.uniform(-0.05, 0.05)))
+    for x in np.linspace(-1.9, -0.5, 4):
+        for z in np.arange(2.45, 1.0 + 0.5 * rng.random(), -0.50):
+            curtain.append((x + rng.normal(0, 0.08), room.FAR_BACK - 0.08, z + rng.uniform(-0.15, 0.15)))
     curtain = np.array([p for p in curtain if not (-1.9 < p[0] < -0.8 and p[2] < 2.05)])
-    add_bulbs(studio, curtain, np.full(len(curtain), 0.022), None, "Far curtain of lights", "festoon far", group)
+    add_bulbs(studio, curtain, np.full(len(curtain), 0.036), None, "Far curtain of lights", "festoon far", group)
 
 
 def hang_festoon(studio, cable, spacing, name, material, group):
     """A cable with sockets and bulbs whose size follows the blur disc at their distance."""
     points = room.hung_lights(cable, spacing, spacing / 2)
     distance = np.linalg.norm(points - np.array(CAMERA_AT), axis=1)
-    radii = np.clip(0.0030 * (distance - 0.55), 0.006, 0.024)
+    radii = np.clip(0.0042 * (distance - 0.55), 0.006, 0.036)
     studio.put(room.wire(cable), f"{name} cable", ["wire"], group)
     sockets = []
     for p, r in zip(points, radii, strict=True):
@@ -575,10 +575,14 @@ def build_lights(studio):
     """Blue dusk through the near window (an area light out of the picture) and warm lamps."""
     y0, y1, z0, z1 = room.WINDOWS[0]
     add_light(
-        studio, "Dusk in the near window", "AREA", (room.LEFT - 0.18, (y0 + y1) / 2, (z0 + z1) / 2), 190.0, (0.46, 0.66, 1.0),
+        studio, "Dusk in the near window", "AREA", (room.LEFT - 0.18, (y0 + y1) / 2, (z0 + z1) / 2), 180.0, (0.52, 0.70, 1.0),
         aim=(0.0, (y0 + y1) / 2, (z0 + z1) / 2), shape="RECTANGLE", size=y1 - y0, size_y=z1 - z0,
     )  # fmt: skip
-    add_light(studio, "Floor lamp light", "POINT", (1.95, 2.95, 1.44), 70.0, (1.0, 0.58, 0.26), shadow_soft_size=0.035)
+    add_light(studio, "Floor lamp light", "POINT", (1.95, 2.95, 1.44), 110.0, (1.0, 0.58, 0.26), shadow_soft_size=0.10)
+    add_light(
+        studio, "Lamp behind the photographer", "AREA", (0.95, -1.75, 1.65), 32.0, (1.0, 0.72, 0.46),
+        aim=(0.1, 0.1, 0.9), shape="DISK", size=0.40,
+    )  # fmt: skip
     add_light(
         studio,
         "Far lamp light",
@@ -586,12 +590,12 @@ def build_lights(studio):
         (-1.72, room.FAR_BACK - 0.27, 1.22),
         40.0,
         (1.0, 0.56, 0.24),
-        shadow_soft_size=0.03,
+        shadow_soft_size=0.08,
     )
-    add_light(studio, "Far room light", "POINT", (0.5, 7.0, 2.3), 160.0, (1.0, 0.60, 0.30), shadow_soft_size=0.10)
+    add_light(studio, "Far room light", "POINT", (0.5, 7.0, 2.3), 110.0, (1.0, 0.60, 0.30), shadow_soft_size=0.25)
     add_light(
-        studio, "Shelf light", "SPOT", (0.75, 2.9, 2.60), 130.0, (1.0, 0.62, 0.32),
-        aim=(0.85, 4.2, 1.2), spot_size=math.radians(95), spot_blend=0.8, shadow_soft_size=0.05,
+        studio, "Shelf light", "SPOT", (0.75, 2.9, 2.60), 300.0, (1.0, 0.62, 0.32),
+        aim=(0.85, 4.2, 1.2), spot_size=math.radians(95), spot_blend=0.8, shadow_soft_size=0.12,
     )  # fmt: skip
 
 
@@ -610,7 +614,7 @@ def build_camera(studio):
     data.dof.aperture_fstop = F_STOP
     camera = bpy.data.objects.new("Camera", data)
     camera.location = CAMERA_AT
-    camera.rotation_euler = (math.radians(90 + CAMERA_TILT), 0, 0)
+    camera.rotation_euler = (math.radians(90 + CAMERA_TILT), 0, math.radians(CAMERA_TURN))
     studio.scene.collection.objects.link(camera)
     studio.scene.camera = camera
 
