@@ -130,6 +130,12 @@ def test_the_focus(parts, blender):
         blender.context.scene.collection.objects.link(one)
     camera.dof.focus_object = target
     assert description(parts).focus_point_world == pytest.approx((1, 4, 1))
+    camera.dof.focus_object = None
+    camera.dof.focus_distance = 0.0
+    _, warnings, sent = parts.sent()
+    assert sent.focus_distance is None
+    assert len(warnings) == 1 and "focus distance is zero" in warnings[0]
+    camera.dof.focus_distance = 7.0
     own.focus_mode = "INFINITY"
     sent = description(parts)
     assert sent.focus_distance is None and sent.focus_point_world is None and sent.film_distance_mm is None

@@ -50,7 +50,7 @@ def describe(
         scale_mm_per_unit=scale(settings, scene),
         wavelength_nm=None if settings.spectral else settings.wavelength,
     )
-    _focus(description, camera)
+    _focus(description, camera, report)
     if of_lens:
         _lens(description, camera, width, height)
     _warn(description, camera, scene, report)
@@ -99,7 +99,7 @@ def _blades(count: int) -> int:
     return min(count, 24) if count >= 3 else 0
 
 
-def _focus(description: CameraDescription, camera: bpy.types.Camera) -> None:
+def _focus(description: CameraDescription, camera: bpy.types.Camera, report: Report) -> None:
     settings, dof = camera.petzval, camera.dof
     mode = settings.focus_mode
     if mode == "FILM" and settings.model == "LENS":
@@ -108,8 +108,13 @@ def _focus(description: CameraDescription, camera: bpy.types.Camera) -> None:
         description.focus_distance = None
     elif dof.focus_object is not None:
         description.focus_point_world = _focus_point(dof)
-    else:
+    elif dof.focus_distance > 0.0:
         description.focus_distance = dof.focus_distance
+    else:
+        # Common in files that never had depth of field.
+        if settings.model != "PINHOLE":
+            report.warn(f"Camera '{description.object_name}': its focus distance is zero, it is focused at infinity")
+        description.focus_distance = None
 
 
 def _focus_point(dof: bpy.types.CameraDOFSettings) -> tuple[float, float, float]:
