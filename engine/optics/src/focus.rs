@@ -28,7 +28,7 @@ pub enum FocusError {
         nearest_mm: f64,
     },
     /// The lens diverges: it forms no real image.
-    #[error("the lens forms no real image (its power is not positive); no film distance makes it sharp")]
+    #[error("the lens forms no real image, so nothing can be focused; choose another lens or set the film's distance")]
     NoRealImage,
     /// The entrance pupil is at infinity: only infinity can be asked for.
     #[error("the entrance pupil is at infinity, so no distance can be measured from it; focus at infinity")]

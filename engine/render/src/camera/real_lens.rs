@@ -73,6 +73,9 @@ pub(super) struct Setup {
 
 impl Setup {
     pub(super) fn new(d: &CameraDescription, width: u32, height: u32) -> Result<Self, CameraError> {
+        if let Some(nm) = d.wavelength_nm.filter(|nm| !(100.0..=20_000.0).contains(nm)) {
+            return Err(d.error(format!("the wavelength is {nm} nm; visible light is 380 to 780 nm")));
+        }
         let prescription = lens::read(&d.lens_path, Catalogue::shipped())?;
         let name = prescription.name.clone();
         let wrong = |source: SystemError| CameraError::System { lens: name.clone(), source };
@@ -204,9 +207,6 @@ impl RealLens {
     pub(super) fn new(d: &CameraDescription, axes: DMat3, width: u32, height: u32) -> Result<Self, CameraError> {
         let Setup { info, system, film, origin_z_mm } = Setup::new(d, width, height)?;
         let spectrum = match d.wavelength_nm {
-            Some(nm) if !(100.0..=20_000.0).contains(&nm) => {
-                return Err(d.error(format!("the wavelength is {nm} nm; visible light is 380 to 780 nm")));
-            }
             Some(nm) => FilmSpectrum::single(nm),
             None => FilmSpectrum::visible(),
         };

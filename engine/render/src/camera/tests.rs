@@ -167,6 +167,7 @@ fn errors_say_what_to_do() {
     assert!(bad(&|d| d.lens_path = "nowhere.lens".into()).contains("nowhere.lens"));
     assert!(bad(&|d| d.focus_distance = Some(1e-6)).contains("Camera"));
     assert!(bad(&|d| d.focus_distance = Some(f64::NAN)).contains("focus distance"));
+    assert!(bad(&|d| d.wavelength_nm = Some(5.0)).contains("wavelength"));
     assert!(bad(&|d| d.film_width_mm = 0.0).contains("film width"));
     assert!(bad(&|d| d.film_distance_mm = Some(-1.0)).contains("behind the lens"));
     assert!(bad(&|d| d.matrix_world = DMat4::ZERO).contains("matrix"));

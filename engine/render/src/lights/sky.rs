@@ -14,7 +14,7 @@ use std::f32::consts::PI;
 
 /// The most columns of the table that the world's image is sampled by. Larger tables find smaller suns in the
 /// image and take longer to build.
-const TABLE_WIDTH: usize = 2048;
+const TABLE_WIDTH: usize = 1024;
 
 /// Everything at infinity.
 pub(super) struct Sky {

@@ -99,7 +99,8 @@ pub struct PixelFilter {
 impl PixelFilter {
     const STEPS: usize = 1024;
 
-    /// The Blackman-Harris window of the given full width in pixels (Cycles' default, 1.5); 0 is a box of one.
+    /// The Blackman-Harris window of the given width in pixels, as Cycles counts it (1.5 is its default): the window
+    /// ends that far on either side of the pixel's centre. 0 is a box of one pixel.
     pub fn new(width_px: f32) -> Self {
         if width_px <= 0.0 {
             return Self { inverse: vec![-0.5, 0.5] };
@@ -119,7 +120,7 @@ impl PixelFilter {
                 let target = total * k as f64 / Self::STEPS as f64;
                 let i = cumulative.partition_point(|&c| c < target).clamp(1, fine);
                 let part = (target - cumulative[i - 1]) / (cumulative[i] - cumulative[i - 1]);
-                (((i - 1) as f64 + part.clamp(0.0, 1.0)) / fine as f64 - 0.5) as f32 * width_px
+                (((i - 1) as f64 + part.clamp(0.0, 1.0)) / fine as f64 - 0.5) as f32 * 2.0 * width_px
             })
             .collect();
         Self { inverse }
@@ -180,9 +181,9 @@ mod tests {
         let filter = PixelFilter::new(1.5);
         let mean: f32 = (0..1000).map(|i| filter.sample((i as f32 + 0.5) / 1000.0)).sum::<f32>() / 1000.0;
         assert!(mean.abs() < 1e-4);
-        assert!(filter.sample(0.0) >= -0.75 && filter.sample(0.999_999) <= 0.75);
-        // A window narrower than its support: half of the weight within about a fifth of the width.
-        assert!(filter.sample(0.75) < 0.2);
+        assert!(filter.sample(0.0) >= -1.5 && filter.sample(0.999_999) <= 1.5);
+        // A window narrower than its support: half of the weight within about a quarter of the width.
+        assert!(filter.sample(0.75) < 0.4);
         assert!((PixelFilter::new(0.0).sample(0.25) + 0.25).abs() < 1e-6);
     }
 }

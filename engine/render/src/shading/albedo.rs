@@ -15,6 +15,8 @@ const POINTS: u32 = 1024;
 #[derive(Clone, Debug)]
 pub struct AlbedoTable {
     values: [[f32; STEPS]; STEPS],
+    // Cosine-weighted, by roughness.
+    averages: [f32; STEPS],
 }
 
 impl AlbedoTable {
@@ -64,7 +66,11 @@ impl AlbedoTable {
                 *value = sum / POINTS as f32;
             }
         }
-        Self { values }
+        let mut table = Self { values, averages: [0.0; STEPS] };
+        for i in 0..STEPS {
+            table.averages[i] = table.integrate(i as f32 / (STEPS - 1) as f32);
+        }
+        table
     }
 
     /// The albedo seen at that cosine.
@@ -80,7 +86,13 @@ impl AlbedoTable {
 
     /// The cosine-weighted average at that roughness.
     pub fn average(&self, roughness: f32) -> f32 {
-        let n = 16;
+        let x = roughness.clamp(0.0, 1.0) * (STEPS - 1) as f32;
+        let i = (x as usize).min(STEPS - 2);
+        self.averages[i] + (self.averages[i + 1] - self.averages[i]) * (x - i as f32)
+    }
+
+    fn integrate(&self, roughness: f32) -> f32 {
+        let n = 64;
         (0..n)
             .map(|k| {
                 let cos = (k as f32 + 0.5) / n as f32;
