@@ -3,7 +3,7 @@
 
 from __future__ import annotations
 
-from math import pi, tan
+from math import acos, atan, cos, pi, tan
 
 import bpy
 from mathutils import Matrix
@@ -31,8 +31,7 @@ def describe(holder: bpy.types.Object, matrix: Matrix, images: Images, report: R
         description.radius = light.shadow_soft_size
         description.soft_falloff = light.use_soft_falloff
     if light.type == "SPOT":
-        description.spot_angle_rad = light.spot_size
-        description.spot_blend = light.spot_blend
+        description.spot_angle_rad, description.spot_blend = _cone(light, matrix)
     elif light.type == "SUN":
         description.angle_rad = light.angle
     elif light.type == "AREA":
@@ -66,6 +65,22 @@ def _node_colour(light: bpy.types.Light, inputs: Inputs) -> Colour:
         return (1.0, 1.0, 1.0)
     strength = inputs.constant(found.input("Strength"))
     return tuple(part * strength for part in inputs.constant(found.input("Color")))
+
+
+def _cone(light: bpy.types.Light, matrix: Matrix) -> tuple[float, float]:
+    """A spot's angle and blend; its object's scale stretches the cone."""
+    x, y, z = (abs(part) for part in matrix.to_scale())
+    if z == 0.0 or x == y == z:
+        return light.spot_size, light.spot_blend
+
+    def stretched(angle: float) -> float:
+        return atan(tan(angle) * 0.5 * (x + y) / z)
+
+    rim = 0.5 * light.spot_size
+    # Where the light is full: the blend is a part of the cone by its cosine.
+    full = acos(cos(rim) + (1.0 - cos(rim)) * light.spot_blend)
+    rim, full = stretched(rim), stretched(full)
+    return 2.0 * rim, (cos(full) - cos(rim)) / (1.0 - cos(rim)) if rim > 0.0 else 0.0
 
 
 def _size(light: bpy.types.Light, matrix: Matrix) -> float:
