@@ -122,6 +122,7 @@ class _Photograph:
         self._tell("Preparing the lens", 0.0)
         job = loop.stoppable(lambda: native.Job(scene, camera, settings), self._stop_asked)
         stopped = loop.follow(job, stop_asked=self._stop_asked, show=self._show, tell=self._progress)
+        self._progress(job.progress() if stopped else 1.0, job.samples_done())
         self._show([tiles.Tile(0, 0, job.image())])
         self._keep(json.loads(job.stats_json()), sync_seconds, stopped)
 

@@ -14,8 +14,9 @@ import pytest
 pytestmark = [pytest.mark.window, pytest.mark.once]
 
 ROOT = Path(__file__).resolve().parent.parent
+# From when Blender lets the engine know. Best of some tries: the machine may be busy.
 STOPS_WITHIN_S = 0.3
-# A loaded machine, and drawing in software: the promise is for the best of some tries.
+# From the key: a window that is drawn in software, on a machine that renders, looks at the keyboard seldom.
 STOPS_AT_LAST_WITHIN_S = 3.0
 
 
@@ -91,7 +92,7 @@ def test_a_render_goes_to_its_end(walked, saved):
 
 
 def test_the_progress_moves(walked):
-    parts = [part for part, _ in walked[0]["progress"]]
+    parts = [part for part, _, _ in walked[0]["progress"]]
     assert parts == sorted(parts)
     assert parts[0] == 0.0 and parts[-1] == 1.0
     assert len({round(part, 2) for part in parts}) > 5
@@ -131,8 +132,9 @@ def test_escape_stops_a_render(walked):
     for one in escapes:
         assert one["running"] and one["stopped"], said
         assert one["ended_s"] is not None and one["ended_s"] < STOPS_AT_LAST_WITHIN_S, escapes
-    print("from Escape to the end of the render, seconds:", [round(one["ended_s"], 3) for one in escapes])
-    assert min(one["ended_s"] for one in escapes) < STOPS_WITHIN_S, escapes
+    for what in ("engine_s", "ended_s", "window_s"):
+        print(what, [round(one[what], 3) for one in escapes])
+    assert min(one["engine_s"] for one in escapes) < STOPS_WITHIN_S, escapes
 
 
 def test_what_was_done_before_escape_is_kept(walked, saved):

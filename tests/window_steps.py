@@ -141,14 +141,21 @@ def escape_after(seconds):
     took = time.monotonic() - asked
     bpy.app.handlers.render_cancel.pop()
     seen["escapes"].append(
-        {"running": running, "stopped": not rendering(), "took_s": took, "ended_s": ended[0] - asked if ended else None}
+        {
+            "running": running,
+            "stopped": not rendering(),
+            "window_s": took,
+            "ended_s": ended[0] - asked if ended else None,
+            # Progress is told until the engine learns of the key: Blender looks at the keyboard between two drawings.
+            "engine_s": ended[0] - progress[-1][2] if ended else None,
+        }
     )
 
 
 def steps():
     """Yields after each step the seconds to wait, or a condition with the seconds that it may take."""
     make_scene()
-    part("loop").WATCH.on_progress = lambda done, text: progress.append((done, text))
+    part("loop").WATCH.on_progress = lambda done, text: progress.append((done, text, time.monotonic()))
     open_panels()
     yield 1.0
     split_view()
