@@ -15,7 +15,7 @@ from photograph import chart, native, truth
 
 LENSES = sorted((Path(__file__).resolve().parent.parent / "lenses").glob("*.lens"))
 OPENINGS = {"wide open": {}, "f/8": {"f_number": 8.0}, "f/8, five blades": {"f_number": 8.0, "blades": 5}}
-WIDTH, HEIGHT, SAMPLES = 6, 4, 512
+WIDTH, HEIGHT, SAMPLES = 6, 4, 256
 
 
 def assert_white(picture: np.ndarray, tolerance: float) -> None:
@@ -92,7 +92,7 @@ def test_vignetting_is_that_of_brute_force(case):
     # Four points with the spread of a pixel's filter.
     around = [(dx, dy) for dx in (-0.27, 0.27) for dy in (-0.27, 0.27)]
     axis = exact.exposure([(COLUMNS / 2.0 + dx, ROWS / 2.0 + dy) for dx, dy in around], fine=60)
-    for column, row in ((COLUMNS // 2, ROWS // 2), (3, 6), (COLUMNS - 1, 1), (0, ROWS - 1)):
+    for column, row in ((COLUMNS // 2, ROWS // 2), (3, 6), (0, ROWS - 1)):
         expected = exact.exposure([(column + 0.5 + dx, row + 0.5 + dy) for dx, dy in around]) / axis
         # 2 / 40^1.5 / sqrt(4) = 0.4 % for brute force; the render's noise and the bend of the vignetting inside of a
         # pixel, each about 0.2 %.

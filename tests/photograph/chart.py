@@ -44,9 +44,9 @@ class Studio:
         render.image_settings.color_mode = "RGB"
         self.scene.petzval.samples = samples
         self.scene.petzval.max_bounces = 0
-        # A Blackman-Harris window has no part at one wave a pixel if it is four pixels wide: then the pixels' sum and
-        # centroid are those of the light itself. The default's are off by up to 0.05 pixel, as any narrow filter's.
-        self.scene.petzval.filter_width = 4.0
+        # A Blackman-Harris window that ends two pixels from its middle has no part at one wave a pixel: the pixels' sum
+        # and centroid are then those of the light itself. With a narrower one, centroids are off by up to 0.05 pixel.
+        self.scene.petzval.filter_width = 2.0
         self.data = bpy.data.cameras.new("Camera")
         self.holder = bpy.data.objects.new("Camera", self.data)
         self.scene.collection.objects.link(self.holder)
