@@ -112,6 +112,7 @@ class SettingsDescription:
     sample_offset: int = 0
     threads: int = 0
     max_bounces: int = 12
+    clamp_indirect: float = 0.0  # most radiance that light after a bounce may add to a sample; 0: no limit
     filter_width_px: float = 1.5
     transparent_film: bool = False
 

@@ -136,6 +136,7 @@ class _Photograph:
             sample_offset=own.sample_offset,
             threads=render.threads if render.threads_mode == "FIXED" else 0,
             max_bounces=own.max_bounces,
+            clamp_indirect=own.clamp_indirect,
             filter_width_px=own.filter_width,
             transparent_film=render.film_transparent,
         )

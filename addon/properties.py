@@ -268,6 +268,14 @@ class PetzvalScene(bpy.types.PropertyGroup):
         max=1024,
         soft_max=64,
     )
+    clamp_indirect: FloatProperty(
+        name="Clamp Indirect",
+        description="Most radiance that light after a bounce may add to a sample: fewer bright specks, but light is lost. "
+        "Zero keeps all of it, and the picture true",
+        default=0.0,
+        min=0.0,
+        soft_max=100.0,
+    )
     filter_width: FloatProperty(
         name="Filter Width",
         description="Width of the Blackman-Harris pixel filter; zero is a box of one pixel",

@@ -3,7 +3,7 @@
 
 from __future__ import annotations
 
-from math import acos, atan, cos, pi, tan
+from math import acos, atan, cos, pi, sin, tan
 
 import bpy
 from mathutils import Matrix
@@ -86,7 +86,7 @@ def _cone(light: bpy.types.Light, matrix: Matrix) -> tuple[float, float]:
 def _size(light: bpy.types.Light, matrix: Matrix) -> float:
     """What Blender divides by where a light's power is spread over its size; 1 for lights without size."""
     if light.type == "SUN":
-        size = pi * tan(0.5 * light.angle) ** 2
+        size = pi * sin(0.5 * light.angle) ** 2
     elif light.type == "AREA":
         size_y = light.size_y if light.shape in {"RECTANGLE", "ELLIPSE"} else light.size
         across = matrix.to_scale()

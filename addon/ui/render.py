@@ -43,7 +43,9 @@ class PETZVAL_RENDER_PT_light_paths(_RenderPanel, bpy.types.Panel):
     bl_options = {"DEFAULT_CLOSED"}
 
     def draw(self, context):
-        columns(self).prop(context.scene.petzval, "max_bounces", text="Bounces")
+        layout = columns(self)
+        layout.prop(context.scene.petzval, "max_bounces", text="Bounces")
+        layout.prop(context.scene.petzval, "clamp_indirect")
 
 
 class PETZVAL_RENDER_PT_film(_RenderPanel, bpy.types.Panel):

@@ -144,6 +144,7 @@ class SettingsDescription(Protocol):
     sample_offset: int
     threads: int  # 0: all cores
     max_bounces: int
+    clamp_indirect: float  # most radiance that light after a bounce may add to a sample; 0: no limit
     filter_width_px: float  # Blackman-Harris filter; 0: box of one pixel
     transparent_film: bool  # world seen directly is left out, alpha 0
 

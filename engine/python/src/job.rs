@@ -20,6 +20,7 @@ struct PySettings {
     sample_offset: u32,
     threads: usize,
     max_bounces: u32,
+    clamp_indirect: f32,
     filter_width_px: f32,
     transparent_film: bool,
 }
@@ -34,6 +35,7 @@ impl From<PySettings> for Settings {
             sample_offset: s.sample_offset,
             threads: s.threads,
             max_bounces: s.max_bounces,
+            clamp_indirect: s.clamp_indirect,
             filter_width_px: s.filter_width_px,
             transparent_film: s.transparent_film,
         }

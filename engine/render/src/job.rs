@@ -5,7 +5,7 @@
 
 use crate::camera::Camera;
 use crate::film::{Film, TilePixels};
-use crate::integrator::Stage;
+use crate::integrator::{Stage, path::Limits};
 use crate::pipeline::film_first::{Counts, Shot, render_tile};
 use crate::sampler::warp::PixelFilter;
 use std::panic::{AssertUnwindSafe, catch_unwind};
@@ -36,6 +36,8 @@ pub struct Settings {
     pub threads: usize,
     /// Bounces after the first surface.
     pub max_bounces: u32,
+    /// Most radiance, in its brightest channel, that light after a bounce may add to a sample; 0 is no limit.
+    pub clamp_indirect: f32,
     /// Of the Blackman-Harris filter; 0 is a box of one pixel.
     pub filter_width_px: f32,
     /// The world is not seen by the camera; its pixels are transparent.
@@ -61,6 +63,9 @@ pub enum SettingsError {
         /// From which.
         offset: u32,
     },
+    /// The limit on indirect light.
+    #[error("indirect light clamped at {0}: set a radiance, or zero for no limit")]
+    Clamp(f32),
     /// The filter.
     #[error("filter width {0} pixels: set it from 0 to 10")]
     Filter(f32),
@@ -75,6 +80,9 @@ impl Settings {
         let last = self.samples.checked_add(self.sample_offset);
         if self.samples == 0 || last.is_none_or(|n| n > i32::MAX as u32) {
             return Err(SettingsError::Samples { samples: self.samples, offset: self.sample_offset });
+        }
+        if !(self.clamp_indirect >= 0.0) {
+            return Err(SettingsError::Clamp(self.clamp_indirect));
         }
         if !(0.0..=10.0).contains(&self.filter_width_px) {
             return Err(SettingsError::Filter(self.filter_width_px));
@@ -263,9 +271,12 @@ impl Shared {
             filter: &self.filter,
             width: s.width,
             height: s.height,
-            max_bounces: s.max_bounces,
+            limits: Limits {
+                max_bounces: s.max_bounces,
+                clamp_indirect: if s.clamp_indirect > 0.0 { s.clamp_indirect } else { f32::INFINITY },
+                hide_sky: s.transparent_film,
+            },
             seed: s.seed,
-            transparent_film: s.transparent_film,
         };
         let stopped = || self.stop.load(Ordering::Relaxed);
         let tiles = self.film.tile_count();

@@ -57,15 +57,29 @@ impl Chosen {
     }
 }
 
-/// Follows a ray from the camera; at most `max_bounces` bounces after the first surface. With `hide_sky` the world
-/// and suns light the scene, but the camera does not see them.
-pub fn trace(
-    stage: &Stage,
-    camera_ray: Ray,
-    max_bounces: u32,
-    hide_sky: bool,
-    sampler: &mut PathSampler,
-) -> PathResult {
+/// How far light is followed.
+#[derive(Clone, Copy, Debug)]
+pub struct Limits {
+    /// Bounces after the first surface.
+    pub max_bounces: u32,
+    /// Most radiance, in its brightest channel, that light after a bounce may add: fewer bright specks for less
+    /// light. Infinite takes all of it.
+    pub clamp_indirect: f32,
+    /// The world and suns light the scene, but the camera does not see them.
+    pub hide_sky: bool,
+}
+
+impl Limits {
+    /// Light found after `bounce` bounces, as far as it counts.
+    #[inline]
+    fn clamp(&self, light: Rgb, bounce: u32) -> Rgb {
+        let most = light.max_element();
+        if bounce > 0 && most > self.clamp_indirect { light * (self.clamp_indirect / most) } else { light }
+    }
+}
+
+/// Follows a ray from the camera.
+pub fn trace(stage: &Stage, camera_ray: Ray, limits: &Limits, sampler: &mut PathSampler) -> PathResult {
     let scene = &stage.scene;
     let mut result = PathResult::default();
     let mut ray = camera_ray;
@@ -81,15 +95,15 @@ pub fn trace(
         let hit = stage.accel.closest(&ray, kind);
         let t_max = hit.map_or(f32::INFINITY, |h| h.t);
         stage.lights.lamps_along(ray.origin, ray.direction, t_max, camera, chosen.receiver(), |radiance, pdf| {
-            result.radiance += throughput * radiance * chosen.weight(pdf);
+            result.radiance += limits.clamp(throughput * radiance * chosen.weight(pdf), bounce);
             result.hit = true;
         });
         let Some(hit) = hit else {
-            if camera && hide_sky {
+            if camera && limits.hide_sky {
                 break;
             }
             stage.lights.sky_along(scene, ray.direction, camera, |radiance, pdf| {
-                result.radiance += throughput * radiance * chosen.weight(pdf);
+                result.radiance += limits.clamp(throughput * radiance * chosen.weight(pdf), bounce);
             });
             break;
         };
@@ -109,9 +123,9 @@ pub fn trace(
             let pdf = chosen.receiver().map_or(0.0, |to| {
                 stage.lights.triangle_pdf(scene, to, (hit.instance, hit.triangle), travelled + hit.t, cos)
             });
-            result.radiance += throughput * radiance * chosen.weight(pdf);
+            result.radiance += limits.clamp(throughput * radiance * chosen.weight(pdf), bounce);
         }
-        if bounce > max_bounces {
+        if bounce > limits.max_bounces {
             break;
         }
         let values = nodes::evaluate(material, scene, &point);
@@ -120,8 +134,10 @@ pub fn trace(
         if !bsdf.is_mirror() {
             let to = Receiver { position: point.position, normal: bsdf.receiving_normal() };
             let light = stage.lights.sample(scene, &to, u_light, [u0, u1]);
-            result.radiance +=
-                throughput * light.map_or(Rgb::ZERO, |l| direct(stage, &point, &bsdf, &l, &mut result.rays));
+            if let Some(light) = light {
+                let found = throughput * direct(stage, &point, &bsdf, &light, &mut result.rays);
+                result.radiance += limits.clamp(found, bounce);
+            }
         }
         let [u4, ..] = sampler.next_4d();
         let Some(next) = bsdf.sample(u_lobe, [u2, u3], u4) else { break };

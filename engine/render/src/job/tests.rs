@@ -16,6 +16,7 @@ fn settings(samples: u32, threads: usize) -> Settings {
         sample_offset: 0,
         threads,
         max_bounces: 4,
+        clamp_indirect: 0.0,
         filter_width_px: 1.5,
         transparent_film: false,
     }
@@ -142,5 +143,6 @@ fn settings_out_of_range_are_refused() {
     let start = |s: Settings| Job::start(stage(), camera(Model::Pinhole), s).map(|_| ()).unwrap_err().to_string();
     assert!(start(settings(0, 1)).contains("at least one"));
     assert!(start(Settings { width: 0, ..settings(1, 1) }).contains("resolution 0 x 50"));
+    assert!(start(Settings { clamp_indirect: -1.0, ..settings(1, 1) }).contains("clamped at -1"));
     assert!(start(Settings { filter_width_px: f32::NAN, ..settings(1, 1) }).contains("filter"));
 }

@@ -32,8 +32,9 @@ impl PreparedLamp {
                 }
             }
             LampKind::Sun { half_angle_rad } => {
-                let tan = half_angle_rad.tan();
-                if tan > 0.0 { lamp.color / (PI * tan * tan) } else { lamp.color }
+                // Its irradiance on a surface that faces it: radiance times the projected solid angle.
+                let sin = half_angle_rad.min(FRAC_PI_2).sin();
+                if sin > 0.0 { lamp.color / (PI * sin * sin) } else { lamp.color }
             }
             // A Lambert emitter sends pi times its radiance from each unit of area.
             LampKind::Area { size, ellipse, .. } => {

@@ -5,7 +5,7 @@ use crate::camera::Camera;
 use crate::film::{TileRect, contribution};
 use crate::integrator::{
     Stage,
-    path::{self, PathResult},
+    path::{self, Limits, PathResult},
 };
 use crate::sampler::{PathSampler, warp::PixelFilter};
 use glam::Vec2;
@@ -26,12 +26,10 @@ pub struct Shot<'a> {
     pub width: u32,
     /// Rows.
     pub height: u32,
-    /// Bounces after the first surface.
-    pub max_bounces: u32,
+    /// How far light is followed.
+    pub limits: Limits,
     /// Of all random choices.
     pub seed: u32,
-    /// What the camera sees of the world itself is left out.
-    pub transparent_film: bool,
 }
 
 /// Counts of what was done.
@@ -115,13 +113,13 @@ fn sample(shot: &Shot<'_>, x: u32, y: u32, index: u32, counts: &mut Counts) -> [
         None => {
             counts.camera_rays_lost += 1;
             // Lost light is black, not transparent: the lens is in the way.
-            [0.0, 0.0, 0.0, if shot.transparent_film { 0.0 } else { 1.0 }]
+            [0.0, 0.0, 0.0, if shot.limits.hide_sky { 0.0 } else { 1.0 }]
         }
         Some(ray) => {
-            let found = path::trace(shot.stage, ray.ray, shot.max_bounces, shot.transparent_film, &mut sampler);
+            let found = path::trace(shot.stage, ray.ray, &shot.limits, &mut sampler);
             counts.rays += u64::from(found.rays);
             let PathResult { radiance, hit, .. } = found;
-            let alpha = if shot.transparent_film && !hit { 0.0 } else { 1.0 };
+            let alpha = if shot.limits.hide_sky && !hit { 0.0 } else { 1.0 };
             contribution(radiance * ray.weight, alpha)
         }
     };

@@ -8,6 +8,10 @@ use crate::scene::mesh::MeshDescription;
 use crate::scene::{SceneBuilder, world::World};
 use glam::{Affine3A, DMat4, DVec3, Vec3, Vec3A};
 
+fn limits(max_bounces: u32) -> Limits {
+    Limits { max_bounces, clamp_indirect: f32::INFINITY, hide_sky: false }
+}
+
 fn cube() -> MeshDescription {
     let positions =
         (0..8).map(|i| Vec3::new((i & 1) as f32, (i >> 1 & 1) as f32, (i >> 2) as f32) * 2.0 - Vec3::ONE).collect();
@@ -31,7 +35,7 @@ fn mean(stage: &Stage, origin: Vec3A, max_bounces: u32, n: u32) -> Rgb {
         let mut sampler = PathSampler::new(0, 0, i, 1);
         let u = sampler.next_4d();
         let d = warp::sample_sphere([u[0], u[1]]);
-        sum += trace(stage, Ray::new(origin, d), max_bounces, false, &mut sampler).radiance.as_dvec3();
+        sum += trace(stage, Ray::new(origin, d), &limits(max_bounces), &mut sampler).radiance.as_dvec3();
     }
     (sum / n as f64).as_vec3()
 }
@@ -125,9 +129,23 @@ fn alpha_lets_light_through() {
     let mut sampler = PathSampler::new(0, 0, 0, 1);
     // Off the diagonal, where two triangles of the sheet meet.
     let ray = Ray::new(Vec3A::new(0.02, 0.01, 0.5), -Vec3A::Z);
-    let found = trace(&stage, ray, 0, false, &mut sampler).radiance.x;
+    let found = trace(&stage, ray, &limits(0), &mut sampler).radiance.x;
     let pi = std::f32::consts::PI;
     let expected = 100.0 / (4.0 * pi) / 4.0 / pi * 0.75;
     // The floor is met 0.02 off the lamp's axis: cos^4 of a hundredth of a radian.
     assert!((found / expected - 1.0).abs() < 5e-4, "{found} {expected}");
+}
+
+/// Clamping takes from light after a bounce alone, down to the limit.
+#[test]
+fn clamping_leaves_what_is_seen_directly() {
+    let stage = stage(plain(0.5, 100.0), Rgb::ZERO, 1.0);
+    let one = |clamp_indirect: f32| {
+        let mut sampler = PathSampler::new(0, 0, 0, 1);
+        let limits = Limits { clamp_indirect, ..limits(0) };
+        trace(&stage, Ray::new(Vec3A::new(0.3, -0.2, 0.5), Vec3A::X), &limits, &mut sampler).radiance.x
+    };
+    // Glow 100, seen directly; what one bounce adds comes in two parts, the second after the bounce.
+    let (free, clamped) = (one(f32::INFINITY), one(1e-3));
+    assert!(clamped >= 100.0 && clamped < free, "{clamped} {free}");
 }
