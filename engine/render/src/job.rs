@@ -81,7 +81,7 @@ impl Settings {
         if self.samples == 0 || last.is_none_or(|n| n > i32::MAX as u32) {
             return Err(SettingsError::Samples { samples: self.samples, offset: self.sample_offset });
         }
-        if !(self.clamp_indirect >= 0.0) {
+        if !(0.0..=f32::INFINITY).contains(&self.clamp_indirect) {
             return Err(SettingsError::Clamp(self.clamp_indirect));
         }
         if !(0.0..=10.0).contains(&self.filter_width_px) {
