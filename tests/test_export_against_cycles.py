@@ -173,9 +173,7 @@ def test_an_image_on_a_surface(stage, blender, tmp_path, given, image):
     diffuse = next(node for node in tree.nodes if node.type == "BSDF_DIFFUSE")
     tree.links.new(texture.outputs["Color"], diffuse.inputs["Color"])
     blender.context.scene.world = stage.grey_world(1.0, "Bright")
-    # Between the pixels of an image in sRGB, Cycles averages what is encoded, the engine what is meant.
-    loose = texture.image.colorspace_settings.name == "sRGB"
-    same(*both(stage, blender, tmp_path), mean=0.05 if loose else 0.01, block=1.0 if loose else 0.06)
+    same(*both(stage, blender, tmp_path), mean=0.01, block=0.06)
 
 
 def shader(tree, kind: str, **inputs):

@@ -30,7 +30,7 @@ pub enum Interpolation {
 
 #[derive(Clone, Debug)]
 enum Pixels {
-    // Eight bits a channel stay eight bits; sRGB is decoded on lookup through a table.
+    // Eight bits a channel stay eight bits.
     Bytes { rgba: Vec<[u8; 4]>, srgb: bool },
     Floats(Vec<Vec4>),
 }
@@ -79,26 +79,38 @@ impl Texture {
     }
 
     /// One pixel, linear RGBA.
-    #[inline]
     pub fn texel(&self, x: usize, y: usize) -> Vec4 {
+        self.decoded(self.stored(x, y))
+    }
+
+    /// One pixel as it is stored.
+    #[inline]
+    fn stored(&self, x: usize, y: usize) -> Vec4 {
         let i = y * self.width + x;
         match &self.pixels {
             Pixels::Floats(p) => p[i],
-            Pixels::Bytes { rgba, srgb } => {
-                let p = rgba[i];
-                let byte = |b: u8| b as f32 / 255.0;
-                if *srgb {
-                    let t = &SRGB_TABLE;
-                    Vec4::new(t[p[0] as usize], t[p[1] as usize], t[p[2] as usize], byte(p[3]))
-                } else {
-                    Vec4::new(byte(p[0]), byte(p[1]), byte(p[2]), byte(p[3]))
-                }
-            }
+            Pixels::Bytes { rgba, .. } => Vec4::from(rgba[i].map(f32::from)) / 255.0,
         }
     }
 
-    /// The value at `uv`, linear RGBA.
+    /// A stored value, or one between stored values, made linear.
+    #[inline]
+    fn decoded(&self, v: Vec4) -> Vec4 {
+        match self.pixels {
+            Pixels::Bytes { srgb: true, .. } => {
+                Vec4::new(srgb_to_linear(v.x), srgb_to_linear(v.y), srgb_to_linear(v.z), v.w)
+            }
+            _ => v,
+        }
+    }
+
+    /// The value at `uv`, linear RGBA. Between pixels, eight-bit sRGB is interpolated as it is stored and decoded
+    /// after, as Cycles does.
     pub fn lookup(&self, uv: Vec2, interpolation: Interpolation, extension: Extension) -> Vec4 {
+        self.decoded(self.interpolated(uv, interpolation, extension))
+    }
+
+    fn interpolated(&self, uv: Vec2, interpolation: Interpolation, extension: Extension) -> Vec4 {
         let x = uv.x * self.width as f32;
         let y = uv.y * self.height as f32;
         if !(x.is_finite() && y.is_finite()) {
@@ -150,7 +162,7 @@ impl Texture {
             }
             Extension::Mirror => (mirror(x, w), mirror(y, h)),
         };
-        self.texel(x as usize, y as usize)
+        self.stored(x as usize, y as usize)
     }
 }
 
@@ -170,9 +182,6 @@ fn check(name: &str, width: usize, height: usize, values: usize) -> Result<(), S
 pub fn srgb_to_linear(v: f32) -> f32 {
     if v <= 0.04045 { v / 12.92 } else { ((v + 0.055) / 1.055).powf(2.4) }
 }
-
-static SRGB_TABLE: std::sync::LazyLock<[f32; 256]> =
-    std::sync::LazyLock::new(|| std::array::from_fn(|i| srgb_to_linear(i as f32 / 255.0)));
 
 #[cfg(test)]
 mod tests {
@@ -215,5 +224,9 @@ mod tests {
         // 188/255 is close to half the light: (0.7373 + 0.055)/1.055 to the power 2.4.
         assert!((p.y - 0.5029).abs() < 1e-3 && p.x == 1.0 && (p.w - 0.50196).abs() < 1e-4);
         assert!(Texture::from_bytes("b", 2, 1, &[0; 4], true).is_err());
+        // Half way between black and white: half the code, a fifth of the light.
+        let t = Texture::from_bytes("b", 2, 1, &[0, 0, 0, 255, 255, 255, 255, 255], true).unwrap();
+        let between = t.lookup(Vec2::new(0.5, 0.5), Interpolation::Linear, Extension::Extend);
+        assert!((between.x - 0.2140).abs() < 1e-3, "{between}");
     }
 }
