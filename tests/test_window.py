@@ -147,5 +147,4 @@ def test_what_was_done_before_escape_is_kept(walked, saved):
 def test_an_error_does_not_hang_the_window(walked):
     seen, _, said = walked
     assert not seen["rendering_after_error"]
-    # Blender prints it, or tells it to who started the render.
-    assert "no such lens: no-such.lens" in said + seen.get("error_told", "")
+    assert "no such lens: no-such.lens" in seen["told"] + seen.get("error_told", ""), said

@@ -146,8 +146,9 @@ def escape_after(seconds):
             "stopped": not rendering(),
             "window_s": took,
             "ended_s": ended[0] - asked if ended else None,
-            # Progress is told until the engine learns of the key: Blender looks at the keyboard between two drawings.
-            "engine_s": ended[0] - progress[-1][2] if ended else None,
+            # Progress is told until the engine learns of the key, and once more when it has ended: Blender looks at the
+            # keyboard between two drawings.
+            "engine_s": ended[0] - progress[-2][2] if ended else None,
         }
     )
 
@@ -217,6 +218,16 @@ def steps():
     yield 2.0
     picture("error")
     seen["rendering_after_error"] = rendering()
+    # What Blender has told its user, as its Info editor lists it.
+    info = areas("PROPERTIES")[0]
+    info.type = "INFO"
+    yield 0.5
+    window = bpy.context.window_manager.windows[0]
+    with bpy.context.temp_override(window=window, screen=window.screen, area=info, region=info.regions[-1]):
+        info.spaces.active.show_report_error = True
+        bpy.ops.info.select_all(action="SELECT")
+        bpy.ops.info.report_copy()
+    seen["told"] = bpy.context.window_manager.clipboard
 
 
 # Before the window is drawn for the first time: the splash would be there already.
