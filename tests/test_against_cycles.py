@@ -30,6 +30,7 @@ def photograph(blender, tmp_path):
         scene.camera.data.dof.use_dof = False
         scene.petzval.samples = samples
         scene.petzval.max_bounces = bounces
+        scene.petzval.clamp_indirect = 0.0
         scene.petzval.seed = seed
         cycles = scene.cycles
         cycles.device = "CPU"
