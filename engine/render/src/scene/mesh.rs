@@ -65,13 +65,14 @@ impl Mesh {
         }
         let whole = |t: &[u32; 3]| {
             let [a, b, c] = t.map(|i| d.positions[i as usize]);
-            a.is_finite() && b.is_finite() && c.is_finite() && has_area(a, b, c)
+            [a, b, c].iter().all(within_reach) && has_area(a, b, c)
         };
         let keep: Vec<bool> = d.triangles.iter().map(whole).collect();
         let dropped = keep.iter().filter(|&&k| !k).count();
         let warning = (dropped > 0).then(|| {
             format!(
-                "mesh '{}': {dropped} of {n} triangles have no area or a vertex that is not finite; left out",
+                "mesh '{}': {dropped} of {n} triangles have no area, or a vertex that is not finite or \
+                 farther than 1e12 units; left out",
                 d.name
             )
         });
@@ -145,6 +146,11 @@ impl Mesh {
     }
 }
 
+/// Whether a point is finite, and near enough for products of coordinates to stay finite in single precision.
+fn within_reach(p: &Vec3) -> bool {
+    p.is_finite() && p.abs().max_element() <= 1e12
+}
+
 /// Whether a triangle has area in double precision, with single-precision corners.
 fn has_area(a: Vec3, b: Vec3, c: Vec3) -> bool {
     let (a, b, c) = (a.as_dvec3(), b.as_dvec3(), c.as_dvec3());
@@ -168,12 +174,13 @@ mod tests {
     fn bad_triangles_are_left_out_and_counted() {
         let mut d = quad();
         d.positions.push(Vec3::new(f32::NAN, 0.0, 0.0));
-        d.triangles.extend([[0, 1, 4], [0, 0, 1], [0, 1, 1]]);
-        d.material_slots = Some(vec![0, 1, 2, 3, 4]);
+        d.positions.push(Vec3::new(1e30, 0.0, 0.0));
+        d.triangles.extend([[0, 1, 4], [0, 0, 1], [0, 1, 1], [0, 1, 5]]);
+        d.material_slots = Some(vec![0, 1, 2, 3, 4, 5]);
         let (mesh, warning) = Mesh::new(d).unwrap();
         assert_eq!(mesh.triangles.len(), 2);
         assert_eq!(mesh.material_slots, Some(vec![0, 1]));
-        assert!(warning.unwrap().contains("3 of 5"));
+        assert!(warning.unwrap().contains("4 of 6"));
         assert!(Mesh::new(quad()).unwrap().1.is_none());
     }
 
