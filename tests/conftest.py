@@ -9,6 +9,7 @@ from __future__ import annotations
 
 import os
 import shutil
+import signal
 import subprocess
 import sys
 import tempfile
@@ -25,6 +26,9 @@ _SESSION_FOLDER = Path(tempfile.mkdtemp(prefix="petzval-tests-"))
 os.environ["BLENDER_USER_RESOURCES"] = str(_SESSION_FOLDER / "blender")
 os.environ["TMPDIR"] = str(_SESSION_FOLDER)
 tempfile.tempdir = str(_SESSION_FOLDER)
+
+# A job started in the background ignores Ctrl-C, and hands that down; the tests of Ctrl-C need it heard.
+signal.signal(signal.SIGINT, signal.default_int_handler)
 
 _exit_status: int | None = None
 _addon_registered = False
