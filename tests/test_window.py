@@ -85,7 +85,7 @@ def test_nothing_complains_on_the_way(walked):
 
 def test_a_render_goes_to_its_end(walked, saved):
     stats = walked[0]["rendered"]
-    assert stats["samples"] == 16 and stats["non_finite_samples"] == 0
+    assert stats["samples"] == 48 and stats["non_finite_samples"] == 0
     width, height, mean, least, greatest = saved["rendered"]
     assert (width, height) == (480, 320)
     assert 0.05 < mean < 2.0 and least >= 0.0 and greatest < 1e3

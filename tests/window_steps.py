@@ -8,6 +8,7 @@ pictures of the screen and of the renders beside it.
 import importlib
 import json
 import math
+import os
 import subprocess
 import sys
 import time
@@ -116,6 +117,16 @@ def rendering():
     return bpy.app.is_job_running("RENDER")
 
 
+def writable():
+    """Whether Blender lets the scene be changed: for a moment after a render it does not."""
+    own = bpy.context.scene.petzval
+    try:
+        own.samples = own.samples
+    except AttributeError:
+        return False
+    return True
+
+
 def save_result(name):
     settings = bpy.context.scene.render.image_settings
     settings.file_format = "OPEN_EXR"
@@ -125,6 +136,7 @@ def save_result(name):
 
 def escape_after(seconds):
     """Steps of a long render that Escape ends `seconds` after its start; yields, and at last the seconds it took."""
+    yield writable, 10.0
     bpy.context.scene.petzval.samples = 100_000
     start_render()
     yield rendering, 10.0
@@ -182,7 +194,8 @@ def steps():
 
     # To the end.
     scene = bpy.context.scene
-    scene.petzval.samples = 16
+    # Long enough for two pictures on an idle machine, and not too long on a busy one.
+    scene.petzval.samples = 48
     start_render()
     yield rendering, 10.0
     yield 1.5
@@ -191,7 +204,7 @@ def steps():
     yield 2.0
     picture("rendering-2")
     seen["while_rendering"] = rendering()
-    yield (lambda: not rendering()), 90.0
+    yield (lambda: not rendering()), 150.0
     yield 1.0
     picture("rendered")
     save_result("rendered")
@@ -209,6 +222,7 @@ def steps():
     seen["stopped_samples"] = part("statistics").last(scene.name).stats["samples"]
 
     # What goes wrong is said.
+    yield writable, 10.0
     own.lens_file = "no-such.lens"
     try:
         start_render()
@@ -239,6 +253,8 @@ patience_ends = 0.0
 
 def end():
     (FOLDER / "seen.json").write_text(json.dumps(seen))
+    # Where Blender will not be told to quit, it must not keep the test waiting.
+    bpy.app.timers.register(lambda: os._exit(0), first_interval=10.0)
     bpy.ops.wm.quit_blender()
 
 
