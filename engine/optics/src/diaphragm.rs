@@ -6,14 +6,16 @@
 
 use std::f64::consts::TAU;
 
+use crate::lane::{Lane, Mask, Real};
+
 /// The diaphragm's opening, centred on the axis in the plane of the stop.
 #[derive(Clone, Debug, PartialEq)]
-pub struct Diaphragm {
-    radius_mm: f64,
-    apothem_mm: f64,
+pub struct Diaphragm<R = f64> {
+    radius_mm: R,
+    apothem_mm: R,
     rotation_rad: f64,
     /// Unit vectors from the centre to the middle of each side; empty if round.
-    sides: Vec<[f64; 2]>,
+    sides: Vec<[R; 2]>,
 }
 
 impl Diaphragm {
@@ -52,17 +54,35 @@ impl Diaphragm {
         self.rotation_rad
     }
 
+    /// The same in numbers of another kind.
+    pub fn cast<R: Real>(&self) -> Diaphragm<R> {
+        Diaphragm {
+            radius_mm: R::from_f64(self.radius_mm),
+            apothem_mm: R::from_f64(self.apothem_mm),
+            rotation_rad: self.rotation_rad,
+            sides: self.sides.iter().map(|side| side.map(R::from_f64)).collect(),
+        }
+    }
+}
+
+impl<R: Real> Diaphragm<R> {
     /// True if the point (x, y) in mm lies in the opening; its rim counts as open.
-    #[inline]
-    pub fn is_open(&self, x_mm: f64, y_mm: f64) -> bool {
+    pub fn is_open(&self, x_mm: R, y_mm: R) -> bool {
+        self.are_open::<R>(x_mm, y_mm)
+    }
+
+    /// True where the points (x, y) in mm lie in the opening; its rim counts as open.
+    #[inline(always)]
+    pub fn are_open<L: Lane<Real = R>>(&self, x_mm: L, y_mm: L) -> L::Mask {
         let squared = x_mm * x_mm + y_mm * y_mm;
-        if squared > self.radius_mm * self.radius_mm {
-            return false;
+        let within = |radius: R| squared.at_most(squared.like(radius * radius));
+        let mut is_open = within(self.radius_mm);
+        if !self.sides.is_empty() && !within(self.apothem_mm).all() {
+            for [nx, ny] in &self.sides {
+                is_open = is_open & (x_mm * *nx + y_mm * *ny).at_most(squared.like(self.apothem_mm));
+            }
         }
-        if self.sides.is_empty() || squared <= self.apothem_mm * self.apothem_mm {
-            return true;
-        }
-        self.sides.iter().all(|[nx, ny]| x_mm * nx + y_mm * ny <= self.apothem_mm)
+        is_open
     }
 }
 

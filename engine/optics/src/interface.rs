@@ -1,20 +1,23 @@
 //! What an interface between two media does to the direction of a ray.
 //!
 //! Directions are unit vectors; the normal need not be: it comes with its squared length and with (N · D)², as
-//! [`crate::surface::Hit`] holds them.
+//! [`crate::surface::Crossing`] holds them.
 
-use glam::DVec3;
-
-use crate::surface::{Failure, Hit};
+use crate::lane::{Lane, Mask, Real};
+use crate::surface::Crossing;
+use crate::vector::Vector;
 
 /// The two media of a refracting interface, as seen by a ray that crosses it.
 #[derive(Clone, Copy, Debug, PartialEq)]
-pub struct Interface {
+pub struct Interface<R = f64> {
     /// Relative index m = n / n′, from the medium that the ray leaves to the one that it enters.
-    pub ratio: f64,
+    pub ratio: R,
     /// m² − 1, formed from the difference of the indices so that it keeps its digits when they are near.
-    pub excess: f64,
+    pub excess: R,
 }
+
+/// Below this part of (m cos i)², the radicand is formed in factors. Larger costs time, smaller loses digits.
+const NEAR_CRITICAL: f64 = 1e-2;
 
 impl Interface {
     /// From index `from` to index `to`.
@@ -23,62 +26,66 @@ impl Interface {
         Self { ratio: from / to, excess }
     }
 
-    /// The refracted unit direction of the ray `direction` that met the surface from `side`.
+    /// The same in numbers of another kind.
+    pub fn cast<R: Real>(&self) -> Interface<R> {
+        Interface { ratio: R::from_f64(self.ratio), excess: R::from_f64(self.excess) }
+    }
+}
+
+impl<R: Real> Interface<R> {
+    /// The refracted unit directions of the rays `d` that met the surface from `side`, and where there is one: false
+    /// means total internal reflection.
     ///
     /// D′ = m D − s (m² − 1) N / (√r + m √q), with q = (N · D)² and r = m² q − (m² − 1) |N|². This is Snell's
     /// law in vector form, D′ = m D + s (√r − m √q) N / |N|², without its cancellation between near indices.
     #[inline(always)]
-    pub fn refract(&self, direction: DVec3, hit: &Hit, side: f64) -> Result<DVec3, Failure> {
+    pub fn refract<L: Lane<Real = R>>(&self, d: Vector<L>, at: &Crossing<L>, side: R) -> (Vector<L>, L::Mask) {
         let m = self.ratio;
-        let incident_squared = m * m * hit.cosine_squared;
-        let mut radicand = incident_squared - self.excess * hit.normal_squared;
-        if radicand < NEAR_CRITICAL * incident_squared {
-            radicand = self.radicand_near_critical(hit);
+        let incident_squared = at.cosine_squared * (m * m);
+        let incident = at.cosine * m;
+        let mut radicand = incident_squared - at.normal_squared * self.excess;
+        // Into the denser medium nothing is critical.
+        if self.excess > R::ZERO {
+            let is_near = radicand.less(incident_squared * R::from_f64(NEAR_CRITICAL));
+            if is_near.any() {
+                // (m cos i − w) (m cos i + w) |N|², w = √(m² − 1): without the rounding of squares.
+                let critical = (at.normal_squared * self.excess).sqrt();
+                radicand = L::select(is_near, (incident - critical) * (incident + critical), radicand);
+            }
         }
-        if !(radicand >= 0.0) {
-            return Err(Failure::TotalInternalReflection);
-        }
-        let bend = side * self.excess / (radicand.sqrt() + m * hit.cosine_squared.sqrt());
-        Ok(direction * m - hit.normal * bend)
-    }
-
-    /// (m cos i − w) (m cos i + w) |N|², w = √(m² − 1): the radicand without the rounding of squares.
-    #[cold]
-    fn radicand_near_critical(&self, hit: &Hit) -> f64 {
-        let incident = self.ratio * hit.cosine_squared.sqrt();
-        let critical = (self.excess * hit.normal_squared).sqrt();
-        (incident - critical) * (incident + critical)
+        let passes = radicand.at_least(incident.like(R::ZERO));
+        let bend = incident.like(side * self.excess) / (radicand.sqrt() + incident);
+        let n = at.normal;
+        let bent = Vector { x: d.x * m - n.x * bend, y: d.y * m - n.y * bend, z: d.z * m - n.z * bend };
+        (bent, passes)
     }
 }
 
-/// Below this part of (m cos i)², the radicand is formed in factors. Larger costs time, smaller loses digits.
-pub(crate) const NEAR_CRITICAL: f64 = 1e-2;
-
-/// The reflected unit direction: D − 2 (N · D) N / |N|².
+/// The reflected unit directions: D − 2 (N · D) N / |N|².
 #[inline(always)]
-pub fn reflect(direction: DVec3, hit: &Hit, side: f64) -> DVec3 {
-    let twice = 2.0 * side * hit.cosine_squared.sqrt() / hit.normal_squared;
-    direction - hit.normal * twice
+pub fn reflect<L: Lane>(d: Vector<L>, at: &Crossing<L>, side: L::Real) -> Vector<L> {
+    let twice = at.cosine * (side + side) / at.normal_squared;
+    d - at.normal * twice
 }
 
 #[cfg(test)]
 mod tests {
     use super::*;
-    use crate::surface::Conic;
+    use crate::surface::Shape;
 
-    fn at_plane(angle: f64) -> (DVec3, Hit) {
-        let direction = DVec3::new(0.0, angle.sin(), angle.cos());
-        let hit = Conic::new(0.0, 0.0).intersect(DVec3::new(0.0, 0.0, -1.0), direction, 1.0).unwrap();
-        (direction, hit)
+    fn refracted(angle: f64, from: f64, to: f64) -> Option<Vector<f64>> {
+        let direction = Vector { x: 0.0, y: angle.sin(), z: angle.cos() };
+        let at = Shape::conic(0.0, 0.0).intersect(Vector { x: 0.0, y: 0.0, z: -1.0 }, direction, 1.0).unwrap();
+        let (out, passes) = Interface::new(from, to).refract(direction, &at, 1.0);
+        passes.then_some(out)
     }
 
     #[test]
     fn sines_are_in_the_ratio_of_the_indices() {
-        for angle in [0.0, 0.1, 0.7, 1.5] {
-            let (direction, hit) = at_plane(angle);
-            let out = Interface::new(1.0, 1.5).refract(direction, &hit, 1.0).unwrap();
+        for angle in [0.0, 0.1, 0.7, 1.5f64] {
+            let out = refracted(angle, 1.0, 1.5).unwrap();
             assert!((out.y * 1.5 - angle.sin()).abs() < 1e-15);
-            assert!((out.length() - 1.0).abs() < 1e-15);
+            assert!((out.length_squared() - 1.0).abs() < 1e-15);
         }
     }
 
@@ -86,15 +93,14 @@ mod tests {
     fn beyond_the_critical_angle_light_turns_back() {
         let critical = (1.0f64 / 1.5).asin();
         for (part, passes) in [(1.0 - 1e-12, true), (1.0 + 1e-12, false)] {
-            let (direction, hit) = at_plane(critical * part);
-            assert_eq!(Interface::new(1.5, 1.0).refract(direction, &hit, 1.0).is_ok(), passes);
+            assert_eq!(refracted(critical * part, 1.5, 1.0).is_some(), passes);
         }
     }
-
     #[test]
     fn a_mirror_keeps_the_angle() {
-        let (direction, hit) = at_plane(0.4);
-        let out = reflect(direction, &hit, 1.0);
-        assert!((out - DVec3::new(0.0, 0.4f64.sin(), -(0.4f64.cos()))).length() < 1e-15);
+        let direction = Vector { x: 0.0, y: 0.4f64.sin(), z: 0.4f64.cos() };
+        let at = Shape::conic(0.0, 0.0).intersect(Vector { x: 0.0, y: 0.0, z: -1.0 }, direction, 1.0).unwrap();
+        let out = reflect(direction, &at, 1.0);
+        assert!((out.y - direction.y).abs() < 1e-15 && (out.z + direction.z).abs() < 1e-15);
     }
 }

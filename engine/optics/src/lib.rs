@@ -6,7 +6,7 @@
 //! at the vertex of the first surface; x is right and y is up as seen from behind the film, looking at the scene. A
 //! radius is positive if its centre lies on the +z side. Thicknesses follow z, so they turn negative after a mirror.
 //! Wavelengths are vacuum wavelengths in nanometres, angles are in radians unless a name says degrees, indices are
-//! relative to air, whose index is 1. Everything is `f64`.
+//! relative to air, whose index is 1. Everything is `f64`, but for rays that are asked to be traced in `f32`.
 //!
 //! # From file to ray
 //!
@@ -15,7 +15,7 @@
 //! where its planes lie and where the film must stand; a [`trace::Tracer`] carries rays through it at one wavelength,
 //! either way; a [`pupil_map::PupilMap`] chooses where to aim from the film.
 //!
-//! A module uses only those that stand before it here: [`glass`] → [`surface`] → [`interface`] → [`diaphragm`] →
+//! A module uses only those that stand before it here: [`glass`] → [`lane`] → [`vector`] → [`surface`] → [`interface`] → [`diaphragm`] →
 //! [`prescription`] → [`formats`] → [`first_order`] → [`system`] → [`trace`] → [`paraxial`] → [`focus`] → [`pupil_map`].
 //!
 //! A ray that is lost is a result: the surface and one of seven reasons. No value is ever NaN, and no input panics.
@@ -66,9 +66,11 @@ pub mod focus;
 pub mod formats;
 pub mod glass;
 pub mod interface;
+pub mod lane;
 pub mod paraxial;
 pub mod prescription;
 pub mod pupil_map;
 pub mod surface;
 pub mod system;
 pub mod trace;
+pub mod vector;

@@ -140,10 +140,10 @@ pub fn seidel(system: &System, wavelength_nm: f64, field_rad: f64) -> Option<[f6
     let mut chief = [-pupil_z * slope, slope];
     let lagrange = chief[0] * ray[1] - chief[1] * ray[0];
     let mut sums = [0.0; 5];
-    for (s, conic) in surfaces.iter().zip(system.surfaces().iter().map(|s| s.shape.conic)) {
+    for (s, asphericity) in surfaces.iter().zip(system.surfaces().iter().map(|s| s.shape.asphericity())) {
         let refracted = |[y, nu]: [f64; 2]| [y, nu - y * s.curvature * (s.to - s.from)];
         let (ray2, chief2) = (refracted(ray), refracted(chief));
-        let terms = surface_sums(s, conic, ray, ray2, chief, lagrange);
+        let terms = surface_sums(s, asphericity, ray, ray2, chief, lagrange);
         for (sum, term) in sums.iter_mut().zip(terms) {
             *sum += term;
         }
@@ -154,7 +154,7 @@ pub fn seidel(system: &System, wavelength_nm: f64, field_rad: f64) -> Option<[f6
 }
 
 /// One surface's part. `ray` and `chief` are (y, n u) before it, `ray2` after it.
-fn surface_sums(s: &Thin, conic: f64, ray: [f64; 2], ray2: [f64; 2], chief: [f64; 2], lagrange: f64) -> [f64; 5] {
+fn surface_sums(s: &Thin, asphericity: f64, ray: [f64; 2], ray2: [f64; 2], chief: [f64; 2], lagrange: f64) -> [f64; 5] {
     let (n, n2, c) = (s.from, s.to, s.curvature);
     let ([y, nu], [yc, nuc]) = (ray, chief);
     // Snell's invariants n i of both rays.
@@ -162,7 +162,7 @@ fn surface_sums(s: &Thin, conic: f64, ray: [f64; 2], ray2: [f64; 2], chief: [f64
     let delta = ray2[1] / (n2 * n2) - nu / (n * n);
     let inverse = 1.0 / n2 - 1.0 / n;
     let inverse_square = 1.0 / (n2 * n2) - 1.0 / (n * n);
-    let asphere = conic * c * c * c * (n2 - n);
+    let asphere = asphericity * (n2 - n);
     [
         -a * a * y * delta + asphere * y.powi(4),
         -a * ac * y * delta + asphere * y.powi(3) * yc,

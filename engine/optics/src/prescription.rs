@@ -3,7 +3,7 @@
 use thiserror::Error;
 
 use crate::glass::Medium;
-use crate::surface::Conic;
+use crate::surface::{Pose, Section, Shape};
 
 /// What follows a surface.
 #[derive(Clone, Debug, PartialEq)]
@@ -26,8 +26,10 @@ pub struct Place {
 /// One surface of a prescription. Lengths in mm.
 #[derive(Clone, Debug, PartialEq)]
 pub struct SurfaceRow {
-    /// Shape; curvature 0 is a plane.
-    pub shape: Conic,
+    /// Shape.
+    pub shape: Shape,
+    /// How the surface stands to its place on the axis: decentred and tilted, if at all.
+    pub pose: Pose,
     /// Distance along the axis to the next vertex, the last to the film; negative after one reflection.
     pub thickness_mm: f64,
     /// What follows the surface.
@@ -70,6 +72,12 @@ pub enum Column {
     Conic,
     /// Diameter of the central obstruction.
     Obstruction,
+    /// Radius of curvature in the x-z plane.
+    RadiusX,
+    /// Coefficient of this power of the distance from the axis.
+    Term(u32),
+    /// Decentre or tilt.
+    Pose,
 }
 
 /// Why a row or a list of rows makes no lens.
@@ -170,15 +178,21 @@ const RIM_ROUNDING: f64 = 1e-9;
 impl SurfaceRow {
     /// Says what is wrong with the row, which has index `surface`.
     pub fn check(&self, surface: usize) -> Result<(), PrescriptionError> {
-        let numbers = [
-            (Column::Radius, self.shape.curvature),
+        let profile = self.shape.profile();
+        let mut numbers = vec![
+            (Column::Radius, profile.base.curvature),
             (Column::Thickness, self.thickness_mm),
             (Column::Diameter, self.semi_diameter_mm),
-            (Column::Conic, self.shape.conic),
+            (Column::Conic, profile.base.conic),
             (Column::Obstruction, self.obstruction_mm),
+            (Column::RadiusX, self.shape.curvature_at_vertex(Section::X)),
         ];
+        numbers.extend(profile.terms().into_iter().map(|(power, a)| (Column::Term(power), a)));
         if let Some(&(column, _)) = numbers.iter().find(|(_, x)| !x.is_finite()) {
             return Err(PrescriptionError::NotFinite { surface, column });
+        }
+        if !self.pose.is_finite() {
+            return Err(PrescriptionError::NotFinite { surface, column: Column::Pose });
         }
         let semi = self.semi_diameter_mm;
         if semi <= 0.0 {
@@ -187,13 +201,9 @@ impl SurfaceRow {
         if self.obstruction_mm < 0.0 || self.obstruction_mm >= semi {
             return Err(PrescriptionError::Obstruction { surface, diameter_mm: 2.0 * self.obstruction_mm });
         }
-        let rim = (1.0 + self.shape.conic) * (self.shape.curvature * semi).powi(2);
-        if rim > 1.0 + RIM_ROUNDING {
-            return Err(PrescriptionError::Unreachable {
-                surface,
-                reach_mm: semi / rim.sqrt(),
-                semi_diameter_mm: semi,
-            });
+        let reach_mm = self.shape.reach_mm();
+        if semi > reach_mm * (1.0 + RIM_ROUNDING) {
+            return Err(PrescriptionError::Unreachable { surface, reach_mm, semi_diameter_mm: semi });
         }
         Ok(())
     }

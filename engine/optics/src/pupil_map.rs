@@ -305,7 +305,7 @@ fn glass_radius(system: &System, farthest_mm: f64, near_mm: f64, far_mm: f64) ->
     const WIDEST: f64 = 20.0;
     let rear = &system.surfaces()[system.surface_count() - 1];
     let semi = rear.semi_diameter_mm;
-    let sag = rear.shape.sag_mm(semi).unwrap_or(semi) * system.light_direction_at_film();
+    let sag = rear.shape.rim_sag_mm(semi).unwrap_or(semi) * system.light_direction_at_film();
     let distance = (near_mm - rear.z_mm).abs().min((far_mm - rear.z_mm).abs());
     let gain = if distance > sag { (distance / (distance - sag)).min(WIDEST) } else { WIDEST };
     semi.max(gain * semi + (1.0 - gain).abs() * farthest_mm)

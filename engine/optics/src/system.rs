@@ -6,7 +6,7 @@ use crate::diaphragm::Diaphragm;
 use crate::first_order::{Thin, between_vertices, front_of};
 use crate::glass::{Medium, line_nm};
 use crate::prescription::{Behind, Prescription, PrescriptionError};
-use crate::surface::Conic;
+use crate::surface::{Pose, Section, Shape};
 
 /// The focal length that the lens is scaled to: radii, thicknesses and apertures all scale (Wu et al. 2011, §4).
 #[derive(Clone, Copy, Debug, Default, PartialEq)]
@@ -84,7 +84,9 @@ pub enum Element {
 #[derive(Clone, Debug, PartialEq)]
 pub struct Surface {
     /// Shape.
-    pub shape: Conic,
+    pub shape: Shape,
+    /// How it stands to its place on the axis.
+    pub pose: Pose,
     /// Vertex in lens space.
     pub z_mm: f64,
     /// Signed distance to the next vertex; the last to the film as published.
@@ -254,9 +256,20 @@ impl System {
         image_index(&self.surfaces, wavelength_nm)
     }
 
-    /// The surfaces as Gaussian optics sees them.
+    /// True if nothing changes when the lens is turned about its axis, but for the blades of the diaphragm: no surface
+    /// is a toroid, none is decentred or tilted.
+    pub fn is_rotationally_symmetric(&self) -> bool {
+        self.surfaces.iter().all(|s| s.shape.is_rotationally_symmetric() && s.pose.is_identity())
+    }
+
+    /// The surfaces as Gaussian optics sees them, in the y-z plane.
     pub(crate) fn thin(&self, wavelength_nm: f64) -> Vec<Thin> {
-        thin(&self.surfaces, wavelength_nm)
+        self.thin_in(Section::Y, wavelength_nm)
+    }
+
+    /// The surfaces as Gaussian optics sees them in one section. Decentres and tilts are left out.
+    pub(crate) fn thin_in(&self, section: Section, wavelength_nm: f64) -> Vec<Thin> {
+        thin(&self.surfaces, section, wavelength_nm)
     }
 }
 
@@ -295,7 +308,8 @@ fn place(prescription: &Prescription, scale: f64) -> Vec<Surface> {
             }
         };
         placed.push(Surface {
-            shape: Conic { curvature: row.shape.curvature / scale, conic: row.shape.conic },
+            shape: if scale == 1.0 { row.shape } else { row.shape.scaled(scale) },
+            pose: row.pose.scaled(scale),
             z_mm,
             thickness_mm: row.thickness_mm * scale,
             semi_diameter_mm: row.semi_diameter_mm * scale,
@@ -307,7 +321,7 @@ fn place(prescription: &Prescription, scale: f64) -> Vec<Surface> {
     placed
 }
 
-fn thin(surfaces: &[Surface], wavelength_nm: f64) -> Vec<Thin> {
+fn thin(surfaces: &[Surface], section: Section, wavelength_nm: f64) -> Vec<Thin> {
     let mut sign = 1.0;
     let one = |s: &Surface| {
         let (from, to) = match &s.element {
@@ -318,7 +332,7 @@ fn thin(surfaces: &[Surface], wavelength_nm: f64) -> Vec<Thin> {
                 (index, -index)
             }
         };
-        Thin { curvature: s.shape.curvature, from, to, thickness_mm: s.thickness_mm }
+        Thin { curvature: s.shape.curvature_at_vertex(section), from, to, thickness_mm: s.thickness_mm }
     };
     surfaces.iter().map(one).collect()
 }
@@ -333,7 +347,7 @@ fn image_index(surfaces: &[Surface], wavelength_nm: f64) -> f64 {
 
 /// 1 / power at d in mm; `None` without power.
 fn focal_length_mm(surfaces: &[Surface]) -> Option<f64> {
-    let power = -between_vertices(&thin(surfaces, line_nm::D)).c;
+    let power = -between_vertices(&thin(surfaces, Section::Y, line_nm::D)).c;
     let track: f64 = surfaces.iter().map(|s| s.thickness_mm.abs() + s.semi_diameter_mm).sum();
     (power.abs() * track > NO_POWER).then(|| 1.0 / power)
 }
@@ -343,7 +357,7 @@ fn focal_length_mm(surfaces: &[Surface]) -> Option<f64> {
 /// The entrance pupil is the stop seen through the surfaces before it: a ray of height y there meets the stop at
 /// the height A y, so the pupil's diameter is the stop's over |A|.
 fn widest_f_number(surfaces: &[Surface], stop: usize) -> Option<f64> {
-    let thin = thin(surfaces, line_nm::D);
+    let thin = thin(surfaces, Section::Y, line_nm::D);
     let magnification = front_of(&thin, stop).a.abs();
     let f_number = focal_length_mm(surfaces)?.abs() * magnification / (2.0 * surfaces[stop].semi_diameter_mm);
     f_number.is_finite().then_some(f_number)

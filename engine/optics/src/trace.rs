@@ -1,6 +1,6 @@
 //! A ray through a lens, either way: the ray that leaves it, or the surface and reason that ended it.
 
-mod packet;
+mod bundle;
 
 use std::sync::Arc;
 
@@ -8,10 +8,13 @@ use glam::DVec3;
 
 use crate::diaphragm::Diaphragm;
 use crate::interface::{Interface, reflect};
-use crate::surface::{Conic, Hit};
+use crate::lane::{Lane, Mask, Real};
+use crate::surface::{Conic, Crossing, Pose, Shape};
 use crate::system::{Element, Surface, System};
+use crate::vector::Vector;
 
 pub use crate::surface::Failure;
+pub use bundle::Bundle;
 
 /// A ray in lens space, mm.
 #[derive(Clone, Copy, Debug, PartialEq)]
@@ -31,10 +34,19 @@ pub struct Lost {
     pub reason: Failure,
 }
 
+/// Which way rays go through a lens.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub enum Travel {
+    /// As light does, from the scene to the film.
+    FromScene,
+    /// Back, from the film to the scene.
+    FromFilm,
+}
+
 /// What a surface does to the direction.
 #[derive(Clone, Copy, Debug)]
-enum Action {
-    Refract(Interface),
+enum Action<R> {
+    Refract(Interface<R>),
     /// The same medium on both sides.
     Pass,
     Reflect,
@@ -42,17 +54,17 @@ enum Action {
 
 /// One surface, ready for rays of one wavelength in one direction of travel.
 #[derive(Clone, Copy, Debug)]
-struct Step {
-    shape: Conic,
+struct Step<R = f64> {
+    shape: Shape<R>,
+    /// `None`: the surface stands on the axis, upright.
+    pose: Option<Pose<R>>,
     /// Added to z when the ray leaves the surface before: from its vertex to this one.
-    to_here: f64,
+    to_here: R,
     /// sign(N · D) of the crossing that is meant.
-    side: f64,
-    clear_squared: f64,
-    obstruction_squared: f64,
-    /// Square of the diaphragm's radius at the stop, infinite elsewhere.
-    round_stop_squared: f64,
-    action: Action,
+    side: R,
+    clear_squared: R,
+    obstruction_squared: R,
+    action: Action<R>,
     is_stop: bool,
     /// True if a ray from the surface before may start so far away, in radii, that it must be carried first.
     is_far: bool,
@@ -62,15 +74,25 @@ struct Step {
 /// loses that many units in the last place, smaller costs time.
 const FAR_RADII: f64 = 16.0;
 
-/// A system at one wavelength, laid out for tracing. Cheap to clone.
+/// The surfaces in the order of one way through the lens.
 #[derive(Clone, Debug)]
-pub struct Tracer {
-    from_scene: Arc<[Step]>,
-    from_film: Arc<[Step]>,
-    diaphragm: Arc<Diaphragm>,
+struct Way<R> {
+    steps: Arc<[Step<R>]>,
+    travel: Travel,
+    /// Vertices of the first and the last surface on the way.
+    start_z: f64,
+    end_z: f64,
+}
+
+/// A system at one wavelength, laid out for tracing in numbers of one kind. Cheap to clone.
+///
+/// Rays go in and come out in f64; between the first and the last surface everything is done in `R`.
+#[derive(Clone, Debug)]
+pub struct Tracer<R = f64> {
+    from_scene: Way<R>,
+    from_film: Way<R>,
+    diaphragm: Arc<Diaphragm<R>>,
     wavelength_nm: f64,
-    /// Vertex of the last surface.
-    last_z: f64,
 }
 
 impl System {
@@ -96,7 +118,6 @@ impl System {
 impl Tracer {
     fn new(system: &System, wavelength_nm: f64, index: impl Fn(usize) -> [f64; 2]) -> Self {
         let surfaces = system.surfaces();
-        let opening = system.diaphragm().radius_mm();
         let mut side = 1.0;
         let mut from_scene = Vec::with_capacity(surfaces.len());
         let mut from_film = Vec::with_capacity(surfaces.len());
@@ -111,37 +132,59 @@ impl Tracer {
             let side_after = if is_mirror { -side } else { side };
             let before = i.checked_sub(1).map(|j| &surfaces[j]);
             let after = surfaces.get(i + 1);
-            let is_stop = i == system.stop();
             from_scene.push(Step {
                 shape: s.shape,
+                pose: Some(s.pose).filter(|pose| !pose.is_identity()),
                 to_here: before.map_or(0.0, |b| -b.thickness_mm),
                 side,
                 clear_squared: s.semi_diameter_mm * s.semi_diameter_mm,
                 obstruction_squared: s.obstruction_mm * s.obstruction_mm,
-                round_stop_squared: if is_stop { opening * opening } else { f64::INFINITY },
                 action: action(n, n2),
-                is_stop,
-                is_far: before.is_none_or(|b| is_far(b, s, b.thickness_mm)),
+                is_stop: i == system.stop(),
+                is_far: before.is_some_and(|b| is_far(b, s, b.thickness_mm)),
             });
             from_film.push(Step {
                 to_here: after.map_or(0.0, |_| s.thickness_mm),
                 side: -side_after,
                 action: action(n2, n),
-                is_far: after.is_none_or(|a| is_far(a, s, s.thickness_mm)),
+                is_far: after.is_some_and(|a| is_far(a, s, s.thickness_mm)),
                 ..from_scene[i]
             });
             side = side_after;
         }
         from_film.reverse();
+        let last_z = system.last_vertex_z_mm();
         Self {
-            from_scene: from_scene.into(),
-            from_film: from_film.into(),
+            from_scene: Way { steps: from_scene.into(), travel: Travel::FromScene, start_z: 0.0, end_z: last_z },
+            from_film: Way { steps: from_film.into(), travel: Travel::FromFilm, start_z: last_z, end_z: 0.0 },
             diaphragm: Arc::new(system.diaphragm().clone()),
             wavelength_nm,
-            last_z: system.last_vertex_z_mm(),
         }
     }
 
+    /// The same lens without central obstructions.
+    pub(crate) fn without_obstructions(&self) -> Self {
+        let clear = |step: &Step| Step { obstruction_squared: 0.0, ..*step };
+        Self { from_scene: self.from_scene.map(clear), from_film: self.from_film.map(clear), ..self.clone() }
+    }
+
+    /// True if some surface has a central obstruction.
+    pub(crate) fn has_obstructions(&self) -> bool {
+        self.from_scene.steps.iter().any(|s| s.obstruction_squared > 0.0)
+    }
+
+    /// The same lens traced in numbers of another kind.
+    pub fn cast<R: Real>(&self) -> Tracer<R> {
+        Tracer {
+            from_scene: self.from_scene.map(Step::cast),
+            from_film: self.from_film.map(Step::cast),
+            diaphragm: Arc::new(self.diaphragm.cast()),
+            wavelength_nm: self.wavelength_nm,
+        }
+    }
+}
+
+impl<R: Real> Tracer<R> {
     /// The vacuum wavelength in nm.
     pub fn wavelength_nm(&self) -> f64 {
         self.wavelength_nm
@@ -149,124 +192,263 @@ impl Tracer {
 
     /// Number of surfaces.
     pub fn surface_count(&self) -> usize {
-        self.from_scene.len()
-    }
-
-    /// The same lens without central obstructions.
-    pub(crate) fn without_obstructions(&self) -> Self {
-        let clear = |steps: &[Step]| steps.iter().map(|s| Step { obstruction_squared: 0.0, ..*s }).collect();
-        Self { from_scene: clear(&self.from_scene), from_film: clear(&self.from_film), ..self.clone() }
-    }
-
-    /// True if some surface has a central obstruction.
-    pub(crate) fn has_obstructions(&self) -> bool {
-        self.from_scene.iter().any(|s| s.obstruction_squared > 0.0)
+        self.from_scene.steps.len()
     }
 
     /// From the scene to the film: the ray that leaves the last surface, its origin on that surface.
     pub fn from_scene(&self, ray: Ray) -> Result<Ray, Lost> {
-        self.scene_to_film(ray, &mut |_| {})
+        self.from_scene.run(ray, &self.diaphragm, &mut |_| {})
     }
 
     /// From the film to the scene: the ray that leaves the first surface, its origin on that surface.
     #[inline]
     pub fn from_film(&self, ray: Ray) -> Result<Ray, Lost> {
-        self.film_to_scene(ray, &mut |_| {})
+        self.from_film.run(ray, &self.diaphragm, &mut |_| {})
     }
 
     /// As [`Self::from_scene`]; appends the hits in lens space to `hits`, in the order of travel, the last on the
     /// surface that ended the ray if it was reached.
     pub fn from_scene_recording(&self, ray: Ray, hits: &mut Vec<DVec3>) -> Result<Ray, Lost> {
-        let mut z = 0.0;
-        let first = hits.len();
-        let result = self.scene_to_film(ray, &mut |p| hits.push(p));
-        for (step, hit) in self.from_scene.iter().zip(&mut hits[first..]) {
-            z -= step.to_here;
-            hit.z += z;
-        }
-        result
+        self.from_scene.run_recording(ray, &self.diaphragm, hits)
     }
 
     /// As [`Self::from_film`]; appends the hits in lens space to `hits`, last surface first.
     pub fn from_film_recording(&self, ray: Ray, hits: &mut Vec<DVec3>) -> Result<Ray, Lost> {
-        let mut z = self.last_z;
-        let first = hits.len();
-        let result = self.film_to_scene(ray, &mut |p| hits.push(p));
-        for (step, hit) in self.from_film.iter().zip(&mut hits[first..]) {
-            z -= step.to_here;
-            hit.z += z;
+        self.from_film.run_recording(ray, &self.diaphragm, hits)
+    }
+
+    fn way(&self, travel: Travel) -> &Way<R> {
+        match travel {
+            Travel::FromScene => &self.from_scene,
+            Travel::FromFilm => &self.from_film,
         }
-        result
+    }
+}
+
+impl Way<f64> {
+    fn map<R>(&self, change: impl Fn(&Step) -> Step<R>) -> Way<R> {
+        let Self { travel, start_z, end_z, .. } = *self;
+        Way { steps: self.steps.iter().map(change).collect(), travel, start_z, end_z }
+    }
+}
+
+impl<R: Real> Way<R> {
+    /// Index of a step's surface, counted from the scene.
+    fn surface(&self, step: usize) -> usize {
+        match self.travel {
+            Travel::FromScene => step,
+            Travel::FromFilm => self.steps.len() - 1 - step,
+        }
     }
 
+    /// The ray seen from the first vertex on the way, its origin carried to the point nearest to that: done in f64,
+    /// so that a source far away keeps its digits.
     #[inline(always)]
-    fn scene_to_film(&self, ray: Ray, record: &mut impl FnMut(DVec3)) -> Result<Ray, Lost> {
-        let result = self.run(&self.from_scene, ray, record);
-        let mut out = result.map_err(|(surface, reason)| Lost { surface, reason })?;
-        out.origin.z += self.last_z;
-        Ok(out)
+    fn enter(&self, ray: Ray) -> (Vector<R>, Vector<R>) {
+        let mut origin = ray.origin;
+        origin.z -= self.start_z;
+        let near = origin - ray.direction * origin.dot(ray.direction);
+        (Vector::from_f64(near), Vector::from_f64(ray.direction))
     }
 
+    /// The ray in lens space that leaves the last surface on the way at `p` of its vertex.
     #[inline(always)]
-    fn film_to_scene(&self, mut ray: Ray, record: &mut impl FnMut(DVec3)) -> Result<Ray, Lost> {
-        ray.origin.z -= self.last_z;
-        let last = self.from_film.len() - 1;
-        self.run(&self.from_film, ray, record).map_err(|(step, reason)| Lost { surface: last - step, reason })
+    fn leave(&self, p: DVec3, d: DVec3) -> Ray {
+        // One step of Newton: each surface leaves the length off by a rounding or two.
+        Ray { origin: p.with_z(p.z + self.end_z), direction: d * (1.5 - 0.5 * d.length_squared()) }
     }
 
     /// Through all steps, each in the coordinates of its own vertex: no digits are lost to the length of the lens.
     #[inline(always)]
-    fn run(&self, steps: &[Step], ray: Ray, record: &mut impl FnMut(DVec3)) -> Result<Ray, (usize, Failure)> {
-        let Ray { origin: mut p, direction: mut d } = ray;
-        for (i, step) in steps.iter().enumerate() {
-            p.z += step.to_here;
-            let hit = step.meet(p, d).map_err(|reason| (i, reason))?;
-            record(hit.point);
-            step.let_through(&hit, &self.diaphragm).map_err(|reason| (i, reason))?;
-            d = match &step.action {
-                Action::Refract(interface) => interface.refract(d, &hit, step.side).map_err(|reason| (i, reason))?,
-                Action::Pass => d,
-                Action::Reflect => reflect(d, &hit, step.side),
-            };
-            p = hit.point;
+    fn run(&self, ray: Ray, diaphragm: &Diaphragm<R>, record: &mut impl FnMut(DVec3)) -> Result<Ray, Lost> {
+        let (mut p, mut d) = self.enter(ray);
+        for (i, step) in self.steps.iter().enumerate() {
+            let passage = step.pass(p, d, diaphragm);
+            if passage.crossing.met {
+                record(passage.point.of(0));
+            }
+            if let Some(reason) = passage.fates().failure(0) {
+                return Err(Lost { surface: self.surface(i), reason });
+            }
+            (p, d) = (passage.point, passage.direction);
         }
-        // One step of Newton: each surface leaves the length off by a rounding or two.
-        let direction = d * (1.5 - 0.5 * d.length_squared());
-        Ok(Ray { origin: p, direction })
+        Ok(self.leave(p.of(0), d.of(0)))
+    }
+
+    fn run_recording(&self, ray: Ray, diaphragm: &Diaphragm<R>, hits: &mut Vec<DVec3>) -> Result<Ray, Lost> {
+        let first = hits.len();
+        let result = self.run(ray, diaphragm, &mut |p| hits.push(p));
+        let mut z = self.start_z;
+        for (step, hit) in self.steps.iter().zip(&mut hits[first..]) {
+            z -= step.to_here.to_f64();
+            hit.z += z;
+        }
+        result
+    }
+}
+
+/// What became of rays at a surface, one in each lane. Where they did not pass, the other numbers mean nothing.
+struct Passage<L: Lane> {
+    /// In the surface's own coordinates.
+    crossing: Crossing<L>,
+    is_inside: L::Mask,
+    is_unobstructed: L::Mask,
+    is_open: L::Mask,
+    is_transmitted: L::Mask,
+    /// The hit from the vertex on the axis.
+    point: Vector<L>,
+    direction: Vector<L>,
+}
+
+impl<L: Lane> Passage<L> {
+    #[inline(always)]
+    fn passed(&self) -> L::Mask {
+        self.crossing.met & self.is_inside & self.is_unobstructed & self.is_open & self.is_transmitted
+    }
+
+    /// What became of the rays, as bits.
+    #[inline(always)]
+    fn fates(&self) -> Fates {
+        Fates {
+            passed: self.passed().bits(),
+            met: self.crossing.met.bits(),
+            wrong_sheet: self.crossing.wrong_sheet.bits(),
+            not_converged: self.crossing.not_converged.bits(),
+            inside: self.is_inside.bits(),
+            unobstructed: self.is_unobstructed.bits(),
+            open: self.is_open.bits(),
+        }
+    }
+}
+
+/// What became of rays at a surface: a bit for each, in the order of the lanes.
+struct Fates {
+    passed: u64,
+    met: u64,
+    wrong_sheet: u64,
+    not_converged: u64,
+    inside: u64,
+    unobstructed: u64,
+    open: u64,
+}
+
+impl Fates {
+    /// Why ray `i` did not pass; `None` if it did.
+    fn failure(&self, i: usize) -> Option<Failure> {
+        let is = |bits: u64| bits >> i & 1 != 0;
+        if is(self.passed) {
+            return None;
+        }
+        let reasons = [
+            (is(self.wrong_sheet), Failure::WrongSheet),
+            (is(self.not_converged), Failure::NotConverged),
+            (!is(self.met), Failure::Missed),
+            (!is(self.inside), Failure::OutsideAperture),
+            (!is(self.unobstructed), Failure::Obstructed),
+            (!is(self.open), Failure::BladeStop),
+        ];
+        let first = reasons.iter().find(|(applies, _)| *applies);
+        Some(first.map_or(Failure::TotalInternalReflection, |(_, reason)| *reason))
     }
 }
 
 impl Step {
-    #[inline(always)]
-    fn meet(&self, p: DVec3, d: DVec3) -> Result<Hit, Failure> {
-        if self.is_far { self.shape.intersect(p, d, self.side) } else { self.shape.intersect_near(p, d, self.side) }
+    fn cast<R: Real>(&self) -> Step<R> {
+        let real = R::from_f64;
+        Step {
+            shape: self.shape.cast(),
+            pose: self.pose.map(|pose| pose.cast()),
+            to_here: real(self.to_here),
+            side: real(self.side),
+            clear_squared: real(self.clear_squared),
+            obstruction_squared: real(self.obstruction_squared),
+            action: match self.action {
+                Action::Refract(interface) => Action::Refract(interface.cast()),
+                Action::Pass => Action::Pass,
+                Action::Reflect => Action::Reflect,
+            },
+            is_stop: self.is_stop,
+            is_far: self.is_far,
+        }
+    }
+}
+
+impl<R: Real> Step<R> {
+    /// The direction of light along the axis behind the surface, as seen by rays on this way.
+    fn side_after(&self) -> R {
+        if matches!(self.action, Action::Reflect) { -self.side } else { self.side }
     }
 
-    /// Checks the clear aperture, the obstruction and, at the stop, the diaphragm. Points on a rim pass.
+    /// This step again if it is of the usual kind: a sphere or plane between two media, upright, near, not the stop.
+    /// The compiler then sees what is not needed.
     #[inline(always)]
-    fn let_through(&self, hit: &Hit, diaphragm: &Diaphragm) -> Result<(), Failure> {
-        let (x, y) = (hit.point.x, hit.point.y);
+    fn plain(&self) -> Option<Self> {
+        match (self.shape, self.action) {
+            (Shape::Conic(conic), Action::Refract(interface))
+                if conic.conic == R::ZERO && self.pose.is_none() && !self.is_stop && !self.is_far =>
+            {
+                let shape = Shape::Conic(Conic { conic: R::ZERO, ..conic });
+                Some(Self {
+                    shape,
+                    pose: None,
+                    action: Action::Refract(interface),
+                    is_stop: false,
+                    is_far: false,
+                    ..*self
+                })
+            }
+            _ => None,
+        }
+    }
+
+    /// The rays from `p` of the vertex before along `d` through this surface. Points on a rim pass.
+    #[inline(always)]
+    fn pass<L: Lane<Real = R>>(&self, mut p: Vector<L>, mut d: Vector<L>, diaphragm: &Diaphragm<R>) -> Passage<L> {
+        p.z = p.z + self.to_here;
+        if let Some(pose) = &self.pose {
+            (p, d) = (pose.point_in(p), pose.direction_in(d));
+        }
+        let crossing = match self.is_far {
+            true => self.shape.meet_from_afar(p, d, self.side),
+            false => self.shape.meet(p, d, self.side),
+        };
+        let Vector { x, y, .. } = crossing.point;
         let squared = x * x + y * y;
-        // Written so that NaN, too, is outside.
-        if !(squared <= self.clear_squared) {
-            return Err(Failure::OutsideAperture);
+        let is_transmitted;
+        let mut direction = d;
+        let zero = squared.like(R::ZERO);
+        let all = zero.at_most(zero);
+        match &self.action {
+            Action::Refract(interface) => (direction, is_transmitted) = interface.refract(d, &crossing, self.side),
+            Action::Pass => is_transmitted = all,
+            Action::Reflect => {
+                direction = reflect(d, &crossing, self.side);
+                is_transmitted = all;
+            }
         }
-        if squared < self.obstruction_squared {
-            return Err(Failure::Obstructed);
+        let mut point = crossing.point;
+        if let Some(pose) = &self.pose {
+            (point, direction) = (pose.point_out(point), pose.direction_out(direction));
         }
-        if self.is_stop && !diaphragm.is_open(x, y) {
-            return Err(Failure::BladeStop);
+        Passage {
+            crossing,
+            // Written so that NaN, too, is outside.
+            is_inside: squared.at_most(squared.like(self.clear_squared)),
+            is_unobstructed: squared.at_least(squared.like(self.obstruction_squared)),
+            is_open: if self.is_stop { diaphragm.are_open(x, y) } else { all },
+            is_transmitted,
+            point,
+            direction,
         }
-        Ok(())
     }
 }
 
 /// True if a ray from `from` may start many radii of `to` away from its vertex.
 fn is_far(from: &Surface, to: &Surface, thickness_mm: f64) -> bool {
-    let sag = |s: &Surface| s.shape.sag_mm(s.semi_diameter_mm).map_or(s.semi_diameter_mm, f64::abs);
+    let sag = |s: &Surface| s.shape.rim_sag_mm(s.semi_diameter_mm).map_or(s.semi_diameter_mm, f64::abs);
     let along = thickness_mm.abs() + sag(from) + sag(to);
     let across = from.semi_diameter_mm + to.semi_diameter_mm;
-    let radii = along.hypot(across) * to.shape.curvature.abs() * (1.0 + to.shape.conic.abs());
+    let radii = along.hypot(across) * to.shape.steepness();
     // Written so that NaN, too, is far.
     !(radii <= FAR_RADII)
 }

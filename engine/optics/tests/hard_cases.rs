@@ -7,7 +7,8 @@ mod common;
 
 use common::{number, reference_json, vector};
 use petzval_optics::interface::{Interface, reflect};
-use petzval_optics::surface::{Conic, Failure};
+use petzval_optics::surface::{Failure, Shape};
+use petzval_optics::vector::Vector;
 use serde_json::Value;
 
 #[test]
@@ -49,21 +50,23 @@ fn check(case: &Value) -> Result<(), String> {
         false => Err(format!("{reason:?}, expected {status}")),
     };
 
-    let shape = Conic::new(number(&surface["radius"]), number(&surface["k"]));
-    let hit = match shape.intersect(vector(&case["origin"]), direction, side) {
+    let shape = Shape::conic(number(&surface["radius"]), number(&surface["k"]));
+    let d = Vector::from_f64(direction);
+    let hit = match shape.intersect(Vector::from_f64(vector(&case["origin"])), d, side) {
         Ok(hit) => hit,
         Err(reason) => return lost(reason),
     };
     let semi = if surface["semi_diameter"].is_null() { f64::INFINITY } else { number(&surface["semi_diameter"]) };
-    let is_outside = hit.point.truncate().length_squared() > semi * semi;
+    let point = hit.point.of(0);
+    let is_outside = point.truncate().length_squared() > semi * semi;
     if let Value::Array(_) = &expect["point"] {
-        let error = (hit.point - vector(&expect["point"])).length();
+        let error = (point - vector(&expect["point"])).length();
         if !(error <= tolerance("point")) {
             return Err(format!("point off by {error:e} of {:e}", tolerance("point")));
         }
-        let normal = hit.normal / hit.normal_squared.sqrt();
+        let normal = hit.normal.of(0) / hit.normal_squared.sqrt();
         let error = (normal - vector(&expect["normal"])).length();
-        if !(error <= tolerance("direction").max(tolerance("point") * shape.curvature.abs())) {
+        if !(error <= tolerance("direction").max(tolerance("point") * shape.profile().base.curvature.abs())) {
             return Err(format!("normal off by {error:e}"));
         }
     }
@@ -72,11 +75,11 @@ fn check(case: &Value) -> Result<(), String> {
     }
     let (n1, n2) = (number(&case["n1"]), number(&case["n2"]));
     let out = match surface["mirror"].as_bool().unwrap() {
-        true => reflect(direction, &hit, side),
+        true => reflect(d, &hit, side).of(0),
         false if n1 == n2 => direction,
-        false => match Interface::new(n1, n2).refract(direction, &hit, side) {
-            Ok(out) => out,
-            Err(reason) => return lost(reason),
+        false => match Interface::new(n1, n2).refract(d, &hit, side) {
+            (out, true) => out.of(0),
+            (_, false) => return lost(Failure::TotalInternalReflection),
         },
     };
     if status != "ok" {

@@ -6,6 +6,7 @@ use common::{prescription, repository};
 use petzval_optics::formats::lens::{self, parse, parse_bytes};
 use petzval_optics::glass::{Catalogue, line_nm};
 use petzval_optics::prescription::Behind;
+use petzval_optics::surface::{Pose, Section, Shape};
 use petzval_optics::system::{FocalLength, System, SystemError, SystemSettings};
 
 /// File, line and column of the error, and a word that its message must hold.
@@ -31,7 +32,14 @@ const BAD: &[(&str, &str, &str)] = &[
     ("50 5 1.5 20 0 1\n-50 45 air 20 0 1\n", "2:17", "line 1"),
     ("9 5 1.5 20 0 1\n", "1:9", "reaches only 9 mm"),
     ("1e-320 5 1.5 20 0 1\n", "1:1", "not finite"),
-    ("#radius thickness glass diameter conic isstop a4\n50 5 1.5 20 0 1 0\n", "1:47", "'a4'"),
+    ("#radius thickness glass diameter conic isstop a1\n50 5 1.5 20 0 1 0\n", "1:47", "'a1'"),
+    ("#radius thickness glass diameter conic isstop a21\n50 5 1.5 20 0 1 0\n", "1:47", "'a21'"),
+    ("#radius thickness glass diameter conic isstop a4 a6 a4\n50 5 1.5 20 0 1 0\n", "1:53", "second time"),
+    ("#radius thickness glass diameter conic isstop a4 a6\n50 5 1.5 20 0 1 0 none\n", "2:19", "a6 'none'"),
+    ("#radius thickness glass diameter conic isstop radius_x\n50 5 1.5 20 0 1 9\n", "2:10", "reaches only 9 mm"),
+    ("# element: 0-1 decenter=2\n50 5 1.5 20 0 1\n", "1:12", "is no element"),
+    ("# element: 1-0 tilt_x=2\n50 5 1.5 20 0 1\n", "1:12", "is no element"),
+    ("# element: 0-1 tilt_x=2\n50 5 1.5 20 0 1\n", "1:12", "the last surface is 0"),
     ("#radius thickness diameter glass conic isstop\n", "1:19", "'glass'"),
     ("#radius thickness glass diameter conic isstop obstruction\n50 5 1.5 20 0 1 20\n", "2:17", "obstruction"),
     ("#radius thickness glass diameter conic isstop obstruction\n50 5 1.5 20 0 1\n", "2:1", "6 columns"),
@@ -76,6 +84,29 @@ fn what_surrounds_the_table_does_not_matter() {
 }
 
 #[test]
+fn more_columns_say_more_of_a_surface() {
+    let text = "# element: 2-3 decenter_x=0.5 tilt_y=90\n\
+        #radius thickness glass diameter conic isstop radius_x A4 a20 a3 tilt_x decenter_y obstruction\n\
+        50 5 1.5 20 -1 0  50 1e-6 0 2e-5 0 0 3\n\
+        50 5 1.5 20  0 0  50 0 0 0 90 -1 0\n\
+        50 5 1.5 20  0 1  0 0 0 0 0 0 0\n\
+        0 5 air 20  0 0  -80 0 1e-30 0 0 0 0";
+    let lens = parse(text, "columns", Catalogue::shipped()).unwrap();
+    let [first, second, third, fourth] = &lens.surfaces[..] else { panic!() };
+    let Shape::Toroid(toroid) = first.shape else { panic!("{:?}", first.shape) };
+    assert_eq!((toroid.across, toroid.profile.terms()), (0.02, vec![(3, 2e-5), (4, 1e-6)]));
+    assert_eq!(first.obstruction_mm, 1.5);
+    assert_eq!(second.shape, Shape::conic(50.0, 0.0), "both radii alike: a sphere");
+    assert_eq!(second.pose, Pose::misaligned([0.0, -1.0], [std::f64::consts::FRAC_PI_2, 0.0, 0.0]));
+    let Shape::Toroid(cylinder) = third.shape else { panic!("{:?}", third.shape) };
+    assert_eq!((cylinder.across, cylinder.profile.base.curvature), (0.0, 0.02));
+    assert_eq!(fourth.shape.curvature_at_vertex(Section::X), -1.0 / 80.0);
+    assert_eq!(fourth.shape.profile().terms(), [(20, 1e-30)]);
+    assert_eq!(third.pose, Pose::misaligned([0.5, 0.0], [0.0, std::f64::consts::FRAC_PI_2, 0.0]));
+    assert_ne!(fourth.pose, third.pose, "it turns about the element's first vertex");
+}
+
+#[test]
 fn every_shipped_lens_reads_and_names_its_source() {
     let mut count = 0;
     for entry in std::fs::read_dir(repository("lenses")).unwrap() {
@@ -87,7 +118,7 @@ fn every_shipped_lens_reads_and_names_its_source() {
             count += 1;
         }
     }
-    assert_eq!(count, 38);
+    assert_eq!(count, 40);
 }
 
 #[test]

@@ -6,9 +6,10 @@ use common::{lens_names, prescription, system};
 use glam::DVec3;
 use petzval_optics::glass::line_nm;
 use petzval_optics::interface::{Interface, reflect};
-use petzval_optics::surface::Conic;
+use petzval_optics::surface::{Conic, Shape};
 use petzval_optics::system::{FocalLength, System, SystemSettings};
 use petzval_optics::trace::{Ray, Tracer};
+use petzval_optics::vector::Vector;
 use proptest::prelude::*;
 
 fn all_lenses() -> Vec<(String, System, Tracer)> {
@@ -121,26 +122,28 @@ proptest! {
         n in 1.0..2.0f64,
         n2 in 1.0..2.0f64,
     ) {
-        let shape = Conic { curvature: c, conic: k };
-        let Ok(hit) = shape.intersect(DVec3::from(p), d, side) else { return Ok(()) };
-        let point = hit.point;
+        let shape = Shape::Conic(Conic { curvature: c, conic: k });
+        let ray = Vector::from_f64(d);
+        let Ok(hit) = shape.intersect(Vector::from_f64(DVec3::from(p)), ray, side) else { return Ok(()) };
+        let point = hit.point.of(0);
         let on = c * (point.length_squared() + k * point.z * point.z) - 2.0 * point.z;
         // The rounding of the terms, steeper where the surface is.
         let terms = c.abs() * (1.0 + k.abs()) * point.length_squared() + 2.0 * point.length() + 30.0;
         prop_assert!(on.abs() < 1e-13 * terms, "{on:e} of {terms}");
         prop_assert!(1.0 - (1.0 + k) * c * point.z >= 0.0);
-        let cosine = hit.normal.dot(d);
-        prop_assert!(cosine * side > -1e-7 * hit.normal.length());
-        let normal = hit.normal.normalize();
+        let cosine = hit.normal.dot(ray);
+        prop_assert!(cosine * side > -1e-7 * hit.normal.of(0).length());
+        let normal = hit.normal.of(0).normalize();
         // Snell: the tangential parts are in the ratio of the indices.
-        if let Ok(out) = Interface::new(n, n2).refract(d, &hit, side) {
+        if let (out, true) = Interface::new(n, n2).refract(ray, &hit, side) {
+            let out = out.of(0);
             let tangential = |v: DVec3| v - normal * v.dot(normal);
             let error = (tangential(d) * n - tangential(out) * n2).length();
             prop_assert!(error < 1e-9, "{error:e}");
             prop_assert!(out.dot(normal) * side > -1e-6, "it goes on to the other side");
             prop_assert!((out.length() - 1.0).abs() < 1e-7);
         }
-        let mirrored = reflect(d, &hit, side);
+        let mirrored = reflect(ray, &hit, side).of(0);
         prop_assert!((mirrored.dot(normal) + d.dot(normal)).abs() < 1e-7);
     }
 }

@@ -4,7 +4,7 @@
 
 mod common;
 
-use common::{lens_names, number, reference_json, system, vector};
+use common::{ASPHERES, lens_names, number, reference_json, system, vector};
 use glam::DVec3;
 use petzval_optics::glass::line_nm;
 use petzval_optics::trace::{Failure, Ray, Tracer};
@@ -60,7 +60,7 @@ fn is_status(found: Option<Failure>, expected: &str) -> bool {
 fn rays_of_the_tables_are_reproduced() {
     let mut count = 0;
     let mut worst = (0.0, String::new());
-    for name in lens_names() {
+    for name in lens_names().into_iter().chain(ASPHERES.map(str::to_owned)) {
         let table = reference_json(&format!("rays/{name}.json"));
         let tracers = tracers(&name, &table);
         let size = system(&name).surfaces().iter().fold(1.0, |m: f64, s| m.max(s.z_mm.abs()).max(s.semi_diameter_mm));

@@ -9,8 +9,19 @@
 //!
 //! Millimetres; scene side first. Radius 0 is a plane. The thickness is to the next surface, the last to the film.
 //! The glass is the medium after the surface: a name of the catalogues, `air`, `vacuum`, `water`, `mirror`, `n/V`,
-//! or a bare index. One more column is known, `obstruction`: the diameter of a central obstruction; it must be named
-//! in the header row.
+//! or a bare index.
+//!
+//! More columns may follow; they must be named in the header row:
+//!
+//! - `obstruction`: the diameter of a central obstruction.
+//! - `a2` to `a20`: coefficients of an asphere, in mm^(1 − p) for the power p, added to the conicoid's sag.
+//! - `radius_x`: the radius of curvature in the x-z plane. The surface is then a toroid: its profile in the y-z plane,
+//!   by radius, conic and coefficients, turned about a line parallel to y. 0 is a cylinder.
+//! - `decenter_x`, `decenter_y` (mm) and `tilt_x`, `tilt_y`, `tilt_z` (degrees): where the surface stands beside its
+//!   place, right-handed about the axis named; the surfaces after it stay where they are.
+//!
+//! An element moves as one by a line of the header, surfaces counted from 0, about the vertex of its first:
+//! `# element: 2-3 decenter_x=0.05 tilt_y=0.1`.
 
 use std::fmt;
 use std::path::Path;
@@ -19,13 +30,17 @@ use thiserror::Error;
 
 use crate::glass::{Catalogue, GlassError};
 use crate::prescription::{Behind, Column, Metadata, Place, Prescription, PrescriptionError, SurfaceRow};
-use crate::surface::Conic;
+use crate::surface::{Asphere, Conic, LAST_POWER, Pose, Shape, Toroid};
 
 /// A longer file is no lens: it would only cost memory.
 const LARGEST_FILE: usize = 1 << 20;
 /// Columns that every row has.
 const COLUMNS: [&str; 6] = ["radius", "thickness", "glass", "diameter", "conic", "isstop"];
+/// Columns that may follow, beside the coefficients.
 const OBSTRUCTION: &str = "obstruction";
+const RADIUS_X: &str = "radius_x";
+/// Parts of a [`Pose`]: two lengths, three angles.
+const POSE: [&str; 5] = ["decenter_x", "decenter_y", "tilt_x", "tilt_y", "tilt_z"];
 
 /// What is wrong in a lens file.
 #[derive(Clone, Debug, PartialEq, Error)]
@@ -59,8 +74,24 @@ pub enum Problem {
         expected: &'static str,
     },
     /// The header row names a column that is not supported.
-    #[error("column '{0}' is not supported (aspheric terms are not yet); take the column out")]
+    #[error(
+        "column '{0}' is unknown; after isstop there may be obstruction, radius_x, a2 to a20, decenter_x, decenter_y, tilt_x, tilt_y, tilt_z"
+    )]
     UnknownColumn(String),
+    /// The header row names a column twice.
+    #[error("column '{0}' stands here a second time; take one out")]
+    SecondColumn(String),
+    /// A line about an element cannot be understood.
+    #[error("'{0}' is no element; write first and last surface, then moves: 2-3 decenter_x=0.05 tilt_y=0.1")]
+    Element(String),
+    /// A line about an element names a surface that is not there.
+    #[error("the element goes to surface {last}, but the last surface is {surfaces}; count them from 0")]
+    NoSuchSurface {
+        /// The last surface of the element.
+        last: usize,
+        /// The last surface of the lens.
+        surfaces: usize,
+    },
     /// Not a finite number.
     #[error("{what} '{found}' is not a finite number; write one, as in 12.5")]
     NotANumber {
@@ -172,10 +203,42 @@ fn tokens(line: &str) -> Vec<Token<'_>> {
     line.split_whitespace().map(|text| Token { text, column: column_of(text) }).collect()
 }
 
+/// An element that stands beside its place.
+struct ElementLine {
+    place: Place,
+    first: usize,
+    last: usize,
+    pose: Pose,
+}
+
+/// A [`Pose`] by the names of its parts; lengths in mm, angles in degrees.
+#[derive(Default)]
+struct Misalignment([f64; 5]);
+
+impl Misalignment {
+    /// The part of this name.
+    fn part(&mut self, name: &str) -> Option<&mut f64> {
+        POSE.iter().position(|known| *known == name).map(|i| &mut self.0[i])
+    }
+
+    fn pose(&self) -> Pose {
+        let [x, y, turns @ ..] = self.0;
+        Pose::misaligned([x, y], turns.map(f64::to_radians))
+    }
+}
+
+/// The power that a column of aspheric coefficients is for.
+fn power(column: &str) -> Option<u32> {
+    let power = column.strip_prefix('a')?.parse().ok()?;
+    (2..=LAST_POWER).contains(&power).then_some(power)
+}
+
 struct Reader<'a> {
     file: &'a str,
     catalogue: &'a Catalogue,
-    obstruction: bool,
+    /// Names of the columns after the usual ones.
+    extra: Vec<String>,
+    elements: Vec<ElementLine>,
     rows: Vec<SurfaceRow>,
     /// Index, line and column of the stop.
     stop: Option<(usize, usize)>,
@@ -191,7 +254,8 @@ impl<'a> Reader<'a> {
         Self {
             file,
             catalogue,
-            obstruction: false,
+            extra: Vec::new(),
+            elements: Vec::new(),
             rows: Vec::new(),
             stop: None,
             first_flag: Place { line: 1, column: 1 },
@@ -230,8 +294,14 @@ impl<'a> Reader<'a> {
                     return self.fail(line, column, Problem::HeaderOrder { found, expected });
                 }
                 Some(_) => {}
-                None if i == COLUMNS.len() && found == OBSTRUCTION => self.obstruction = true,
-                None => return self.fail(line, column, Problem::UnknownColumn(found)),
+                None if self.extra.contains(&found) => return self.fail(line, column, Problem::SecondColumn(found)),
+                None => {
+                    let is_known = found == OBSTRUCTION || found == RADIUS_X || POSE.contains(&found.as_str());
+                    if !is_known && power(&found).is_none() {
+                        return self.fail(line, column, Problem::UnknownColumn(found));
+                    }
+                    self.extra.push(found);
+                }
             }
         }
         Ok(())
@@ -246,6 +316,10 @@ impl<'a> Reader<'a> {
             "focal_length" => self.metadata.focal_length_mm = Some(number(value).map_err(place)?),
             "f_number" => self.metadata.f_number = Some(number(value).map_err(place)?),
             "half_field_deg" => self.metadata.half_field_deg = Some(number(value).map_err(place)?),
+            "element" => {
+                let element = element(value, Place { line, column });
+                self.elements.push(element.ok_or_else(|| place(Problem::Element(value.to_owned())))?);
+            }
             "film_radius" => self.film_radius_mm = Some(number(value).map_err(place)?),
             "film" => {
                 let (width, height) = value.split_once('x').unwrap_or((value, value));
@@ -265,26 +339,42 @@ impl<'a> Reader<'a> {
         if words.is_empty() {
             return Ok(());
         }
-        let expected = COLUMNS.len() + usize::from(self.obstruction);
+        let expected = COLUMNS.len() + self.extra.len();
         if words.len() != expected {
             let column = words.get(expected).unwrap_or(&words[0]).column;
             return self.fail(line, column, Problem::ColumnCount { found: words.len(), expected });
         }
         let number = |i: usize| {
-            let what = COLUMNS.get(i).unwrap_or(&OBSTRUCTION);
+            let what = COLUMNS.get(i).copied().unwrap_or_else(|| &self.extra[i - COLUMNS.len()]);
             finite(words[i].text).ok_or_else(|| at(self.file, line, words[i].column, not_a_number(what, words[i].text)))
         };
+        let semi_diameter_mm = number(3)? / 2.0;
+        let (mut obstruction_mm, mut radius_x, mut terms) = (0.0, None, Vec::new());
+        let mut misalignment = Misalignment::default();
+        for (name, i) in self.extra.iter().zip(COLUMNS.len()..) {
+            let value = number(i)?;
+            if let Some(power) = power(name) {
+                terms.push((power, value));
+            } else if let Some(part) = misalignment.part(name) {
+                *part = value;
+            } else if name == RADIUS_X {
+                radius_x = Some(value);
+            } else {
+                obstruction_mm = value / 2.0;
+            }
+        }
         let row = SurfaceRow {
-            shape: Conic::new(number(0)?, number(4)?),
+            shape: shape(Conic::new(number(0)?, number(4)?), &terms, radius_x),
+            pose: misalignment.pose(),
             thickness_mm: number(1)?,
             behind: self.behind(line, &words[2])?,
-            semi_diameter_mm: number(3)? / 2.0,
-            obstruction_mm: if self.obstruction { number(6)? / 2.0 } else { 0.0 },
+            semi_diameter_mm,
+            obstruction_mm,
             place: Place { line, column: words[0].column },
         };
         let surface = self.rows.len();
         if let Err(error) = row.check(surface) {
-            let column = error.cell().map_or(0, |(_, column)| column_index(column));
+            let column = error.cell().map_or(0, |(_, column)| self.column_index(column));
             return self.fail(line, words[column].column, error.into());
         }
         self.flag(line, &words[5])?;
@@ -315,10 +405,45 @@ impl<'a> Reader<'a> {
         }
     }
 
-    fn finish(self) -> Result<Prescription, LensFileError> {
+    /// Where a column stands in a row.
+    fn column_index(&self, column: Column) -> usize {
+        let extra = |is_it: &dyn Fn(&str) -> bool| {
+            self.extra.iter().position(|name| is_it(name)).map_or(0, |i| COLUMNS.len() + i)
+        };
+        match column {
+            Column::Radius => 0,
+            Column::Thickness => 1,
+            Column::Diameter => 3,
+            Column::Conic => 4,
+            Column::Obstruction => extra(&|name| name == OBSTRUCTION),
+            Column::RadiusX => extra(&|name| name == RADIUS_X),
+            Column::Term(p) => extra(&|name| power(name) == Some(p)),
+            Column::Pose => extra(&|name| POSE.contains(&name)),
+        }
+    }
+
+    /// Poses the surfaces of elements that stand beside their place.
+    fn pose_elements(&mut self) -> Result<(), LensFileError> {
+        for ElementLine { place, first, last, pose } in &self.elements {
+            let surfaces = self.rows.len().saturating_sub(1);
+            if *last > surfaces {
+                let problem = Problem::NoSuchSurface { last: *last, surfaces };
+                return Err(at(self.file, place.line, place.column, problem));
+            }
+            let mut behind_mm = 0.0;
+            for row in &mut self.rows[*first..=*last] {
+                row.pose = pose.of_element(behind_mm) * row.pose;
+                behind_mm += row.thickness_mm;
+            }
+        }
+        Ok(())
+    }
+
+    fn finish(mut self) -> Result<Prescription, LensFileError> {
         if self.rows.is_empty() {
             return self.fail(1, 1, Problem::Empty);
         }
+        self.pose_elements()?;
         let Some((stop, _)) = self.stop else {
             return self.fail(self.first_flag.line, self.first_flag.column, Problem::NoStop);
         };
@@ -333,14 +458,33 @@ impl<'a> Reader<'a> {
     }
 }
 
-fn column_index(column: Column) -> usize {
-    match column {
-        Column::Radius => 0,
-        Column::Thickness => 1,
-        Column::Diameter => 3,
-        Column::Conic => 4,
-        Column::Obstruction => 6,
+/// The shape that the numbers of a row describe.
+fn shape(base: Conic, terms: &[(u32, f64)], radius_x: Option<f64>) -> Shape {
+    let profile = Asphere::new(base, terms);
+    let has_terms = !profile.terms().is_empty();
+    // A sphere written with both of its radii stays one.
+    let across = radius_x.map(|radius| Conic::new(radius, 0.0).curvature);
+    match across {
+        Some(across) if has_terms || base.conic != 0.0 || across != base.curvature => {
+            Shape::Toroid(Toroid { profile, across })
+        }
+        _ if has_terms => Shape::Asphere(profile),
+        _ => Shape::Conic(base),
     }
+}
+
+/// `2-3 decenter_x=0.05 tilt_y=0.1`: surfaces, then parts of a pose.
+fn element(text: &str, place: Place) -> Option<ElementLine> {
+    let mut words = text.split_whitespace();
+    let surfaces = words.next()?;
+    let (first, last) = surfaces.split_once('-').unwrap_or((surfaces, surfaces));
+    let (first, last) = (first.parse().ok()?, last.parse().ok()?);
+    let mut misalignment = Misalignment::default();
+    for word in words {
+        let (name, value) = word.split_once('=')?;
+        *misalignment.part(&name.to_lowercase())? = finite(value)?;
+    }
+    (first <= last).then(|| ElementLine { place, first, last, pose: misalignment.pose() })
 }
 
 fn finite(text: &str) -> Option<f64> {

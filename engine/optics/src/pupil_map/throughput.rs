@@ -63,7 +63,7 @@ fn along_meridian(tracer: &Tracer, system: &System, film_z_mm: f64, meridian: DV
 fn widest_angle(system: &System, film_z_mm: f64) -> f64 {
     let rear = &system.surfaces()[system.surface_count() - 1];
     let semi = rear.semi_diameter_mm;
-    let sag = rear.shape.sag_mm(semi).unwrap_or(0.0);
+    let sag = rear.shape.rim_sag_mm(semi).unwrap_or(0.0);
     let distance = (rear.z_mm - film_z_mm).abs();
     let rim = (rear.z_mm + sag - film_z_mm).abs();
     (semi.atan2(rim.min(distance)) * 1.01).min(0.5 * PI)

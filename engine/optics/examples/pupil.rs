@@ -1,6 +1,6 @@
-//! Times the tracer and the pupil map, and counts the rays that the map loses.
+//! Times the pupil map and counts the rays that it loses. (`cargo bench -p petzval-optics` times the tracer.)
 //!
-//! `cargo run --release -p petzval-optics --example speed [LENS...]`; without a lens: those of `lenses/`.
+//! `cargo run --release -p petzval-optics --example pupil [LENS...]`; without a lens: those of `lenses/`.
 
 use std::path::{Path, PathBuf};
 use std::time::Instant;
@@ -22,9 +22,7 @@ fn main() {
         files.retain(|f| f.extension().is_some_and(|e| e == "lens"));
         files.sort();
     }
-    println!(
-        "lens f-number blades: ns per ray passed, ns per surface, the same in packets, map ms, sample ns | passed at 0 .. 1 of the field"
-    );
+    println!("lens f-number blades: map ms, sample ns | passed at 0 .. 1 of the field");
     for file in files {
         match lens::read(&file, Catalogue::shipped()) {
             Ok(prescription) => {
@@ -61,10 +59,9 @@ fn report(system: &System, blades: u32) {
     let map_ms = start.elapsed().as_secs_f64() * 1e3;
     let passed: Vec<String> =
         (0..=5).map(|i| pass_rate(&tracer, &map, film.point(radius * 0.2 * f64::from(i), 0.0))).collect();
-    let [ray_ns, packet_ns, sample_ns] = time(&tracer, &map, &film, radius);
-    let [per_surface, per_surface_packet] = [ray_ns, packet_ns].map(|ns| ns / system.surface_count() as f64);
+    let sample_ns = time(&map, &film, radius);
     println!(
-        "{} f/{:.2} {blades}: {ray_ns:.0} ns, {per_surface:.1} ns, {per_surface_packet:.1} ns, {map_ms:.1} ms, {sample_ns:.0} ns | {}",
+        "{} f/{:.2} {blades}: {map_ms:.1} ms, {sample_ns:.0} ns | {}",
         system.name(),
         system.f_number(),
         passed.join(" ")
@@ -72,7 +69,6 @@ fn report(system: &System, blades: u32) {
 }
 
 const GRID: u32 = 160;
-const LANES: usize = 8;
 
 fn aimed(map: &PupilMap, point: DVec3, u: [f64; 2]) -> Ray {
     let target = map.sample(point, u).target;
@@ -86,35 +82,16 @@ fn pass_rate(tracer: &Tracer, map: &PupilMap, point: DVec3) -> String {
     format!("{:.1}%", 100.0 * count as f64 / f64::from(GRID * GRID))
 }
 
-fn time(tracer: &Tracer, map: &PupilMap, film: &FilmPlane, radius: f64) -> [f64; 3] {
+fn time(map: &PupilMap, film: &FilmPlane, radius: f64) -> f64 {
     let at = |i: u32| (f64::from(i) + 0.5) / f64::from(GRID);
     let points: Vec<(DVec3, [f64; 2])> = (0..GRID * GRID)
         .map(|i| {
-            (
-                film.point(radius * at(i / GRID) * 0.7, radius * at(i * 7 % GRID) * 0.7),
-                [at(i * 13 % GRID), at(i % GRID)],
-            )
+            let point = film.point(radius * at(i / GRID) * 0.7, radius * at(i * 7 % GRID) * 0.7);
+            (point, [at(i * 13 % GRID), at(i % GRID)])
         })
         .collect();
     let start = Instant::now();
-    let rays: Vec<Ray> = points.iter().map(|&(point, u)| aimed(map, point, u)).collect();
-    let sample_ns = start.elapsed().as_secs_f64() * 1e9 / points.len() as f64;
-    let clear: Vec<Ray> = rays.into_iter().filter(|&ray| tracer.from_film(ray).is_ok()).collect();
-    let mut best = f64::INFINITY;
-    for _ in 0..20 {
-        let start = Instant::now();
-        let sum: f64 = clear.iter().filter_map(|&ray| tracer.from_film(ray).ok()).map(|ray| ray.direction.z).sum();
-        best = best.min(start.elapsed().as_secs_f64() * 1e9 / clear.len() as f64);
-        std::hint::black_box(sum);
-    }
-    let (packets, _) = clear.as_chunks::<LANES>();
-    let mut best_packet = f64::INFINITY;
-    for _ in 0..20 {
-        let start = Instant::now();
-        let all = packets.iter().flat_map(|rays| tracer.from_film_packet(rays));
-        let sum: f64 = all.flatten().map(|ray| ray.direction.z).sum();
-        best_packet = best_packet.min(start.elapsed().as_secs_f64() * 1e9 / (LANES * packets.len()) as f64);
-        std::hint::black_box(sum);
-    }
-    [best, best_packet, sample_ns]
+    let sum: f64 = points.iter().map(|&(point, u)| aimed(map, point, u).direction.z).sum();
+    std::hint::black_box(sum);
+    start.elapsed().as_secs_f64() * 1e9 / points.len() as f64
 }

@@ -1,0 +1,292 @@
+//! Many rays at a time, as many in step as the processor's registers hold.
+//!
+//! One ray waits at every surface for a square root and a division; several share the wait. The numbers lie in one
+//! array a coordinate. A block of rays goes through one surface after the other, a register at a time: the registers
+//! of a block do not depend on each other, so the processor works on several at once.
+
+use glam::DVec3;
+
+use super::{Failure, Lost, Ray, Step, Tracer, Travel, Way};
+use crate::diaphragm::Diaphragm;
+use crate::lane::{Lane, LaneKernel, Level, Mask, Real};
+use crate::vector::Vector;
+
+/// Rays in a block: they must fill several registers and stay in the nearest cache.
+const BLOCK: usize = 256;
+
+/// Rays of one wavelength on one way through a lens, in numbers of one kind.
+///
+/// Made by [`Tracer::bundle`], filled by [`Self::push`], traced by [`Tracer::trace`], then read by [`Self::result`].
+#[derive(Clone, Debug)]
+pub struct Bundle<R = f64> {
+    way: Way<R>,
+    /// x, y, z of the origins, seen from the vertex that the rays are at, then of the directions. Filled up with rays
+    /// along the axis to whole registers.
+    numbers: [Vec<R>; 6],
+    lost: Vec<Option<Lost>>,
+    is_traced: bool,
+}
+
+impl<R: Real> Tracer<R> {
+    /// An empty bundle of rays that go `travel`.
+    pub fn bundle(&self, travel: Travel) -> Bundle<R> {
+        Bundle { way: self.way(travel).clone(), numbers: Default::default(), lost: Vec::new(), is_traced: false }
+    }
+
+    /// Takes the rays of `bundle`, which this tracer or one of the same lens made, through the lens; what became of
+    /// them is what [`Self::from_scene`] or [`Self::from_film`] says, to the last bit.
+    pub fn trace(&self, bundle: &mut Bundle<R>) {
+        self.trace_with(Level::new(), bundle);
+    }
+
+    /// [`Self::trace`] with the instructions of `level`, which may be fewer than the processor has.
+    pub fn trace_with(&self, level: Level, bundle: &mut Bundle<R>) {
+        assert!(!bundle.is_traced, "a bundle is traced once; clear it and fill it again");
+        bundle.is_traced = true;
+        let way = self.way(bundle.way.travel);
+        R::run_wide(level, Trace { way, diaphragm: &self.diaphragm, bundle });
+    }
+}
+
+impl<R: Real> Bundle<R> {
+    /// Number of rays.
+    pub fn len(&self) -> usize {
+        self.lost.len()
+    }
+
+    /// True if there is no ray.
+    pub fn is_empty(&self) -> bool {
+        self.lost.is_empty()
+    }
+
+    /// Takes all rays out, and keeps the memory.
+    pub fn clear(&mut self) {
+        self.numbers.iter_mut().for_each(Vec::clear);
+        self.lost.clear();
+        self.is_traced = false;
+    }
+
+    /// Adds a ray in lens space.
+    pub fn push(&mut self, ray: Ray) {
+        let (p, d) = self.way.enter(ray);
+        for (column, number) in self.numbers.iter_mut().zip([p.x, p.y, p.z, d.x, d.y, d.z]) {
+            column.truncate(self.lost.len());
+            column.push(number);
+        }
+        self.lost.push(None);
+    }
+
+    /// What became of ray `i`: as [`Tracer::from_scene`] and [`Tracer::from_film`] say it.
+    pub fn result(&self, i: usize) -> Result<Ray, Lost> {
+        debug_assert!(self.is_traced, "trace the bundle first");
+        let at = |first: usize| DVec3::from_array([0, 1, 2].map(|axis| self.numbers[first + axis][i].to_f64()));
+        self.lost[i].map_or_else(|| Ok(self.way.leave(at(0), at(3))), Err)
+    }
+
+    /// How many rays got through.
+    pub fn passed(&self) -> usize {
+        self.lost.iter().filter(|lost| lost.is_none()).count()
+    }
+}
+
+struct Trace<'a, R> {
+    way: &'a Way<R>,
+    diaphragm: &'a Diaphragm<R>,
+    bundle: &'a mut Bundle<R>,
+}
+
+impl<R: Real> LaneKernel<R> for Trace<'_, R> {
+    type Output = ();
+
+    #[inline(always)]
+    fn run<L: Lane<Real = R>>(self, zero: L) {
+        let Bundle { numbers, lost, .. } = self.bundle;
+        let axis = [R::ZERO, R::ZERO, R::ZERO, R::ZERO, R::ZERO, self.way.steps[0].side];
+        let rays = lost.len().next_multiple_of(L::WIDTH);
+        for (column, number) in numbers.iter_mut().zip(axis) {
+            column.resize(rays, number);
+        }
+        for first in (0..rays).step_by(BLOCK) {
+            let block = first..(first + BLOCK).min(rays);
+            let [x, y, z, dx, dy, dz] = numbers.each_mut().map(|column| &mut column[block.clone()]);
+            let mut block = Block { x, y, z, dx, dy, dz };
+            let mut lost = Losses { lost: &mut lost[first..], surface: 0 };
+            for (i, step) in self.way.steps.iter().enumerate() {
+                lost.surface = self.way.surface(i);
+                match step.plain() {
+                    Some(plain) => block.pass(zero, &plain, self.diaphragm, &mut lost),
+                    None => block.pass(zero, step, self.diaphragm, &mut lost),
+                }
+            }
+        }
+    }
+}
+
+/// Where lost rays are noted.
+struct Losses<'a> {
+    /// Of the rays of a block.
+    lost: &'a mut [Option<Lost>],
+    /// The surface that they are at.
+    surface: usize,
+}
+
+impl Losses<'_> {
+    /// Notes the loss of the ray at `place`, if it is the first: a ray that is lost goes on beside the others.
+    fn note(&mut self, place: usize, reason: Failure) {
+        // The last register may be wider than what is left of the rays.
+        if let Some(lost) = self.lost.get_mut(place) {
+            lost.get_or_insert(Lost { surface: self.surface, reason });
+        }
+    }
+}
+
+/// Rays that go through all surfaces together: their coordinates.
+struct Block<'a, R> {
+    x: &'a mut [R],
+    y: &'a mut [R],
+    z: &'a mut [R],
+    dx: &'a mut [R],
+    dy: &'a mut [R],
+    dz: &'a mut [R],
+}
+
+impl<R: Real> Block<'_, R> {
+    /// The rays from `at` on, as many as a lane like `zero` holds.
+    #[inline(always)]
+    fn load<L: Lane<Real = R>>(&self, zero: L, at: usize) -> (Vector<L>, Vector<L>) {
+        let load = |column: &[R]| zero.load(&column[at..at + L::WIDTH]);
+        (
+            Vector { x: load(self.x), y: load(self.y), z: load(self.z) },
+            Vector { x: load(self.dx), y: load(self.dy), z: load(self.dz) },
+        )
+    }
+
+    #[inline(always)]
+    fn store<L: Lane<Real = R>>(&mut self, p: Vector<L>, d: Vector<L>, at: usize) {
+        p.x.store(&mut self.x[at..at + L::WIDTH]);
+        p.y.store(&mut self.y[at..at + L::WIDTH]);
+        p.z.store(&mut self.z[at..at + L::WIDTH]);
+        d.x.store(&mut self.dx[at..at + L::WIDTH]);
+        d.y.store(&mut self.dy[at..at + L::WIDTH]);
+        d.z.store(&mut self.dz[at..at + L::WIDTH]);
+    }
+
+    /// Takes all rays through a surface.
+    #[inline(always)]
+    fn pass<L: Lane<Real = R>>(&mut self, zero: L, step: &Step<R>, diaphragm: &Diaphragm<R>, lost: &mut Losses) {
+        for at in (0..self.x.len()).step_by(L::WIDTH) {
+            let (p, d) = self.load(zero, at);
+            let passage = step.pass(p, d, diaphragm);
+            self.store(passage.point, passage.direction, at);
+            if !passage.passed().all() {
+                let fates = passage.fates();
+                for lane in 0..L::WIDTH {
+                    if let Some(reason) = fates.failure(lane) {
+                        self.lose(at + lane, step.side_after());
+                        lost.note(at + lane, reason);
+                    }
+                }
+            }
+        }
+    }
+
+    /// Lets a lost ray go on along the axis, where nothing is rare, so that the others need not wait for it.
+    #[cold]
+    fn lose(&mut self, place: usize, side: R) {
+        (self.x[place], self.y[place], self.z[place]) = Default::default();
+        (self.dx[place], self.dy[place], self.dz[place]) = (R::ZERO, R::ZERO, side);
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::formats::lens;
+    use crate::glass::Catalogue;
+    use crate::system::{System, SystemSettings};
+
+    /// All kinds of instructions that this processor has.
+    fn levels() -> Vec<Level> {
+        #[allow(unused_mut)]
+        let mut levels = vec![Level::new()];
+        #[cfg(target_arch = "x86_64")]
+        {
+            levels.extend(Level::new().as_sse2().map(Level::Sse2));
+            levels.extend(Level::new().as_sse4_2().map(Level::Sse4_2));
+            levels.extend(Level::new().as_avx2().map(Level::Avx2));
+        }
+        levels
+    }
+
+    /// Rays from the film to anywhere on the rear glass, and as many from the scene.
+    fn rays(system: &System, travel: Travel, count: u32) -> impl Iterator<Item = Ray> {
+        let (glass, from, semi) = match travel {
+            Travel::FromFilm => (system.last_vertex_z_mm(), system.film_z_published_mm(), system.rear_radius_mm()),
+            Travel::FromScene => {
+                let semi = system.surfaces()[0].semi_diameter_mm;
+                (0.0, -4.0 * semi, semi)
+            }
+        };
+        (0..count).map(move |i| {
+            let at = |by: u32| f64::from(i * by % 101) / 50.0 - 1.0;
+            let origin = DVec3::new(at(17) * semi * 0.3, at(29) * semi * 0.3, from);
+            let target = DVec3::new(at(41) * semi, at(59) * semi, glass);
+            Ray { origin, direction: (target - origin).normalize() }
+        })
+    }
+
+    fn check<R: Real>(system: &System, travel: Travel) -> usize {
+        let tracer: Tracer<R> = system.at_wavelength(550.0).cast();
+        let mut passed = 0;
+        for level in levels() {
+            let mut bundle = tracer.bundle(travel);
+            // Not a whole number of registers.
+            rays(system, travel, 1003).for_each(|ray| bundle.push(ray));
+            tracer.trace_with(level, &mut bundle);
+            for (i, ray) in rays(system, travel, 1003).enumerate() {
+                let alone = match travel {
+                    Travel::FromScene => tracer.from_scene(ray),
+                    Travel::FromFilm => tracer.from_film(ray),
+                };
+                assert_eq!(bundle.result(i), alone, "{} {level:?} {travel:?} {i}", system.name());
+            }
+            passed += bundle.passed();
+        }
+        passed
+    }
+
+    #[test]
+    fn a_ray_in_a_bundle_is_the_ray_alone() {
+        let folder = concat!(env!("CARGO_MANIFEST_DIR"), "/../../tests/reference/lenses");
+        let mut passed = 0;
+        for entry in std::fs::read_dir(folder).unwrap() {
+            let path = entry.unwrap().path();
+            let Ok(prescription) = lens::read(&path, Catalogue::shipped()) else { continue };
+            for blades in [0, 5] {
+                let settings = SystemSettings { blades, ..SystemSettings::default() };
+                let system = System::new(&prescription, &settings).unwrap();
+                for travel in [Travel::FromScene, Travel::FromFilm] {
+                    passed += check::<f64>(&system, travel) + check::<f32>(&system, travel);
+                }
+            }
+        }
+        assert!(passed > 50_000, "{passed}");
+    }
+
+    #[test]
+    fn a_bundle_can_be_filled_again() {
+        let text = "0 5 1.5 10 0 1";
+        let prescription = lens::parse(text, "test", Catalogue::shipped()).unwrap();
+        let tracer = System::new(&prescription, &SystemSettings::default()).unwrap().at_wavelength(550.0);
+        let mut bundle = tracer.bundle(Travel::FromScene);
+        let ray = |x: f64| Ray { origin: DVec3::new(x, 0.0, -1.0), direction: DVec3::Z };
+        tracer.trace(&mut bundle);
+        assert!(bundle.is_empty());
+        for x in [1.0, 6.0] {
+            bundle.clear();
+            bundle.push(ray(x));
+            tracer.trace(&mut bundle);
+            assert_eq!((bundle.len(), bundle.passed()), (1, usize::from(x < 5.0)));
+        }
+    }
+}
