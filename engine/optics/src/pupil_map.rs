@@ -4,7 +4,7 @@
 //! for every lens, wherever the exit pupil is, at infinity or behind the film. Seen from a film point the clear pupil
 //! is star-shaped about a centre for nearly every lens (a disc, a cat's eye, a polygon). The map holds that outline,
 //! and the inner one of an obstruction, by distance of the film point from the axis, by the film's z where it is turned,
-//! and by azimuth where the diaphragm has blades. A small share of the samples covers the whole rear glass, so that
+//! and by azimuth where the diaphragm has blades or the lens itself is not symmetric about its axis. A small share of the samples covers the whole rear glass, so that
 //! nothing is lost where the outline errs.
 //!
 //! Sampling is rejection-free and its density exact, whatever the outline is: an error of the map costs noise, never
@@ -49,10 +49,12 @@ pub struct PupilMap {
     radius: Axis,
     depth: Axis,
     azimuth: Axis,
-    /// Turn after which the diaphragm looks the same; 0 if it is round.
+    /// Turn after which the lens looks the same; 0 if any turn leaves it so.
     period: f64,
-    /// Place of the outline's centre along the film point's meridian, by node of depth and radius.
-    centres: Vec<f64>,
+    /// The outline's centre in axes along and across the film point's meridian, by node of depth, azimuth and radius;
+    /// by depth and radius if only the blades know of an azimuth.
+    centres: Vec<DVec2>,
+    centres_by_azimuth: bool,
     /// By depth, azimuth and radius.
     cells: Vec<Cell>,
 }
@@ -104,7 +106,11 @@ struct Resolution {
 
 impl Resolution {
     /// Finer cells waste fewer samples at the edges of the outline, and take longer to make.
-    fn choose(film: &FilmPlane, has_blades: bool) -> Self {
+    fn choose(film: &FilmPlane, has_blades: bool, is_symmetric: bool) -> Self {
+        if !is_symmetric {
+            let depth = if film.is_turned() { 3 } else { 1 };
+            return Self { radius: 12, depth, azimuth: 16 };
+        }
         match (film.is_turned(), has_blades) {
             (false, false) => Self { radius: 48, depth: 1, azimuth: 1 },
             (true, false) => Self { radius: 32, depth: 8, azimuth: 1 },
@@ -130,13 +136,18 @@ impl PupilMap {
         half_height_mm: f64,
     ) -> Self {
         let blades = system.diaphragm().blades();
-        let resolution = Resolution::choose(film, blades > 0);
+        let is_symmetric = system.is_rotationally_symmetric();
+        let resolution = Resolution::choose(film, blades > 0, is_symmetric);
         let signs = [(-1.0, -1.0), (-1.0, 1.0), (1.0, -1.0), (1.0, 1.0)];
         let corners = signs.map(|(a, b)| film.point(a * half_width_mm, b * half_height_mm));
         let farthest = corners.iter().fold(0.0f64, |r, p| r.max(p.truncate().length()));
         let depths = corners.iter().map(|p| p.z).chain([film.point(0.0, 0.0).z]);
         let (near, far) = depths.fold((f64::INFINITY, f64::NEG_INFINITY), |(a, b), z| (a.min(z), b.max(z)));
-        let period = if blades > 0 { TAU / f64::from(blades) } else { 0.0 };
+        let period = match (is_symmetric, blades) {
+            (false, _) => TAU,
+            (true, 0) => 0.0,
+            (true, blades) => TAU / f64::from(blades),
+        };
         let reference_z = system.last_vertex_z_mm();
         let mut map = Self {
             reference_z,
@@ -146,6 +157,7 @@ impl PupilMap {
             azimuth: Axis::new(0.0, period, resolution.azimuth),
             period,
             centres: Vec::new(),
+            centres_by_azimuth: !is_symmetric,
             cells: Vec::new(),
         };
         map.fill(&Probe::new(tracers, reference_z, map.glass_radius));
@@ -159,19 +171,28 @@ impl PupilMap {
         // A film at right angles has one depth: its second node would repeat the first.
         let nz = if self.depth.cells_per_unit > 0.0 { nz } else { 1 };
         let mut outlines: Vec<Option<Outline>> = Vec::with_capacity(nz * na * nr);
-        let mut centres = vec![0.0; nz * nr];
         for z in 0..nz {
             let film_z = self.depth.at(z as f64);
-            let row = &mut centres[z * nr..(z + 1) * nr];
-            let found = probe.centres(film_z, |i| self.radius.at(i as f64 / 2.0), row);
+            // By node of azimuth and of radius, of the coarse grid; whether light arrives there, of the fine one.
+            let mut centres: Vec<Vec<DVec2>> = Vec::new();
+            let mut found: Vec<Vec<bool>> = Vec::new();
+            let films = |azimuth: f64| (0..nr).map(move |r| (r as f64 / 2.0, azimuth));
+            for a in 0..if self.centres_by_azimuth { na } else { 1 } {
+                let azimuth = self.azimuth.at(a as f64 / 2.0);
+                let films = films(azimuth).map(|(r, azimuth)| (self.radius.at(r), azimuth));
+                let row: Vec<Option<DVec2>> = probe.centres(film_z, films, self.centres_by_azimuth);
+                found.push(row.iter().map(Option::is_some).collect());
+                centres.push(carried_on(&row));
+            }
             for a in 0..na {
                 let azimuth = self.azimuth.at(a as f64 / 2.0);
                 let mut last: Option<Outline> = None;
                 for r in 0..nr {
                     let film_radius = self.radius.at(r as f64 / 2.0);
+                    let row = if self.centres_by_azimuth { a } else { 0 };
                     // Between its even nodes the map interpolates: the outline is taken about that same centre.
-                    let centre = if r % 2 == 0 || r + 1 == nr { row[r] } else { 0.5 * (row[r - 1] + row[r + 1]) };
-                    let outline = found[r].then(|| {
+                    let centre = midway(&centres, row, r);
+                    let outline = found[row][r].then(|| {
                         let place = (film_radius, film_z, azimuth);
                         probe.outline(place, centre, self.period == 0.0, last.as_ref())
                     });
@@ -181,9 +202,8 @@ impl PupilMap {
                     outlines.push(outline);
                 }
             }
+            self.centres.extend(centres.iter().step_by(2).flat_map(|row| row.iter().step_by(2)));
         }
-        self.centres =
-            (0..nz).flat_map(|z| (0..=self.radius.cells).map(move |r| z * nr + 2 * r)).map(|i| centres[i]).collect();
         self.join(&outlines, [nz, na, nr]);
     }
 
@@ -227,26 +247,30 @@ impl PupilMap {
         let (r, r_in) = self.radius.locate(film_radius);
         let (z, z_in) = self.depth.locate(film_point.z);
         let along = if film_radius > 0.0 { plane / film_radius } else { DVec2::X };
-        let (a, frame, meridian) = if self.period > 0.0 {
+        let (a, a_in, frame, meridian) = if self.period > 0.0 {
             let angle = along.y.atan2(along.x).rem_euclid(TAU);
             let turns = (angle / self.period).floor();
             let frame = DVec2::from_angle(turns * self.period);
-            let (a, _) = self.azimuth.locate(angle - turns * self.period);
-            (a, frame, frame.conjugate_rotate(along))
+            let (a, a_in) = self.azimuth.locate(angle - turns * self.period);
+            (a, a_in, frame, frame.conjugate_rotate(along))
         } else {
-            (0, along, DVec2::X)
+            (0, 0.0, along, DVec2::X)
         };
         let nodes = self.radius.cells + 1;
-        let row = |z: usize| {
-            let [low, high] = [self.centres[z * nodes + r], self.centres[z * nodes + r + 1]];
-            low + (high - low) * r_in
+        let row = |row: usize| self.centres[row * nodes + r].lerp(self.centres[row * nodes + r + 1], r_in);
+        let plane = |z: usize| match self.centres_by_azimuth {
+            true => {
+                let first = z * (self.azimuth.cells + 1) + a;
+                row(first).lerp(row(first + 1), a_in)
+            }
+            false => row(z),
         };
-        let mut centre = row(z);
+        let mut centre = plane(z);
         if self.depth.cells_per_unit > 0.0 {
-            centre += (row(z + 1) - centre) * z_in;
+            centre = centre.lerp(plane(z + 1), z_in);
         }
         let cell = &self.cells[(z * self.azimuth.cells + a) * self.radius.cells + r];
-        Located { cell, centre: meridian * centre, frame }
+        Located { cell, centre: meridian.rotate(centre), frame }
     }
 
     /// Chooses a point to aim at from `film_point` (lens space, mm) by two numbers in [0, 1).
@@ -282,6 +306,26 @@ impl PupilMap {
         }
         density
     }
+}
+
+/// The centres along a row, those that were not found taken from the one before.
+fn carried_on(row: &[Option<DVec2>]) -> Vec<DVec2> {
+    let mut last = DVec2::ZERO;
+    row.iter()
+        .map(|centre| {
+            last = centre.unwrap_or(last);
+            last
+        })
+        .collect()
+}
+
+/// The centre at the node (`a`, `r`) of the fine grid, interpolated from the even nodes about it.
+fn midway(centres: &[Vec<DVec2>], a: usize, r: usize) -> DVec2 {
+    let about = |i: usize, end: usize| if i % 2 == 0 || i == end { [i, i] } else { [i - 1, i + 1] };
+    let rows = about(a, centres.len() - 1);
+    let columns = about(r, centres[0].len() - 1);
+    let sum: DVec2 = rows.iter().flat_map(|&a| columns.map(|r| centres[a][r])).sum();
+    sum * 0.25
 }
 
 /// `v` turned back by the angle of the unit vector `self`.

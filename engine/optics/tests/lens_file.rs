@@ -118,7 +118,7 @@ fn every_shipped_lens_reads_and_names_its_source() {
             count += 1;
         }
     }
-    assert_eq!(count, 40);
+    assert_eq!(count, 41);
 }
 
 #[test]

@@ -109,7 +109,19 @@ fn make_cameras() -> Vec<Camera> {
                 -2000 -700 mirror 250 -1 1 90\n-900 900 mirror 85 -4 0 0";
     let obstructed = parse(text, "obstructed", Catalogue::shipped()).unwrap();
     let obstructed = System::new(&obstructed, &SystemSettings::default()).unwrap();
+    let shipped = |name: &str, blades: u32, more: &str| {
+        let text = std::fs::read_to_string(common::repository("lenses").join(format!("{name}.lens"))).unwrap();
+        let lens = parse(&format!("{more}\n{text}"), name, Catalogue::shipped()).unwrap();
+        let settings = SystemSettings { f_number: Some(4.0), blades, ..Default::default() };
+        System::new(&lens, &settings).unwrap()
+    };
+    let anamorphic = shipped("anamorphic-2x-double-gauss", 0, "");
+    let six_blades = shipped("anamorphic-2x-double-gauss", 6, "");
+    let misaligned = shipped("double-gauss-f2-available", 0, "# element: 0-1 decenter_x=3 tilt_x=-4 tilt_y=6");
     vec![
+        Camera::new("anamorphic", anamorphic, FilmPlane::upright, [11.0, 9.0]),
+        Camera::new("anamorphic, six blades", six_blades, turned, [11.0, 9.0]),
+        Camera::new("misaligned", misaligned, FilmPlane::upright, [18.0, 12.0]),
         Camera::new("wide angle", system("seed-wide-angle"), FilmPlane::upright, [40.0, 40.0]),
         Camera::new("double Gauss", system("double-gauss-f2-available"), FilmPlane::upright, [18.0, 12.0]),
         Camera::new("Cassegrain", system("cassegrain-f12"), FilmPlane::upright, [12.0, 12.0]),

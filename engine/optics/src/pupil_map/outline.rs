@@ -12,6 +12,8 @@ pub(super) const ANGLES: usize = 96;
 const PRECISION: f64 = 1e-3;
 /// Points across the rear glass that are tried where no light was found near its last place.
 const SCAN: usize = 1024;
+/// Rows and columns of points that are tried where the pupil need not lie on the meridian.
+const SCAN_ACROSS: usize = 64;
 
 /// Radii in mm of the clear pupil about its centre, at equal angles from the film point's meridian.
 #[derive(Clone, Debug)]
@@ -61,62 +63,90 @@ impl Probe {
         passes(&self.open, film, target.extend(self.reference_z))
     }
 
-    /// Fills `centres` with the middle of the clear pupil along the meridian for film points at `radius_of(i)` from
-    /// the axis; says for each whether any light arrives.
-    pub(super) fn centres(&self, film_z: f64, radius_of: impl Fn(usize) -> f64, centres: &mut [f64]) -> Vec<bool> {
-        let mut found = vec![false; centres.len()];
-        let mut last: Option<(f64, f64)> = None;
-        let mut drift = 0.0;
-        for i in 0..centres.len() {
-            let film = DVec3::new(radius_of(i), 0.0, film_z);
-            let guess = last.map_or(0.0, |(centre, _)| centre + drift);
-            let width = last.map_or(self.glass_radius, |(_, half)| 2.0 * half);
-            match self.clear_interval(film, guess, width) {
-                Some((low, high)) => {
-                    centres[i] = 0.5 * (low + high);
-                    drift = last.map_or(0.0, |(centre, _)| centres[i] - centre);
-                    last = Some((centres[i], 0.5 * (high - low)));
-                    found[i] = true;
+    /// The middle of the clear pupil for film points at (radius, azimuth) and `film_z`, each near the one before; in
+    /// axes along and across the film point's meridian. `None` where no light arrives.
+    ///
+    /// For a lens that is symmetric about its axis the middle lies on the meridian; else it `is_sought_across`, too.
+    pub(super) fn centres(
+        &self,
+        film_z: f64,
+        films: impl Iterator<Item = (f64, f64)>,
+        is_sought_across: bool,
+    ) -> Vec<Option<DVec2>> {
+        let mut last: Option<(DVec2, f64)> = None;
+        let mut drift = DVec2::ZERO;
+        films
+            .map(|(radius, azimuth)| {
+                let meridian = DVec2::from_angle(azimuth);
+                let film = (meridian * radius).extend(film_z);
+                let is_clear = |v: DVec2| self.is_open(film, meridian.rotate(v));
+                let guess = last.map_or(DVec2::ZERO, |(centre, _)| centre + drift);
+                let width = last.map_or(self.glass_radius, |(_, half)| 2.0 * half);
+                let start = self.clear_point(guess, width, is_sought_across, is_clear)?;
+                let (mut centre, mut half) = self.middle(start, DVec2::X, width, is_clear);
+                if is_sought_across {
+                    for axis in [DVec2::Y, DVec2::X, DVec2::Y] {
+                        (centre, half) = self.middle(centre, axis, width, is_clear);
+                    }
                 }
-                None => centres[i] = guess,
-            }
-        }
-        found
+                drift = last.map_or(DVec2::ZERO, |(before, _)| centre - before);
+                last = Some((centre, half));
+                Some(centre)
+            })
+            .collect()
     }
 
-    /// The clear part of the meridian about a clear point near `guess`, or anywhere.
-    fn clear_interval(&self, film: DVec3, guess: f64, width: f64) -> Option<(f64, f64)> {
-        let is_clear = |x: f64| self.is_open(film, DVec2::new(x, 0.0));
-        let near = (0..=32).map(|i| guess + width * alternating(i) / 16.0);
-        let step = 2.0 * self.glass_radius / SCAN as f64;
-        let anywhere = (0..=SCAN).map(|i| guess.clamp(-self.glass_radius, self.glass_radius) + step * alternating(i));
-        let start =
-            near.chain(anywhere.flat_map(|x| [x, x - x.signum() * 2.0 * self.glass_radius])).find(|&x| is_clear(x))?;
+    /// A clear point near `guess`, or anywhere, on the meridian or, if it is sought across, too, beside it.
+    fn clear_point(
+        &self,
+        guess: DVec2,
+        width: f64,
+        is_sought_across: bool,
+        is_clear: impl Fn(DVec2) -> bool,
+    ) -> Option<DVec2> {
+        let glass = self.glass_radius;
+        let near = (0..=32).map(|i| guess + DVec2::X * (width * alternating(i) / 16.0));
+        let along = (0..=SCAN).flat_map(|i| {
+            let x = guess.x.clamp(-glass, glass) + 2.0 * glass / SCAN as f64 * alternating(i);
+            [x, x - x.signum() * 2.0 * glass].map(|x| DVec2::new(x, guess.y))
+        });
+        let rows = if is_sought_across { SCAN_ACROSS } else { 0 };
+        let across = (0..rows * rows).map(|i| {
+            let place = |i: usize| glass * ((2 * i + 1) as f64 / rows as f64 - 1.0);
+            DVec2::new(place(i % rows), place(i / rows))
+        });
+        near.chain(along).chain(across).find(|&v| is_clear(v))
+    }
+
+    /// The middle of the clear part of the line through the clear point `start` along `axis`, and half its length.
+    fn middle(&self, start: DVec2, axis: DVec2, width: f64, is_clear: impl Fn(DVec2) -> bool) -> (DVec2, f64) {
         let edge = |sign: f64| {
+            let is_clear = |x: f64| is_clear(start + axis * (sign * x));
             let mut clear = 0.0;
             let mut step = width * 1e-3;
-            while is_clear(start + sign * (clear + step)) && clear < 4.0 * self.glass_radius {
+            while is_clear(clear + step) && clear < 4.0 * self.glass_radius {
                 clear += step;
                 step *= 2.0;
             }
-            start + sign * bisect(clear, clear + step, PRECISION * step, |x| is_clear(start + sign * x)).0
+            sign * bisect(clear, clear + step, PRECISION * step, is_clear).0
         };
-        Some((edge(-1.0), edge(1.0)))
+        let (low, high) = (edge(-1.0), edge(1.0));
+        (start + axis * (0.5 * (low + high)), 0.5 * (high - low))
     }
 
-    /// The outline about `centre` on the meridian at the azimuth of the film point (radius, z, azimuth).
+    /// The outline about `centre`, in axes along and across the meridian of the film point (radius, z, azimuth).
     ///
     /// `is_symmetric` spares the half below the meridian; `hint` is the outline of a neighbour.
     pub(super) fn outline(
         &self,
         (film_radius, film_z, azimuth): (f64, f64, f64),
-        centre: f64,
+        centre: DVec2,
         is_symmetric: bool,
         hint: Option<&Outline>,
     ) -> Outline {
         let meridian = DVec2::from_angle(azimuth);
         let film = (meridian * film_radius).extend(film_z);
-        let centre = meridian * centre;
+        let centre = meridian.rotate(centre);
         let mut outline = Outline { outer: [0.0; ANGLES], inner: [0.0; ANGLES] };
         let mut previous = self.glass_radius * 0.5;
         for i in 0..ANGLES {

@@ -1,6 +1,6 @@
 //! How much light of a uniform world reaches the middle of the film.
 
-use std::f64::consts::PI;
+use std::f64::consts::{PI, TAU};
 
 use glam::{DVec2, DVec3};
 
@@ -13,6 +13,10 @@ const SCAN: usize = 1024;
 /// Parts of half a blade, with two azimuths each (Gauss): the error is below 1e-6 even for a triangle.
 const PARTS: usize = 16;
 
+/// Meridians of a lens that is not symmetric about its axis. The sum over a smooth outline converges faster than any
+/// power; corners of blades leave an error below 1e-4.
+const AZIMUTHS: u32 = 256;
+
 /// ∫ cos θ_film cos θ_plane / d² dA over the clear pupil on the reference plane, seen from the point (0, 0,
 /// `film_z_mm`) of a film at right angles to the axis: the irradiance there under a uniform world of radiance 1, without
 /// transmission losses.
@@ -23,6 +27,11 @@ const PARTS: usize = 16;
 pub fn on_axis_throughput(tracer: &Tracer, system: &System, film_z_mm: f64) -> f64 {
     let diaphragm = system.diaphragm();
     let blades = diaphragm.blades();
+    if !system.is_rotationally_symmetric() {
+        let angle = |i: u32| TAU * (f64::from(i) + 0.5) / f64::from(AZIMUTHS);
+        let all = (0..AZIMUTHS).map(|i| along_meridian(tracer, system, film_z_mm, DVec2::from_angle(angle(i))));
+        return PI * all.sum::<f64>() / f64::from(AZIMUTHS);
+    }
     if blades == 0 {
         return PI * along_meridian(tracer, system, film_z_mm, DVec2::X);
     }
