@@ -254,8 +254,11 @@ impl<R: Real> Way<R> {
     /// The ray in lens space that leaves the last surface on the way at `p` of its vertex.
     #[inline(always)]
     fn leave(&self, p: DVec3, d: DVec3) -> Ray {
-        // One step of Newton: each surface leaves the length off by a rounding or two.
-        Ray { origin: p.with_z(p.z + self.end_z), direction: d * (1.5 - 0.5 * d.length_squared()) }
+        // Each surface leaves the length off by a rounding or two, a grazed one by more. Two steps of Newton: from the
+        // roundings of f32 to those of f64.
+        let nearly = d * (1.5 - 0.5 * d.length_squared());
+        let direction = nearly * (1.5 - 0.5 * nearly.length_squared());
+        Ray { origin: p.with_z(p.z + self.end_z), direction }
     }
 
     /// Through all steps, each in the coordinates of its own vertex: no digits are lost to the length of the lens.
