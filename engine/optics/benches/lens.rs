@@ -2,6 +2,7 @@
 //!
 //! `cargo bench -p petzval-optics`; `make speed` writes the table of docs/lens-speed.md from it.
 
+use std::hint::black_box;
 use std::path::Path;
 
 use criterion::{BenchmarkId, Criterion, Throughput, criterion_group, criterion_main};
@@ -9,7 +10,7 @@ use glam::DVec3;
 use petzval_optics::focus::{FilmPlane, film_z_for_focus_mm};
 use petzval_optics::formats::lens;
 use petzval_optics::glass::{Catalogue, line_nm};
-use petzval_optics::lane::{Level, Real};
+use petzval_optics::lane::{Lane, LaneKernel, Level, Real};
 use petzval_optics::paraxial::Paraxial;
 use petzval_optics::pupil_map::PupilMap;
 use petzval_optics::system::{System, SystemSettings};
@@ -79,6 +80,40 @@ fn bench_kind<R: Real>(c: &mut Criterion, lens: &str, kind: &str, tracer: &Trace
     group.finish();
 }
 
+/// Two roots and two divisions of each number, which depend on nothing else: what a sphere cannot be traced without.
+struct RootsAndDivisions<'a, R>(&'a mut [R]);
+
+impl<R: Real> LaneKernel<R> for RootsAndDivisions<'_, R> {
+    type Output = ();
+
+    #[inline(always)]
+    fn run<L: Lane<Real = R>>(self, zero: L) {
+        let one = zero + R::ONE;
+        for numbers in self.0.chunks_exact_mut(L::WIDTH) {
+            let x = zero.load(numbers);
+            let y = x + R::ONE;
+            (x.sqrt() + y.sqrt() + one / x + one / y).store(numbers);
+        }
+    }
+}
+
+fn bench_limit<R: Real>(c: &mut Criterion, kind: &str) {
+    let mut group = c.benchmark_group("two roots and two divisions");
+    group.throughput(Throughput::Elements(u64::from(RAYS)));
+    for (name, level) in levels() {
+        let mut numbers = vec![R::ONE; RAYS as usize];
+        group.bench_function(BenchmarkId::new(kind, name), |b| {
+            b.iter(|| R::run_wide(level, RootsAndDivisions(black_box(&mut numbers))));
+        });
+    }
+    group.finish();
+}
+
+fn limit(c: &mut Criterion) {
+    bench_limit::<f64>(c, "f64");
+    bench_limit::<f32>(c, "f32");
+}
+
 fn lenses(c: &mut Criterion) {
     let folder = Path::new(env!("CARGO_MANIFEST_DIR")).join("../../lenses");
     for (kind, file) in LENSES {
@@ -95,6 +130,6 @@ fn lenses(c: &mut Criterion) {
 criterion_group! {
     name = benches;
     config = Criterion::default().sample_size(30);
-    targets = lenses
+    targets = limit, lenses
 }
 criterion_main!(benches);

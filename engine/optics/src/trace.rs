@@ -382,23 +382,16 @@ impl<R: Real> Step<R> {
         if matches!(self.action, Action::Reflect) { -self.side } else { self.side }
     }
 
-    /// This step again if it is of the usual kind: a sphere or plane between two media, upright, near, not the stop.
-    /// The compiler then sees what is not needed.
+    /// This step again if it is of the usual kind, a sphere or plane between two media, upright and not the stop, and
+    /// `is_far` or not: with constants in it that the compiler sees.
     #[inline(always)]
-    fn plain(&self) -> Option<Self> {
+    fn plain(&self, is_far: bool) -> Option<Self> {
         match (self.shape, self.action) {
             (Shape::Conic(conic), Action::Refract(interface))
-                if conic.conic == R::ZERO && self.pose.is_none() && !self.is_stop && !self.is_far =>
+                if conic.conic == R::ZERO && self.pose.is_none() && !self.is_stop && self.is_far == is_far =>
             {
                 let shape = Shape::Conic(Conic { conic: R::ZERO, ..conic });
-                Some(Self {
-                    shape,
-                    pose: None,
-                    action: Action::Refract(interface),
-                    is_stop: false,
-                    is_far: false,
-                    ..*self
-                })
+                Some(Self { shape, pose: None, action: Action::Refract(interface), is_stop: false, is_far, ..*self })
             }
             _ => None,
         }

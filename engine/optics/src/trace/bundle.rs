@@ -113,9 +113,12 @@ impl<R: Real> LaneKernel<R> for Trace<'_, R> {
             let mut lost = Losses { lost: &mut lost[first..], surface: 0 };
             for (i, step) in self.way.steps.iter().enumerate() {
                 lost.surface = self.way.surface(i);
-                match step.plain() {
-                    Some(plain) => block.pass(zero, &plain, self.diaphragm, &mut lost),
-                    None => block.pass(zero, step, self.diaphragm, &mut lost),
+                if let Some(plain) = step.plain(false) {
+                    block.pass(zero, &plain, self.diaphragm, &mut lost);
+                } else if let Some(plain) = step.plain(true) {
+                    block.pass(zero, &plain, self.diaphragm, &mut lost);
+                } else {
+                    block.pass(zero, step, self.diaphragm, &mut lost);
                 }
             }
         }
