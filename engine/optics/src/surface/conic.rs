@@ -17,6 +17,14 @@ pub struct Conic<R = f64> {
 /// Larger costs time, smaller loses digits at grazing incidence.
 const CANCELLED: f64 = 1e-2;
 
+/// Conic constants of a larger size cost digits, about their root in units in the last place. Larger loses them,
+/// smaller costs two roots and three divisions.
+const ECCENTRIC: f64 = 16.0;
+/// Where w² is larger than this, w is good to a rounding or two from r.
+const FAR_FROM_THE_END: f64 = 0.002;
+/// Where cos² i is larger than this, N · D is good to some roundings.
+const GRAZING: f64 = 1e-2;
+
 impl Conic {
     /// A conicoid of curvature 1 / `radius_mm` (radius 0 or infinite: a plane) and conic constant `conic`.
     pub fn new(radius_mm: f64, conic: f64) -> Self {
@@ -74,7 +82,7 @@ impl<R: Real> Conic<R> {
         let mut cosine = q.sqrt();
         let mut t = cc / (cosine * side - b);
         let zero = b.like(R::ZERO);
-        let is_usual = q.at_least(b_squared * R::from_f64(CANCELLED)) & (b * side).less(zero);
+        let is_usual = q.greater(b_squared * R::from_f64(CANCELLED)) & (b * side).less(zero);
         if !is_usual.all() {
             (q, t) = Quadratic { a, b, c: cc, q }.solve_with_care(side);
             cosine = q.sqrt();
@@ -85,7 +93,7 @@ impl<R: Real> Conic<R> {
         let normal_squared = if is_sphere { zero + R::ONE } else { normal.length_squared() };
         // Written so that NaN, too, is a miss.
         let is_crossed = q.at_least(zero) & t.is_finite();
-        Crossing {
+        let crossing = Crossing {
             t,
             point,
             normal,
@@ -95,6 +103,50 @@ impl<R: Real> Conic<R> {
             met: is_crossed & normal.z.at_least(zero),
             wrong_sheet: is_crossed & normal.z.less(zero),
             not_converged: zero.less(zero),
+        };
+        if Lane::abs(k) > R::from_f64(ECCENTRIC) { self.polished(&crossing, p, d, side) } else { crossing }
+    }
+}
+
+impl<R: Real> Conic<R> {
+    /// z and N's z at the distance r from the axis: c r² / (1 + w) and w = √(1 − (1 + k) c² r²), and w².
+    #[inline(always)]
+    fn at_radius<L: Lane<Real = R>>(&self, at: Vector<L>) -> (L, L, L) {
+        let (c, k) = (self.curvature, self.conic);
+        let squared = at.x * at.x + at.y * at.y;
+        let w_squared = -(squared * ((c + k * c) * c) - R::ONE);
+        let w = w_squared.sqrt();
+        (squared * c / (w + R::ONE), w, w_squared)
+    }
+
+    /// A crossing of a strongly eccentric conicoid with the digits that its terms of size |k| have taken.
+    ///
+    /// Such a surface is nearly a plane or a cone: its z says much less of the ray than the ray's own rounding. One step
+    /// of Newton on z − sag(r) mends t; z, normal and cosine then come from r. Not where the ray grazes, nor near the
+    /// end of an ellipsoid, where r says little of w.
+    #[inline(always)]
+    fn polished<L: Lane<Real = R>>(&self, at: &Crossing<L>, p: Vector<L>, d: Vector<L>, side: R) -> Crossing<L> {
+        let normal_at =
+            |point: Vector<L>, w: L| Vector { x: point.x * -self.curvature, y: point.y * -self.curvature, z: w };
+        let (sag, w, w_squared) = self.at_radius(at.point);
+        let normal = normal_at(at.point, w);
+        let slope = normal.dot(d);
+        let is_steep = (slope * slope).greater(normal.length_squared() * R::from_f64(GRAZING));
+        let is_mended = at.met & w_squared.greater(w.like(R::from_f64(FAR_FROM_THE_END))) & is_steep;
+        let t = at.t - (at.point.z - sag) * w / slope;
+        let on_ray = p + d * t;
+        let (sag, w, _) = self.at_radius(on_ray);
+        let point = Vector { z: sag, ..on_ray };
+        let normal = normal_at(point, w);
+        let cosine = normal.dot(d) * side;
+        Crossing {
+            t: L::select(is_mended, t, at.t),
+            point: Vector::select(is_mended, point, at.point),
+            normal: Vector::select(is_mended, normal, at.normal),
+            normal_squared: L::select(is_mended, normal.length_squared(), at.normal_squared),
+            cosine_squared: L::select(is_mended, cosine * cosine, at.cosine_squared),
+            cosine: L::select(is_mended, cosine, at.cosine),
+            ..*at
         }
     }
 }
@@ -109,7 +161,8 @@ impl<L: Lane> Quadratic<L> {
         let is_cancelled = q.less(b * b * L::Real::from_f64(CANCELLED));
         let q = L::select(is_cancelled, L::difference_of_products(b, b, a, c), q);
         let root = q.sqrt() * side;
-        let agree = (b * side).less(zero);
+        // Where q is 0, perhaps because it is too small a number, C and B may be rounding alone: B / A is not.
+        let agree = (b * side).less(zero) & !q.at_most(zero);
         (q, L::select(agree, c, -b - root) / L::select(agree, root - b, a))
     }
 }
