@@ -4,6 +4,7 @@ mod common;
 
 use common::repository;
 use glam::DVec3;
+use petzval_optics::focus::film_z_for_focus_mm;
 use petzval_optics::formats::lens::{self, parse};
 use petzval_optics::glass::Catalogue;
 use petzval_optics::system::{System, SystemSettings};
@@ -149,6 +150,26 @@ proptest! {
             prop_assert!((back.direction + start.direction).length() < 1e-11, "{name}: {} {}", back.direction, start.direction);
             prop_assert!((back.origin - there).length() < 1e-11 * system.last_vertex_z_mm().abs().max(1.0), "{name}");
         }
+    }
+}
+
+/// The shipped anamorphic lens: an afocal pair that halves angles across, before 100 mm.
+#[test]
+fn an_anamorphic_lens_squeezes_by_two() {
+    let system = system("anamorphic-2x-double-gauss", "");
+    let tracer = system.at_wavelength(587.5618);
+    let film = film_z_for_focus_mm(&system, 587.5618, f64::INFINITY).unwrap();
+    let image = |start: [f64; 2], slopes: [f64; 2]| {
+        let out = tracer.from_scene(ray([start[0], start[1], -10.0], [slopes[0], slopes[1], 1.0])).unwrap();
+        out.origin + out.direction * ((film - out.origin.z) / out.direction.z)
+    };
+    let angle = 1e-4;
+    let (across, up) = (image([0.0; 2], [angle, 0.0]), image([0.0; 2], [0.0, angle]));
+    // To the angle's square, and the rounding of the cylinders' radii in the file.
+    assert!((across.x / angle - 50.0).abs() < 0.01 && (up.y / angle - 100.0).abs() < 0.01, "{across} {up}");
+    // Both sections are sharp in one plane: parallel rays through the pupil's edge meet within some hundredths.
+    for start in [[5.0, 0.0], [0.0, 10.0], [4.0, 8.0]] {
+        assert!((image(start, [angle, 0.0]) - across).length() < 0.05, "{start:?}");
     }
 }
 
