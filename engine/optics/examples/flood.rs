@@ -69,7 +69,7 @@ fn ray(dice: &mut Dice, semi: f64, towards: f64, vertex: f64) -> Ray {
         }
         5 => dice.direction() * semi * dice.magnitude(2.0),
         6 => {
-            let origin = if dice.bits() % 2 == 0 { across(dice) } else { DVec3::ZERO };
+            let origin = if dice.bits().is_multiple_of(2) { across(dice) } else { DVec3::ZERO };
             return Ray {
                 origin: origin + DVec3::new(0.0, 0.0, vertex - towards * semi),
                 direction: DVec3::Z * towards,
@@ -77,7 +77,8 @@ fn ray(dice: &mut Dice, semi: f64, towards: f64, vertex: f64) -> Ray {
         }
         _ => dice.direction() * dice.magnitude(300.0),
     };
-    let direction = if dice.bits() % 8 == 0 { Some(dice.direction()) } else { (glass - origin).try_normalize() };
+    let direction =
+        if dice.bits().is_multiple_of(8) { Some(dice.direction()) } else { (glass - origin).try_normalize() };
     Ray { origin, direction: direction.unwrap_or(DVec3::Z) }
 }
 

@@ -187,12 +187,12 @@ impl PupilMap {
             for a in 0..na {
                 let azimuth = self.azimuth.at(a as f64 / 2.0);
                 let mut last: Option<Outline> = None;
-                for r in 0..nr {
+                let row = if self.centres_by_azimuth { a } else { 0 };
+                for (r, is_lit) in found[row].iter().enumerate() {
                     let film_radius = self.radius.at(r as f64 / 2.0);
-                    let row = if self.centres_by_azimuth { a } else { 0 };
                     // Between its even nodes the map interpolates: the outline is taken about that same centre.
                     let centre = midway(&centres, row, r);
-                    let outline = found[row][r].then(|| {
+                    let outline = is_lit.then(|| {
                         let place = (film_radius, film_z, azimuth);
                         probe.outline(place, centre, self.period == 0.0, last.as_ref())
                     });
@@ -321,7 +321,7 @@ fn carried_on(row: &[Option<DVec2>]) -> Vec<DVec2> {
 
 /// The centre at the node (`a`, `r`) of the fine grid, interpolated from the even nodes about it.
 fn midway(centres: &[Vec<DVec2>], a: usize, r: usize) -> DVec2 {
-    let about = |i: usize, end: usize| if i % 2 == 0 || i == end { [i, i] } else { [i - 1, i + 1] };
+    let about = |i: usize, end: usize| if i.is_multiple_of(2) || i == end { [i, i] } else { [i - 1, i + 1] };
     let rows = about(a, centres.len() - 1);
     let columns = about(r, centres[0].len() - 1);
     let sum: DVec2 = rows.iter().flat_map(|&a| columns.map(|r| centres[a][r])).sum();

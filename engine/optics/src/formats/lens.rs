@@ -23,6 +23,8 @@
 //! An element moves as one by a line of the header, surfaces counted from 0, about the vertex of its first:
 //! `# element: 2-3 decenter_x=0.05 tilt_y=0.1`.
 
+mod columns;
+
 use std::fmt;
 use std::path::Path;
 
@@ -30,18 +32,14 @@ use thiserror::Error;
 
 use crate::glass::{Catalogue, GlassError};
 use crate::prescription::{Behind, Column, Metadata, Place, Prescription, PrescriptionError, SurfaceRow};
-use crate::surface::{Asphere, Conic, LAST_POWER, Pose, Shape, Toroid};
+use crate::surface::Conic;
+
+use columns::{ElementLine, Misalignment, OBSTRUCTION, POSE, RADIUS_X, element, power, shape};
 
 /// A longer file is no lens: it would only cost memory.
 const LARGEST_FILE: usize = 1 << 20;
 /// Columns that every row has.
 const COLUMNS: [&str; 6] = ["radius", "thickness", "glass", "diameter", "conic", "isstop"];
-/// Columns that may follow, beside the coefficients.
-const OBSTRUCTION: &str = "obstruction";
-const RADIUS_X: &str = "radius_x";
-/// Parts of a [`Pose`]: two lengths, three angles.
-const POSE: [&str; 5] = ["decenter_x", "decenter_y", "tilt_x", "tilt_y", "tilt_z"];
-
 /// What is wrong in a lens file.
 #[derive(Clone, Debug, PartialEq, Error)]
 pub enum Problem {
@@ -201,36 +199,6 @@ fn tokens(line: &str) -> Vec<Token<'_>> {
         line[..offset].chars().count() + 1
     };
     line.split_whitespace().map(|text| Token { text, column: column_of(text) }).collect()
-}
-
-/// An element that stands beside its place.
-struct ElementLine {
-    place: Place,
-    first: usize,
-    last: usize,
-    pose: Pose,
-}
-
-/// A [`Pose`] by the names of its parts; lengths in mm, angles in degrees.
-#[derive(Default)]
-struct Misalignment([f64; 5]);
-
-impl Misalignment {
-    /// The part of this name.
-    fn part(&mut self, name: &str) -> Option<&mut f64> {
-        POSE.iter().position(|known| *known == name).map(|i| &mut self.0[i])
-    }
-
-    fn pose(&self) -> Pose {
-        let [x, y, turns @ ..] = self.0;
-        Pose::misaligned([x, y], turns.map(f64::to_radians))
-    }
-}
-
-/// The power that a column of aspheric coefficients is for.
-fn power(column: &str) -> Option<u32> {
-    let power = column.strip_prefix('a')?.parse().ok()?;
-    (2..=LAST_POWER).contains(&power).then_some(power)
 }
 
 struct Reader<'a> {
@@ -456,35 +424,6 @@ impl<'a> Reader<'a> {
             source_file: self.file.to_owned(),
         })
     }
-}
-
-/// The shape that the numbers of a row describe.
-fn shape(base: Conic, terms: &[(u32, f64)], radius_x: Option<f64>) -> Shape {
-    let profile = Asphere::new(base, terms);
-    let has_terms = !profile.terms().is_empty();
-    // A sphere written with both of its radii stays one.
-    let across = radius_x.map(|radius| Conic::new(radius, 0.0).curvature);
-    match across {
-        Some(across) if has_terms || base.conic != 0.0 || across != base.curvature => {
-            Shape::Toroid(Toroid { profile, across })
-        }
-        _ if has_terms => Shape::Asphere(profile),
-        _ => Shape::Conic(base),
-    }
-}
-
-/// `2-3 decenter_x=0.05 tilt_y=0.1`: surfaces, then parts of a pose.
-fn element(text: &str, place: Place) -> Option<ElementLine> {
-    let mut words = text.split_whitespace();
-    let surfaces = words.next()?;
-    let (first, last) = surfaces.split_once('-').unwrap_or((surfaces, surfaces));
-    let (first, last) = (first.parse().ok()?, last.parse().ok()?);
-    let mut misalignment = Misalignment::default();
-    for word in words {
-        let (name, value) = word.split_once('=')?;
-        *misalignment.part(&name.to_lowercase())? = finite(value)?;
-    }
-    (first <= last).then(|| ElementLine { place, first, last, pose: misalignment.pose() })
 }
 
 fn finite(text: &str) -> Option<f64> {

@@ -6,7 +6,8 @@
 
 use glam::DVec3;
 
-use super::{Failure, Lost, Ray, Step, Tracer, Travel, Way};
+use super::step::Step;
+use super::{Failure, Lost, Ray, Tracer, Travel, Way};
 use crate::diaphragm::Diaphragm;
 use crate::lane::{Lane, LaneKernel, Level, Mask, Real};
 use crate::vector::Vector;

@@ -1,0 +1,71 @@
+//! The columns of a lens file after the usual six, and what their numbers make of a surface.
+
+use crate::prescription::Place;
+use crate::surface::{Asphere, Conic, LAST_POWER, Pose, Shape, Toroid};
+
+use super::finite;
+
+/// Columns that may follow, beside the coefficients.
+pub(super) const OBSTRUCTION: &str = "obstruction";
+pub(super) const RADIUS_X: &str = "radius_x";
+/// Parts of a [`Pose`]: two lengths, three angles.
+pub(super) const POSE: [&str; 5] = ["decenter_x", "decenter_y", "tilt_x", "tilt_y", "tilt_z"];
+
+/// An element that stands beside its place.
+pub(super) struct ElementLine {
+    pub(super) place: Place,
+    pub(super) first: usize,
+    pub(super) last: usize,
+    pub(super) pose: Pose,
+}
+
+/// A [`Pose`] by the names of its parts; lengths in mm, angles in degrees.
+#[derive(Default)]
+pub(super) struct Misalignment([f64; 5]);
+
+impl Misalignment {
+    /// The part of this name.
+    pub(super) fn part(&mut self, name: &str) -> Option<&mut f64> {
+        POSE.iter().position(|known| *known == name).map(|i| &mut self.0[i])
+    }
+
+    pub(super) fn pose(&self) -> Pose {
+        let [x, y, turns @ ..] = self.0;
+        Pose::misaligned([x, y], turns.map(f64::to_radians))
+    }
+}
+
+/// The power that a column of aspheric coefficients is for.
+pub(super) fn power(column: &str) -> Option<u32> {
+    let power = column.strip_prefix('a')?.parse().ok()?;
+    (2..=LAST_POWER).contains(&power).then_some(power)
+}
+
+/// The shape that the numbers of a row describe.
+pub(super) fn shape(base: Conic, terms: &[(u32, f64)], radius_x: Option<f64>) -> Shape {
+    let profile = Asphere::new(base, terms);
+    let has_terms = !profile.terms().is_empty();
+    // A sphere written with both of its radii stays one.
+    let across = radius_x.map(|radius| Conic::new(radius, 0.0).curvature);
+    match across {
+        Some(across) if has_terms || base.conic != 0.0 || across != base.curvature => {
+            Shape::Toroid(Toroid { profile, across })
+        }
+        _ if has_terms => Shape::Asphere(profile),
+        _ => Shape::Conic(base),
+    }
+}
+
+/// `2-3 decenter_x=0.05 tilt_y=0.1`: surfaces, then parts of a pose.
+pub(super) fn element(text: &str, place: Place) -> Option<ElementLine> {
+    let mut words = text.split_whitespace();
+    let surfaces = words.next()?;
+    let (first, last) = surfaces.split_once('-').unwrap_or((surfaces, surfaces));
+    let (first, last) = (first.parse().ok()?, last.parse().ok()?);
+    let mut misalignment = Misalignment::default();
+    for word in words {
+        let (name, value) = word.split_once('=')?;
+        *misalignment.part(&name.to_lowercase())? = finite(value)?;
+    }
+    (first <= last).then(|| ElementLine { place, first, last, pose: misalignment.pose() })
+}
