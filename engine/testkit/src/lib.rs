@@ -1,3 +1,11 @@
-//! Statistical checks for the tests of Petzval: whether samples follow the density that they claim.
+//! What the tests of Petzval share, on plain numbers: it knows nothing of the engine that it judges.
+//!
+//! [`chi_square`] says whether samples follow the density that they claim. [`exact`] traces a ray through one surface
+//! in 320-bit numbers, and [`hard_rays`] generates the rays that are worth it.
+
+// A comparison that NaN fails, written `!(x >= 0.0)`, is how a number that is none ends as a failure.
+#![allow(clippy::neg_cmp_op_on_partial_ord)]
 
 pub mod chi_square;
+pub mod exact;
+pub mod hard_rays;

@@ -1,0 +1,5 @@
+//! The exact tracer against independent truths.
+
+mod reference;
+mod sensitivity;
+mod shapes;
