@@ -23,7 +23,7 @@ use crate::system::System;
 use crate::trace::Tracer;
 
 use cell::Cell;
-use outline::{Outline, Probe};
+use outline::{Outline, Place, Probe};
 
 pub use throughput::on_axis_throughput;
 
@@ -184,24 +184,26 @@ impl PupilMap {
                 found.push(row.iter().map(Option::is_some).collect());
                 centres.push(carried_on(&row));
             }
-            for a in 0..na {
-                let azimuth = self.azimuth.at(a as f64 / 2.0);
-                let mut last: Option<Outline> = None;
-                let row = if self.centres_by_azimuth { a } else { 0 };
-                for (r, is_lit) in found[row].iter().enumerate() {
-                    let film_radius = self.radius.at(r as f64 / 2.0);
+            // From the middle outwards, all azimuths together: each outline is the next one's first guess.
+            let mut rows: Vec<Vec<Option<Outline>>> = vec![Vec::with_capacity(nr); na];
+            let mut last: Vec<Option<Outline>> = vec![None; na];
+            for r in 0..nr {
+                let row = |a: usize| if self.centres_by_azimuth { a } else { 0 };
+                let lit: Vec<usize> = (0..na).filter(|&a| found[row(a)][r]).collect();
+                let place = |&a: &usize| {
+                    let film = (self.radius.at(r as f64 / 2.0), film_z, self.azimuth.at(a as f64 / 2.0));
                     // Between its even nodes the map interpolates: the outline is taken about that same centre.
-                    let centre = midway(&centres, row, r);
-                    let outline = is_lit.then(|| {
-                        let place = (film_radius, film_z, azimuth);
-                        probe.outline(place, centre, self.period == 0.0, last.as_ref())
-                    });
-                    if outline.is_some() {
-                        last.clone_from(&outline);
-                    }
-                    outlines.push(outline);
+                    Place::new(film, midway(&centres, row(a), r))
+                };
+                let places: Vec<Place> = lit.iter().map(place).collect();
+                let hints: Vec<Option<Outline>> = lit.iter().map(|&a| last[a].clone()).collect();
+                rows.iter_mut().for_each(|row| row.push(None));
+                for (&a, outline) in lit.iter().zip(probe.outlines(&places, self.period == 0.0, &hints)) {
+                    last[a] = Some(outline.clone());
+                    rows[a][r] = Some(outline);
                 }
             }
+            outlines.extend(rows.into_iter().flatten());
             self.centres.extend(centres.iter().step_by(2).flat_map(|row| row.iter().step_by(2)));
         }
         self.join(&outlines, [nz, na, nr]);

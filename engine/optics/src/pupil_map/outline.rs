@@ -4,7 +4,7 @@ use std::f64::consts::TAU;
 
 use glam::{DVec2, DVec3};
 
-use crate::trace::{Ray, Tracer};
+use crate::trace::{Ray, Tracer, Travel};
 
 /// Corners of an outline. More follow the tips of a cat's eye closer and take longer to trace.
 pub(super) const ANGLES: usize = 96;
@@ -134,50 +134,168 @@ impl Probe {
         (start + axis * (0.5 * (low + high)), 0.5 * (high - low))
     }
 
-    /// The outline about `centre`, in axes along and across the meridian of the film point (radius, z, azimuth).
+    /// The outlines at `places`, all edges searched at once: every step of the search is one bundle of rays.
     ///
-    /// `is_symmetric` spares the half below the meridian; `hint` is the outline of a neighbour.
-    pub(super) fn outline(
-        &self,
-        (film_radius, film_z, azimuth): (f64, f64, f64),
-        centre: DVec2,
-        is_symmetric: bool,
-        hint: Option<&Outline>,
-    ) -> Outline {
-        let meridian = DVec2::from_angle(azimuth);
-        let film = (meridian * film_radius).extend(film_z);
-        let centre = meridian.rotate(centre);
-        let mut outline = Outline { outer: [0.0; ANGLES], inner: [0.0; ANGLES] };
-        let mut previous = self.glass_radius * 0.5;
-        for i in 0..ANGLES {
-            if is_symmetric && i > ANGLES / 2 {
-                outline.outer[i] = outline.outer[ANGLES - i];
-                outline.inner[i] = outline.inner[ANGLES - i];
-                continue;
+    /// `is_symmetric` spares the half below the meridian; `hints` are the outlines of neighbours.
+    pub(super) fn outlines(&self, places: &[Place], is_symmetric: bool, hints: &[Option<Outline>]) -> Vec<Outline> {
+        let angles = if is_symmetric { ANGLES / 2 + 1 } else { ANGLES };
+        let mut edges: Vec<Edge> = Vec::with_capacity(places.len() * angles);
+        for (place, hint) in places.iter().zip(hints) {
+            for i in 0..angles {
+                let guess = hint.as_ref().map_or(0.5 * self.glass_radius, |hint| hint.outer[i]);
+                edges.push(Edge::new(place, i, guess, 2.0 * self.glass_radius));
             }
-            let along = DVec2::from_angle(i as f64 * TAU / ANGLES as f64);
-            let is_clear = |x: f64| self.is_open(film, centre + along * x);
-            let guess = hint.map_or(previous, |h| h.outer[i]);
-            outline.outer[i] = edge_near(guess, 2.0 * self.glass_radius, is_clear);
-            previous = outline.outer[i].max(1e-6 * self.glass_radius);
-            outline.inner[i] = self.hole(film, centre, along, outline.outer[i]);
         }
-        outline
+        let mut asked: Vec<usize> = (0..edges.len()).collect();
+        while !asked.is_empty() {
+            let targets: Vec<Target> = asked.iter().map(|&i| edges[i].target(edges[i].asks())).collect();
+            for (&i, is_clear) in asked.iter().zip(are_clear(&self.open, self.reference_z, &targets)) {
+                edges[i].hear(is_clear);
+            }
+            asked.retain(|&i| !edges[i].is_found());
+        }
+        let holes = self.holes(&edges);
+        let outline = |place: usize| {
+            let at = |i: usize| place * angles + if i < angles { i } else { ANGLES - i };
+            Outline { outer: std::array::from_fn(|i| edges[at(i)].high), inner: std::array::from_fn(|i| holes[at(i)]) }
+        };
+        (0..places.len()).map(outline).collect()
     }
 
-    /// How far from the centre an obstruction reaches.
-    fn hole(&self, film: DVec3, centre: DVec2, along: DVec2, outer: f64) -> f64 {
+    /// How far from the centre an obstruction reaches towards each edge.
+    fn holes(&self, edges: &[Edge]) -> Vec<f64> {
         const STEPS: i32 = 64;
         if self.obstructed.is_empty() {
-            return 0.0;
+            return vec![0.0; edges.len()];
         }
-        let is_dark = |x: f64| !passes(&self.obstructed, film, (centre + along * x).extend(self.reference_z));
-        let place = |i: i32| outer * f64::from(i) / f64::from(STEPS);
-        match (0..=STEPS).find(|&i| !is_dark(place(i))) {
-            None => outer,
-            Some(0) => 0.0,
-            Some(i) => bisect(place(i - 1), place(i), PRECISION * outer, is_dark).0,
+        let place = |edge: &Edge, i: i32| edge.high * f64::from(i) / f64::from(STEPS);
+        let hole = |edge: &Edge| {
+            let targets: Vec<Target> = (0..=STEPS).map(|i| edge.target(place(edge, i))).collect();
+            let is_clear = are_clear(&self.obstructed, self.reference_z, &targets);
+            match (0..=STEPS).find(|&i| is_clear[i as usize]) {
+                None => edge.high,
+                Some(0) => 0.0,
+                Some(i) => {
+                    let is_dark = |x: f64| {
+                        let Target { film, at } = edge.target(x);
+                        !passes(&self.obstructed, film, at.extend(self.reference_z))
+                    };
+                    bisect(place(edge, i - 1), place(edge, i), PRECISION * edge.high, is_dark).0
+                }
+            }
+        };
+        edges.iter().map(hole).collect()
+    }
+}
+
+/// A film point and a point of the reference plane that it may see light through.
+struct Target {
+    film: DVec3,
+    at: DVec2,
+}
+
+/// Which targets any tracer finds clear.
+fn are_clear(tracers: &[Tracer], reference_z: f64, targets: &[Target]) -> Vec<bool> {
+    let mut is_clear = vec![false; targets.len()];
+    let mut rest: Vec<usize> = (0..targets.len()).collect();
+    for tracer in tracers {
+        let mut bundle = tracer.bundle(Travel::FromFilm);
+        for &i in &rest {
+            let Target { film, at } = targets[i];
+            let direction = (at.extend(reference_z) - film).normalize();
+            bundle.push(Ray { origin: film, direction });
         }
+        tracer.trace(&mut bundle);
+        rest.iter().enumerate().for_each(|(place, &i)| is_clear[i] = bundle.is_through(place));
+        rest.retain(|&i| !is_clear[i]);
+    }
+    is_clear
+}
+
+/// Where an outline is taken.
+pub(super) struct Place {
+    film: DVec3,
+    centre: DVec2,
+}
+
+impl Place {
+    /// The film point (radius, z, azimuth), and the outline's centre in axes along and across its meridian.
+    pub(super) fn new((radius, film_z, azimuth): (f64, f64, f64), centre: DVec2) -> Self {
+        let meridian = DVec2::from_angle(azimuth);
+        Self { film: (meridian * radius).extend(film_z), centre: meridian.rotate(centre) }
+    }
+}
+
+/// The outline along one direction, as far as it is narrowed down: clear at `low`, not at `high`.
+struct Edge {
+    film: DVec3,
+    centre: DVec2,
+    along: DVec2,
+    low: f64,
+    high: f64,
+    limit: f64,
+    search: Search,
+}
+
+/// What is asked next.
+enum Search {
+    /// Whether `high` is clear: then the edge lies farther out.
+    Out,
+    /// Whether it is clear just below: a good guess is narrowed at once.
+    Below,
+    /// What lies between.
+    Halve { steps: u32 },
+}
+
+impl Edge {
+    fn new(place: &Place, i: usize, guess: f64, limit: f64) -> Self {
+        let along = DVec2::from_angle(i as f64 * TAU / ANGLES as f64);
+        let high = guess.max(1e-9 * limit) * 1.02;
+        let mut edge =
+            Self { film: place.film, centre: place.centre, along, low: 0.0, high, limit, search: Search::Out };
+        if high >= limit {
+            edge.search = Search::Below;
+        }
+        edge
+    }
+
+    fn target(&self, x: f64) -> Target {
+        Target { film: self.film, at: self.centre + self.along * x }
+    }
+
+    fn asks(&self) -> f64 {
+        match self.search {
+            Search::Out => self.high,
+            Search::Below => self.high * 0.96,
+            Search::Halve { .. } => 0.5 * (self.low + self.high),
+        }
+    }
+
+    fn hear(&mut self, is_clear: bool) {
+        let asked = self.asks();
+        let halve = Search::Halve { steps: 0 };
+        match &mut self.search {
+            Search::Out if is_clear => {
+                (self.low, self.high) = (asked, asked * 1.25);
+                if self.high >= self.limit {
+                    self.search = halve;
+                }
+            }
+            Search::Out => self.search = if self.low == 0.0 { Search::Below } else { halve },
+            Search::Below => {
+                *(if is_clear { &mut self.low } else { &mut self.high }) = asked;
+                self.search = halve;
+            }
+            Search::Halve { steps } => {
+                *steps += 1;
+                *(if is_clear { &mut self.low } else { &mut self.high }) = asked;
+            }
+        }
+    }
+
+    fn is_found(&self) -> bool {
+        let is_narrow = self.high - self.low <= PRECISION * self.high;
+        matches!(self.search, Search::Halve { steps } if is_narrow || steps >= 60)
     }
 }
 
@@ -185,25 +303,6 @@ impl Probe {
 fn alternating(i: usize) -> f64 {
     let half = i.div_ceil(2) as f64;
     if i % 2 == 1 { half } else { -half }
-}
-
-/// The last radius that `is_clear`, searched about `guess` up to `limit`; rounded up.
-fn edge_near(guess: f64, limit: f64, is_clear: impl Fn(f64) -> bool) -> f64 {
-    let mut low = 0.0;
-    let mut high = guess.max(1e-9 * limit) * 1.02;
-    while high < limit && is_clear(high) {
-        low = high;
-        high *= 1.25;
-    }
-    if low == 0.0 {
-        let below = high * 0.96;
-        if is_clear(below) {
-            low = below;
-        } else {
-            high = below;
-        }
-    }
-    bisect(low, high, PRECISION * high, is_clear).1
 }
 
 /// Narrows [low, high], where `holds` at low and not at high, to `precision`; for a high end of at most the precision

@@ -84,6 +84,12 @@ impl<R: Real> Bundle<R> {
         self.lost[i].map_or_else(|| Ok(self.way.leave(at(0), at(3))), Err)
     }
 
+    /// True if ray `i` got through.
+    pub fn is_through(&self, i: usize) -> bool {
+        debug_assert!(self.is_traced, "trace the bundle first");
+        self.lost[i].is_none()
+    }
+
     /// How many rays got through.
     pub fn passed(&self) -> usize {
         self.lost.iter().filter(|lost| lost.is_none()).count()
