@@ -135,6 +135,56 @@ pub fn magnification(system: &System, wavelength_nm: f64, film_z_mm: f64) -> f64
     conjugates.matrix.a + distance * conjugates.matrix.c
 }
 
+/// The film and the plane that is sharp on it. In lens space, mm; on the axis, to first order.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct Focus {
+    /// The film.
+    pub film_z_mm: f64,
+    /// The plane that is sharp; `None`: at infinity.
+    pub object_plane_mm: Option<f64>,
+    /// Height of the image over that of the object, negative if upside down; 0 for an object at infinity, `None` if
+    /// its image lies there too.
+    pub magnification: Option<f64>,
+    /// 1 / (2 n′ |u′|), u′ the slope at the film of the ray past the rim of the entrance pupil; `None` if that is 0.
+    /// For an object at infinity it is the f-number.
+    pub working_f_number: Option<f64>,
+}
+
+impl Focus {
+    /// Infinity, on the film of [`Paraxial::film_z_mm`]: also for lenses that form no real image.
+    pub fn at_infinity(system: &System, wavelength_nm: f64) -> Self {
+        let info = Paraxial::new(system, wavelength_nm);
+        Self {
+            film_z_mm: info.film_z_mm,
+            object_plane_mm: None,
+            magnification: info.efl_mm.map(|_| 0.0),
+            working_f_number: info.f_number,
+        }
+    }
+
+    /// A distance along the axis from the entrance pupil, which may be infinite, as [`film_z_for_focus_mm`] has it.
+    pub fn at_distance(system: &System, wavelength_nm: f64, distance_mm: f64) -> Result<Self, FocusError> {
+        let film_z_mm = film_z_for_focus_mm(system, wavelength_nm, distance_mm)?;
+        let pupil = Paraxial::new(system, wavelength_nm).entrance_pupil;
+        let (Some(pupil_z), true) = (pupil.z_mm, distance_mm.is_finite()) else {
+            return Ok(Self { film_z_mm, ..Self::at_infinity(system, wavelength_nm) });
+        };
+        let surfaces = system.thin(wavelength_nm);
+        let index = surfaces.first().map_or(1.0, |s| s.from);
+        let working_f_number = pupil.diameter_mm.and_then(|diameter| {
+            let slope = diameter / (2.0 * distance_mm);
+            let [_, nu] = between_vertices(&surfaces).apply((distance_mm - pupil_z) * slope, index * slope);
+            Some(0.5 / nu.abs()).filter(|f_number| f_number.is_finite())
+        });
+        Ok(Self {
+            film_z_mm,
+            object_plane_mm: Some(pupil_z - distance_mm),
+            magnification: Some(magnification(system, wavelength_nm, film_z_mm)),
+            working_f_number,
+        })
+    }
+}
+
 /// The plane that the film lies in. In lens space, mm and rad.
 ///
 /// The film is centred on the axis at `z_mm`, turned about its own vertical axis (`swing_rad`) and then about the

@@ -16,7 +16,7 @@
 //! either way; a [`pupil_map::PupilMap`] chooses where to aim from the film.
 //!
 //! A module uses only those that stand before it here: [`glass`] → [`lane`] → [`vector`] → [`surface`] → [`interface`] → [`single_surface`] → [`diaphragm`] →
-//! [`prescription`] → [`formats`] → [`first_order`] → [`system`] → [`trace`] → [`paraxial`] → [`focus`] → [`pupil_map`].
+//! [`prescription`] → [`formats`] → [`first_order`] → [`system`] → [`trace`] → [`paraxial`] → [`focus`] → [`seidel`] → [`vignetting`] → [`pupil_map`].
 //!
 //! A ray that is lost is a result: the surface and one of seven reasons. No value is ever NaN, and no input panics.
 //!
@@ -70,8 +70,10 @@ pub mod lane;
 pub mod paraxial;
 pub mod prescription;
 pub mod pupil_map;
+pub mod seidel;
 pub mod single_surface;
 pub mod surface;
 pub mod system;
 pub mod trace;
 pub mod vector;
+pub mod vignetting;

@@ -6,13 +6,18 @@ use std::f64::consts::FRAC_PI_2;
 
 use common::{lens_names, system};
 use glam::DVec3;
-use petzval_optics::focus::{FilmPlane, FocusError, film_z_for_focus_mm, focus_distance_for_film_mm, magnification};
-use petzval_optics::glass::line_nm;
+use petzval_optics::focus::{
+    FilmPlane, Focus, FocusError, film_z_for_focus_mm, focus_distance_for_film_mm, magnification,
+};
+use petzval_optics::formats::lens;
+use petzval_optics::glass::{Catalogue, line_nm};
 use petzval_optics::paraxial::Paraxial;
+use petzval_optics::seidel::Seidel;
+use petzval_optics::system::{System, SystemSettings};
 use petzval_optics::trace::Ray;
 
 /// Lenses that focus on something; all but the telescopes' short distances do.
-fn focusing() -> impl Iterator<Item = (String, petzval_optics::system::System)> {
+fn focusing() -> impl Iterator<Item = (String, System)> {
     lens_names().into_iter().map(|name| (name.clone(), system(&name)))
 }
 
@@ -60,6 +65,88 @@ fn distance_and_film_undo_each_other() {
         assert!((film - info.image_focal_plane_mm.unwrap()).abs() < 1e-9 * info.efl_mm.unwrap());
         assert!(focus_distance_for_film_mm(&system, line_nm::D, film).abs() > 1e9 * info.efl_mm.unwrap(), "{name}");
     }
+}
+
+/// Through mirrors too: six of the lenses have them, one of those an odd number.
+#[test]
+fn exact_rays_have_the_magnification_and_the_working_f_number() {
+    let mut mirrors = 0;
+    for (name, system) in focusing() {
+        let info = Paraxial::new(&system, line_nm::D);
+        let (pupil, size) = (info.entrance_pupil.z_mm.unwrap(), info.efl_mm.unwrap());
+        let nearest = pupil - info.ffd_mm.unwrap().min(0.0);
+        let mirror =
+            |s: &&petzval_optics::system::Surface| matches!(s.element, petzval_optics::system::Element::Reflect { .. });
+        mirrors += usize::from(system.surfaces().iter().any(|s| mirror(&s)));
+        for focal_lengths in [3.0, 100.0] {
+            let distance = nearest + focal_lengths * size;
+            let focus = Focus::at_distance(&system, line_nm::D, distance).unwrap();
+            let object = focus.object_plane_mm.unwrap();
+            assert!((object - (pupil - distance)).abs() < 1e-12 * distance, "{name}");
+            let tracer = system.at_wavelength(line_nm::D);
+            // From `height` in the object plane to `at_pupil` in the entrance pupil.
+            let on_film = |height: f64, at_pupil: f64| {
+                let origin = DVec3::new(0.0, height, object);
+                let direction = (DVec3::new(0.0, at_pupil, pupil) - origin).normalize();
+                let out = tracer.from_scene(Ray { origin, direction }).unwrap();
+                let slope = out.direction.y / out.direction.z;
+                (out.origin.y + (focus.film_z_mm - out.origin.z) * slope, slope)
+            };
+            let small = 1e-4 * info.entrance_pupil.diameter_mm.unwrap();
+            let (height, _) = on_film(small, 0.0);
+            let m = focus.magnification.unwrap();
+            assert!((height / small / m - 1.0).abs() < 1e-6, "{name}: {} {m}", height / small);
+            let (_, slope) = on_film(0.0, small);
+            let full = slope.abs() / small * info.entrance_pupil.diameter_mm.unwrap() / 2.0;
+            let expected = 0.5 / (system.image_index(line_nm::D) * full);
+            let working = focus.working_f_number.unwrap();
+            assert!((working / expected - 1.0).abs() < 1e-6, "{name}: {working} {expected}");
+        }
+        let far = Focus::at_distance(&system, line_nm::D, f64::INFINITY).unwrap();
+        let infinity = Focus::at_infinity(&system, line_nm::D);
+        assert!((far.film_z_mm - infinity.film_z_mm).abs() < 1e-12 * (size + far.film_z_mm.abs()), "{name}");
+        assert_eq!((far.object_plane_mm, far.magnification), (None, Some(0.0)));
+        assert_eq!(far.working_f_number, info.f_number);
+    }
+    assert_eq!(mirrors, 6);
+}
+
+fn lens(rows: &str) -> System {
+    let text = format!("#radius thickness glass diameter conic isstop\n{rows}");
+    System::new(&lens::parse(&text, "test", Catalogue::shipped()).unwrap(), &SystemSettings::default()).unwrap()
+}
+
+#[test]
+fn what_is_infinite_is_none_and_no_number_is_none() {
+    let window = lens("0 5 1.5 20 0 1\n 0 50 air 20 0 0");
+    let flat_mirror = lens("0 -150 mirror 50 0 1");
+    // Thin lenses of f = 100 and -50 mm, 50 mm apart.
+    let galilean = lens("50 0 1.5 20 0 1\n 0 50 air 20 0 0\n 0 0 1.5 20 0 0\n 25 30 air 20 0 0");
+    for afocal in [&window, &flat_mirror, &galilean] {
+        let info = Paraxial::new(afocal, line_nm::D);
+        let planes = [info.efl_mm, info.bfd_mm, info.ffd_mm, info.image_focal_plane_mm, info.object_principal_plane_mm];
+        assert_eq!(planes, [None; 5]);
+        assert_eq!(info.f_number, None);
+        let focus = Focus::at_infinity(afocal, line_nm::D);
+        assert_eq!((focus.magnification, focus.working_f_number), (None, None));
+        assert_eq!(focus.film_z_mm, afocal.film_z_published_mm());
+        assert_eq!(Focus::at_distance(afocal, line_nm::D, 1000.0), Err(FocusError::NoRealImage));
+        let sums = Seidel::new(afocal, line_nm::D, None).unwrap().total();
+        assert!(sums.seidel.iter().chain(&sums.chromatic).all(|x| x.is_finite()));
+    }
+    // The stop in the rear focal plane of the front: seen from the scene at infinity.
+    let telecentric = lens("50 0 1.5 30 0 0\n 0 100 air 30 0 0\n 0 20 air 5 0 1");
+    let info = Paraxial::new(&telecentric, line_nm::D);
+    assert_eq!((info.entrance_pupil.z_mm, info.entrance_pupil.diameter_mm, info.f_number), (None, None, None));
+    let focus = Focus::at_infinity(&telecentric, line_nm::D);
+    assert_eq!((focus.magnification, focus.working_f_number), (Some(0.0), None));
+    assert_eq!(Focus::at_distance(&telecentric, line_nm::D, 1000.0), Err(FocusError::NoEntrancePupil));
+    // A wavelength at which a glass has no index.
+    let glass = lens("50 5 N-BK7 30 0 0\n -50 40 air 30 0 1");
+    let opaque_nm = 140.0;
+    assert!(Paraxial::new(&glass, opaque_nm).efl_mm.is_none());
+    assert_eq!(Seidel::new(&glass, opaque_nm, None), None);
+    assert!(Focus::at_infinity(&glass, opaque_nm).film_z_mm.is_finite());
 }
 
 #[test]

@@ -37,7 +37,15 @@ class Lens:
         focus_distance_mm: float | None = None,
     ) -> str:
         """The object of `petzval lens info --json`. `focus_distance_mm` is measured along the axis from the
-        entrance pupil's centre to the plane of sharp focus; None or inf is infinity."""
+        entrance pupil's centre to the plane of sharp focus; None or inf is infinity.
+
+        Beside what its keys say: `film_z_mm` and `total_track_mm` are those of the film in force; `seidel` and
+        `chromatic` are sums of `seidel_by_surface` and `chromatic_by_surface` (mm) for a chief ray at
+        `seidel_field_deg`; field angles are measured from the axis before the lens, at the present opening:
+        up to `vignetting_free_field_deg` no rim but the stop's cuts any of the beam, at
+        `half_vignetted_field_deg` half as much of the stop's area is filled as on the axis, beyond
+        `largest_field_deg` nothing comes through. `axial_beam_cut_by_surface`: the index of a surface that cuts
+        the beam on the axis; the first angle is then 0. What is infinite or does not exist is null."""
     def trace_json(
         self,
         rays_json: str,
@@ -48,7 +56,10 @@ class Lens:
         focal_length_mm: float | None = None,
         f_number: float | None = None,
     ) -> str:
-        """The input and output of `petzval lens trace`."""
+        """The input and output of `petzval lens trace`; `precision` is "f64" or "f32"."""
+
+def trace_surfaces_json(cases_json: str, *, precision: str = "f64") -> str:
+    """The input and output of `petzval surface trace`; `precision` is "f64", "f32" or "printed"."""
 
 class CameraDescription(Protocol):
     """Read by attribute; `addon/description.py` has the dataclass. None means: the lens's own value."""

@@ -21,6 +21,7 @@ from .errors import CommandError, complain
 #: Subcommand: its module and its line in `petzval --help`.
 COMMANDS = {
     "lens": ("lens_command", "check a lens file, show its first-order data, trace rays through it"),
+    "surface": ("surface_command", "trace rays at single surfaces"),
     "render": ("render_command", "render a .blend through a lens"),
 }
 

@@ -6,12 +6,11 @@ from __future__ import annotations
 import argparse
 import json
 import math
-import sys
-from pathlib import Path
 from typing import Any
 
 from .errors import CommandError, complain
 from .places import find_lens
+from .questions import read_list, vector_text
 
 
 def add_parser(subparsers: argparse._SubParsersAction) -> None:
@@ -26,8 +25,7 @@ def add_parser(subparsers: argparse._SubParsersAction) -> None:
     info = actions.add_parser("info", help="focal length, planes, pupils, aberrations", allow_abbrev=False)
     info.add_argument("lens", metavar="FILE", help="a lens file, or the name of a shipped lens")
     info.add_argument("--wavelength", type=_number, metavar="NM", help="nanometres; default: the d line")
-    info.add_argument("--focal-length", type=_number, metavar="MM", help="scale the lens to this focal length")
-    info.add_argument("--f-number", type=_number, metavar="N", help="stop the diaphragm down to this f-number")
+    _add_setting(info)
     info.add_argument(
         "--focus-distance", type=_distance, metavar="MM|inf", help="from the entrance pupil to what is sharp"
     )
@@ -38,8 +36,18 @@ def add_parser(subparsers: argparse._SubParsersAction) -> None:
     trace.add_argument("lens", metavar="FILE", help="a lens file, or the name of a shipped lens")
     trace.add_argument("--rays", required=True, metavar="RAYS.json|-", help="the rays; - reads them from stdin")
     trace.add_argument("--precision", choices=("f64", "f32"), default="f64", help="default: f64")
+    _add_setting(trace)
     trace.add_argument("--json", action="store_true", help="print one JSON object")
     trace.set_defaults(run=_trace)
+
+
+def _add_setting(parser: argparse.ArgumentParser) -> None:
+    parser.add_argument("--focal-length", type=_number, metavar="MM", help="scale the lens to this focal length")
+    parser.add_argument("--f-number", type=_number, metavar="N", help="stop the diaphragm down to this f-number")
+
+
+def _given(**options: Any) -> dict[str, Any]:
+    return {name: value for name, value in options.items() if value is not None}
 
 
 def run(arguments: argparse.Namespace) -> int:
@@ -88,86 +96,78 @@ def _check(arguments: argparse.Namespace) -> int:
 
 
 def _info(arguments: argparse.Namespace) -> int:
-    given = {
-        "wavelength_nm": arguments.wavelength,
-        "focal_length_mm": arguments.focal_length,
-        "f_number": arguments.f_number,
-        "focus_distance_mm": arguments.focus_distance,
-    }
-    options = {name: value for name, value in given.items() if value is not None}
+    options = _given(
+        wavelength_nm=arguments.wavelength,
+        focal_length_mm=arguments.focal_length,
+        f_number=arguments.f_number,
+        focus_distance_mm=arguments.focus_distance,
+    )
     answer = _load(arguments.lens).info_json(**options)
     print(answer if arguments.json else _table(json.loads(answer)))
     return 0
 
 
 def _trace(arguments: argparse.Namespace) -> int:
-    text = _read(arguments.rays)
-    try:
-        rays = json.loads(text)
-    except json.JSONDecodeError as error:
-        raise CommandError(
-            f"not JSON: {arguments.rays}, line {error.lineno}, column {error.colno}: {error.msg}"
-        ) from None
-    if not isinstance(rays, dict) or not isinstance(rays.get("rays"), list):
-        raise CommandError(f'no list of rays: {arguments.rays}: give {{"rays": [{{"origin": ..., ...}}]}}')
-    side = rays.get("from", "scene")
+    text, question = read_list(arguments.rays, "rays", '{"origin": ..., ...}')
+    side = question.get("from", "scene")
     if side not in ("scene", "film"):
         raise CommandError(f'unknown "from": {arguments.rays}: {json.dumps(side)}: give "scene" or "film"')
-    answer = _load(arguments.lens).trace_json(text, from_film=side == "film", precision=arguments.precision)
+    options = _given(focal_length_mm=arguments.focal_length, f_number=arguments.f_number)
+    lens = _load(arguments.lens)
+    answer = lens.trace_json(text, from_film=side == "film", precision=arguments.precision, **options)
     print(answer if arguments.json else _ray_lines(json.loads(answer)["rays"]))
     return 0
 
 
-def _read(path: str) -> str:
-    try:
-        data = sys.stdin.buffer.read() if path == "-" else Path(path).read_bytes()
-        return data.decode("utf-8")
-    except OSError as error:
-        raise CommandError(f"cannot read: {path}: {error.strerror}: name a file of rays, or - for stdin") from None
-    except UnicodeDecodeError:
-        raise CommandError(f"not text: {path}: give JSON in UTF-8") from None
-
-
-#: Key of the engine's answer, its words, its unit. Keys of nested objects are joined by a point.
+#: Key of the engine's answer, its words, its unit, the word for null. Keys of nested objects are joined by a point.
 _ROWS = (
-    ("name", "lens", ""),
-    ("surfaces", "surfaces", ""),
-    ("wavelength_nm", "wavelength", "nm"),
-    ("efl_mm", "focal length", "mm"),
-    ("f_number", "f-number", ""),
-    ("stop_diameter_mm", "diaphragm's diameter", "mm"),
-    ("bfd_mm", "back focal distance, from the last vertex", "mm"),
-    ("ffd_mm", "front focal distance, from the first vertex", "mm"),
-    ("object_focal_plane_mm", "object focal plane, z", "mm"),
-    ("object_principal_plane_mm", "object principal plane, z", "mm"),
-    ("image_principal_plane_mm", "image principal plane, z", "mm"),
-    ("image_focal_plane_mm", "image focal plane, z", "mm"),
-    ("entrance_pupil.z_mm", "entrance pupil, z", "mm"),
-    ("entrance_pupil.diameter_mm", "entrance pupil, diameter", "mm"),
-    ("exit_pupil.z_mm", "exit pupil, z", "mm"),
-    ("exit_pupil.diameter_mm", "exit pupil, diameter", "mm"),
-    ("film_z_mm", "film, z", "mm"),
-    ("total_track_mm", "length, first vertex to film", "mm"),
-    ("petzval_radius_mm", "Petzval radius", "mm"),
+    ("name", "lens", "", ""),
+    ("surfaces", "surfaces", "", ""),
+    ("wavelength_nm", "wavelength", "nm", ""),
+    ("efl_mm", "focal length", "mm", "infinite"),
+    ("f_number", "f-number", "", "none"),
+    ("stop_diameter_mm", "diaphragm's diameter", "mm", ""),
+    ("bfd_mm", "back focal distance, from the last vertex", "mm", "infinite"),
+    ("ffd_mm", "front focal distance, from the first vertex", "mm", "infinite"),
+    ("object_focal_plane_mm", "object focal plane, z", "mm", "infinite"),
+    ("object_principal_plane_mm", "object principal plane, z", "mm", "infinite"),
+    ("image_principal_plane_mm", "image principal plane, z", "mm", "infinite"),
+    ("image_focal_plane_mm", "image focal plane, z", "mm", "infinite"),
+    ("entrance_pupil.z_mm", "entrance pupil, z", "mm", "infinite"),
+    ("entrance_pupil.diameter_mm", "entrance pupil, diameter", "mm", "infinite"),
+    ("exit_pupil.z_mm", "exit pupil, z", "mm", "infinite"),
+    ("exit_pupil.diameter_mm", "exit pupil, diameter", "mm", "infinite"),
+    ("focus_distance_mm", "focused at, from the entrance pupil", "mm", "infinite"),
+    ("object_plane_mm", "object plane, z", "mm", "infinite"),
+    ("film_z_mm", "film, z", "mm", ""),
+    ("total_track_mm", "length, first vertex to film", "mm", ""),
+    ("magnification", "magnification", "", "none"),
+    ("working_f_number", "working f-number", "", "none"),
+    ("petzval_radius_mm", "Petzval radius", "mm", "infinite"),
+    ("vignetting_free_field_deg", "field without vignetting", "deg", "none"),
+    ("half_vignetted_field_deg", "field of half the light", "deg", "none"),
+    ("largest_field_deg", "field of the last ray", "deg", "none"),
 )
-_SEIDEL = ("spherical aberration, S I", "coma, S II", "astigmatism, S III", "field curvature, S IV", "distortion, S V")
+_SUMS = ("spherical", "coma", "astigmatism", "field", "distortion", "axial", "lateral")
+_SYMBOLS = ("S I", "S II", "S III", "S IV", "S V", "C L", "C T")
+#: Digits of the largest sum.
+_SUM_DIGITS = 6
 
 
-def _value_text(value: Any) -> str:
+def _value_text(value: Any, null: str) -> str:
     if value is None:
-        return "infinite"
+        return null
     return f"{value:.6f}" if isinstance(value, float) else str(value)
 
 
 def _table(info: dict[str, Any]) -> str:
-    """Words, value and unit of each row, aligned at the decimal point."""
+    """Words, value and unit of each row, aligned at the decimal point; then the aberrations by surface."""
     rows = []
-    for key, words, unit in _ROWS:
+    for key, words, unit, null in _ROWS:
         value: Any = info
         for part in key.split("."):
             value = value[part]
-        rows.append((words, _value_text(value), unit))
-    rows += [(words, _value_text(value), "mm") for words, value in zip(_SEIDEL, info["seidel"], strict=True)]
+        rows.append((words, _value_text(value, null), unit if value is not None else ""))
     words_width = max(len(words) for words, _, _ in rows)
     before_point = max(len(text.split(".")[0]) for _, text, unit in rows if unit)
     lines = []
@@ -175,11 +175,29 @@ def _table(info: dict[str, Any]) -> str:
         whole, point, rest = text.partition(".")
         aligned = f"{whole:>{before_point}}{point}{rest}" if unit or point else text
         lines.append(f"{words:<{words_width}}  {aligned} {unit}".rstrip())
-    return "\n".join(lines)
+    if info["axial_beam_cut_by_surface"] is not None:
+        lines.append(f"surface {info['axial_beam_cut_by_surface']} cuts the beam on the axis: the stop is not filled")
+    return "\n".join([*lines, "", *_sum_lines(info)])
 
 
-def _vector_text(vector: list[float]) -> str:
-    return " ".join(f"{value:.9g}" for value in vector)
+def _sum_lines(info: dict[str, Any]) -> list[str]:
+    """The Seidel and chromatic sums: a line a surface, and one of all."""
+    if info["seidel"] is None:
+        return ["no Seidel sums: the entrance pupil is at infinity"]
+    rows = [
+        [*seidel, *chromatic]
+        for seidel, chromatic in zip(info["seidel_by_surface"], info["chromatic_by_surface"], strict=True)
+    ]
+    rows.append([*info["seidel"], *info["chromatic"]])
+    names = [*map(str, range(len(rows) - 1)), "sum"]
+    largest = max((abs(value) for row in rows for value in row), default=0.0)
+    digits = _SUM_DIGITS - 1 - math.floor(math.log10(largest)) if largest > 0.0 else _SUM_DIGITS
+    texts = [[f"{value:z.{max(digits, 0)}f}" for value in row] for row in rows]
+    width = max(len(text) for row in [_SUMS, *texts] for text in row) + 2
+    lines = [f"Seidel sums and colour from F to C, mm; chief ray at {info['seidel_field_deg']:g} degrees"]
+    for name, cells in zip(["", "surface", *names], [_SUMS, _SYMBOLS, *texts], strict=True):
+        lines.append(f"{name:<7}" + "".join(f"{cell:>{width}}" for cell in cells))
+    return lines
 
 
 def _ray_lines(rays: list[dict[str, Any]]) -> str:
@@ -187,7 +205,7 @@ def _ray_lines(rays: list[dict[str, Any]]) -> str:
     lines = []
     for number, ray in enumerate(rays):
         if ray["status"] == "ok":
-            text = f"ok, from ({_vector_text(ray['origin'])}) mm along ({_vector_text(ray['direction'])})"
+            text = f"ok, from ({vector_text(ray['origin'])}) mm along ({vector_text(ray['direction'])})"
         else:
             text = f"{ray['status']} at surface {ray['surface']}"
         lines.append(f"{number}: {text}")

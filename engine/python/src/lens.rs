@@ -3,13 +3,16 @@
 use crate::doorway::away;
 use crate::error::{Error, refused};
 use glam::DVec3;
-use petzval_optics::focus;
+use petzval_optics::focus::Focus;
 use petzval_optics::formats::lens;
 use petzval_optics::glass::Catalogue;
+use petzval_optics::lane::Real;
 use petzval_optics::paraxial::{Paraxial, Pupil};
 use petzval_optics::prescription::Prescription;
+use petzval_optics::seidel::Seidel;
 use petzval_optics::system::{FocalLength, System, SystemSettings};
 use petzval_optics::trace::{Ray, Tracer};
+use petzval_optics::vignetting::Vignetting;
 use pyo3::prelude::*;
 use serde_json::{Value, json};
 use std::collections::HashMap;
@@ -40,8 +43,10 @@ impl Lens {
 
     #[pyo3(signature = (*, wavelength_nm = 587.5618, scale = None, focal_length_mm = None, f_number = None,
         focus_distance_mm = None))]
+    #[allow(clippy::too_many_arguments)]
     fn info_json(
         &self,
+        py: Python<'_>,
         wavelength_nm: f64,
         scale: Option<f64>,
         focal_length_mm: Option<f64>,
@@ -50,11 +55,16 @@ impl Lens {
     ) -> Result<String, Error> {
         check_wavelength(wavelength_nm)?;
         let system = self.system(scale, focal_length_mm, f_number)?;
-        let p = Paraxial::new(&system, wavelength_nm);
-        let film_z_mm = match focus_distance_mm {
-            Some(d) if d.is_finite() => focus::film_z_for_focus_mm(&system, wavelength_nm, d)?,
-            _ => p.film_z_mm,
+        let finite_distance_mm = focus_distance_mm.filter(|d| *d != f64::INFINITY);
+        let focus = match finite_distance_mm {
+            Some(distance) => Focus::at_distance(&system, wavelength_nm, distance)?,
+            None => Focus::at_infinity(&system, wavelength_nm),
         };
+        let p = Paraxial::new(&system, wavelength_nm);
+        let seidel = Seidel::new(&system, wavelength_nm, focus.object_plane_mm);
+        let fields = away(py, || Vignetting::new(&system, wavelength_nm, &focus))?;
+        let total = seidel.as_ref().map(Seidel::total);
+        let by_surface = seidel.as_ref().map(|s| &s.by_surface);
         let pupil = |p: &Pupil| json!({ "z_mm": p.z_mm, "diameter_mm": p.diameter_mm });
         Ok(json!({
             "name": system.name(),
@@ -69,12 +79,23 @@ impl Lens {
             "entrance_pupil": pupil(&p.entrance_pupil),
             "exit_pupil": pupil(&p.exit_pupil),
             "f_number": p.f_number,
+            "working_f_number": focus.working_f_number,
             "stop_diameter_mm": p.stop_diameter_mm,
-            "film_z_mm": film_z_mm,
+            "focus_distance_mm": finite_distance_mm,
+            "object_plane_mm": focus.object_plane_mm,
+            "magnification": focus.magnification,
+            "film_z_mm": focus.film_z_mm,
+            "total_track_mm": focus.film_z_mm,
             "petzval_radius_mm": p.petzval_radius_mm,
-            "seidel": p.seidel,
-            "seidel_field_deg": p.seidel_field_deg,
-            "total_track_mm": p.total_track_mm,
+            "seidel": total.map(|sums| sums.seidel),
+            "seidel_by_surface": by_surface.map(|all| all.iter().map(|sums| sums.seidel).collect::<Vec<_>>()),
+            "chromatic": total.map(|sums| sums.chromatic),
+            "chromatic_by_surface": by_surface.map(|all| all.iter().map(|sums| sums.chromatic).collect::<Vec<_>>()),
+            "seidel_field_deg": seidel.as_ref().map(|s| s.field_deg),
+            "vignetting_free_field_deg": fields.free_field_deg,
+            "half_vignetted_field_deg": fields.half_field_deg,
+            "largest_field_deg": fields.largest_field_deg,
+            "axial_beam_cut_by_surface": fields.axial_beam_cut_by,
             "surfaces": p.surfaces,
         })
         .to_string())
@@ -93,9 +114,11 @@ impl Lens {
         focal_length_mm: Option<f64>,
         f_number: Option<f64>,
     ) -> Result<String, Error> {
-        if precision != "f64" {
-            return Err(refused(format!("precision {precision}: only f64 is built so far; leave --precision out")));
-        }
+        let trace = match precision {
+            "f64" => trace_all::<f64>,
+            "f32" => trace_all::<f32>,
+            _ => return Err(refused(format!("precision {precision}: there is no such; give f64 or f32"))),
+        };
         let system = self.system(scale, focal_length_mm, f_number)?;
         let document: Value =
             serde_json::from_str(rays_json).map_err(|e| refused(format!("the rays are not JSON: {e}")))?;
@@ -106,15 +129,7 @@ impl Lens {
             .enumerate()
             .map(|(i, ray)| parse_ray(i, ray))
             .collect::<Result<Vec<_>, Error>>()?;
-        let out = away(py, || {
-            let mut tracers: HashMap<u64, Tracer> = HashMap::new();
-            rays.iter()
-                .map(|(ray, nm)| {
-                    let tracer = tracers.entry(nm.to_bits()).or_insert_with(|| system.at_wavelength(*nm));
-                    traced(tracer, *ray, from_film)
-                })
-                .collect::<Vec<Value>>()
-        })?;
+        let out = away(py, || trace(&system, &rays, from_film))?;
         Ok(json!({ "rays": out }).to_string())
     }
 }
@@ -156,7 +171,17 @@ fn parse_ray(index: usize, ray: &Value) -> Result<(Ray, f64), Error> {
     Ok((Ray { origin, direction }, nm))
 }
 
-fn traced(tracer: &Tracer, ray: Ray, from_film: bool) -> Value {
+fn trace_all<R: Real>(system: &System, rays: &[(Ray, f64)], from_film: bool) -> Vec<Value> {
+    let mut tracers: HashMap<u64, Tracer<R>> = HashMap::new();
+    rays.iter()
+        .map(|(ray, nm)| {
+            let tracer = tracers.entry(nm.to_bits()).or_insert_with(|| system.at_wavelength(*nm).cast());
+            traced(tracer, *ray, from_film)
+        })
+        .collect()
+}
+
+fn traced<R: Real>(tracer: &Tracer<R>, ray: Ray, from_film: bool) -> Value {
     let mut hits = Vec::new();
     let result = if from_film {
         tracer.from_film_recording(ray, &mut hits)

@@ -8,6 +8,7 @@ mod job;
 mod lens;
 mod material;
 mod scene;
+mod surface;
 
 use pyo3::prelude::*;
 
@@ -21,5 +22,6 @@ fn _native(m: &Bound<'_, PyModule>) -> PyResult<()> {
     m.add_class::<scene::Scene>()?;
     m.add_class::<job::Job>()?;
     m.add_function(wrap_pyfunction!(camera::camera_info_json, m)?)?;
+    m.add_function(wrap_pyfunction!(surface::trace_surfaces_json, m)?)?;
     Ok(())
 }

@@ -1,0 +1,203 @@
+//! Rays of one field through a lens without its rims, and how near they come to where the rims are.
+
+use std::f64::consts::TAU;
+
+use glam::{DMat2, DVec2, DVec3};
+
+use crate::paraxial::Paraxial;
+use crate::prescription::{Behind, Metadata, Place, Prescription, SurfaceRow};
+use crate::system::{Element, Surface, System, SystemSettings};
+use crate::trace::{Ray, Tracer};
+use crate::vector::Vector;
+
+/// Surfaces without a rim reach so many lengths of the lens from the axis, if their shape does.
+const WITHOUT_RIM: f64 = 1e6;
+/// Rays past the rim of the stop. More find a rim that cuts between them; the error goes with the square.
+const RIM_RAYS: u32 = 64;
+/// Rays are aimed to this part of the stop's radius.
+const AIMED: f64 = 1e-9;
+/// Newton's method is done or lost after so many steps, each halved so often before it is given up.
+const MOST_STEPS: u32 = 30;
+const MOST_HALVINGS: u32 = 12;
+/// Slopes are taken over this part of the entrance pupil's radius.
+const DIFFERENCE: f64 = 1e-5;
+/// What a ray that is lost behind the stop counts as, in radii of a rim.
+pub(super) const LOST: f64 = 4.0;
+
+/// A direction of view. Its rays are told apart by where they cross the plane at right angles to it through the first
+/// vertex.
+pub(super) struct Field {
+    along: DVec3,
+    across: DVec3,
+    up: DVec3,
+}
+
+impl Field {
+    /// Light that comes from `angle_rad` beside the axis and goes towards `azimuth`, a unit vector of x and y.
+    pub(super) fn new(angle_rad: f64, [x, y]: [f64; 2]) -> Self {
+        let (sin, cos) = angle_rad.sin_cos();
+        Self {
+            along: DVec3::new(sin * x, sin * y, cos),
+            across: DVec3::new(y, -x, 0.0),
+            up: DVec3::new(cos * x, cos * y, -sin),
+        }
+    }
+}
+
+/// Where a ray goes.
+pub(super) struct Passage {
+    /// Where it meets the stop, in radii of its opening.
+    pub(super) stop: DVec2,
+    /// Its largest distance from the axis at the other surfaces, in radii of the rim there.
+    pub(super) reach: f64,
+    /// The surface where that is.
+    pub(super) surface: usize,
+}
+
+/// The rays past the rim of the stop.
+pub(super) struct RimOfBeam {
+    /// Where they cross the plane of their field.
+    pub(super) rays: Vec<DVec2>,
+    /// The largest reach of all.
+    pub(super) reach: f64,
+    /// The surface where that is.
+    pub(super) surface: usize,
+}
+
+/// A lens without its rims.
+pub(super) struct Probe<'a> {
+    system: &'a System,
+    tracer: Tracer,
+    object_z_mm: Option<f64>,
+    pupil_z_mm: f64,
+    pupil_radius_mm: f64,
+}
+
+impl<'a> Probe<'a> {
+    /// For the object plane at `object_z_mm`; `None`: at infinity. No probe if the entrance pupil is there.
+    pub(super) fn new(system: &'a System, wavelength_nm: f64, object_z_mm: Option<f64>) -> Option<Self> {
+        let pupil = Paraxial::new(system, wavelength_nm).entrance_pupil;
+        Some(Self {
+            system,
+            tracer: without_rims(system)?.at_wavelength(wavelength_nm),
+            object_z_mm,
+            pupil_z_mm: pupil.z_mm?,
+            pupil_radius_mm: pupil.diameter_mm? / 2.0,
+        })
+    }
+
+    /// No field is wider, in degrees: a plane is seen under less than 90.
+    pub(super) fn widest_deg(&self) -> f64 {
+        if self.object_z_mm.is_some() { 89.9 } else { 180.0 }
+    }
+
+    /// The ray of `field` that crosses its plane at `at`.
+    fn ray(&self, field: &Field, at: DVec2) -> Ray {
+        let target = field.across * at.x + field.up * at.y;
+        let Some(object_z) = self.object_z_mm else { return Ray { origin: target, direction: field.along } };
+        let pupil = DVec3::new(0.0, 0.0, self.pupil_z_mm);
+        let origin = pupil - field.along * ((self.pupil_z_mm - object_z) / field.along.z);
+        Ray { origin, direction: (target - origin).normalize_or(DVec3::Z) }
+    }
+
+    /// Where that ray goes; the index of the surface that ends it before the stop.
+    pub(super) fn pass(&self, field: &Field, at: DVec2) -> Result<Passage, usize> {
+        let surfaces = self.system.surfaces();
+        let mut hits = Vec::with_capacity(surfaces.len());
+        let result = self.tracer.from_scene_recording(self.ray(field, at), &mut hits);
+        let stop = self.system.stop();
+        let mut passage = match result {
+            Err(lost) if lost.surface <= stop => return Err(lost.surface),
+            Err(lost) => Passage { stop: DVec2::ZERO, reach: LOST, surface: lost.surface },
+            Ok(_) => Passage { stop: DVec2::ZERO, reach: 0.0, surface: stop },
+        };
+        passage.stop = from_axis(&surfaces[stop], hits[stop]) / self.system.stop_semi_diameter_mm();
+        for (i, (s, hit)) in surfaces.iter().zip(&hits).enumerate().filter(|(i, _)| *i != stop) {
+            let reach = from_axis(s, *hit).length() / s.semi_diameter_mm;
+            if reach > passage.reach {
+                (passage.reach, passage.surface) = (reach, i);
+            }
+        }
+        Ok(passage)
+    }
+
+    /// About where rays along the axis cross the plane of their field to pass the rim of the stop.
+    pub(super) fn paraxial_rim(&self) -> Vec<DVec2> {
+        let spread = self.object_z_mm.map_or(1.0, |z| z / (z - self.pupil_z_mm));
+        rim_targets().map(|target| target * (self.pupil_radius_mm * spread)).collect()
+    }
+
+    /// The rays of `field` past the rim of the stop, looked for from `starts`; a surface that keeps some from there.
+    pub(super) fn rim_of_beam(&self, field: &Field, starts: &[DVec2]) -> Result<RimOfBeam, usize> {
+        let mut rim = RimOfBeam { rays: Vec::with_capacity(starts.len()), reach: 0.0, surface: self.system.stop() };
+        for (target, start) in rim_targets().zip(starts) {
+            let at = self.aim(field, target, *start)?;
+            let passage = self.pass(field, at)?;
+            if passage.reach > rim.reach {
+                (rim.reach, rim.surface) = (passage.reach, passage.surface);
+            }
+            rim.rays.push(at);
+        }
+        Ok(rim)
+    }
+
+    /// Where the ray of `field` crosses its plane that meets the stop at `target`, by Newton's method from `start`; a
+    /// surface that keeps rays from there.
+    fn aim(&self, field: &Field, target: DVec2, start: DVec2) -> Result<DVec2, usize> {
+        let miss = |at: DVec2| self.pass(field, at).map(|passage| passage.stop - target);
+        let difference = self.pupil_radius_mm * DIFFERENCE;
+        let (mut at, mut off) = (start, miss(start)?);
+        let mut in_the_way = self.system.stop();
+        for _ in 0..MOST_STEPS {
+            if off.length() <= AIMED {
+                return Ok(at);
+            }
+            let slope = |axis: DVec2| miss(at + axis * difference).map(|missed| (missed - off) / difference);
+            let step = DMat2::from_cols(slope(DVec2::X)?, slope(DVec2::Y)?).inverse() * -off;
+            let mut nearer = |halvings: u32| {
+                let next = at + step * 0.5f64.powi(halvings as i32);
+                let missed = miss(next).inspect_err(|surface| in_the_way = *surface).ok()?;
+                (missed.length() < off.length()).then_some((next, missed))
+            };
+            let Some(better) = (0..MOST_HALVINGS).find_map(&mut nearer) else { return Err(in_the_way) };
+            (at, off) = better;
+        }
+        Err(in_the_way)
+    }
+}
+
+/// Points of the rim of the stop, in its radii.
+fn rim_targets() -> impl Iterator<Item = DVec2> {
+    (0..RIM_RAYS).map(|i| DVec2::from_angle(TAU * f64::from(i) / f64::from(RIM_RAYS)))
+}
+
+/// A hit in lens space, from the axis of its surface.
+fn from_axis(s: &Surface, hit: DVec3) -> DVec2 {
+    s.pose.point_in(Vector::<f64>::from_f64(hit.with_z(hit.z - s.z_mm))).of(0).truncate()
+}
+
+/// The same lens, every surface as large as its shape allows.
+fn without_rims(system: &System) -> Option<System> {
+    let size: f64 = system.surfaces().iter().map(|s| s.thickness_mm.abs() + s.semi_diameter_mm).sum();
+    let row = |s: &Surface| SurfaceRow {
+        shape: s.shape,
+        pose: s.pose,
+        thickness_mm: s.thickness_mm,
+        behind: match &s.element {
+            Element::Refract { to, .. } => Behind::Medium(to.clone()),
+            Element::Reflect { .. } => Behind::Mirror,
+        },
+        semi_diameter_mm: s.shape.reach_mm().min(WITHOUT_RIM * size),
+        obstruction_mm: 0.0,
+        place: Place::default(),
+    };
+    let prescription = Prescription {
+        name: system.name().to_owned(),
+        surfaces: system.surfaces().iter().map(row).collect(),
+        stop: system.stop(),
+        metadata: Metadata::default(),
+        film_radius_mm: None,
+        source_file: String::new(),
+    };
+    System::new(&prescription, &SystemSettings::default()).ok()
+}

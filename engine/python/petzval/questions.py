@@ -1,0 +1,43 @@
+# SPDX-License-Identifier: GPL-3.0-or-later
+"""What a command is asked in JSON: read from a file or stdin, and told what is wrong with it."""
+
+from __future__ import annotations
+
+import json
+import sys
+from pathlib import Path
+from typing import Any
+
+from .errors import CommandError
+
+
+def read_list(path: str, name: str, example: str) -> tuple[str, dict[str, Any]]:
+    """The text of a file (`-`: of stdin) and the object in it, which has a list `name`.
+
+    Raises `CommandError`; `example` is what an item of the list looks like.
+    """
+    text = _read(path, name)
+    try:
+        question = json.loads(text)
+    except json.JSONDecodeError as error:
+        raise CommandError(f"not JSON: {path}, line {error.lineno}, column {error.colno}: {error.msg}") from None
+    except (ValueError, RecursionError):
+        raise CommandError(f"not JSON: {path}: a number is too long, or lists lie too deep: write it shorter") from None
+    if not isinstance(question, dict) or not isinstance(question.get(name), list):
+        raise CommandError(f'no list of {name}: {path}: give {{"{name}": [{example}]}}')
+    return text, question
+
+
+def _read(path: str, name: str) -> str:
+    try:
+        data = sys.stdin.buffer.read() if path == "-" else Path(path).read_bytes()
+        return data.decode("utf-8")
+    except OSError as error:
+        raise CommandError(f"cannot read: {path}: {error.strerror}: name a file of {name}, or - for stdin") from None
+    except UnicodeDecodeError:
+        raise CommandError(f"not text: {path}: give JSON in UTF-8") from None
+
+
+def vector_text(vector: list[float]) -> str:
+    """Coordinates in a readable line."""
+    return " ".join(f"{value:z.9g}" for value in vector)

@@ -1,0 +1,181 @@
+//! Single surfaces for `petzval surface`.
+
+use crate::doorway::away;
+use crate::error::{Error, refused};
+use glam::DVec3;
+use petzval_optics::single_surface::{Outcome, SingleSurface};
+use petzval_optics::surface::{Asphere, Conic, LAST_POWER, Shape, Toroid};
+use pyo3::prelude::*;
+use serde_json::{Value, json};
+
+/// A ray and the surface that it is to meet.
+struct Case {
+    id: Value,
+    surface: SingleSurface,
+    origin: DVec3,
+    direction: DVec3,
+}
+
+/// Directions so long or short that their squares do not fit have no length.
+const LENGTHS: std::ops::RangeInclusive<f64> = 1e-150..=1e150;
+
+/// The input and output of `petzval surface trace`.
+#[pyfunction]
+#[pyo3(signature = (cases_json, *, precision = "f64"))]
+pub(crate) fn trace_surfaces_json(py: Python<'_>, cases_json: &str, precision: &str) -> Result<String, Error> {
+    let trace: fn(&Case) -> Option<Outcome> = match precision {
+        "f64" => |case| Some(case.surface.trace::<f64>(case.origin, case.direction)),
+        "f32" => |case| Some(case.surface.trace::<f32>(case.origin, case.direction)),
+        "printed" => |case| case.surface.trace_as_printed(case.origin, case.direction),
+        _ => return Err(refused(format!("precision {precision}: there is no such; give f64, f32 or printed"))),
+    };
+    let document: Value =
+        serde_json::from_str(cases_json).map_err(|e| refused(format!("the cases are not JSON: {e}")))?;
+    let cases = document["cases"]
+        .as_array()
+        .ok_or_else(|| refused("the cases' JSON has no list \"cases\"; see `petzval surface trace --help`"))?
+        .iter()
+        .enumerate()
+        .map(|(i, case)| Reader::new(i, case).case())
+        .collect::<Result<Vec<_>, Error>>()?;
+    let outcomes = away(py, || cases.iter().map(trace).collect::<Vec<_>>())?;
+    let answers = cases.iter().zip(outcomes).map(|(case, outcome)| {
+        let outcome = outcome.ok_or_else(|| {
+            let id = words(&case.id);
+            refused(format!(
+                "case {id}: the paper prints no equations for \"terms\" or \"radius_x\"; trace it with f64"
+            ))
+        })?;
+        Ok(answer(&case.id, &outcome))
+    });
+    Ok(json!({ "cases": answers.collect::<Result<Vec<_>, Error>>()? }).to_string())
+}
+
+fn words(id: &Value) -> String {
+    id.as_str().map_or_else(|| id.to_string(), str::to_owned)
+}
+
+fn answer(id: &Value, outcome: &Outcome) -> Value {
+    let (status, direction) = match outcome.direction {
+        Ok(direction) => ("ok", Some(direction.to_array())),
+        Err(reason) => (reason.name(), None),
+    };
+    json!({
+        "id": id,
+        "status": status,
+        "t": outcome.hit.map(|hit| hit.t_mm),
+        "point": outcome.hit.map(|hit| hit.point.to_array()),
+        "normal": outcome.hit.map(|hit| hit.normal.to_array()),
+        "direction": direction,
+    })
+}
+
+/// Reads one case, and says which field of which case is wrong.
+struct Reader<'a> {
+    id: Value,
+    case: &'a Value,
+}
+
+impl<'a> Reader<'a> {
+    fn new(index: usize, case: &'a Value) -> Self {
+        let id = if case["id"].is_null() { json!(index) } else { case["id"].clone() };
+        Self { id, case }
+    }
+
+    fn case(self) -> Result<Case, Error> {
+        let surface = self.surface()?;
+        let (origin, direction) = (self.vector("origin")?, self.vector("direction")?);
+        if !LENGTHS.contains(&direction.length()) {
+            return Err(self.wrong("direction", "has no length"));
+        }
+        Ok(Case { id: self.id, surface, origin, direction })
+    }
+
+    fn surface(&self) -> Result<SingleSurface, Error> {
+        let is_mirror = match &self.case["surface"]["mirror"] {
+            Value::Null => false,
+            value => value.as_bool().ok_or_else(|| self.wrong("surface.mirror", "is neither true nor false"))?,
+        };
+        let side = self.number_or("side", 1.0)?;
+        if side.abs() != 1.0 {
+            return Err(self.wrong("side", "is neither 1 nor -1"));
+        }
+        let from = self.positive("n1", None)?;
+        let to = self.positive("n2", is_mirror.then_some(from))?;
+        let semi_diameter_mm = self.positive("surface.semi_diameter", Some(f64::INFINITY))?;
+        let obstruction_mm = self.number_or("surface.obstruction", 0.0)?;
+        if obstruction_mm < 0.0 {
+            return Err(self.wrong("surface.obstruction", "is below 0"));
+        }
+        let shape = self.shape()?;
+        Ok(SingleSurface { shape, side, from, to, is_mirror, semi_diameter_mm, obstruction_mm })
+    }
+
+    fn shape(&self) -> Result<Shape, Error> {
+        let base = Conic::new(self.number("surface.radius")?, self.number_or("surface.k", 0.0)?);
+        let terms = self.terms()?;
+        let radius_x = self.present("surface.radius_x").map(|_| self.number("surface.radius_x")).transpose()?;
+        let profile = Asphere::new(base, &terms);
+        let shape = match radius_x {
+            Some(radius) => Shape::Toroid(Toroid { profile, across: Conic::new(radius, 0.0).curvature }),
+            None if terms.is_empty() => Shape::Conic(base),
+            None => Shape::Asphere(profile),
+        };
+        if shape.is_finite() { Ok(shape) } else { Err(self.wrong("surface.radius", "is too small")) }
+    }
+
+    /// Pairs of power and coefficient.
+    fn terms(&self) -> Result<Vec<(u32, f64)>, Error> {
+        let key = "surface.terms";
+        let Some(list) = self.present(key) else { return Ok(Vec::new()) };
+        let term = |pair: &Value| {
+            let [power, coefficient] = pair.as_array()?.as_slice() else { return None };
+            let power = u32::try_from(power.as_u64()?).ok().filter(|p| (2..=LAST_POWER).contains(p))?;
+            Some((power, number(coefficient)?))
+        };
+        let terms = list.as_array().and_then(|list| list.iter().map(term).collect());
+        terms.ok_or_else(|| self.wrong(key, &format!("is no list of [power from 2 to {LAST_POWER}, coefficient]")))
+    }
+
+    /// The value at `key`, which may be a key within `surface`; `None` if there is none.
+    fn present(&self, key: &str) -> Option<&'a Value> {
+        let value = key.split('.').fold(self.case, |value, part| &value[part]);
+        (!value.is_null()).then_some(value)
+    }
+
+    fn number(&self, key: &str) -> Result<f64, Error> {
+        self.present(key).and_then(number).ok_or_else(|| self.wrong(key, "is no finite number"))
+    }
+
+    fn number_or(&self, key: &str, missing: f64) -> Result<f64, Error> {
+        if self.present(key).is_some() { self.number(key) } else { Ok(missing) }
+    }
+
+    fn positive(&self, key: &str, missing: Option<f64>) -> Result<f64, Error> {
+        let value = match missing {
+            Some(missing) => self.number_or(key, missing)?,
+            None => self.number(key)?,
+        };
+        if value > 0.0 { Ok(value) } else { Err(self.wrong(key, "is not above 0")) }
+    }
+
+    fn vector(&self, key: &str) -> Result<DVec3, Error> {
+        let list = self.present(key).and_then(Value::as_array).filter(|list| list.len() == 3);
+        let numbers: Option<Vec<f64>> = list.and_then(|list| list.iter().map(number).collect());
+        numbers.map(|v| DVec3::from_slice(&v)).ok_or_else(|| self.wrong(key, "is not three finite numbers"))
+    }
+
+    fn wrong(&self, key: &str, what: &str) -> Error {
+        let id = words(&self.id);
+        refused(format!("case {id}: \"{key}\" {what}; see `petzval surface trace --help`"))
+    }
+}
+
+/// A number, or the decimal digits of one.
+fn number(value: &Value) -> Option<f64> {
+    let number = match value {
+        Value::String(text) => text.trim().parse().ok(),
+        other => other.as_f64(),
+    };
+    number.filter(|x| x.is_finite())
+}
