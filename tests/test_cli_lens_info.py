@@ -189,6 +189,17 @@ def test_info_names_the_rim_that_cuts_the_axial_beam(petzval_cli):
     assert "surface 4 cuts the beam on the axis" in table
 
 
+def test_an_anamorphic_lens_has_two_sections(petzval_cli, good_lens):
+    """The shipped one halves angles across, so its focal length there is half, in the same focal plane."""
+    info = answer(petzval_cli("lens", "info", "anamorphic-2x-double-gauss", "--json"))
+    across = info["section_x"]
+    # The cylinders' radii are rounded to 1e-6 of the afocal ones.
+    assert across["efl_mm"] == pytest.approx(info["efl_mm"] / 2, rel=1e-4)
+    assert across["image_focal_plane_mm"] == pytest.approx(info["image_focal_plane_mm"], abs=0.01)
+    assert "across (x): focal length" in petzval_cli("lens", "info", "anamorphic-2x-double-gauss").stdout
+    assert answer(petzval_cli("lens", "info", good_lens, "--json"))["section_x"] is None
+
+
 def test_a_fisheye_looks_behind_itself(petzval_cli):
     info = answer(petzval_cli("lens", "info", "laikin-fisheye-170", "--json"))
     assert 85.0 < info["half_vignetted_field_deg"] < 90.0 < info["largest_field_deg"] < 95.0

@@ -1,6 +1,7 @@
 //! Gaussian properties of a lens at one wavelength (Wu et al. 2011, §3.2.2).
 
 use crate::first_order::{Thin, between_vertices, front_of, rear_of};
+use crate::surface::Section;
 use crate::system::System;
 
 /// The image of the stop on one side of the lens.
@@ -54,9 +55,14 @@ pub struct Paraxial {
 const INFINITE: f64 = 1e12;
 
 impl Paraxial {
-    /// The properties at a vacuum wavelength in nm.
+    /// The properties at a vacuum wavelength in nm, in the y-z plane.
     pub fn new(system: &System, wavelength_nm: f64) -> Self {
-        let surfaces = system.thin(wavelength_nm);
+        Self::in_section(system, Section::Y, wavelength_nm)
+    }
+
+    /// The properties in one section; they differ if the lens has toroids. Decentres and tilts are left out.
+    pub fn in_section(system: &System, section: Section, wavelength_nm: f64) -> Self {
+        let surfaces = system.thin_in(section, wavelength_nm);
         let size = size_mm(system);
         let whole = between_vertices(&surfaces);
         let last_z = system.last_vertex_z_mm();

@@ -160,10 +160,21 @@ def _value_text(value: Any, null: str) -> str:
     return f"{value:.6f}" if isinstance(value, float) else str(value)
 
 
+#: The same of the x-z plane, where an anamorphic lens has another: key in `section_x`, words, unit, words for null.
+_ROWS_ACROSS = (
+    ("efl_mm", "across (x): focal length", "mm", "infinite"),
+    ("f_number", "across (x): f-number", "", "none"),
+    ("image_focal_plane_mm", "across (x): image focal plane, z", "mm", "infinite"),
+    ("entrance_pupil.z_mm", "across (x): entrance pupil, z", "mm", "infinite"),
+    ("entrance_pupil.diameter_mm", "across (x): entrance pupil, diameter", "mm", "infinite"),
+)
+
+
 def _table(info: dict[str, Any]) -> str:
     """Words, value and unit of each row, aligned at the decimal point; then the aberrations by surface."""
     rows = []
-    for key, words, unit, null in _ROWS:
+    across = [("section_x." + key, *rest) for key, *rest in _ROWS_ACROSS] if info["section_x"] else []
+    for key, words, unit, null in (*_ROWS, *across):
         value: Any = info
         for part in key.split("."):
             value = value[part]

@@ -10,6 +10,7 @@ use petzval_optics::lane::Real;
 use petzval_optics::paraxial::{Paraxial, Pupil};
 use petzval_optics::prescription::Prescription;
 use petzval_optics::seidel::Seidel;
+use petzval_optics::surface::Section;
 use petzval_optics::system::{FocalLength, System, SystemSettings};
 use petzval_optics::trace::{Ray, Tracer};
 use petzval_optics::vignetting::Vignetting;
@@ -66,6 +67,16 @@ impl Lens {
         let total = seidel.as_ref().map(Seidel::total);
         let by_surface = seidel.as_ref().map(|s| &s.by_surface);
         let pupil = |p: &Pupil| json!({ "z_mm": p.z_mm, "diameter_mm": p.diameter_mm });
+        let across = Paraxial::in_section(&system, Section::X, wavelength_nm);
+        let across = (across != p).then(|| {
+            json!({
+                "efl_mm": across.efl_mm,
+                "image_focal_plane_mm": across.image_focal_plane_mm,
+                "entrance_pupil": pupil(&across.entrance_pupil),
+                "exit_pupil": pupil(&across.exit_pupil),
+                "f_number": across.f_number,
+            })
+        });
         Ok(json!({
             "name": system.name(),
             "wavelength_nm": p.wavelength_nm,
@@ -96,6 +107,7 @@ impl Lens {
             "half_vignetted_field_deg": fields.half_field_deg,
             "largest_field_deg": fields.largest_field_deg,
             "axial_beam_cut_by_surface": fields.axial_beam_cut_by,
+            "section_x": across,
             "surfaces": p.surfaces,
         })
         .to_string())

@@ -4,7 +4,7 @@ use crate::doorway::away;
 use crate::error::{Error, refused};
 use glam::DVec3;
 use petzval_optics::single_surface::{Outcome, SingleSurface};
-use petzval_optics::surface::{Asphere, Conic, LAST_POWER, Shape, Toroid};
+use petzval_optics::surface::{Conic, LAST_POWER, Shape};
 use pyo3::prelude::*;
 use serde_json::{Value, json};
 
@@ -115,12 +115,7 @@ impl<'a> Reader<'a> {
         let base = Conic::new(self.number("surface.radius")?, self.number_or("surface.k", 0.0)?);
         let terms = self.terms()?;
         let radius_x = self.present("surface.radius_x").map(|_| self.number("surface.radius_x")).transpose()?;
-        let profile = Asphere::new(base, &terms);
-        let shape = match radius_x {
-            Some(radius) => Shape::Toroid(Toroid { profile, across: Conic::new(radius, 0.0).curvature }),
-            None if terms.is_empty() => Shape::Conic(base),
-            None => Shape::Asphere(profile),
-        };
+        let shape = Shape::from_numbers(base, &terms, radius_x);
         if shape.is_finite() { Ok(shape) } else { Err(self.wrong("surface.radius", "is too small")) }
     }
 

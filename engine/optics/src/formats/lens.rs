@@ -32,9 +32,9 @@ use thiserror::Error;
 
 use crate::glass::{Catalogue, GlassError};
 use crate::prescription::{Behind, Column, Metadata, Place, Prescription, PrescriptionError, SurfaceRow};
-use crate::surface::Conic;
+use crate::surface::{Conic, Shape};
 
-use columns::{ElementLine, Misalignment, OBSTRUCTION, POSE, RADIUS_X, element, power, shape};
+use columns::{ElementLine, Misalignment, OBSTRUCTION, POSE, RADIUS_X, element, power};
 
 /// A longer file is no lens: it would only cost memory.
 const LARGEST_FILE: usize = 1 << 20;
@@ -332,7 +332,7 @@ impl<'a> Reader<'a> {
             }
         }
         let row = SurfaceRow {
-            shape: shape(Conic::new(number(0)?, number(4)?), &terms, radius_x),
+            shape: Shape::from_numbers(Conic::new(number(0)?, number(4)?), &terms, radius_x),
             pose: misalignment.pose(),
             thickness_mm: number(1)?,
             behind: self.behind(line, &words[2])?,

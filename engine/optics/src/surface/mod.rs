@@ -138,6 +138,21 @@ impl Shape {
         Self::Conic(Conic::new(radius_mm, conic))
     }
 
+    /// What a conicoid, aspheric `terms` (power, coefficient) and a radius of curvature in the x-z plane make together;
+    /// the plainest that it is. A radius of 0 is flat, none is that of the y-z plane.
+    pub fn from_numbers(base: Conic, terms: &[(u32, f64)], radius_x_mm: Option<f64>) -> Self {
+        let profile = Asphere::new(base, terms);
+        let has_terms = !profile.terms().is_empty();
+        match radius_x_mm.map(|radius| Conic::new(radius, 0.0).curvature) {
+            // A sphere written with both of its radii stays one.
+            Some(across) if has_terms || base.conic != 0.0 || across != base.curvature => {
+                Self::Toroid(Toroid { profile, across })
+            }
+            _ if has_terms => Self::Asphere(profile),
+            _ => Self::Conic(base),
+        }
+    }
+
     /// The profile: the conicoid in the y-z plane and its polynomial.
     pub fn profile(&self) -> Asphere {
         match self {

@@ -1,7 +1,7 @@
 //! The columns of a lens file after the usual six, and what their numbers make of a surface.
 
 use crate::prescription::Place;
-use crate::surface::{Asphere, Conic, LAST_POWER, Pose, Shape, Toroid};
+use crate::surface::{LAST_POWER, Pose};
 
 use super::finite;
 
@@ -39,21 +39,6 @@ impl Misalignment {
 pub(super) fn power(column: &str) -> Option<u32> {
     let power = column.strip_prefix('a')?.parse().ok()?;
     (2..=LAST_POWER).contains(&power).then_some(power)
-}
-
-/// The shape that the numbers of a row describe.
-pub(super) fn shape(base: Conic, terms: &[(u32, f64)], radius_x: Option<f64>) -> Shape {
-    let profile = Asphere::new(base, terms);
-    let has_terms = !profile.terms().is_empty();
-    // A sphere written with both of its radii stays one.
-    let across = radius_x.map(|radius| Conic::new(radius, 0.0).curvature);
-    match across {
-        Some(across) if has_terms || base.conic != 0.0 || across != base.curvature => {
-            Shape::Toroid(Toroid { profile, across })
-        }
-        _ if has_terms => Shape::Asphere(profile),
-        _ => Shape::Conic(base),
-    }
 }
 
 /// `2-3 decenter_x=0.05 tilt_y=0.1`: surfaces, then parts of a pose.
