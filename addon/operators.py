@@ -7,6 +7,7 @@ import bpy
 from bpy.props import EnumProperty
 
 from . import lens_files, viewport_camera
+from .description import OF_LENS_FILE
 
 # Blender does not keep the strings of enum items that are made on demand.
 _items: list[tuple[str, str, str]] = []
@@ -60,7 +61,7 @@ class PETZVAL_OT_match_viewport(bpy.types.Operator):
     @classmethod
     def poll(cls, context):
         camera = _camera(context)
-        return camera is not None and not camera.library and camera.petzval.model == "LENS"
+        return camera is not None and not camera.library and camera.petzval.model in OF_LENS_FILE
 
     def execute(self, context):
         camera = _camera(context)

@@ -18,10 +18,13 @@ from bpy.props import (
 
 from . import viewport_camera
 
+# The numbers are those in saved files.
 MODELS = (
-    ("LENS", "Lens", "A real lens: every ray is traced through its surfaces"),
-    ("THIN", "Thin Lens", "Depth of field without aberrations, framed by Blender's own focal length"),
-    ("PINHOLE", "Pinhole", "Everything sharp, framed by Blender's own focal length"),
+    ("LENS", "Lens", "A real lens: every ray is traced through its surfaces", "", 0),
+    ("PARAXIAL", "Paraxial", "The lens to first order: no aberrations and no vignetting, but colours apart", "", 3),
+    ("THICK", "Thick Lens", "The lens's principal planes and pupils: perfect images, the right size and blur", "", 4),
+    ("THIN", "Thin Lens", "Depth of field without aberrations, framed by Blender's own focal length", "", 1),
+    ("PINHOLE", "Pinhole", "Everything sharp, framed by Blender's own focal length", "", 2),
 )
 FOCAL_MODES = (
     ("PUBLISHED", "As Published", "The lens at the size in which it was published"),

@@ -11,6 +11,7 @@ import bpy
 from bpy.app.handlers import persistent
 
 from . import lens_info
+from .description import OF_LENS_FILE
 from .engine import ENGINE
 from .export import camera as camera_export
 
@@ -28,7 +29,7 @@ def lens_changed(camera: bpy.types.Camera, scene: bpy.types.Scene | None) -> Non
 def follow(camera: bpy.types.Camera, scene: bpy.types.Scene | None) -> None:
     """Brings Blender's camera in step where that is wanted and possible."""
     settings = camera.petzval
-    if scene is None or camera.library or settings.model != "LENS" or not settings.match_viewport:
+    if scene is None or camera.library or settings.model not in OF_LENS_FILE or not settings.match_viewport:
         return
     holder = camera_object(camera, scene)
     if holder is not None:

@@ -5,7 +5,7 @@ from __future__ import annotations
 
 import bpy
 
-from ..description import CameraDescription, Matrix4, Report
+from ..description import OF_LENS_FILE, CameraDescription, Matrix4, Report
 from ..lens_files import LensMissing, resolve
 from .errors import ExportError
 
@@ -35,7 +35,7 @@ def describe(
     settings = camera.petzval
     picture_width_mm, side = _picture(camera, scene.render, width, height)
     larger = max(width, height)
-    of_lens = settings.model == "LENS"
+    of_lens = settings.model in OF_LENS_FILE
     wide_open = settings.wide_open
     description = CameraDescription(
         object_name=holder.name,
@@ -102,7 +102,7 @@ def _blades(count: int) -> int:
 def _focus(description: CameraDescription, camera: bpy.types.Camera, report: Report) -> None:
     settings, dof = camera.petzval, camera.dof
     mode = settings.focus_mode
-    if mode == "FILM" and settings.model == "LENS":
+    if mode == "FILM" and settings.model in OF_LENS_FILE:
         description.film_distance_mm = settings.film_distance
     elif mode == "INFINITY":
         description.focus_distance = None
@@ -153,5 +153,5 @@ def _warn(description: CameraDescription, camera: bpy.types.Camera, scene: bpy.t
         report.warn(f"{name}: {kind} cameras are not supported yet, it is taken as perspective")
     if scene.render.pixel_aspect_x != scene.render.pixel_aspect_y:
         report.warn(f"{name}: pixels that are not square are not supported yet, the picture is stretched")
-    if description.model == "LENS" and any(description.pinhole_shift) and not camera.petzval.in_step:
+    if description.model in OF_LENS_FILE and any(description.pinhole_shift) and not camera.petzval.in_step:
         report.warn(f"{name}: Blender's shift does not move a real lens: use the shift of its Film & Movements panel")

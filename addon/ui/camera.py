@@ -8,6 +8,7 @@ from math import degrees
 import bpy
 
 from .. import lens_info, viewport_camera
+from ..description import OF_LENS_FILE
 from .mixin import PetzvalPanel, columns
 
 
@@ -26,7 +27,7 @@ class _LensPart(_CameraPanel):
 
     @classmethod
     def poll(cls, context):
-        return super().poll(context) and context.camera.petzval.model == "LENS"
+        return super().poll(context) and context.camera.petzval.model in OF_LENS_FILE
 
 
 class _AperturePart(_CameraPanel):
@@ -47,7 +48,7 @@ class PETZVAL_CAMERA_PT_lens(_CameraPanel, bpy.types.Panel):
         camera = context.camera
         settings = camera.petzval
         layout.prop(settings, "model")
-        if settings.model != "LENS":
+        if settings.model not in OF_LENS_FILE:
             layout.prop(camera, "lens")
             return
         row = layout.row(align=True)
@@ -137,7 +138,7 @@ class PETZVAL_CAMERA_PT_aperture(_AperturePart, bpy.types.Panel):
         layout = columns(self)
         camera = context.camera
         settings = camera.petzval
-        if settings.model == "LENS":
+        if settings.model in OF_LENS_FILE:
             layout.prop(settings, "wide_open")
         else:
             layout.prop(settings, "wide_open", text="Blender's F-Stop")

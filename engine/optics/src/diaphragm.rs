@@ -54,6 +54,34 @@ impl Diaphragm {
         self.rotation_rad
     }
 
+    /// Area of the opening in mm².
+    pub fn area_mm2(&self) -> f64 {
+        match self.blades() {
+            0 => 0.5 * TAU * self.radius_mm * self.radius_mm,
+            blades => {
+                let half_side = (self.radius_mm * self.radius_mm - self.apothem_mm * self.apothem_mm).sqrt();
+                f64::from(blades) * half_side * self.apothem_mm
+            }
+        }
+    }
+
+    /// A point (x, y) in mm of the opening, evenly, by two numbers in [0, 1).
+    pub fn sample(&self, [u, v]: [f64; 2]) -> [f64; 2] {
+        let out = v.sqrt() * self.radius_mm;
+        let blades = self.blades();
+        if blades == 0 {
+            let (sin, cos) = (TAU * u).sin_cos();
+            return [out * cos, out * sin];
+        }
+        // A blade's triangle, then a point of it.
+        let place = u * f64::from(blades);
+        let first = place.floor();
+        let along = place - first;
+        let corner = |i: f64| (self.rotation_rad + i * TAU / f64::from(blades)).sin_cos();
+        let ((y, x), (y2, x2)) = (corner(first), corner(first + 1.0));
+        [out * (x + (x2 - x) * along), out * (y + (y2 - y) * along)]
+    }
+
     /// The same in numbers of another kind.
     pub fn cast<R: Real>(&self) -> Diaphragm<R> {
         Diaphragm {
@@ -104,6 +132,31 @@ mod tests {
         assert!(Diaphragm::round(5.0).is_open(3.0, 4.0));
         assert!(!Diaphragm::round(5.0).is_open(3.0, 4.000_001));
         assert_eq!(Diaphragm::polygon(1.0, 2, 0.3).blades(), 0);
+    }
+
+    #[test]
+    fn samples_lie_in_the_opening_and_fill_it() {
+        for shape in [Diaphragm::round(2.0), Diaphragm::polygon(2.0, 5, 0.4)] {
+            let n = 200;
+            let at = |i: i32| (f64::from(i) + 0.5) / f64::from(n);
+            let (mut sum, mut squares) = ([0.0; 2], 0.0);
+            for i in 0..n * n {
+                let [x, y] = shape.sample([at(i % n), at(i / n)]);
+                assert!(shape.is_open(x * (1.0 - 1e-12), y * (1.0 - 1e-12)));
+                sum = [sum[0] + x, sum[1] + y];
+                squares += x * x + y * y;
+            }
+            // The middle is the middle; the mean square is that of a disc, or of a polygon:
+            // (3 apothem^2 + half side^2) / 6.
+            let count = f64::from(n * n);
+            let half_side = (4.0 - shape.apothem_mm * shape.apothem_mm).sqrt();
+            let expected = match shape.blades() {
+                0 => 2.0,
+                _ => 0.5 * (shape.apothem_mm * shape.apothem_mm + half_side * half_side / 3.0),
+            };
+            assert!(sum.iter().all(|s| (s / count).abs() < 1e-3) && (squares / count - expected).abs() < 1e-3);
+        }
+        assert!((Diaphragm::polygon(1.0, 4, 0.1).area_mm2() - 2.0).abs() < 1e-14);
     }
 
     #[test]

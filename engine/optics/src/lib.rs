@@ -16,7 +16,8 @@
 //! either way; a [`pupil_map::PupilMap`] chooses where to aim from the film.
 //!
 //! A module uses only those that stand before it here: [`glass`] → [`lane`] → [`vector`] → [`surface`] → [`interface`] → [`single_surface`] → [`diaphragm`] →
-//! [`prescription`] → [`formats`] → [`first_order`] → [`system`] → [`trace`] → [`paraxial`] → [`focus`] → [`seidel`] → [`vignetting`] → [`pupil_map`].
+//! [`prescription`] → [`formats`] → [`first_order`] → [`system`] → [`trace`] → [`paraxial`] → [`focus`] → [`seidel`] → [`vignetting`] → [`gaussian`] →
+//! [`pupil_map`].
 //!
 //! A ray that is lost is a result: the surface and one of seven reasons. No value is ever NaN, and no input panics.
 //!
@@ -64,6 +65,7 @@ pub mod diaphragm;
 pub mod first_order;
 pub mod focus;
 pub mod formats;
+pub mod gaussian;
 pub mod glass;
 pub mod interface;
 pub mod lane;

@@ -29,9 +29,13 @@ def add_parser(subparsers: argparse._SubParsersAction) -> None:
     """Adds `render`."""
     p = subparsers.add_parser("render", help="render a .blend through a lens", allow_abbrev=False)
     p.add_argument("scene", metavar="SCENE.blend")
-    which = p.add_mutually_exclusive_group()
-    which.add_argument("--lens", metavar="FILE", help="a lens file, or the name of a shipped lens")
-    which.add_argument("--camera", choices=("pinhole", "thin", "thick", "paraxial"), help="a simpler camera instead")
+    p.add_argument("--lens", metavar="FILE", help="a lens file, or the name of a shipped lens")
+    p.add_argument(
+        "--camera",
+        choices=("pinhole", "thin", "thick", "paraxial"),
+        help="a simpler camera instead; thick and paraxial are made from the lens",
+    )
+    p.set_defaults(usage_error=p.error)
     p.add_argument("--focal-length", type=_positive, metavar="MM", help="scale the lens to this focal length")
     p.add_argument("--f-number", type=_positive, metavar="N", help="default: as the file has it")
     p.add_argument("--blades", type=int, metavar="N", help="blades of the diaphragm, 3 to 24; 0 is round")
@@ -72,8 +76,8 @@ def _checked(a: argparse.Namespace) -> dict:
     scene = Path(a.scene)
     if not scene.is_file():
         raise CommandError(f"no such scene: {scene}: name a .blend file")
-    if a.camera in {"thick", "paraxial"}:
-        raise CommandError(f"camera model {a.camera}: not available yet: use pinhole, thin, or a --lens")
+    if a.lens and a.camera in {"pinhole", "thin"}:
+        a.usage_error(f"--camera {a.camera} has no lens: leave out the one or the other")
     if a.pipeline != "film":
         raise CommandError(f"pipeline {a.pipeline}: not available yet: leave --pipeline out, or use film")
     if a.quality not in (None, 1.0):

@@ -154,13 +154,12 @@ def _apply_output(r: Any, output: str) -> None:
 
 def _apply_camera(scene: Any, data: Any, o: dict, addon: Any) -> None:
     own = data.petzval
-    if o["camera"]:
-        own.model = o["camera"].upper()
+    if o["camera"] or o["lens"]:
+        own.model = (o["camera"] or "lens").upper()
     if o["lens"]:
-        own.model = "LENS"
         own.lens_file = o["lens"]
     if o["focal_length_mm"] is not None:
-        if own.model == "LENS":
+        if own.model in addon.description.OF_LENS_FILE:
             own.focal_mode = "LENGTH"
             own.focal_length = o["focal_length_mm"]
         else:

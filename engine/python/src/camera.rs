@@ -52,9 +52,11 @@ impl TryFrom<PyCamera> for CameraDescription {
             "LENS" => Model::Lens,
             "PINHOLE" => Model::Pinhole,
             "THIN" => Model::Thin,
+            "THICK" => Model::Thick,
+            "PARAXIAL" => Model::Paraxial,
             other => {
                 return Err(refused(format!(
-                    "camera '{}': there is no camera model '{other}'; use LENS, PINHOLE or THIN",
+                    "camera '{}': there is no camera model '{other}'; use LENS, PARAXIAL, THICK, THIN or PINHOLE",
                     c.object_name
                 )));
             }

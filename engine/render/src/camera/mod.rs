@@ -3,12 +3,14 @@
 //! The only place where lens millimetres meet world units. Picture coordinates are fractions of the picture's
 //! width and height from its centre, right and up as one looks at the finished picture: -1/2 to 1/2.
 
+pub mod gaussian;
 pub mod pinhole;
 pub mod real_lens;
 pub mod thin;
 
 use crate::Rgb;
 use crate::accel::Ray;
+use gaussian::{Gaussian, Order};
 use glam::{DMat3, DMat4, DVec3, Vec2};
 use petzval_optics::focus::FocusError;
 use petzval_optics::formats::lens::LensFileError;
@@ -60,6 +62,10 @@ pub enum Model {
     Pinhole,
     /// A plane that bends light without aberration.
     Thin,
+    /// The lens's principal planes and pupils at one wavelength.
+    Thick,
+    /// The same at every wavelength.
+    Paraxial,
 }
 
 /// A camera as it arrives. Angles in radians; `None` leaves the lens's own value.
@@ -167,7 +173,7 @@ impl CameraDescription {
             positive(value, "a world-to-lens scale")?;
         }
         match self.model {
-            Model::Lens => {
+            Model::Lens | Model::Thick | Model::Paraxial => {
                 positive(self.film_width_mm, "the film width")?;
                 positive(self.film_height_mm, "the film height")
             }
@@ -196,6 +202,8 @@ pub enum Camera {
     Thin(Thin),
     /// A real one.
     Lens(Box<RealLens>),
+    /// A real one to first order.
+    Gaussian(Box<Gaussian>),
 }
 
 impl Camera {
@@ -210,6 +218,8 @@ impl Camera {
             Model::Pinhole => Self::Pinhole(Pinhole::new(d, axes, width, height)),
             Model::Thin => Self::Thin(Thin::new(d, axes, width, height)?),
             Model::Lens => Self::Lens(Box::new(RealLens::new(d, axes, width, height)?)),
+            Model::Thick => Self::Gaussian(Box::new(Gaussian::new(Order::Thick, d, axes, width, height)?)),
+            Model::Paraxial => Self::Gaussian(Box::new(Gaussian::new(Order::Paraxial, d, axes, width, height)?)),
         })
     }
 
@@ -221,6 +231,7 @@ impl Camera {
             Self::Pinhole(c) => Some(c.ray(p)),
             Self::Thin(c) => Some(c.sample(p, u_lens)),
             Self::Lens(c) => c.sample(p, u_lens, u_wavelength),
+            Self::Gaussian(c) => Some(c.sample(p, u_lens, u_wavelength)),
         }
     }
 
@@ -230,6 +241,7 @@ impl Camera {
             Self::Pinhole(_) => "pinhole",
             Self::Thin(_) => "thin lens",
             Self::Lens(lens) => &lens.info().lens_name,
+            Self::Gaussian(lens) => &lens.info().lens_name,
         }
     }
 }

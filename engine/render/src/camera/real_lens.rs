@@ -181,18 +181,61 @@ impl ChiefRays {
     }
 }
 
-/// A real lens before its film, ready to photograph.
-pub struct RealLens {
-    info: LensInfo,
-    film: FilmPlane,
-    spectrum: FilmSpectrum,
-    // By wavelength of the film.
-    lines: Vec<Line>,
-    maps: Vec<PupilMap>,
+/// A film behind a lens, and where both stand.
+pub(super) struct Mount {
+    pub(super) info: LensInfo,
+    pub(super) film: FilmPlane,
     /// Lens space to render space.
     axes: DMat3,
     origin_z_mm: f64,
     per_unit: DVec3,
+}
+
+impl Mount {
+    /// With the lens that was set up for it.
+    pub(super) fn new(
+        d: &CameraDescription,
+        axes: DMat3,
+        width: u32,
+        height: u32,
+    ) -> Result<(Self, System), CameraError> {
+        let Setup { info, system, film, origin_z_mm } = Setup::new(d, width, height)?;
+        Ok((Self { info, film, axes, origin_z_mm, per_unit: d.scale_mm_per_unit }, system))
+    }
+
+    /// The film point of a picture point, lens space: the picture on the film is turned by half a turn.
+    pub(super) fn film_point(&self, p: Vec2) -> DVec3 {
+        self.film.point(-p.x as f64 * self.info.picture_width_mm, -p.y as f64 * self.info.picture_height_mm)
+    }
+
+    /// A ray in front of the lens, from lens space to render space: camera space has the lens's axes, with the
+    /// entrance pupil's centre as origin.
+    pub(super) fn to_render(&self, ray: &LensRay) -> Ray {
+        let origin = (ray.origin - DVec3::new(0.0, 0.0, self.origin_z_mm)) / self.per_unit;
+        let direction = (ray.direction / self.per_unit).normalize();
+        Ray::new((self.axes * origin).as_vec3a(), (self.axes * direction).as_vec3a())
+    }
+}
+
+/// The wavelengths that a film sees: all, or the one that was asked for.
+pub(super) fn film_spectrum(d: &CameraDescription) -> FilmSpectrum {
+    d.wavelength_nm.map_or_else(FilmSpectrum::visible, FilmSpectrum::single)
+}
+
+/// Why no light at all arrives.
+pub(super) fn dark(d: &CameraDescription, lens_name: &str) -> CameraError {
+    d.error(format!(
+        "no light gets through '{lens_name}' to the middle of the film; open the diaphragm or change the focus"
+    ))
+}
+
+/// A real lens before its film, ready to photograph.
+pub struct RealLens {
+    mount: Mount,
+    spectrum: FilmSpectrum,
+    // By wavelength of the film.
+    lines: Vec<Line>,
+    maps: Vec<PupilMap>,
 }
 
 /// One wavelength of the film.
@@ -205,11 +248,9 @@ struct Line {
 
 impl RealLens {
     pub(super) fn new(d: &CameraDescription, axes: DMat3, width: u32, height: u32) -> Result<Self, CameraError> {
-        let Setup { info, system, film, origin_z_mm } = Setup::new(d, width, height)?;
-        let spectrum = match d.wavelength_nm {
-            Some(nm) => FilmSpectrum::single(nm),
-            None => FilmSpectrum::visible(),
-        };
+        let (mount, system) = Mount::new(d, axes, width, height)?;
+        let Mount { info, film, .. } = &mount;
+        let spectrum = film_spectrum(d);
         let tracers: Vec<Tracer> = spectrum.wavelengths().iter().map(|w| system.at_wavelength(w.nm)).collect();
         let half = [0.5 * info.picture_width_mm, 0.5 * info.picture_height_mm];
         let middle = tracers.len() / 2;
@@ -218,21 +259,18 @@ impl RealLens {
         } else {
             [0, middle, tracers.len() - 1].map(|i| tracers[i].clone()).to_vec()
         };
-        let maps = vec![PupilMap::for_tracers(&representative, &system, &film, half[0], half[1])];
+        let maps = vec![PupilMap::for_tracers(&representative, &system, film, half[0], half[1])];
         let gains = gains(&tracers, &spectrum, &system, film.z_mm);
         if !gains.iter().all(|g| g.is_finite()) {
-            return Err(d.error(format!(
-                "no light gets through '{}' to the middle of the film; open the diaphragm or change the focus",
-                info.lens_name
-            )));
+            return Err(dark(d, &info.lens_name));
         }
         let lines = tracers.into_iter().zip(gains).map(|(tracer, gain)| Line { tracer, map: 0, gain }).collect();
-        Ok(Self { info, film, spectrum, lines, maps, axes, origin_z_mm, per_unit: d.scale_mm_per_unit })
+        Ok(Self { mount, spectrum, lines, maps })
     }
 
     /// What the lens does in this camera.
     pub fn info(&self) -> &LensInfo {
-        &self.info
+        &self.mount.info
     }
 
     /// A ray for a picture point, or `None` where it is lost in the lens.
@@ -240,30 +278,16 @@ impl RealLens {
     pub fn sample(&self, p: Vec2, u_lens: [f32; 2], u_wavelength: f32) -> Option<CameraRay> {
         let index = self.spectrum.sample(u_wavelength);
         let line = &self.lines[index];
-        let film_point = self.film_point(p);
+        let film_point = self.mount.film_point(p);
         let aim = self.maps[line.map].sample(film_point, u_lens.map(f64::from));
         let to = aim.target - film_point;
         let distance2 = to.length_squared();
         let direction = to / distance2.sqrt();
         let out = line.tracer.from_film(LensRay { origin: film_point, direction }).ok()?;
-        let cosines = self.film.normal().dot(direction).abs() * direction.z.abs();
+        let cosines = self.mount.film.normal().dot(direction).abs() * direction.z.abs();
         let exposure = cosines / (distance2 * aim.pdf_per_mm2) * line.gain;
-        let (origin, direction) = self.to_render(&out);
         let weight = self.spectrum.wavelengths()[index].weight * exposure as f32;
-        Some(CameraRay { ray: Ray::new(origin.as_vec3a(), direction.as_vec3a()), weight })
-    }
-
-    /// The film point of a picture point, lens space: the picture on the film is turned by half a turn.
-    fn film_point(&self, p: Vec2) -> DVec3 {
-        self.film.point(-p.x as f64 * self.info.picture_width_mm, -p.y as f64 * self.info.picture_height_mm)
-    }
-
-    /// A ray in front of the lens, from lens space to render space: camera space has the lens's axes, with the
-    /// entrance pupil's centre as origin.
-    fn to_render(&self, ray: &LensRay) -> (DVec3, DVec3) {
-        let origin = (ray.origin - DVec3::new(0.0, 0.0, self.origin_z_mm)) / self.per_unit;
-        let direction = (ray.direction / self.per_unit).normalize();
-        (self.axes * origin, self.axes * direction)
+        Some(CameraRay { ray: self.mount.to_render(&out), weight })
     }
 }
 

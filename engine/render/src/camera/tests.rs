@@ -173,3 +173,98 @@ fn errors_say_what_to_do() {
     assert!(bad(&|d| d.matrix_world = DMat4::ZERO).contains("matrix"));
     assert!(bad(&|d| d.focus_point_world = Some(DVec3::Z)).contains("behind the camera"));
 }
+
+const FIRST_ORDER: [Model; 2] = [Model::Thick, Model::Paraxial];
+
+#[test]
+fn first_order_images_are_perfect() {
+    for model in FIRST_ORDER {
+        let d = description(model);
+        let camera = Camera::new(&d, 300, 200).unwrap();
+        let info = lens_info(&d, 300, 200).unwrap();
+        for p in [Vec2::ZERO, Vec2::new(0.3, -0.2), Vec2::new(-0.45, 0.45)] {
+            // The object is the image over the magnification, in the plane 2 m before the entrance pupil.
+            let film = -p.as_dvec2() * glam::DVec2::new(info.picture_width_mm, info.picture_height_mm);
+            let object = (film / info.magnification / 1000.0).extend(-2.0).as_vec3a();
+            for u in points(200) {
+                let ray = camera.sample(p, [u[0], u[1]], 0.0).unwrap().ray;
+                let at = ray.origin + ray.direction * ((-2.0 - ray.origin.z) / ray.direction.z);
+                assert!((at - object).length() < 2e-5, "{model:?} {p}: {at} {object}");
+            }
+        }
+    }
+}
+
+#[test]
+fn close_to_the_axis_every_lens_is_of_first_order() {
+    for file in ["wide-angle-smith-f3.4.lens", "tessar-brendel.lens", "cassegrain-f12.lens"] {
+        let far = |model| CameraDescription {
+            lens_path: lens(file),
+            f_number: Some(64.0),
+            focus_distance: None,
+            film_width_mm: 0.3,
+            film_height_mm: 0.2,
+            ..description(model)
+        };
+        let exact = Camera::new(&far(Model::Lens), 300, 200).unwrap();
+        let Camera::Lens(exact) = exact else { unreachable!() };
+        for model in FIRST_ORDER {
+            let camera = Camera::new(&far(model), 300, 200).unwrap();
+            for u in points(100) {
+                let p = Vec2::new(u[2] - 0.5, u[3] - 0.5);
+                let ray = camera.sample(p, [u[0], u[1]], 0.0).unwrap().ray;
+                let Some(CameraRay { ray: true_ray, .. }) = exact.sample(p, [u[0], u[1]], 0.0) else { continue };
+                // All rays of a point are parallel before a lens focused at infinity; aberrations are of third order.
+                assert!((ray.direction - true_ray.direction).length() < 1e-5, "{file} {model:?} {p}");
+            }
+        }
+    }
+}
+
+#[test]
+fn a_white_world_is_one_in_the_middle_by_first_order_too() {
+    for file in
+        ["wide-angle-smith-f3.4.lens", "anamorphic-2x-double-gauss.lens", "newtonian-f5.lens", "eye-navarro.lens"]
+    {
+        for (model, blades) in [(Model::Thick, 0), (Model::Thick, 5), (Model::Paraxial, 0)] {
+            let d = CameraDescription {
+                lens_path: lens(file),
+                f_number: Some(8.0),
+                blades,
+                focus_distance: None,
+                film_width_mm: 1.0,
+                film_height_mm: 1.0,
+                wavelength_nm: None,
+                ..description(model)
+            };
+            let camera = Camera::new(&d, 100, 100).unwrap();
+            let n = 20_000;
+            let all: Vec<CameraRay> =
+                points(n).map(|u| camera.sample(Vec2::ZERO, [u[0], u[1]], u[2]).unwrap()).collect();
+            let mean = all.iter().map(|ray| ray.weight).sum::<Rgb>() / n as f32;
+            assert!((mean - Rgb::ONE).abs().max_element() < 5e-3, "{file} {model:?} {blades}: {mean}");
+        }
+    }
+}
+
+/// The focal length of a single glass grows towards red: by the paraxial model alone each colour has its own focus.
+#[test]
+fn colours_part_by_the_paraxial_model() {
+    let spread = |model| {
+        let d = CameraDescription {
+            lens_path: lens("biconvex-50mm.lens"),
+            focus_distance: None,
+            film_width_mm: 20.0,
+            film_height_mm: 20.0,
+            wavelength_nm: None,
+            ..description(model)
+        };
+        let camera = Camera::new(&d, 100, 100).unwrap();
+        let slope = |u: f32| {
+            let direction = camera.sample(Vec2::ZERO, [0.0, 0.9], u).unwrap().ray.direction;
+            direction.x / direction.z
+        };
+        (slope(0.01) - slope(0.99)).abs()
+    };
+    assert!(spread(Model::Paraxial) > 1e-3 && spread(Model::Thick) == 0.0);
+}

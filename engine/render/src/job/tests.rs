@@ -73,7 +73,7 @@ fn picture(samples: u32, threads: usize, model: Model) -> (Vec<[f32; 4]>, Statis
 
 #[test]
 fn the_same_bits_for_any_number_of_threads() {
-    for model in [Model::Lens, Model::Pinhole, Model::Thin] {
+    for model in [Model::Lens, Model::Pinhole, Model::Thin, Model::Thick, Model::Paraxial] {
         let (one, _) = picture(23, 1, model);
         for threads in [2, 5] {
             assert!(one == picture(23, threads, model).0, "{model:?} with {threads} threads");
