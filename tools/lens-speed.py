@@ -36,7 +36,7 @@ READING = """
   while one waits, and each holds 2 to 16 rays.
 - **What bounds it.** A sphere between two glasses cannot be traced without two square roots (of the discriminant and of
   Snell's radicand) and two divisions. The last row of the table is the time of these alone. In f64 they are most of what a
-  surface costs: the one unit that does them is busy nearly always. In f32 they are half of it or less, and the some 130
+  surface costs: the one unit that does them is busy nearly always. In f32 they are half of it or less, and the 130 or so
   instructions about them count as much.
 - **Aspheres** are iterated: each Newton step evaluates the polynomial and its slope, and a register waits for the slowest
   of its rays. This lens has eight such surfaces of eleven, with odd powers, which cost a root a step.
