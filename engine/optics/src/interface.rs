@@ -40,21 +40,45 @@ impl<R: Real> Interface<R> {
     /// law in vector form, D′ = m D + s (√r − m √q) N / |N|², without its cancellation between near indices.
     #[inline(always)]
     pub fn refract<L: Lane<Real = R>>(&self, d: Vector<L>, at: &Crossing<L>, side: R) -> (Vector<L>, L::Mask) {
+        let lanes = Interfaces { ratio: d.x.like(self.ratio), excess: d.x.like(self.excess) };
+        // Into the denser medium nothing is critical.
+        lanes.refract(d, at, side, self.excess > R::ZERO)
+    }
+}
+
+/// An interface at several wavelengths, one in each lane.
+#[derive(Clone, Copy)]
+pub struct Interfaces<L> {
+    /// As in [`Interface`].
+    pub ratio: L,
+    /// As in [`Interface`].
+    pub excess: L,
+}
+
+impl<L: Lane> Interfaces<L> {
+    /// As [`Interface::refract`]; `may_be_critical` if any excess is positive.
+    #[inline(always)]
+    pub fn refract(
+        &self,
+        d: Vector<L>,
+        at: &Crossing<L>,
+        side: L::Real,
+        may_be_critical: bool,
+    ) -> (Vector<L>, L::Mask) {
         let m = self.ratio;
         let incident_squared = at.cosine_squared * (m * m);
         let incident = at.cosine * m;
         let mut radicand = incident_squared - at.normal_squared * self.excess;
-        // Into the denser medium nothing is critical.
-        if self.excess > R::ZERO {
-            let is_near = radicand.less(incident_squared * R::from_f64(NEAR_CRITICAL));
+        if may_be_critical {
+            let is_near = radicand.less(incident_squared * L::Real::from_f64(NEAR_CRITICAL));
             if is_near.any() {
                 // (m cos i − w) (m cos i + w) |N|², w = √(m² − 1): without the rounding of squares.
                 let critical = (at.normal_squared * self.excess).sqrt();
                 radicand = L::select(is_near, (incident - critical) * (incident + critical), radicand);
             }
         }
-        let passes = radicand.at_least(incident.like(R::ZERO));
-        let bend = incident.like(side * self.excess) / (radicand.sqrt() + incident);
+        let passes = radicand.at_least(incident.like(L::Real::ZERO));
+        let bend = self.excess * side / (radicand.sqrt() + incident);
         let n = at.normal;
         let bent = Vector { x: d.x * m - n.x * bend, y: d.y * m - n.y * bend, z: d.z * m - n.z * bend };
         (bent, passes)

@@ -262,6 +262,18 @@ impl System {
         self.surfaces.iter().all(|s| s.shape.is_rotationally_symmetric() && s.pose.is_identity())
     }
 
+    /// True if the path of a ray depends on its wavelength.
+    pub fn is_dispersive(&self) -> bool {
+        let ends = [line_nm::F, line_nm::C];
+        self.surfaces.iter().any(|s| match &s.element {
+            Element::Refract { from, to } => {
+                let [a, b] = ends.map(|nm| from.index(nm) / to.index(nm));
+                a != b
+            }
+            Element::Reflect { .. } => false,
+        })
+    }
+
     /// The surfaces as Gaussian optics sees them, in the y-z plane.
     pub(crate) fn thin(&self, wavelength_nm: f64) -> Vec<Thin> {
         self.thin_in(Section::Y, wavelength_nm)

@@ -1,6 +1,7 @@
 //! A ray through a lens, either way: the ray that leaves it, or the surface and reason that ended it.
 
 mod bundle;
+mod spectral;
 mod step;
 
 use std::sync::Arc;
@@ -17,6 +18,7 @@ use step::{Action, Step, is_far};
 
 pub use crate::surface::Failure;
 pub use bundle::Bundle;
+pub use spectral::{LINES, SpectralTracer};
 
 /// A ray in lens space, mm.
 #[derive(Clone, Copy, Debug, PartialEq)]
@@ -237,7 +239,7 @@ impl<R: Real> Way<R> {
     fn run(&self, ray: Ray, diaphragm: &Diaphragm<R>, record: &mut impl FnMut(DVec3)) -> Result<Ray, Lost> {
         let (mut p, mut d) = self.enter(ray);
         for (i, step) in self.steps.iter().enumerate() {
-            let passage = step.pass(p, d, diaphragm);
+            let passage = step.pass(p, d, diaphragm, None);
             if passage.crossing.met {
                 record(passage.point.of(0));
             }

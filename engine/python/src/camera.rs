@@ -85,6 +85,7 @@ impl TryFrom<PyCamera> for CameraDescription {
             shift_mm: [c.shift_mm.0, c.shift_mm.1],
             scale_mm_per_unit: DVec3::new(sx, sy, sz),
             wavelength_nm: c.wavelength_nm,
+            spectrum: camera::Spectrum::Visible,
         })
     }
 }

@@ -9,6 +9,7 @@ use glam::DVec3;
 use super::step::Step;
 use super::{Failure, Lost, Ray, Tracer, Travel, Way};
 use crate::diaphragm::Diaphragm;
+use crate::interface::Interfaces;
 use crate::lane::{Lane, LaneKernel, Level, Mask, Real};
 use crate::vector::Vector;
 
@@ -121,11 +122,11 @@ impl<R: Real> LaneKernel<R> for Trace<'_, R> {
             for (i, step) in self.way.steps.iter().enumerate() {
                 lost.surface = self.way.surface(i);
                 if let Some(plain) = step.plain(false) {
-                    block.pass(zero, &plain, self.diaphragm, &mut lost);
+                    block.pass(zero, &plain, None, self.diaphragm, &mut lost);
                 } else if let Some(plain) = step.plain(true) {
-                    block.pass(zero, &plain, self.diaphragm, &mut lost);
+                    block.pass(zero, &plain, None, self.diaphragm, &mut lost);
                 } else {
-                    block.pass(zero, step, self.diaphragm, &mut lost);
+                    block.pass(zero, step, None, self.diaphragm, &mut lost);
                 }
             }
         }
@@ -133,11 +134,11 @@ impl<R: Real> LaneKernel<R> for Trace<'_, R> {
 }
 
 /// Where lost rays are noted.
-struct Losses<'a> {
+pub(super) struct Losses<'a> {
     /// Of the rays of a block.
-    lost: &'a mut [Option<Lost>],
+    pub(super) lost: &'a mut [Option<Lost>],
     /// The surface that they are at.
-    surface: usize,
+    pub(super) surface: usize,
 }
 
 impl Losses<'_> {
@@ -151,13 +152,13 @@ impl Losses<'_> {
 }
 
 /// Rays that go through all surfaces together: their coordinates.
-struct Block<'a, R> {
-    x: &'a mut [R],
-    y: &'a mut [R],
-    z: &'a mut [R],
-    dx: &'a mut [R],
-    dy: &'a mut [R],
-    dz: &'a mut [R],
+pub(super) struct Block<'a, R> {
+    pub(super) x: &'a mut [R],
+    pub(super) y: &'a mut [R],
+    pub(super) z: &'a mut [R],
+    pub(super) dx: &'a mut [R],
+    pub(super) dy: &'a mut [R],
+    pub(super) dz: &'a mut [R],
 }
 
 impl<R: Real> Block<'_, R> {
@@ -181,12 +182,25 @@ impl<R: Real> Block<'_, R> {
         d.z.store(&mut self.dz[at..at + L::WIDTH]);
     }
 
-    /// Takes all rays through a surface.
+    /// Takes all rays through a surface; each by its own interface, if `interfaces` has them (ratios and excesses).
     #[inline(always)]
-    fn pass<L: Lane<Real = R>>(&mut self, zero: L, step: &Step<R>, diaphragm: &Diaphragm<R>, lost: &mut Losses) {
+    pub(super) fn pass<L: Lane<Real = R>>(
+        &mut self,
+        zero: L,
+        step: &Step<R>,
+        interfaces: Option<[&[R]; 2]>,
+        diaphragm: &Diaphragm<R>,
+        lost: &mut Losses,
+    ) {
         for at in (0..self.x.len()).step_by(L::WIDTH) {
             let (p, d) = self.load(zero, at);
-            let passage = step.pass(p, d, diaphragm);
+            let lanes = match interfaces {
+                None => None,
+                Some([ratio, excess]) => {
+                    Some(Interfaces { ratio: zero.load(&ratio[at..]), excess: zero.load(&excess[at..]) })
+                }
+            };
+            let passage = step.pass(p, d, diaphragm, lanes);
             self.store(passage.point, passage.direction, at);
             if !passage.passed().all() {
                 let fates = passage.fates();

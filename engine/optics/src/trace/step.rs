@@ -1,7 +1,7 @@
 //! A surface as a ray comes to it: the hit, the rims, the new direction.
 
 use crate::diaphragm::Diaphragm;
-use crate::interface::{Interface, reflect};
+use crate::interface::{Interface, Interfaces, reflect};
 use crate::lane::{Lane, Mask, Real};
 use crate::surface::{Conic, Crossing, Failure, Pose, Shape};
 use crate::system::Surface;
@@ -80,13 +80,15 @@ impl<R: Real> Step<R> {
         }
     }
 
-    /// The rays from `p` of the vertex before along `d` through this surface. Points on a rim pass.
+    /// The rays from `p` of the vertex before along `d` through this surface. Points on a rim pass. Where there are
+    /// `interfaces`, each lane has its own wavelength.
     #[inline(always)]
     pub(super) fn pass<L: Lane<Real = R>>(
         &self,
         mut p: Vector<L>,
         mut d: Vector<L>,
         diaphragm: &Diaphragm<R>,
+        interfaces: Option<Interfaces<L>>,
     ) -> Passage<L> {
         p.z = p.z + self.to_here;
         if let Some(pose) = &self.pose {
@@ -103,7 +105,12 @@ impl<R: Real> Step<R> {
         let zero = squared.like(R::ZERO);
         let all = zero.at_most(zero);
         match &self.action {
-            Action::Refract(interface) => (direction, is_transmitted) = interface.refract(d, &crossing, self.side),
+            Action::Refract(interface) => {
+                (direction, is_transmitted) = match interfaces {
+                    None => interface.refract(d, &crossing, self.side),
+                    Some(lanes) => lanes.refract(d, &crossing, self.side, true),
+                }
+            }
             Action::Pass => is_transmitted = all,
             Action::Reflect => {
                 direction = reflect(d, &crossing, self.side);

@@ -42,7 +42,7 @@ impl Gaussian {
         let (mount, system) = Mount::new(d, axes, width, height)?;
         let spectrum = match order {
             Order::Thick => FilmSpectrum::single(d.wavelength_nm.unwrap_or(line_nm::D)),
-            Order::Paraxial => film_spectrum(d),
+            Order::Paraxial => film_spectrum(d, &system),
         };
         let diaphragm = system.diaphragm().clone();
         let line = |nm: f64| {
@@ -75,7 +75,7 @@ impl Gaussian {
         let cosine = towards.length().recip();
         let cosines = (self.mount.film.normal().dot(towards) * cosine).abs() * cosine.powi(3);
         let area = self.diaphragm.area_mm2() * lens.slopes_per_mm2(film_point.z);
-        let weight = self.spectrum.wavelengths()[index].weight * (cosines * area * gain) as f32;
+        let weight = self.spectrum.wavelengths()[index].response * (cosines * area * gain) as f32;
         CameraRay { ray: self.mount.to_render(&out), weight }
     }
 }

@@ -11,7 +11,7 @@ pub mod thin;
 use crate::Rgb;
 use crate::accel::Ray;
 use gaussian::{Gaussian, Order};
-use glam::{DMat3, DMat4, DVec3, Vec2};
+use glam::{DMat3, DMat4, DVec3, Mat3, Vec2};
 use petzval_optics::focus::FocusError;
 use petzval_optics::formats::lens::LensFileError;
 use petzval_optics::system::SystemError;
@@ -68,6 +68,16 @@ pub enum Model {
     Paraxial,
 }
 
+/// Into what the film parts the light.
+#[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
+pub enum Spectrum {
+    /// All visible wavelengths.
+    #[default]
+    Visible,
+    /// One wavelength for each of red, green and blue (Lee, Eisemann and Seidel 2010).
+    Three,
+}
+
 /// A camera as it arrives. Angles in radians; `None` leaves the lens's own value.
 #[derive(Clone, Debug)]
 pub struct CameraDescription {
@@ -113,8 +123,10 @@ pub struct CameraDescription {
     pub shift_mm: [f64; 2],
     /// Millimetres in the lens's space for a Blender unit along the camera's axes.
     pub scale_mm_per_unit: DVec3,
-    /// One wavelength, nm; `None` is the visible spectrum.
+    /// One wavelength, nm; `None` is all that `spectrum` says.
     pub wavelength_nm: Option<f64>,
+    /// For lenses that treat wavelengths differently.
+    pub spectrum: Spectrum,
 }
 
 impl CameraDescription {
@@ -185,13 +197,20 @@ impl CameraDescription {
     }
 }
 
-/// A ray into the scene and what its radiance counts in each channel.
+/// A ray into the scene and what its radiance adds to the picture's colour.
 #[derive(Clone, Copy, Debug)]
 pub struct CameraRay {
     /// Render space.
     pub ray: Ray,
-    /// Averages to the picture's brightness, one in the middle of a uniform white world.
-    pub weight: Rgb,
+    /// Averages to the picture's brightness: to the identity in the middle of the film.
+    pub weight: Mat3,
+}
+
+impl CameraRay {
+    /// What a white world of radiance one adds.
+    pub fn white(&self) -> Rgb {
+        self.weight * Rgb::ONE
+    }
 }
 
 /// A camera ready to photograph.

@@ -1,9 +1,8 @@
 //! The pinhole: every ray through one point, as Blender's perspective camera without depth of field.
 
 use super::{CameraDescription, CameraRay};
-use crate::Rgb;
 use crate::accel::Ray;
-use glam::{DMat3, DVec3, Vec2, Vec3A};
+use glam::{DMat3, DVec3, Mat3, Vec2, Vec3A};
 
 /// A perspective camera.
 pub struct Pinhole {
@@ -27,7 +26,7 @@ impl Pinhole {
     #[inline]
     pub fn ray(&self, p: Vec2) -> CameraRay {
         let d = (self.axes * self.at_unit_depth(p)).normalize();
-        CameraRay { ray: Ray::new(Vec3A::ZERO, d.as_vec3a()), weight: Rgb::ONE }
+        CameraRay { ray: Ray::new(Vec3A::ZERO, d.as_vec3a()), weight: Mat3::IDENTITY }
     }
 
     /// The point of a picture point's ray at depth one, camera space.

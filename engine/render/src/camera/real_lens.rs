@@ -4,7 +4,7 @@
 //! with the weight cos(film) cos(pupil) / distance^2; it is divided by what the middle of the film gets from a
 //! uniform world of radiance one.
 
-use super::{CameraDescription, CameraError, CameraRay};
+use super::{CameraDescription, CameraError, CameraRay, Spectrum};
 use crate::accel::Ray;
 use crate::spectrum::FilmSpectrum;
 use glam::{DMat3, DVec3, Vec2};
@@ -217,9 +217,14 @@ impl Mount {
     }
 }
 
-/// The wavelengths that a film sees: all, or the one that was asked for.
-pub(super) fn film_spectrum(d: &CameraDescription) -> FilmSpectrum {
-    d.wavelength_nm.map_or_else(FilmSpectrum::visible, FilmSpectrum::single)
+/// The wavelengths that a film sees: all, three, or one: that which was asked for, or any if the lens treats all alike.
+pub(super) fn film_spectrum(d: &CameraDescription, system: &System) -> FilmSpectrum {
+    match (d.wavelength_nm, d.spectrum) {
+        (Some(nm), _) => FilmSpectrum::single(nm),
+        (None, _) if !system.is_dispersive() => FilmSpectrum::single(D_LINE_NM),
+        (None, Spectrum::Three) => FilmSpectrum::three(),
+        (None, Spectrum::Visible) => FilmSpectrum::visible(),
+    }
 }
 
 /// Why no light at all arrives.
@@ -250,7 +255,7 @@ impl RealLens {
     pub(super) fn new(d: &CameraDescription, axes: DMat3, width: u32, height: u32) -> Result<Self, CameraError> {
         let (mount, system) = Mount::new(d, axes, width, height)?;
         let Mount { info, film, .. } = &mount;
-        let spectrum = film_spectrum(d);
+        let spectrum = film_spectrum(d, &system);
         let tracers: Vec<Tracer> = spectrum.wavelengths().iter().map(|w| system.at_wavelength(w.nm)).collect();
         let half = [0.5 * info.picture_width_mm, 0.5 * info.picture_height_mm];
         let middle = tracers.len() / 2;
@@ -286,7 +291,7 @@ impl RealLens {
         let out = line.tracer.from_film(LensRay { origin: film_point, direction }).ok()?;
         let cosines = self.mount.film.normal().dot(direction).abs() * direction.z.abs();
         let exposure = cosines / (distance2 * aim.pdf_per_mm2) * line.gain;
-        let weight = self.spectrum.wavelengths()[index].weight * exposure as f32;
+        let weight = self.spectrum.wavelengths()[index].response * exposure as f32;
         Some(CameraRay { ray: self.mount.to_render(&out), weight })
     }
 }

@@ -2,10 +2,9 @@
 
 use super::pinhole::Pinhole;
 use super::{CameraDescription, CameraError, CameraRay};
-use crate::Rgb;
 use crate::accel::Ray;
 use crate::sampler::warp::sample_disk;
-use glam::{DMat3, DVec2, DVec3, Vec2};
+use glam::{DMat3, DVec2, DVec3, Mat3, Vec2};
 use std::f64::consts::TAU;
 
 /// The aperture that Blender's own cameras start with, where none is given.
@@ -47,7 +46,7 @@ impl Thin {
         let d = if self.focus.is_finite() { along * self.focus - start } else { along };
         let axes = self.pinhole.axes();
         let ray = Ray::new((*axes * start).as_vec3a(), (*axes * d).normalize().as_vec3a());
-        CameraRay { ray, weight: Rgb::ONE }
+        CameraRay { ray, weight: Mat3::IDENTITY }
     }
 
     /// A point of the unit aperture, uniformly.

@@ -46,6 +46,7 @@ fn camera(model: Model) -> Camera {
         shift_mm: [0.0, 0.0],
         scale_mm_per_unit: DVec3::splat(1000.0),
         wavelength_nm: None,
+        spectrum: crate::camera::Spectrum::Visible,
     };
     Camera::new(&d, 75, 50).unwrap()
 }

@@ -120,7 +120,7 @@ fn sample(shot: &Shot<'_>, x: u32, y: u32, index: u32, counts: &mut Counts) -> [
             counts.rays += u64::from(found.rays);
             let PathResult { radiance, hit, .. } = found;
             let alpha = if shot.limits.hide_sky && !hit { 0.0 } else { 1.0 };
-            contribution(radiance * ray.weight, alpha)
+            contribution(ray.weight * radiance, alpha)
         }
     };
     if let Some(start) = start {
