@@ -103,7 +103,8 @@ class CameraDescription:
     swing_rad: float = 0.0
     shift_mm: tuple[float, float] = (0.0, 0.0)
     scale_mm_per_unit: tuple[float, float, float] = (1000.0, 1000.0, 1000.0)
-    wavelength_nm: float | None = None
+    wavelength_nm: float | None = None  # None: all that `spectrum` says
+    spectrum: str = "VISIBLE"  # VISIBLE | THREE
 
 
 @dataclass
@@ -118,6 +119,7 @@ class SettingsDescription:
     clamp_indirect: float = 0.0  # most radiance that light after a bounce may add to a sample; 0: no limit
     filter_width_px: float = 1.5
     transparent_film: bool = False
+    pipeline: str = "AUTO"  # AUTO | FILM | HERO
 
 
 @dataclass

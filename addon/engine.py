@@ -138,6 +138,7 @@ class _Photograph:
             max_bounces=own.max_bounces,
             clamp_indirect=own.clamp_indirect,
             filter_width_px=own.filter_width,
+            pipeline=own.pipeline,
             transparent_film=render.film_transparent,
         )
 

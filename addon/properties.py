@@ -41,6 +41,17 @@ FILM_MODES = (
     ("SIZE", "Film Size", "A film of its own size; the picture is the largest part of it with the picture's shape"),
 )
 
+SPECTRA = (
+    ("VISIBLE", "Visible Light", "Light of all visible wavelengths, each bent as the glass bends it", "", 0),
+    ("THREE", "Three Wavelengths", "One wavelength for each of red, green and blue: fringes come in three steps", "", 1),
+    ("SINGLE", "One Wavelength", "The picture keeps its colours and shows the lens without its dispersion", "", 2),
+)
+PIPELINES = (
+    ("AUTO", "Automatic", "Hero where the glass parts the colours, else from the film", "", 0),
+    ("FILM", "From the Film", "Each path starts on the film, in one wavelength", "", 1),
+    ("HERO", "Hero Wavelength", "One wavelength leads; its path serves seven others, which land where they must", "", 2),
+)
+
 
 def _changed(settings: PetzvalCamera, context: bpy.types.Context) -> None:
     viewport_camera.lens_changed(settings.id_data, context.scene)
@@ -217,14 +228,12 @@ class PetzvalCamera(bpy.types.PropertyGroup):
         subtype="XYZ",
         update=_changed,
     )
-    spectral: BoolProperty(
-        name="Spectral",
-        description="Light of all visible wavelengths, each bent as the glass bends it; off: one wavelength",
-        default=True,
+    spectrum: EnumProperty(
+        name="Spectrum", description="The wavelengths in which the picture is taken", items=SPECTRA, update=_changed
     )
     wavelength: FloatProperty(
         name="Wavelength (nm)",
-        description="Nanometres, where the picture is taken in one wavelength; its colours stay as they are",
+        description="Nanometres; the picture's colours stay as they are",
         default=587.5618,
         min=380.0,
         max=780.0,
@@ -279,6 +288,7 @@ class PetzvalScene(bpy.types.PropertyGroup):
         min=0.0,
         soft_max=100.0,
     )
+    pipeline: EnumProperty(name="Pipeline", description="Which way light is followed", items=PIPELINES)
     filter_width: FloatProperty(
         name="Filter Width",
         description="Width of the Blackman-Harris pixel filter; zero is a box of one pixel",

@@ -86,7 +86,7 @@ def test_the_lens_photographs_what_the_camera_view_frames(parts, blender, tmp_pa
     own.focal_mode, own.focal_length = "LENGTH", 50.0
     own.wide_open, own.f_number = False, 16.0
     own.shift_x, own.shift_y = 3.0, -2.0
-    own.spectral = False
+    own.spectrum = "SINGLE"
     scene.world = parts.grey_world(0.0)
     scene.petzval.samples = 64
     blender.context.view_layer.update()
@@ -155,7 +155,7 @@ def test_the_lens_settings(parts, blender):
     own.focal_mode, own.focal_length, own.focal_scale = "LENGTH", 35.0, 0.5
     own.film_mode, own.film_width, own.film_height = "SIZE", 60.0, 45.0
     own.tilt, own.swing, own.shift_x, own.shift_y = 0.1, -0.2, 3.0, -4.0
-    own.spectral, own.wavelength = False, 486.0
+    own.spectrum, own.wavelength = "SINGLE", 486.0
     sent = description(parts)
     assert (sent.f_number, sent.blades, sent.blade_rotation_rad) == pytest.approx((4.0, 7, 0.3))
     assert sent.focal_length_mm == pytest.approx(35.0) and sent.focal_scale is None

@@ -109,7 +109,7 @@ def test_magnification_and_blenders_frame(blender, tmp_path, case):
 def test_the_same_bits_for_any_threads_and_others_for_another_seed(blender, tmp_path):
     studio = Studio(blender, tmp_path, (48, 32), samples=24)
     exact = studio.lens("double-gauss-f2-tronnier", (36.0, 24.0), 2.0, focal_length_mm=50.0)
-    studio.data.petzval.spectral = True
+    studio.data.petzval.spectrum = "VISIBLE"
     place_lamps(studio, exact, PLACES, (2.0, 1.2), 4.0)
     render = studio.scene.render
     render.threads_mode = "FIXED"

@@ -49,12 +49,12 @@ def test_white_is_white_on_the_axis_of_every_lens(lens):
     assert_white(native.white_world(camera, WIDTH, HEIGHT, SAMPLES), 1e-3)
 
 
-@pytest.mark.parametrize("spectral", [False, True], ids=["one wavelength", "spectral"])
+@pytest.mark.parametrize("spectrum", ["SINGLE", "THREE", "VISIBLE"])
 @pytest.mark.parametrize("name", ["wide-angle-smith-f3.4", "double-gauss-f2-tronnier"])
-def test_white_is_one_in_blender(blender, tmp_path, name, spectral):
+def test_white_is_one_in_blender(blender, tmp_path, name, spectrum):
     studio = chart.Studio(blender, tmp_path, (WIDTH, HEIGHT), samples=SAMPLES)
     studio.lens(name, (0.2, 0.2), None)
-    studio.data.petzval.spectral = spectral
+    studio.data.petzval.spectrum = spectrum
     studio.white_world()
     assert_white(studio.shoot(), 1e-3)
 

@@ -48,7 +48,8 @@ def describe(
         blades=_blades(settings.blades if of_lens or settings.blades else camera.dof.aperture_blades),
         blade_rotation_rad=settings.blade_rotation,
         scale_mm_per_unit=scale(settings, scene),
-        wavelength_nm=None if settings.spectral else settings.wavelength,
+        wavelength_nm=settings.wavelength if settings.spectrum == "SINGLE" else None,
+        spectrum="THREE" if settings.spectrum == "THREE" else "VISIBLE",
     )
     _focus(description, camera, report)
     if of_lens:

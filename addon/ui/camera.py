@@ -59,8 +59,8 @@ class PETZVAL_CAMERA_PT_lens(_CameraPanel, bpy.types.Panel):
             layout.prop(settings, "focal_length")
         elif settings.focal_mode == "SCALE":
             layout.prop(settings, "focal_scale")
-        layout.prop(settings, "spectral")
-        if not settings.spectral:
+        layout.prop(settings, "spectrum")
+        if settings.spectrum == "SINGLE":
             layout.prop(settings, "wavelength")
 
 

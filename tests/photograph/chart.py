@@ -51,7 +51,7 @@ class Studio:
         self.holder = bpy.data.objects.new("Camera", self.data)
         self.scene.collection.objects.link(self.holder)
         self.scene.camera = self.holder
-        self.data.petzval.spectral = False
+        self.data.petzval.spectrum = "SINGLE"
         self.pixels = pixels
         self._sphere = None
 

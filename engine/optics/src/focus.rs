@@ -9,6 +9,7 @@ use thiserror::Error;
 use crate::first_order::{Matrix, between_vertices};
 use crate::paraxial::Paraxial;
 use crate::system::System;
+use crate::trace::Ray;
 
 /// Why no film plane makes a distance sharp.
 #[derive(Clone, Debug, PartialEq, Error)]
@@ -213,10 +214,16 @@ impl FilmPlane {
         DMat3::from_rotation_x(self.tilt_rad) * DMat3::from_rotation_y(self.swing_rad)
     }
 
+    /// The axes of the film worked out, for use with many points.
+    pub fn frame(&self) -> FilmFrame {
+        let [x, y] = self.shift_mm;
+        let axes = self.rotation();
+        FilmFrame { axes, middle: axes * DVec3::new(x, y, 0.0) + DVec3::new(0.0, 0.0, self.z_mm) }
+    }
+
     /// The point of the film at (u, v) from the middle of the picture, in lens space.
     pub fn point(&self, u_mm: f64, v_mm: f64) -> DVec3 {
-        let local = DVec3::new(u_mm + self.shift_mm[0], v_mm + self.shift_mm[1], 0.0);
-        self.rotation() * local + DVec3::new(0.0, 0.0, self.z_mm)
+        self.frame().point(u_mm, v_mm)
     }
 
     /// The unit normal that looks towards −z: to the lens, unless an odd number of mirrors sends light towards −z.
@@ -227,5 +234,54 @@ impl FilmPlane {
     /// True if the film is not at right angles to the axis.
     pub fn is_turned(&self) -> bool {
         self.tilt_rad != 0.0 || self.swing_rad != 0.0
+    }
+}
+
+/// A film's middle and axes in lens space: [`FilmPlane::frame`].
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct FilmFrame {
+    middle: DVec3,
+    /// Right, up, and away from the scene.
+    axes: DMat3,
+}
+
+impl FilmFrame {
+    /// As [`FilmPlane::point`].
+    #[inline]
+    pub fn point(&self, u_mm: f64, v_mm: f64) -> DVec3 {
+        self.middle + self.axes.x_axis * u_mm + self.axes.y_axis * v_mm
+    }
+
+    /// As [`FilmPlane::normal`].
+    #[inline]
+    pub fn normal(&self) -> DVec3 {
+        -self.axes.z_axis
+    }
+
+    /// Where a ray from the lens meets the film: its coordinates (u, v), mm. `None` if it goes along it or away.
+    #[inline]
+    pub fn meet(&self, ray: &Ray) -> Option<[f64; 2]> {
+        let to_middle = self.middle - ray.origin;
+        let t = to_middle.dot(self.axes.z_axis) / ray.direction.dot(self.axes.z_axis);
+        let from_middle = ray.direction * t - to_middle;
+        (t > 0.0 && t.is_finite()).then(|| [from_middle.dot(self.axes.x_axis), from_middle.dot(self.axes.y_axis)])
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn a_ray_to_a_film_point_meets_it_there() {
+        let film = FilmPlane { z_mm: 30.0, tilt_rad: 0.3, swing_rad: -0.2, shift_mm: [1.0, -2.0] };
+        for (u, v) in [(0.0, 0.0), (12.0, -7.0), (-18.0, 12.0)] {
+            let point = film.point(u, v);
+            let origin = DVec3::new(3.0, -1.0, 2.0);
+            let ray = Ray { origin, direction: (point - origin).normalize() };
+            let [a, b] = film.frame().meet(&ray).unwrap();
+            assert!((a - u).abs() < 1e-12 && (b - v).abs() < 1e-12);
+            assert_eq!(film.frame().meet(&Ray { direction: -ray.direction, ..ray }), None);
+        }
     }
 }

@@ -45,7 +45,8 @@ def add_parser(subparsers: argparse._SubParsersAction) -> None:
     p.add_argument("--swing", type=_number, metavar="DEG", help="turn of the film about its vertical axis")
     p.add_argument("--shift", type=_pair, metavar="X,Y", help="the lens right and up against the film, mm")
     p.add_argument("--scale", type=_triple, metavar="X,Y,Z", help="millimetres for one Blender unit along each axis")
-    p.add_argument("--pipeline", choices=("film", "scene", "hero"), default="film")
+    p.add_argument("--spectrum", type=_wavelengths, metavar="visible|rgb|NM", help="all wavelengths, three, or one")
+    p.add_argument("--pipeline", choices=("film", "scene", "hero"), help="default: hero where the glass disperses")
     p.add_argument("--effect", action="append", default=[], type=_effect, metavar="NAME=auto|on|off")
     p.add_argument("--quality", type=_positive, metavar="Q", help="1 is the default")
     p.add_argument("--samples", type=_count, metavar="N", help="paths for each pixel")
@@ -78,8 +79,8 @@ def _checked(a: argparse.Namespace) -> dict:
         raise CommandError(f"no such scene: {scene}: name a .blend file")
     if a.lens and a.camera in {"pinhole", "thin"}:
         a.usage_error(f"--camera {a.camera} has no lens: leave out the one or the other")
-    if a.pipeline != "film":
-        raise CommandError(f"pipeline {a.pipeline}: not available yet: leave --pipeline out, or use film")
+    if a.pipeline == "scene":
+        raise CommandError(f"pipeline {a.pipeline}: not available yet: leave --pipeline out, or use film or hero")
     if a.quality not in (None, 1.0):
         raise CommandError(f"quality {a.quality:g}: effects are not planned yet: leave --quality out")
     if a.blades is not None and a.blades != 0 and not 3 <= a.blades <= 24:
@@ -107,7 +108,8 @@ def _checked(a: argparse.Namespace) -> dict:
         "swing_rad": None if a.swing is None else math.radians(a.swing),
         "shift_mm": a.shift,
         "scale_mm": a.scale,
-        "spectrum": _spectrum(dict(a.effect)),
+        "spectrum": _spectrum(dict(a.effect), a.spectrum),
+        "pipeline": a.pipeline,
         "samples": a.samples,
         "seed": a.seed,
         "sample_offset": a.sample_offset,
@@ -128,8 +130,8 @@ def _check_writable(file: Path) -> None:
         raise CommandError(f"cannot write {file}: {error.strerror}: name another file") from None
 
 
-def _spectrum(effects: dict[str, str]) -> bool | None:
-    """Whether the lens is to disperse; None leaves it as the file has it. What cannot be had is refused."""
+def _spectrum(effects: dict[str, str], asked: str | float | None) -> str | float | None:
+    """The wavelengths: VISIBLE, THREE, SINGLE or nm; None leaves them as the file has them. What cannot be had is refused."""
     for name, word in effects.items():
         if name in _ALWAYS and word == "off":
             raise CommandError(f"effect {name}=off: exact tracing always has it: use --camera pinhole or thin")
@@ -138,7 +140,11 @@ def _spectrum(effects: dict[str, str]) -> bool | None:
     colours = {effects.get(name, "auto") for name in _COLOUR} - {"auto"}
     if len(colours) > 1:
         raise CommandError("lateral_colour and axial_colour: one cannot be had without the other yet: set both alike")
-    return colours.pop() == "on" if colours else None
+    if not colours:
+        return asked
+    if asked is not None and (asked in {"VISIBLE", "THREE"}) != (colours == {"on"}):
+        raise CommandError("--spectrum and --effect say different things of colour: leave out the one or the other")
+    return asked or ("VISIBLE" if colours == {"on"} else "SINGLE")
 
 
 def _in_blender(program: str, options: dict) -> int:
@@ -223,6 +229,11 @@ def _triple(text: str) -> list[float]:
     return [_positive(part) for part in _split(text, ",", 3)]
 
 
+def _wavelengths(text: str) -> str | float:
+    words = {"visible": "VISIBLE", "rgb": "THREE"}
+    return words.get(text) or _positive(text)
+
+
 def _effect(text: str) -> tuple[str, str]:
     name, _, word = text.partition("=")
     names = sorted(_ALWAYS | _COLOUR | _NOT_YET)
@@ -233,6 +244,6 @@ def _effect(text: str) -> tuple[str, str]:
 
 for _type, _name in ((_number, "number"), (_positive, "number"), (_distance, "distance"), (_natural, "number"),
                      (_count, "number"), (_size_mm, "size"), (_pixels, "size"), (_pair, "pair"), (_triple, "triple"),
-                     (_effect, "effect")):  # fmt: skip
+                     (_effect, "effect"), (_wavelengths, "spectrum")):  # fmt: skip
     # argparse names the type in its message: "invalid number value: 'x'".
     _type.__name__ = _name

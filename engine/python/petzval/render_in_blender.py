@@ -126,6 +126,8 @@ def _apply(scene: Any, o: dict, addon: Any) -> str | None:
     for name in ("samples", "seed", "sample_offset"):
         if o[name] is not None:
             setattr(scene.petzval, name, o[name])
+    if o["pipeline"]:
+        scene.petzval.pipeline = o["pipeline"].upper()
     _apply_output(r, o["output"])
     _apply_camera(scene, scene.camera.data, o, addon)
     return None
@@ -183,7 +185,11 @@ def _apply_camera(scene: Any, data: Any, o: dict, addon: Any) -> None:
     if o["film_mm"]:
         own.film_mode = "SIZE"
         own.film_width, own.film_height = o["film_mm"]
-    for option, name in (("tilt_rad", "tilt"), ("swing_rad", "swing"), ("spectrum", "spectral")):
+    if isinstance(o["spectrum"], float):
+        own.spectrum, own.wavelength = "SINGLE", o["spectrum"]
+    elif o["spectrum"]:
+        own.spectrum = o["spectrum"]
+    for option, name in (("tilt_rad", "tilt"), ("swing_rad", "swing")):
         if o[option] is not None:
             setattr(own, name, o[option])
     if o["shift_mm"]:

@@ -3,7 +3,7 @@
 use crate::doorway::away;
 use crate::error::{Error, refused};
 use glam::{DMat4, DVec3};
-use petzval_render::camera::{self, CameraDescription, Model};
+use petzval_render::camera::{self, CameraDescription, Model, Spectrum};
 use pyo3::prelude::*;
 use serde_json::json;
 
@@ -42,6 +42,7 @@ pub(crate) struct PyCamera {
     shift_mm: (f64, f64),
     scale_mm_per_unit: (f64, f64, f64),
     wavelength_nm: Option<f64>,
+    spectrum: String,
 }
 
 impl TryFrom<PyCamera> for CameraDescription {
@@ -59,6 +60,14 @@ impl TryFrom<PyCamera> for CameraDescription {
                     "camera '{}': there is no camera model '{other}'; use LENS, PARAXIAL, THICK, THIN or PINHOLE",
                     c.object_name
                 )));
+            }
+        };
+        let spectrum = match c.spectrum.as_str() {
+            "VISIBLE" => Spectrum::Visible,
+            "THREE" => Spectrum::Three,
+            other => {
+                let what = format!("camera '{}': there is no spectrum '{other}'; use VISIBLE or THREE", c.object_name);
+                return Err(refused(what));
             }
         };
         let (sx, sy, sz) = c.scale_mm_per_unit;
@@ -85,7 +94,7 @@ impl TryFrom<PyCamera> for CameraDescription {
             shift_mm: [c.shift_mm.0, c.shift_mm.1],
             scale_mm_per_unit: DVec3::new(sx, sy, sz),
             wavelength_nm: c.wavelength_nm,
-            spectrum: camera::Spectrum::Visible,
+            spectrum,
         })
     }
 }

@@ -7,6 +7,7 @@ use crate::scene::Scene;
 use numpy::{PyArray1, PyArray3, PyArrayMethods};
 use petzval_render::camera::{Camera, CameraDescription};
 use petzval_render::job::{self as engine, Settings};
+use petzval_render::pipeline::Pipeline;
 use pyo3::prelude::*;
 use serde_json::json;
 use std::time::Duration;
@@ -23,11 +24,20 @@ struct PySettings {
     clamp_indirect: f32,
     filter_width_px: f32,
     transparent_film: bool,
+    pipeline: String,
 }
 
-impl From<PySettings> for Settings {
-    fn from(s: PySettings) -> Self {
-        Self {
+impl TryFrom<PySettings> for Settings {
+    type Error = Error;
+
+    fn try_from(s: PySettings) -> Result<Self, Error> {
+        let pipeline = match s.pipeline.as_str() {
+            "AUTO" => Pipeline::Auto,
+            "FILM" => Pipeline::FilmFirst,
+            "HERO" => Pipeline::Hero,
+            other => return Err(refused(format!("there is no pipeline '{other}'; use AUTO, FILM or HERO"))),
+        };
+        Ok(Self {
             width: s.width,
             height: s.height,
             samples: s.samples,
@@ -38,7 +48,8 @@ impl From<PySettings> for Settings {
             clamp_indirect: s.clamp_indirect,
             filter_width_px: s.filter_width_px,
             transparent_film: s.transparent_film,
-        }
+            pipeline,
+        })
     }
 }
 
@@ -55,7 +66,7 @@ impl Job {
     #[new]
     fn new(py: Python<'_>, scene: &Scene, camera: PyCamera, settings: PySettings) -> Result<Self, Error> {
         let description: CameraDescription = camera.try_into()?;
-        let settings: Settings = settings.into();
+        let settings: Settings = settings.try_into()?;
         let stage = scene.stage.clone();
         away(py, || -> Result<Self, Error> {
             let camera = Camera::new(&description, settings.width, settings.height)?;
@@ -115,6 +126,7 @@ impl Job {
             "seed": settings.seed,
             "threads": s.threads,
             "lens": self.job.camera().name(),
+            "pipeline": self.job.pipeline().name(),
             "width": settings.width,
             "height": settings.height,
             "failure": s.failure,

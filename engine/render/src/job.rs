@@ -6,8 +6,8 @@
 use crate::camera::Camera;
 use crate::film::{Film, TilePixels};
 use crate::integrator::{Stage, path::Limits};
-use crate::pipeline::film_first::{Counts, Shot, render_tile};
-use crate::sampler::warp::PixelFilter;
+use crate::pipeline::{Counts, Pipeline, Shot, render_tile};
+use crate::sampler::{raster::Raster, warp::PixelFilter};
 use std::panic::{AssertUnwindSafe, catch_unwind};
 use std::sync::atomic::{AtomicBool, AtomicUsize, Ordering};
 use std::sync::{Arc, Condvar, Mutex, PoisonError};
@@ -42,6 +42,8 @@ pub struct Settings {
     pub filter_width_px: f32,
     /// The world is not seen by the camera; its pixels are transparent.
     pub transparent_film: bool,
+    /// Which way light is followed.
+    pub pipeline: Pipeline,
 }
 
 /// A setting out of range.
@@ -117,7 +119,8 @@ struct Shared {
     stage: Arc<Stage>,
     camera: Camera,
     settings: Settings,
-    filter: PixelFilter,
+    pipeline: Pipeline,
+    raster: Raster,
     film: Film,
     /// First sample and count of each pass.
     passes: Vec<(u32, u32)>,
@@ -145,9 +148,13 @@ impl Job {
     pub fn start(stage: Arc<Stage>, camera: Camera, settings: Settings) -> Result<Self, SettingsError> {
         settings.check()?;
         let threads = settings.thread_count();
+        let pipeline = settings.pipeline.with(&camera);
+        let spreads = pipeline != Pipeline::FilmFirst;
+        let (width, height) = (settings.width, settings.height);
         let shared = Arc::new(Shared {
-            filter: PixelFilter::new(settings.filter_width_px),
-            film: Film::new(settings.width, settings.height),
+            raster: Raster::new(width, height, PixelFilter::new(settings.filter_width_px)),
+            film: Film::new(width, height, spreads),
+            pipeline,
             passes: passes(settings.samples),
             stage,
             camera,
@@ -209,6 +216,11 @@ impl Job {
         &self.shared.camera
     }
 
+    /// The way that light is followed.
+    pub fn pipeline(&self) -> Pipeline {
+        self.shared.pipeline
+    }
+
     /// The settings.
     pub fn settings(&self) -> &Settings {
         &self.shared.settings
@@ -268,9 +280,8 @@ impl Shared {
         let shot = Shot {
             stage: &self.stage,
             camera: &self.camera,
-            filter: &self.filter,
-            width: s.width,
-            height: s.height,
+            pipeline: self.pipeline,
+            raster: &self.raster,
             limits: Limits {
                 max_bounces: s.max_bounces,
                 clamp_indirect: if s.clamp_indirect > 0.0 { s.clamp_indirect } else { f32::INFINITY },
@@ -285,15 +296,12 @@ impl Shared {
             let (pass, tile) = (task / tiles, task % tiles);
             let Some(&(first, count)) = self.passes.get(pass) else { return };
             let first = s.sample_offset + first;
-            let Some((sums, counts)) = render_tile(&shot, self.film.rect(tile), first, count, &stopped) else { return };
+            let mut light = self.film.patch(tile);
+            let counts = render_tile(&shot, self.film.rect(tile), [first, count], &mut light, &stopped);
+            let Some(counts) = counts else { return };
             // The pass before may still be under way in another thread.
-            loop {
-                let mut sums_so_far = self.film.tile(tile);
-                if sums_so_far.passes as usize == pass {
-                    sums_so_far.add_pass(&sums, count);
-                    break;
-                }
-                drop(sums_so_far);
+            while let Err(early) = self.film.add_pass(tile, pass as u32, light, count) {
+                light = early;
                 if stopped() {
                     return;
                 }

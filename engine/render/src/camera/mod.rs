@@ -4,6 +4,7 @@
 //! width and height from its centre, right and up as one looks at the finished picture: -1/2 to 1/2.
 
 pub mod gaussian;
+pub mod packet;
 pub mod pinhole;
 pub mod real_lens;
 pub mod thin;
@@ -251,6 +252,14 @@ impl Camera {
             Self::Thin(c) => Some(c.sample(p, u_lens)),
             Self::Lens(c) => c.sample(p, u_lens, u_wavelength),
             Self::Gaussian(c) => Some(c.sample(p, u_lens, u_wavelength)),
+        }
+    }
+
+    /// The lens, if it is one that can carry a ray at several wavelengths.
+    pub fn dispersing_lens(&self) -> Option<&RealLens> {
+        match self {
+            Self::Lens(lens) if lens.packet_size() > 1 => Some(lens),
+            _ => None,
         }
     }
 

@@ -4,11 +4,12 @@
 //! with the weight cos(film) cos(pupil) / distance^2; it is divided by what the middle of the film gets from a
 //! uniform world of radiance one.
 
+use super::packet::Packets;
 use super::{CameraDescription, CameraError, CameraRay, Spectrum};
 use crate::accel::Ray;
 use crate::spectrum::FilmSpectrum;
 use glam::{DMat3, DVec3, Vec2};
-use petzval_optics::focus::{self, FilmPlane, FocusError};
+use petzval_optics::focus::{self, FilmFrame, FilmPlane, FocusError};
 use petzval_optics::formats::lens;
 use petzval_optics::glass::Catalogue;
 use petzval_optics::paraxial::Paraxial;
@@ -185,6 +186,7 @@ impl ChiefRays {
 pub(super) struct Mount {
     pub(super) info: LensInfo,
     pub(super) film: FilmPlane,
+    pub(super) frame: FilmFrame,
     /// Lens space to render space.
     axes: DMat3,
     origin_z_mm: f64,
@@ -200,12 +202,20 @@ impl Mount {
         height: u32,
     ) -> Result<(Self, System), CameraError> {
         let Setup { info, system, film, origin_z_mm } = Setup::new(d, width, height)?;
-        Ok((Self { info, film, axes, origin_z_mm, per_unit: d.scale_mm_per_unit }, system))
+        let frame = film.frame();
+        Ok((Self { info, film, frame, axes, origin_z_mm, per_unit: d.scale_mm_per_unit }, system))
     }
 
     /// The film point of a picture point, lens space: the picture on the film is turned by half a turn.
     pub(super) fn film_point(&self, p: Vec2) -> DVec3 {
-        self.film.point(-p.x as f64 * self.info.picture_width_mm, -p.y as f64 * self.info.picture_height_mm)
+        self.frame.point(-p.x as f64 * self.info.picture_width_mm, -p.y as f64 * self.info.picture_height_mm)
+    }
+
+    /// The picture point where a ray from the lens meets the film.
+    #[inline]
+    pub(super) fn picture_point(&self, ray: &LensRay) -> Option<Vec2> {
+        let [u, v] = self.frame.meet(ray)?;
+        Some(Vec2::new((-u / self.info.picture_width_mm) as f32, (-v / self.info.picture_height_mm) as f32))
     }
 
     /// A ray in front of the lens, from lens space to render space: camera space has the lens's axes, with the
@@ -236,19 +246,29 @@ pub(super) fn dark(d: &CameraDescription, lens_name: &str) -> CameraError {
 
 /// A real lens before its film, ready to photograph.
 pub struct RealLens {
-    mount: Mount,
-    spectrum: FilmSpectrum,
-    // By wavelength of the film.
-    lines: Vec<Line>,
-    maps: Vec<PupilMap>,
+    pub(super) mount: Mount,
+    pub(super) spectrum: FilmSpectrum,
+    /// By wavelength of the film.
+    pub(super) lines: Vec<Line>,
+    pub(super) map: PupilMap,
+    packets: Packets,
 }
 
 /// One wavelength of the film.
-struct Line {
-    tracer: Tracer,
-    map: usize,
+pub(super) struct Line {
+    pub(super) tracer: Tracer,
     /// One over the exposure of the film's middle.
-    gain: f64,
+    pub(super) gain: f64,
+    /// The index of the medium before the film, squared: what etendue is counted in.
+    pub(super) index_squared: f64,
+}
+
+/// A ray from the film into the scene, at one wavelength.
+pub(super) struct Lead {
+    /// In front of the lens, lens space.
+    pub(super) out: LensRay,
+    /// The density of its choice, for each mm² sr of projected solid angle at the film point.
+    pub(super) density: f64,
 }
 
 impl RealLens {
@@ -264,13 +284,18 @@ impl RealLens {
         } else {
             [0, middle, tracers.len() - 1].map(|i| tracers[i].clone()).to_vec()
         };
-        let maps = vec![PupilMap::for_tracers(&representative, &system, film, half[0], half[1])];
+        let map = PupilMap::for_tracers(&representative, &system, film, half[0], half[1]);
         let gains = gains(&tracers, &spectrum, &system, film.z_mm);
         if !gains.iter().all(|g| g.is_finite()) {
             return Err(dark(d, &info.lens_name));
         }
-        let lines = tracers.into_iter().zip(gains).map(|(tracer, gain)| Line { tracer, map: 0, gain }).collect();
-        Ok(Self { mount, spectrum, lines, maps })
+        let packets = Packets::new(&tracers, &spectrum);
+        let line = |(tracer, gain): (Tracer, f64)| {
+            let index_squared = system.image_index(tracer.wavelength_nm()).powi(2);
+            Line { tracer, gain, index_squared }
+        };
+        let lines = tracers.into_iter().zip(gains).map(line).collect();
+        Ok(Self { mount, spectrum, lines, map, packets })
     }
 
     /// What the lens does in this camera.
@@ -282,17 +307,38 @@ impl RealLens {
     #[inline]
     pub fn sample(&self, p: Vec2, u_lens: [f32; 2], u_wavelength: f32) -> Option<CameraRay> {
         let index = self.spectrum.sample(u_wavelength);
-        let line = &self.lines[index];
+        let lead = self.lead(index, p, u_lens)?;
+        let exposure = self.lines[index].gain / lead.density;
+        let weight = self.spectrum.wavelengths()[index].response * exposure as f32;
+        Some(CameraRay { ray: self.mount.to_render(&lead.out), weight })
+    }
+
+    /// A ray for a picture point at the film's wavelength number `index`.
+    #[inline]
+    pub(super) fn lead(&self, index: usize, p: Vec2, u_lens: [f32; 2]) -> Option<Lead> {
         let film_point = self.mount.film_point(p);
-        let aim = self.maps[line.map].sample(film_point, u_lens.map(f64::from));
+        let aim = self.map.sample(film_point, u_lens.map(f64::from));
         let to = aim.target - film_point;
         let distance2 = to.length_squared();
         let direction = to / distance2.sqrt();
-        let out = line.tracer.from_film(LensRay { origin: film_point, direction }).ok()?;
-        let cosines = self.mount.film.normal().dot(direction).abs() * direction.z.abs();
-        let exposure = cosines / (distance2 * aim.pdf_per_mm2) * line.gain;
-        let weight = self.spectrum.wavelengths()[index].response * exposure as f32;
-        Some(CameraRay { ray: self.mount.to_render(&out), weight })
+        let out = self.lines[index].tracer.from_film(LensRay { origin: film_point, direction }).ok()?;
+        let cosines = self.mount.frame.normal().dot(direction).abs() * direction.z.abs();
+        Some(Lead { out, density: aim.pdf_per_mm2 * distance2 / cosines })
+    }
+
+    /// The density of [`Self::lead`] for the picture point `p` and a ray that comes to it from the lens.
+    #[inline]
+    pub(super) fn lead_density(&self, p: Vec2, ray: &LensRay) -> f64 {
+        let film_point = self.mount.film_point(p);
+        let to_plane = (self.map.reference_plane_z() - film_point.z) / ray.direction.z;
+        let target = film_point + ray.direction * to_plane;
+        let cosines = (self.mount.frame.normal().dot(ray.direction) * ray.direction.z).abs();
+        self.map.pdf(film_point, target) * to_plane * to_plane / cosines
+    }
+
+    /// For rays that are carried at several wavelengths.
+    pub(super) fn packets(&self) -> &Packets {
+        &self.packets
     }
 }
 

@@ -19,6 +19,7 @@ fn settings(samples: u32, threads: usize) -> Settings {
         clamp_indirect: 0.0,
         filter_width_px: 1.5,
         transparent_film: false,
+        pipeline: Pipeline::Auto,
     }
 }
 

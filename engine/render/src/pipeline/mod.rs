@@ -1,4 +1,166 @@
-//! How camera and integrator are brought together: which rays are drawn for which pixels, and where what they
-//! find is added.
+//! Ways from the film to the scene and back: which rays are followed, and where what they find is added up.
 
 pub mod film_first;
+pub mod hero;
+
+use crate::camera::Camera;
+use crate::film::{Patch, TileRect};
+use crate::integrator::Stage;
+use crate::integrator::path::{self, Limits, PathResult};
+use crate::sampler::{PathSampler, raster::Raster};
+use std::time::{Duration, Instant};
+
+/// One sample in this many is timed, to know the lens' share of the time without spending any.
+const TIMED_EVERY: u64 = 61;
+
+/// Which way.
+#[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
+pub enum Pipeline {
+    /// Hero where the lens disperses, else film-first.
+    #[default]
+    Auto,
+    /// [`film_first`].
+    FilmFirst,
+    /// [`hero`].
+    Hero,
+}
+
+impl Pipeline {
+    /// What a camera can do of what was asked for: hero with one wavelength is film-first.
+    pub fn with(self, camera: &Camera) -> Self {
+        match (self, camera.dispersing_lens()) {
+            (Self::FilmFirst, _) | (_, None) => Self::FilmFirst,
+            (Self::Auto | Self::Hero, Some(_)) => Self::Hero,
+        }
+    }
+
+    /// What it is called in reports and on the command line.
+    pub fn name(self) -> &'static str {
+        match self {
+            Self::Auto => "auto",
+            Self::FilmFirst => "film",
+            Self::Hero => "hero",
+        }
+    }
+}
+
+/// What a render does the same for every sample.
+pub struct Shot<'a> {
+    /// The scene.
+    pub stage: &'a Stage,
+    /// The camera.
+    pub camera: &'a Camera,
+    /// One that the camera can.
+    pub pipeline: Pipeline,
+    /// The picture's pixels.
+    pub raster: &'a Raster,
+    /// How far light is followed.
+    pub limits: Limits,
+    /// Of all random choices.
+    pub seed: u32,
+}
+
+/// Counts of what was done.
+#[derive(Clone, Copy, Debug, Default, PartialEq)]
+pub struct Counts {
+    /// Samples asked of the camera.
+    pub camera_rays: u64,
+    /// Of those, lost in the lens.
+    pub camera_rays_lost: u64,
+    /// Rays traced through the scene.
+    pub rays: u64,
+    /// Samples that were dropped because they were not finite.
+    pub non_finite: u64,
+    /// Of the timed samples: time in the camera.
+    pub camera_time: Duration,
+    /// Of the timed samples: all of their time.
+    pub sample_time: Duration,
+}
+
+impl Counts {
+    /// Adds another's.
+    pub fn add(&mut self, other: &Self) {
+        self.camera_rays += other.camera_rays;
+        self.camera_rays_lost += other.camera_rays_lost;
+        self.rays += other.rays;
+        self.non_finite += other.non_finite;
+        self.camera_time += other.camera_time;
+        self.sample_time += other.sample_time;
+    }
+}
+
+/// Adds samples `first..first + count` of every pixel of a tile to `light`; false where `stopped` said so.
+pub fn render_tile(
+    shot: &Shot<'_>,
+    rect: TileRect,
+    [first, count]: [u32; 2],
+    light: &mut Patch,
+    stopped: &dyn Fn() -> bool,
+) -> Option<Counts> {
+    let mut counts = Counts::default();
+    for y in rect.y..rect.y + rect.height {
+        for x in rect.x..rect.x + rect.width {
+            if stopped() {
+                return None;
+            }
+            for index in first..first + count {
+                let timed = counts.camera_rays.is_multiple_of(TIMED_EVERY).then(Instant::now);
+                let one = Sample { shot, x, y, index, timed, counts: &mut counts, light };
+                match (shot.pipeline, shot.camera.dispersing_lens()) {
+                    (Pipeline::Hero, Some(lens)) => hero::sample(lens, one),
+                    _ => film_first::sample(one),
+                }
+                if let Some(start) = timed {
+                    counts.sample_time += start.elapsed();
+                }
+            }
+        }
+    }
+    Some(counts)
+}
+
+/// One sample of one pixel under way.
+struct Sample<'a> {
+    shot: &'a Shot<'a>,
+    x: u32,
+    y: u32,
+    index: u32,
+    timed: Option<Instant>,
+    counts: &'a mut Counts,
+    light: &'a mut Patch,
+}
+
+impl Sample<'_> {
+    fn sampler(&self) -> PathSampler {
+        PathSampler::new(self.x, self.y, self.index, self.shot.seed)
+    }
+
+    /// To be called when the camera has done its part.
+    fn count_camera(&mut self, is_lost: bool) {
+        self.counts.camera_rays += 1;
+        self.counts.camera_rays_lost += u64::from(is_lost);
+        if let Some(start) = self.timed {
+            self.counts.camera_time += start.elapsed();
+        }
+    }
+
+    /// Follows a ray. `None` if what it found is not finite.
+    fn follow(&mut self, ray: crate::accel::Ray, sampler: &mut PathSampler) -> Option<PathResult> {
+        let found = path::trace(self.shot.stage, ray, &self.shot.limits, sampler);
+        self.counts.rays += u64::from(found.rays);
+        if !found.radiance.is_finite() {
+            self.counts.non_finite += 1;
+            return None;
+        }
+        Some(found)
+    }
+
+    /// Of a sample that was lost in the lens: black, not transparent, for the lens is in the way.
+    fn lost(&mut self) {
+        self.light.add_alpha(self.x, self.y, if self.shot.limits.hide_sky { 0.0 } else { 1.0 });
+    }
+
+    fn alpha(&mut self, hit: bool) {
+        self.light.add_alpha(self.x, self.y, if self.shot.limits.hide_sky && !hit { 0.0 } else { 1.0 });
+    }
+}

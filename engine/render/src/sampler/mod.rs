@@ -1,9 +1,10 @@
 //! Point sets for Monte Carlo integration: where the numbers come from ([`PathSampler`]), what shapes they are
-//! bent into ([`warp`]), and tables of arbitrary density ([`distribution`]).
+//! bent into ([`warp`]), tables of arbitrary density ([`distribution`]), and the picture's pixels ([`raster`]).
 //!
 //! Every random choice comes in threes: `sample_x` takes uniform numbers to a value, `x_pdf` gives its density.
 
 pub mod distribution;
+pub mod raster;
 pub mod warp;
 
 /// Owen-scrambled Sobol points, four dimensions at a time, each set of four scrambled by itself (Burley 2020,

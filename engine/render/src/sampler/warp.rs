@@ -94,6 +94,9 @@ pub fn to_local(frame: &[Vec3A; 3], v: Vec3A) -> Vec3A {
 pub struct PixelFilter {
     // Inverse of the cumulative distribution at equal steps: offsets in pixels.
     inverse: Vec<f32>,
+    reach: f32,
+    // Densities at equal steps from the centre to the reach.
+    densities: Vec<f32>,
 }
 
 impl PixelFilter {
@@ -103,7 +106,7 @@ impl PixelFilter {
     /// ends that far on either side of the pixel's centre. 0 is a box of one pixel.
     pub fn new(width_px: f32) -> Self {
         if width_px <= 0.0 {
-            return Self { inverse: vec![-0.5, 0.5] };
+            return Self { inverse: vec![-0.5, 0.5], reach: 0.5, densities: vec![1.0; 2] };
         }
         let fine = 8192;
         let window = |x: f64| {
@@ -123,7 +126,28 @@ impl PixelFilter {
                 (((i - 1) as f64 + part.clamp(0.0, 1.0)) / fine as f64 - 0.5) as f32 * 2.0 * width_px
             })
             .collect();
-        Self { inverse }
+        // The mean of the window is its first coefficient.
+        let density = |k: usize| window(0.5 + 0.5 * k as f64 / Self::STEPS as f64) / (0.35875 * 2.0) / width_px as f64;
+        let densities = (0..=Self::STEPS).map(|k| density(k) as f32).collect();
+        Self { inverse, reach: width_px, densities }
+    }
+
+    /// No offset is larger, pixels.
+    #[inline]
+    pub fn reach(&self) -> f32 {
+        self.reach
+    }
+
+    /// The density of an offset, per pixel.
+    #[inline]
+    pub fn density(&self, offset: f32) -> f32 {
+        let at = offset.abs() / self.reach * (self.densities.len() - 1) as f32;
+        let i = at as usize;
+        match self.densities.get(i + 1) {
+            Some(next) => self.densities[i] + (next - self.densities[i]) * (at - i as f32),
+            None if offset.abs() <= self.reach => self.densities[i.min(self.densities.len() - 1)],
+            None => 0.0,
+        }
     }
 
     /// Offset from the pixel's centre in pixels.

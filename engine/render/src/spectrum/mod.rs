@@ -23,7 +23,8 @@ const REC_709_FROM_XYZ: [[f64; 3]; 3] = [
 /// each); fewer shows as separate images of a bright point where the lens disperses by more pixels than this.
 const SPECTRAL_COUNT: usize = 48;
 
-/// How many wavelengths a path can carry at a time: a [`FilmSpectrum`] falls into sets of so many.
+/// How many wavelengths a path can carry at a time: a [`FilmSpectrum`] falls into sets of so many. Divides
+/// [`SPECTRAL_COUNT`].
 pub const SET_SIZE: usize = 8;
 
 /// Where three indices stand for the whole spectrum: the dominant wavelengths of the Rec.709 primaries, nm.
@@ -101,9 +102,15 @@ impl FilmSpectrum {
         ((u * self.wavelengths.len() as f32) as usize).min(self.wavelengths.len() - 1)
     }
 
-    /// How many sets of [`SET_SIZE`] wavelengths, spread evenly over the spectrum, there are; 0 if it has too few.
+    /// How many sets of wavelengths, each spread evenly over the spectrum, there are: set s holds the numbers s,
+    /// s + sets, s + 2 sets, ...
     pub fn sets(&self) -> usize {
-        if self.wavelengths.len().is_multiple_of(SET_SIZE) { self.wavelengths.len() / SET_SIZE } else { 0 }
+        self.wavelengths.len().div_ceil(SET_SIZE)
+    }
+
+    /// How many wavelengths are in each set: at most [`SET_SIZE`].
+    pub fn set_size(&self) -> usize {
+        self.wavelengths.len() / self.sets()
     }
 }
 
