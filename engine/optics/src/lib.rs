@@ -13,7 +13,7 @@
 //! [`formats::lens`] reads a [`prescription::Prescription`], checked, its [`glass`] found by name. A
 //! [`system::System`] is that lens scaled to a focal length and closed to an f-number. [`paraxial`] and [`focus`] say
 //! where its planes lie and where the film must stand; a [`trace::Tracer`] carries rays through it at one wavelength,
-//! either way; a [`pupil_map::PupilMap`] chooses where to aim from the film.
+//! either way; a [`pupil_map::PupilMap`] chooses where to aim from the film, an [`entrance_map::EntranceMap`] from the scene.
 //!
 //! A module uses only those that stand before it here: [`glass`] → [`lane`] → [`vector`] → [`surface`] → [`interface`] → [`single_surface`] → [`diaphragm`] →
 //! [`prescription`] → [`formats`] → [`first_order`] → [`system`] → [`trace`] → [`paraxial`] → [`focus`] → [`seidel`] → [`vignetting`] → [`gaussian`] →
@@ -62,6 +62,7 @@
 #![allow(clippy::neg_cmp_op_on_partial_ord)]
 
 pub mod diaphragm;
+pub mod entrance_map;
 pub mod first_order;
 pub mod focus;
 pub mod formats;

@@ -20,12 +20,14 @@ pub(super) struct Cell {
     cumulative: Vec<f64>,
     /// Where each sector begins, as a part of the way to its outer edge: more than 0 behind an obstruction.
     inner: Vec<f64>,
+    /// Squared radii between which every direction is inside.
+    surely: [f64; 2],
 }
 
 impl Cell {
     /// No light arrives.
     pub(super) fn dark() -> Self {
-        Self { area: 0.0, corners: Vec::new(), cumulative: Vec::new(), inner: Vec::new() }
+        Self { area: 0.0, corners: Vec::new(), cumulative: Vec::new(), inner: Vec::new(), surely: [0.0; 2] }
     }
 
     pub(super) fn new(outline: &Outline) -> Self {
@@ -47,7 +49,18 @@ impl Cell {
             return Self::dark();
         }
         cumulative.iter_mut().for_each(|c| *c /= area);
-        Self { area, corners, cumulative, inner }
+        // An edge is nowhere nearer than its foot or its ends.
+        let nearest = |i: usize| {
+            let (a, b) = (corners[i], corners[i + 1]);
+            let along = (-a.dot(b - a) / (b - a).length_squared()).clamp(0.0, 1.0);
+            a.lerp(b, along).length_squared()
+        };
+        let farthest_hole = |i: usize| (inner[i] * outer[i].max(outer[(i + 1) % ANGLES])).powi(2);
+        let surely = [
+            (0..ANGLES).map(farthest_hole).fold(0.0, f64::max),
+            (0..ANGLES).map(nearest).fold(f64::INFINITY, f64::min),
+        ];
+        Self { area, corners, cumulative, inner, surely }
     }
 
     pub(super) fn area(&self) -> f64 {
@@ -66,6 +79,10 @@ impl Cell {
 
     /// True if [`Self::sample`] can return `point`.
     pub(super) fn contains(&self, point: DVec2) -> bool {
+        let squared = point.length_squared();
+        if squared > self.surely[0] && squared < self.surely[1] {
+            return true;
+        }
         let turn = (point.y.atan2(point.x) / TAU).rem_euclid(1.0);
         let i = ((turn * ANGLES as f64) as usize).min(ANGLES - 1);
         let edge = self.corners[i + 1] - self.corners[i];

@@ -60,13 +60,6 @@ impl RealLens {
         (index % sets, index / sets)
     }
 
-    /// Area of a pixel on the film, mm².
-    pub(super) fn pixel_area_mm2(&self, raster: &Raster) -> f64 {
-        let (width, height) = raster.size();
-        let info = self.info();
-        info.picture_width_mm * info.picture_height_mm / (f64::from(width) * f64::from(height))
-    }
-
     /// Carries a ray that comes from the scene, in lens space, to the film. `u` chooses the pixels.
     pub(super) fn arrivals(&self, set: usize, ray: LensRay, raster: &Raster, u: [f32; 2]) -> Arrivals {
         let packets = self.packets();

@@ -97,6 +97,7 @@ pub struct PixelFilter {
     reach: f32,
     // Densities at equal steps from the centre to the reach.
     densities: Vec<f32>,
+    steps_per_pixel: f32,
 }
 
 impl PixelFilter {
@@ -106,7 +107,7 @@ impl PixelFilter {
     /// ends that far on either side of the pixel's centre. 0 is a box of one pixel.
     pub fn new(width_px: f32) -> Self {
         if width_px <= 0.0 {
-            return Self { inverse: vec![-0.5, 0.5], reach: 0.5, densities: vec![1.0; 2] };
+            return Self { inverse: vec![-0.5, 0.5], reach: 0.5, densities: vec![1.0; 2], steps_per_pixel: 2.0 };
         }
         let fine = 8192;
         let window = |x: f64| {
@@ -129,7 +130,7 @@ impl PixelFilter {
         // The mean of the window is its first coefficient.
         let density = |k: usize| window(0.5 + 0.5 * k as f64 / Self::STEPS as f64) / (0.35875 * 2.0) / width_px as f64;
         let densities = (0..=Self::STEPS).map(|k| density(k) as f32).collect();
-        Self { inverse, reach: width_px, densities }
+        Self { inverse, reach: width_px, densities, steps_per_pixel: Self::STEPS as f32 / width_px }
     }
 
     /// No offset is larger, pixels.
@@ -138,15 +139,20 @@ impl PixelFilter {
         self.reach
     }
 
+    /// False for the box.
+    pub fn is_smooth(&self) -> bool {
+        self.densities.len() > 2
+    }
+
     /// The density of an offset, per pixel.
     #[inline]
     pub fn density(&self, offset: f32) -> f32 {
-        let at = offset.abs() / self.reach * (self.densities.len() - 1) as f32;
+        let at = offset.abs() * self.steps_per_pixel;
         let i = at as usize;
-        match self.densities.get(i + 1) {
-            Some(next) => self.densities[i] + (next - self.densities[i]) * (at - i as f32),
-            None if offset.abs() <= self.reach => self.densities[i.min(self.densities.len() - 1)],
-            None => 0.0,
+        match self.densities.get(i..i + 2) {
+            Some(&[here, next]) => here + (next - here) * (at - i as f32),
+            _ if offset.abs() <= self.reach => self.densities[self.densities.len() - 1],
+            _ => 0.0,
         }
     }
 
