@@ -145,6 +145,15 @@ impl EntranceMap {
         PI * (last + 1).min(NODES - 1) as f64 / (NODES - 1) as f64
     }
 
+    /// The point of a ray to the lens where it comes close to the front glass: nothing of the scene is nearer.
+    pub fn before(&self, from: DVec3, direction: DVec3) -> DVec3 {
+        let to = self.front - from;
+        let along = to.dot(direction);
+        let aside2 = to.length_squared() - along * along;
+        let half = (self.front_radius * self.front_radius - aside2).max(0.0).sqrt();
+        from + direction * (along - half)
+    }
+
     fn view(&self, from: DVec3) -> Option<View> {
         let to = from - self.middle;
         let distance = to.length();

@@ -17,7 +17,7 @@
 //!
 //! A module uses only those that stand before it here: [`glass`] → [`lane`] → [`vector`] → [`surface`] → [`interface`] → [`single_surface`] → [`diaphragm`] →
 //! [`prescription`] → [`formats`] → [`first_order`] → [`system`] → [`trace`] → [`paraxial`] → [`focus`] → [`seidel`] → [`vignetting`] → [`gaussian`] →
-//! [`pupil_map`].
+//! [`pupil_map`] → [`entrance_map`].
 //!
 //! A ray that is lost is a result: the surface and one of seven reasons. No value is ever NaN, and no input panics.
 //!

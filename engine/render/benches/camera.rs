@@ -68,7 +68,7 @@ fn bench(c: &mut Criterion) {
     }
     for lens in ["wide-angle-smith-f3.4", "double-gauss-f1.35", "laikin-fisheye-170"] {
         let camera = camera(Model::Lens, lens, Some(Spectrum::Visible));
-        let lens_ready = camera.dispersing_lens().unwrap();
+        let lens_ready = camera.traced_lens().unwrap();
         group.bench_function(format!("{lens}/hero"), |b| {
             b.iter(|| {
                 samples(|pixel, mut sampler| {

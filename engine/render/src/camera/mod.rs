@@ -3,10 +3,12 @@
 //! The only place where lens millimetres meet world units. Picture coordinates are fractions of the picture's
 //! width and height from its centre, right and up as one looks at the finished picture: -1/2 to 1/2.
 
+mod focal_surface;
 pub mod gaussian;
 pub mod packet;
 pub mod pinhole;
 pub mod real_lens;
+pub mod scene_side;
 pub mod thin;
 
 use crate::Rgb;
@@ -255,10 +257,10 @@ impl Camera {
         }
     }
 
-    /// The lens, if it is one that can carry a ray at several wavelengths.
-    pub fn dispersing_lens(&self) -> Option<&RealLens> {
+    /// The lens, if it is one that is traced both ways.
+    pub fn traced_lens(&self) -> Option<&RealLens> {
         match self {
-            Self::Lens(lens) if lens.packet_size() > 1 => Some(lens),
+            Self::Lens(lens) => Some(lens),
             _ => None,
         }
     }
@@ -284,4 +286,4 @@ pub fn lens_info(d: &CameraDescription, width: u32, height: u32) -> Result<LensI
 }
 
 #[cfg(test)]
-mod tests;
+pub(crate) mod tests;

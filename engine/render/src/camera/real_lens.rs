@@ -5,6 +5,7 @@
 //! uniform world of radiance one.
 
 use super::packet::Packets;
+use super::scene_side::SceneSide;
 use super::{CameraDescription, CameraError, CameraRay, Spectrum};
 use crate::accel::Ray;
 use crate::spectrum::FilmSpectrum;
@@ -16,6 +17,7 @@ use petzval_optics::paraxial::Paraxial;
 use petzval_optics::pupil_map::{PupilMap, on_axis_throughput};
 use petzval_optics::system::{FocalLength, System, SystemError, SystemSettings};
 use petzval_optics::trace::{Ray as LensRay, Tracer};
+use std::sync::OnceLock;
 
 /// Yellow helium line, where lenses are focused and measured, nm.
 const D_LINE_NM: f64 = 587.5618;
@@ -252,6 +254,9 @@ pub struct RealLens {
     pub(super) lines: Vec<Line>,
     pub(super) map: PupilMap,
     packets: Packets,
+    system: System,
+    /// Made when rays first start in the scene.
+    scene_side: OnceLock<SceneSide>,
 }
 
 /// One wavelength of the film.
@@ -295,7 +300,7 @@ impl RealLens {
             Line { tracer, gain, index_squared }
         };
         let lines = tracers.into_iter().zip(gains).map(line).collect();
-        Ok(Self { mount, spectrum, lines, map, packets })
+        Ok(Self { mount, spectrum, lines, map, packets, system, scene_side: OnceLock::new() })
     }
 
     /// What the lens does in this camera.
@@ -334,6 +339,11 @@ impl RealLens {
         let target = film_point + ray.direction * to_plane;
         let cosines = (self.mount.frame.normal().dot(ray.direction) * ray.direction.z).abs();
         self.map.pdf(film_point, target) * to_plane * to_plane / cosines
+    }
+
+    /// For rays that start in the scene.
+    pub(super) fn scene_side(&self) -> &SceneSide {
+        self.scene_side.get_or_init(|| SceneSide::new(self, &self.system))
     }
 
     /// For rays that are carried at several wavelengths.

@@ -4,6 +4,19 @@ use super::*;
 use glam::Vec3A;
 use std::path::Path;
 
+/// A lens of the cabinet wide open, focused at three metres, before a film of that size.
+pub(crate) fn with_lens(file: &str, width_mm: f64, height_mm: f64, tilt_rad: f64) -> CameraDescription {
+    CameraDescription {
+        lens_path: lens(file),
+        film_width_mm: width_mm,
+        film_height_mm: height_mm,
+        tilt_rad,
+        focus_distance: Some(3.0),
+        wavelength_nm: None,
+        ..description(Model::Lens)
+    }
+}
+
 fn description(model: Model) -> CameraDescription {
     CameraDescription {
         object_name: "Camera".into(),

@@ -2,6 +2,7 @@
 
 pub mod film_first;
 pub mod hero;
+pub mod scene_first;
 
 use crate::camera::Camera;
 use crate::film::{Patch, TileRect};
@@ -21,16 +22,20 @@ pub enum Pipeline {
     Auto,
     /// [`film_first`].
     FilmFirst,
+    /// [`scene_first`].
+    SceneFirst,
     /// [`hero`].
     Hero,
 }
 
 impl Pipeline {
-    /// What a camera can do of what was asked for: hero with one wavelength is film-first.
+    /// What a camera can do of what was asked for: hero with one wavelength is film-first, and only a lens that is traced
+    /// can be entered from the scene.
     pub fn with(self, camera: &Camera) -> Self {
-        match (self, camera.dispersing_lens()) {
-            (Self::FilmFirst, _) | (_, None) => Self::FilmFirst,
-            (Self::Auto | Self::Hero, Some(_)) => Self::Hero,
+        match (self, camera.traced_lens()) {
+            (Self::SceneFirst, Some(_)) => Self::SceneFirst,
+            (Self::Auto | Self::Hero, Some(lens)) if lens.packet_size() > 1 => Self::Hero,
+            _ => Self::FilmFirst,
         }
     }
 
@@ -39,6 +44,7 @@ impl Pipeline {
         match self {
             Self::Auto => "auto",
             Self::FilmFirst => "film",
+            Self::SceneFirst => "scene",
             Self::Hero => "hero",
         }
     }
@@ -106,8 +112,9 @@ pub fn render_tile(
             for index in first..first + count {
                 let timed = counts.camera_rays.is_multiple_of(TIMED_EVERY).then(Instant::now);
                 let one = Sample { shot, x, y, index, timed, counts: &mut counts, light };
-                match (shot.pipeline, shot.camera.dispersing_lens()) {
+                match (shot.pipeline, shot.camera.traced_lens()) {
                     (Pipeline::Hero, Some(lens)) => hero::sample(lens, one),
+                    (Pipeline::SceneFirst, Some(lens)) => scene_first::sample(lens, one),
                     _ => film_first::sample(one),
                 }
                 if let Some(start) = timed {
@@ -164,3 +171,6 @@ impl Sample<'_> {
         self.light.add_alpha(self.x, self.y, if self.shot.limits.hide_sky && !hit { 0.0 } else { 1.0 });
     }
 }
+
+#[cfg(test)]
+mod tests;

@@ -56,6 +56,11 @@ impl Raster {
         Some(Landing { x, y, density: across * up })
     }
 
+    /// The density of [`Landing`] at a place.
+    pub fn density(&self, place: Vec2) -> f32 {
+        self.land(place, [0.0; 2]).map_or(0.0, |landing| landing.density)
+    }
+
     /// Along one axis, where pixel i's centre lies at i + 1/2: a pixel, chosen by its filter's part of the density.
     #[inline]
     fn along(&self, at: f32, count: u32, u: f32) -> Option<(u32, f32)> {

@@ -1,0 +1,81 @@
+//! Rays that are chosen in the scene: from a point that is sharp to a point of the entrance pupil (Wu et al. 2011, section
+//! 5.3 and figure 6), and on through the lens to the film.
+
+use super::focal_surface::FocalSurface;
+use super::packet::Led;
+use super::real_lens::RealLens;
+use crate::sampler::raster::Raster;
+use glam::Vec2;
+use petzval_optics::entrance_map::EntranceMap;
+use petzval_optics::system::System;
+use petzval_optics::trace::{Ray as LensRay, Tracer};
+
+/// Part of the samples that is spread over more than the picture, for light that the lens throws into it from beyond.
+const DEFENSIVE_SHARE: f32 = 0.05;
+/// How much more, as a part of each side.
+const BEYOND: f32 = 0.15;
+
+/// The scene's side of a lens.
+pub(super) struct SceneSide {
+    pub(super) entrance: EntranceMap,
+    pub(super) focal: FocalSurface,
+}
+
+impl SceneSide {
+    pub(super) fn new(lens: &RealLens, system: &System) -> Self {
+        let count = lens.lines.len();
+        let tracers = [0, count / 2, count - 1].map(|i| lens.lines[i].tracer.clone());
+        let tracers: &[Tracer] = if count == 1 { &tracers[..1] } else { &tracers };
+        let entrance = EntranceMap::new(tracers, system);
+        let middle = &lens.lines[count / 2].tracer;
+        let focal = FocalSurface::new(&lens.mount, system, middle, &lens.map, entrance.middle());
+        Self { entrance, focal }
+    }
+}
+
+/// Random numbers for a ray that starts in the scene.
+#[derive(Clone, Copy, Debug)]
+pub struct SceneNumbers {
+    /// The place in the pixel.
+    pub place: [f32; 2],
+    /// The point of the pupil.
+    pub lens: [f32; 2],
+    /// The set of wavelengths.
+    pub wavelength: f32,
+    /// Whether to look beyond the picture.
+    pub beyond: f32,
+    /// The pixels that light lands on.
+    pub pixels: [f32; 2],
+}
+
+impl RealLens {
+    /// A ray for pixel (x, y) that is chosen in the scene, with what all wavelengths of a set make of it; `None` where it
+    /// is lost at all of them.
+    pub fn lead_from_scene(&self, pixel: [u32; 2], u: &SceneNumbers, raster: &Raster) -> Option<Led> {
+        let side = self.scene_side();
+        let place = if u.beyond < DEFENSIVE_SHARE {
+            (Vec2::from(u.place) - 0.5) * (1.0 + 2.0 * BEYOND)
+        } else {
+            raster.place(pixel[0], pixel[1], u.place)
+        };
+        let is_near = place.abs().max_element() <= 0.5 + BEYOND;
+        let spread = if is_near { (1.0 + 2.0 * BEYOND).powi(-2) } else { 0.0 };
+        // For each pixel's area, where every pixel has one sample.
+        let samples = DEFENSIVE_SHARE * spread + (1.0 - DEFENSIVE_SHARE) * raster.density(place);
+        let focal = side.focal.point(self.mount.film_point(place), self.mount.frame.normal())?;
+        let aim = side.entrance.sample(focal.point, u.lens.map(f64::from))?;
+        // Etendue: the surface's element as the ray sees it, times the solid angle.
+        let seen = aim.direction.dot(focal.area_per_film_area).abs();
+        let density = f64::from(samples) * aim.pdf_per_sr / seen;
+        let (set, _) = self.leader(u.wavelength);
+        let start = side.entrance.before(focal.point, aim.direction);
+        let arrivals = self.arrivals(set, LensRay { origin: start, direction: aim.direction }, raster, u.pixels);
+        let share = (density * self.packet_size() as f64).recip();
+        if !(share.is_finite() && share > 0.0 && arrivals.iter().any(Option::is_some)) {
+            return None;
+        }
+        let splats = arrivals.map(|arrival| arrival.map(|a| (a.x, a.y, a.importance * share as f32)));
+        let out = LensRay { origin: start, direction: -aim.direction };
+        Some(Led { ray: self.mount.to_render(&out), splats })
+    }
+}
