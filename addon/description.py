@@ -119,7 +119,7 @@ class SettingsDescription:
     clamp_indirect: float = 0.0  # most radiance that light after a bounce may add to a sample; 0: no limit
     filter_width_px: float = 1.5
     transparent_film: bool = False
-    pipeline: str = "AUTO"  # AUTO | FILM | HERO
+    pipeline: str = "AUTO"  # AUTO | FILM | SCENE | HERO
 
 
 @dataclass

@@ -49,6 +49,7 @@ SPECTRA = (
 PIPELINES = (
     ("AUTO", "Automatic", "Hero where the glass parts the colours, else from the film", "", 0),
     ("FILM", "From the Film", "Each path starts on the film, in one wavelength", "", 1),
+    ("SCENE", "From the Scene", "Each path starts between a sharp point and the entrance pupil, for all wavelengths", "", 3),
     ("HERO", "Hero Wavelength", "One wavelength leads; its path serves seven others, which land where they must", "", 2),
 )
 

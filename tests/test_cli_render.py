@@ -237,7 +237,6 @@ ERRORS = {
     "a folder": (["S", "-o", "no/such/folder/a.png"], "no such folder"),
     "a format": (["S", "-o", "a.jpg"], ".exr or .png"),
     "blades": (["S", "--blades", "2"], "2 blades"),
-    "pipeline": (["S", "--pipeline", "scene"], "pipeline scene"),
     "no such Blender": (["S", "--blender", "no-such-blender"], "no-such-blender"),
     "a Blender that is none": (["S", "--blender", "/bin/false"], "/bin/false"),
     "one that does nothing": (["S", "--blender", "/bin/true"], "/bin/true"),

@@ -79,8 +79,6 @@ def _checked(a: argparse.Namespace) -> dict:
         raise CommandError(f"no such scene: {scene}: name a .blend file")
     if a.lens and a.camera in {"pinhole", "thin"}:
         a.usage_error(f"--camera {a.camera} has no lens: leave out the one or the other")
-    if a.pipeline == "scene":
-        raise CommandError(f"pipeline {a.pipeline}: not available yet: leave --pipeline out, or use film or hero")
     if a.quality not in (None, 1.0):
         raise CommandError(f"quality {a.quality:g}: effects are not planned yet: leave --quality out")
     if a.blades is not None and a.blades != 0 and not 3 <= a.blades <= 24:

@@ -34,8 +34,9 @@ impl TryFrom<PySettings> for Settings {
         let pipeline = match s.pipeline.as_str() {
             "AUTO" => Pipeline::Auto,
             "FILM" => Pipeline::FilmFirst,
+            "SCENE" => Pipeline::SceneFirst,
             "HERO" => Pipeline::Hero,
-            other => return Err(refused(format!("there is no pipeline '{other}'; use AUTO, FILM or HERO"))),
+            other => return Err(refused(format!("there is no pipeline '{other}'; use AUTO, FILM, SCENE or HERO"))),
         };
         Ok(Self {
             width: s.width,

@@ -45,9 +45,9 @@ fn stage(triangles: bool) -> Arc<Stage> {
     Arc::new(Stage::new(builder.build(DVec3::ZERO)))
 }
 
-fn render(stage: &Arc<Stage>, camera: Camera, pipeline: Pipeline, samples: u32, seed: u32) -> (Vec<[f32; 4]>, Counts) {
+fn settings(pipeline: Pipeline, samples: u32, seed: u32) -> Settings {
     let [width, height] = SIZE;
-    let settings = Settings {
+    Settings {
         width,
         height,
         samples,
@@ -59,7 +59,11 @@ fn render(stage: &Arc<Stage>, camera: Camera, pipeline: Pipeline, samples: u32, 
         filter_width_px: 1.5,
         transparent_film: false,
         pipeline,
-    };
+    }
+}
+
+fn render(stage: &Arc<Stage>, camera: Camera, pipeline: Pipeline, samples: u32, seed: u32) -> (Vec<[f32; 4]>, Counts) {
+    let settings = settings(pipeline, samples, seed);
     let job = Job::start(stage.clone(), camera, settings).unwrap();
     assert!(job.wait(std::time::Duration::from_secs(300)));
     assert_eq!(job.pipeline(), pipeline);
@@ -135,14 +139,67 @@ fn all_pipelines_take_the_same_picture() {
     }
 }
 
+/// A uniform world shows neither ripples, nor tiles, nor the pixel grid, wherever light is splatted: through a sharp lens, a
+/// single glass that blurs over many pixels, and a fisheye. An energy test alone would miss all that.
 #[test]
-fn debug_scene() {
+fn an_even_field_is_flat() {
     let stage = stage(false);
-    for (file, width_mm, tilt_rad) in LENSES {
-        for p in ALL {
-            let (pixels, counts) = render(&stage, camera(file, width_mm, tilt_rad), p, 32, 1);
-            let b = blocks(&pixels);
-            println!("{file} {p:?} lost {:.3} {:.3?} {:.3?}", counts.camera_rays_lost as f64 / counts.camera_rays as f64, b[2 * 6 + 3], b[0]);
+    let [width, height] = SIZE.map(|n| n as usize);
+    for (file, film_mm, pipeline) in [
+        ("double-gauss-f1.35.lens", 20.0, Pipeline::Hero),
+        ("double-gauss-f1.35.lens", 20.0, Pipeline::SceneFirst),
+        ("biconvex-50mm.lens", 20.0, Pipeline::Hero),
+        ("biconvex-50mm.lens", 20.0, Pipeline::SceneFirst),
+        ("laikin-fisheye-170.lens", 8.0, Pipeline::SceneFirst),
+    ] {
+        let seeds: Vec<Vec<f64>> = (0..10)
+            .map(|seed| render(&stage, camera(file, film_mm, 0.0), pipeline, 16, seed).0)
+            .map(|pixels| pixels.iter().map(|p| f64::from(p[1])).collect())
+            .collect();
+        let n = seeds.len() as f64;
+        let mean: Vec<f64> = (0..width * height).map(|i| seeds.iter().map(|s| s[i]).sum::<f64>() / n).collect();
+        let error2 = |i: usize| seeds.iter().map(|s| (s[i] - mean[i]).powi(2)).sum::<f64>() / (n * (n - 1.0));
+        // Vignetting is smooth: what a pixel differs from the mean of the square about it.
+        let reach = 4;
+        let (mut chi2, mut count) = (0.0, 0.0);
+        let (mut edges, mut edges_error2) = (0.0, 0.0);
+        for y in reach..height - reach {
+            for x in reach..width - reach {
+                let square = (y - reach..=y + reach).flat_map(|j| (x - reach..=x + reach).map(move |i| j * width + i));
+                let about = square.map(|i| mean[i]).sum::<f64>() / ((2 * reach + 1) as f64).powi(2);
+                let (i, difference) = (y * width + x, mean[y * width + x] - about);
+                chi2 += difference * difference / (error2(i) + 1e-12);
+                count += 1.0;
+                if x % 32 == 0 || x % 32 == 31 || y % 32 == 0 || y % 32 == 31 {
+                    edges += difference;
+                    edges_error2 += error2(i);
+                }
+            }
         }
+        let chi2 = chi2 / count;
+        // Ten seeds know their spread roughly: the mean of the squares of Student's t is 9 / 7.
+        assert!((1.0..1.5).contains(&chi2), "{file} {pipeline:?}: {chi2}");
+        let edges = edges / edges_error2.sqrt();
+        // Pixels share light with their neighbours: a little wider than normal.
+        assert!(edges.abs() < 4.5, "{file} {pipeline:?}: {edges} sigma at the edges of tiles");
+    }
+}
+
+/// All of them, also where light lands in any order.
+#[test]
+fn the_same_bits_for_any_number_of_threads() {
+    let stage = stage(true);
+    for pipeline in [Pipeline::Hero, Pipeline::SceneFirst] {
+        // A glass so unsharp that light lands beyond what a tile keeps.
+        let one = |threads: usize| {
+            let [width, height] = SIZE;
+            let settings = Settings { threads, ..settings(pipeline, 3, 1) };
+            let job = Job::start(stage.clone(), camera("biconvex-50mm.lens", 5.0, 0.0), settings).unwrap();
+            assert!(job.wait(std::time::Duration::from_secs(300)));
+            assert_eq!(job.film().size(), (width, height));
+            job.film().picture()
+        };
+        let first = one(1);
+        assert!(first == one(2) && first == one(5), "{pipeline:?}");
     }
 }
