@@ -4,6 +4,7 @@
 //! width and height from its centre, right and up as one looks at the finished picture: -1/2 to 1/2.
 
 pub mod gaussian;
+pub mod image_based;
 pub mod pinhole;
 pub mod real_lens;
 pub mod thin;
@@ -12,6 +13,7 @@ use crate::Rgb;
 use crate::accel::Ray;
 use gaussian::{Gaussian, Order};
 use glam::{DMat3, DMat4, DVec3, Vec2};
+use image_based::ImageBased;
 use petzval_optics::focus::FocusError;
 use petzval_optics::formats::lens::LensFileError;
 use petzval_optics::system::SystemError;
@@ -66,6 +68,8 @@ pub enum Model {
     Thick,
     /// The same at every wavelength.
     Paraxial,
+    /// A table of the lens's rays at one wavelength.
+    ImageBased,
 }
 
 /// A camera as it arrives. Angles in radians; `None` leaves the lens's own value.
@@ -173,7 +177,7 @@ impl CameraDescription {
             positive(value, "a world-to-lens scale")?;
         }
         match self.model {
-            Model::Lens | Model::Thick | Model::Paraxial => {
+            Model::Lens | Model::Thick | Model::Paraxial | Model::ImageBased => {
                 positive(self.film_width_mm, "the film width")?;
                 positive(self.film_height_mm, "the film height")
             }
@@ -204,6 +208,8 @@ pub enum Camera {
     Lens(Box<RealLens>),
     /// A real one to first order.
     Gaussian(Box<Gaussian>),
+    /// A real one as a table.
+    ImageBased(Box<ImageBased>),
 }
 
 impl Camera {
@@ -220,6 +226,7 @@ impl Camera {
             Model::Lens => Self::Lens(Box::new(RealLens::new(d, axes, width, height)?)),
             Model::Thick => Self::Gaussian(Box::new(Gaussian::new(Order::Thick, d, axes, width, height)?)),
             Model::Paraxial => Self::Gaussian(Box::new(Gaussian::new(Order::Paraxial, d, axes, width, height)?)),
+            Model::ImageBased => Self::ImageBased(Box::new(ImageBased::new(d, axes, width, height)?)),
         })
     }
 
@@ -232,6 +239,7 @@ impl Camera {
             Self::Thin(c) => Some(c.sample(p, u_lens)),
             Self::Lens(c) => c.sample(p, u_lens, u_wavelength),
             Self::Gaussian(c) => Some(c.sample(p, u_lens, u_wavelength)),
+            Self::ImageBased(c) => c.sample(p, u_lens),
         }
     }
 
@@ -242,6 +250,7 @@ impl Camera {
             Self::Thin(_) => "thin lens",
             Self::Lens(lens) => &lens.info().lens_name,
             Self::Gaussian(lens) => &lens.info().lens_name,
+            Self::ImageBased(lens) => &lens.info().lens_name,
         }
     }
 }
@@ -257,3 +266,6 @@ pub fn lens_info(d: &CameraDescription, width: u32, height: u32) -> Result<LensI
 
 #[cfg(test)]
 mod tests;
+
+#[cfg(test)]
+mod between_models;
