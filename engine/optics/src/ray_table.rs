@@ -13,8 +13,8 @@
 //! In front of the lens a ray is its unit direction and its point nearest to the entrance pupil's centre: both stay
 //! finite and smooth at 90 degrees from the axis and beyond, where two planes do not.
 //!
-//! What it leaves out: other wavelengths than its own, and aberrations finer than its grid. At this one they are below a
-//! tenth of a pixel of 1000 across for the lenses in its tests (most below a hundredth).
+//! What it leaves out: other wavelengths than its own, and aberrations finer than its grid. Wide open these are below
+//! 0.04 pixels of 1000 across (rms) for every shipped lens but the ball, whose rays part without bound towards its rim.
 
 use glam::{DVec2, DVec3, Vec4};
 
@@ -39,7 +39,7 @@ pub struct Grid {
     pub film_radius: usize,
     /// Across and up the film, of any other.
     pub film_side: usize,
-    /// Across and up the pupil, as one film point sees it.
+    /// Across and up the pupil, as one film point sees it. Fewer than four nodes of any axis count as four.
     pub pupil: usize,
 }
 
@@ -124,7 +124,7 @@ impl RayTable {
             is_symmetric,
             film: axes,
             window: window(map, film.z_mm, &axes, is_symmetric, system.diaphragm().blades() > 0),
-            pupil: grid.pupil,
+            pupil: grid.pupil.max(4),
             groups: 0,
             rays: Vec::new(),
             diaphragm: system.diaphragm().clone(),
@@ -156,6 +156,8 @@ impl RayTable {
         }
         let side = self.pupil;
         let mut rims = limiting_rims(nodes.iter().flatten());
+        // The diaphragm is asked itself, by the place in the stop.
+        rims.retain(|&rim| rim != system.stop());
         // The last stands for rays that no surface can carry, where they are next to such as get through.
         let carried = 2 * surfaces.len();
         let is_edge = nodes.chunks_exact(side * side).any(|window| is_torn(window, side));

