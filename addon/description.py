@@ -9,7 +9,7 @@ from __future__ import annotations
 from dataclasses import dataclass, field
 
 #: Models of the camera that are made from a lens file.
-OF_LENS_FILE = ("LENS", "PARAXIAL", "THICK")
+OF_LENS_FILE = ("LENS", "IMAGE_BASED", "PARAXIAL", "THICK")
 
 Colour = tuple[float, float, float]
 Matrix4 = tuple[tuple[float, float, float, float], ...]
@@ -84,7 +84,7 @@ class WorldDescription:
 class CameraDescription:
     object_name: str
     matrix_world: Matrix4
-    model: str = "LENS"  # LENS | PARAXIAL | THICK | THIN | PINHOLE
+    model: str = "LENS"  # LENS | IMAGE_BASED | PARAXIAL | THICK | THIN | PINHOLE
     pinhole_focal_length_mm: float = 50.0
     pinhole_film_width_mm: float = 36.0
     pinhole_shift: tuple[float, float] = (0.0, 0.0)

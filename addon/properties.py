@@ -21,6 +21,13 @@ from . import viewport_camera
 # The numbers are those in saved files.
 MODELS = (
     ("LENS", "Lens", "A real lens: every ray is traced through its surfaces", "", 0),
+    (
+        "IMAGE_BASED",
+        "Image-based (Heidrich 1997)",
+        "The lens as a table of its rays at one wavelength: all that it does but colour, at the same cost for any lens",
+        "",
+        5,
+    ),
     ("PARAXIAL", "Paraxial", "The lens to first order: no aberrations and no vignetting, but colours apart", "", 3),
     ("THICK", "Thick Lens", "The lens's principal planes and pupils: perfect images, the right size and blur", "", 4),
     ("THIN", "Thin Lens", "Depth of field without aberrations, framed by Blender's own focal length", "", 1),

@@ -17,7 +17,7 @@
 //!
 //! A module uses only those that stand before it here: [`glass`] → [`lane`] → [`vector`] → [`surface`] → [`interface`] → [`single_surface`] → [`diaphragm`] →
 //! [`prescription`] → [`formats`] → [`first_order`] → [`system`] → [`trace`] → [`paraxial`] → [`focus`] → [`seidel`] → [`vignetting`] → [`gaussian`] →
-//! [`pupil_map`] → [`entrance_map`].
+//! [`pupil_map`] → [`entrance_map`] → [`ray_table`].
 //!
 //! A ray that is lost is a result: the surface and one of seven reasons. No value is ever NaN, and no input panics.
 //!
@@ -73,6 +73,7 @@ pub mod lane;
 pub mod paraxial;
 pub mod prescription;
 pub mod pupil_map;
+pub mod ray_table;
 pub mod seidel;
 pub mod single_surface;
 pub mod surface;

@@ -243,6 +243,12 @@ impl PupilMap {
         self.locate(film_point).cell.area()
     }
 
+    /// Corners of the outline for a film point, mm in lens space; none where no light arrives.
+    pub fn outline_mm(&self, film_point: DVec3) -> impl Iterator<Item = DVec2> + use<'_> {
+        let Located { cell, centre, frame } = self.locate(film_point);
+        cell.corners().iter().map(move |&corner| frame.rotate(corner + centre))
+    }
+
     fn locate(&self, film_point: DVec3) -> Located<'_> {
         let plane = film_point.truncate();
         let film_radius = plane.length();

@@ -141,6 +141,19 @@ impl Tracer {
         Self { from_scene: self.from_scene.map(clear), from_film: self.from_film.map(clear), ..self.clone() }
     }
 
+    /// The same lens with rims, stop and obstructions taken away: all rays that its surfaces can carry.
+    pub(crate) fn without_rims(&self) -> Self {
+        let open = |step: &Step| Step {
+            clear_squared: f64::INFINITY,
+            obstruction_squared: 0.0,
+            is_stop: false,
+            // A ray may come from far outside of what the rims let through.
+            is_far: true,
+            ..*step
+        };
+        Self { from_scene: self.from_scene.map(open), from_film: self.from_film.map(open), ..self.clone() }
+    }
+
     /// True if some surface has a central obstruction.
     pub(crate) fn has_obstructions(&self) -> bool {
         self.from_scene.steps.iter().any(|s| s.obstruction_squared > 0.0)

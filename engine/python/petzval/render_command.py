@@ -32,8 +32,8 @@ def add_parser(subparsers: argparse._SubParsersAction) -> None:
     p.add_argument("--lens", metavar="FILE", help="a lens file, or the name of a shipped lens")
     p.add_argument(
         "--camera",
-        choices=("pinhole", "thin", "thick", "paraxial"),
-        help="a simpler camera instead; thick and paraxial are made from the lens",
+        choices=("pinhole", "thin", "thick", "paraxial", "image-based"),
+        help="a simpler camera instead; thick, paraxial and image-based are made from the lens",
     )
     p.set_defaults(usage_error=p.error)
     p.add_argument("--focal-length", type=_positive, metavar="MM", help="scale the lens to this focal length")

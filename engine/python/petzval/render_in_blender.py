@@ -157,7 +157,7 @@ def _apply_output(r: Any, output: str) -> None:
 def _apply_camera(scene: Any, data: Any, o: dict, addon: Any) -> None:
     own = data.petzval
     if o["camera"] or o["lens"]:
-        own.model = (o["camera"] or "lens").upper()
+        own.model = (o["camera"] or "lens").upper().replace("-", "_")
     if o["lens"]:
         own.lens_file = o["lens"]
     if o["focal_length_mm"] is not None:

@@ -55,9 +55,10 @@ impl TryFrom<PyCamera> for CameraDescription {
             "THIN" => Model::Thin,
             "THICK" => Model::Thick,
             "PARAXIAL" => Model::Paraxial,
+            "IMAGE_BASED" => Model::ImageBased,
             other => {
                 return Err(refused(format!(
-                    "camera '{}': there is no camera model '{other}'; use LENS, PARAXIAL, THICK, THIN or PINHOLE",
+                    "camera '{}': there is no camera model '{other}'; use LENS, IMAGE_BASED, PARAXIAL, THICK, THIN or PINHOLE",
                     c.object_name
                 )));
             }

@@ -67,6 +67,11 @@ impl Cell {
         self.area
     }
 
+    /// Corners about the centre, the first again at the end.
+    pub(super) fn corners(&self) -> &[DVec2] {
+        &self.corners
+    }
+
     /// A point chosen evenly by two numbers in [0, 1).
     pub(super) fn sample(&self, [u, v]: [f64; 2]) -> DVec2 {
         let i = self.cumulative.partition_point(|&c| c <= u).saturating_sub(1);

@@ -172,7 +172,6 @@ impl FocalSurface {
 
 #[cfg(test)]
 mod tests {
-    use super::*;
     use crate::camera::{Camera, tests};
 
     /// The element of the surface is what neighbouring points span, on upright and turned films.

@@ -5,6 +5,7 @@
 
 mod focal_surface;
 pub mod gaussian;
+pub mod image_based;
 pub mod packet;
 pub mod pinhole;
 pub mod real_lens;
@@ -15,6 +16,7 @@ use crate::Rgb;
 use crate::accel::Ray;
 use gaussian::{Gaussian, Order};
 use glam::{DMat3, DMat4, DVec3, Mat3, Vec2};
+use image_based::ImageBased;
 use petzval_optics::focus::FocusError;
 use petzval_optics::formats::lens::LensFileError;
 use petzval_optics::system::SystemError;
@@ -69,6 +71,8 @@ pub enum Model {
     Thick,
     /// The same at every wavelength.
     Paraxial,
+    /// A table of the lens's rays at one wavelength.
+    ImageBased,
 }
 
 /// Into what the film parts the light.
@@ -188,7 +192,7 @@ impl CameraDescription {
             positive(value, "a world-to-lens scale")?;
         }
         match self.model {
-            Model::Lens | Model::Thick | Model::Paraxial => {
+            Model::Lens | Model::Thick | Model::Paraxial | Model::ImageBased => {
                 positive(self.film_width_mm, "the film width")?;
                 positive(self.film_height_mm, "the film height")
             }
@@ -226,6 +230,8 @@ pub enum Camera {
     Lens(Box<RealLens>),
     /// A real one to first order.
     Gaussian(Box<Gaussian>),
+    /// A real one as a table.
+    ImageBased(Box<ImageBased>),
 }
 
 impl Camera {
@@ -242,6 +248,7 @@ impl Camera {
             Model::Lens => Self::Lens(Box::new(RealLens::new(d, axes, width, height)?)),
             Model::Thick => Self::Gaussian(Box::new(Gaussian::new(Order::Thick, d, axes, width, height)?)),
             Model::Paraxial => Self::Gaussian(Box::new(Gaussian::new(Order::Paraxial, d, axes, width, height)?)),
+            Model::ImageBased => Self::ImageBased(Box::new(ImageBased::new(d, axes, width, height)?)),
         })
     }
 
@@ -254,6 +261,7 @@ impl Camera {
             Self::Thin(c) => Some(c.sample(p, u_lens)),
             Self::Lens(c) => c.sample(p, u_lens, u_wavelength),
             Self::Gaussian(c) => Some(c.sample(p, u_lens, u_wavelength)),
+            Self::ImageBased(c) => c.sample(p, u_lens),
         }
     }
 
@@ -272,6 +280,7 @@ impl Camera {
             Self::Thin(_) => "thin lens",
             Self::Lens(lens) => &lens.info().lens_name,
             Self::Gaussian(lens) => &lens.info().lens_name,
+            Self::ImageBased(lens) => &lens.info().lens_name,
         }
     }
 }
@@ -284,6 +293,9 @@ pub fn lens_info(d: &CameraDescription, width: u32, height: u32) -> Result<LensI
     d.check(width, height)?;
     real_lens::Setup::new(d, width, height).map(|setup| setup.info)
 }
+
+#[cfg(test)]
+mod between_models;
 
 #[cfg(test)]
 pub(crate) mod tests;
