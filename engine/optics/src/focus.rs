@@ -3,7 +3,7 @@
 //! Conjugates are the exact paraxial ones. Distances to the scene are measured along the axis from the centre of the
 //! entrance pupil, positive in front of the lens.
 
-use glam::{DMat3, DVec3};
+use glam::{DMat3, DVec2, DVec3};
 use thiserror::Error;
 
 use crate::first_order::{Matrix, between_vertices};
@@ -202,12 +202,15 @@ pub struct FilmPlane {
     pub swing_rad: f64,
     /// Where the middle of the picture lies in the film's own coordinates (shift, rise).
     pub shift_mm: [f64; 2],
+    /// Of a ball-shaped film, a retina: one over its radius, negative if its edge lies nearer to the lens than its middle
+    /// where light goes towards +z, as a lens surface's. Its coordinates u and v are those of the plane that touches it.
+    pub curvature_per_mm: f64,
 }
 
 impl FilmPlane {
-    /// A film at right angles to the axis.
+    /// A flat film at right angles to the axis.
     pub fn upright(z_mm: f64) -> Self {
-        Self { z_mm, tilt_rad: 0.0, swing_rad: 0.0, shift_mm: [0.0; 2] }
+        Self { z_mm, tilt_rad: 0.0, swing_rad: 0.0, shift_mm: [0.0; 2], curvature_per_mm: 0.0 }
     }
 
     fn rotation(&self) -> DMat3 {
@@ -216,55 +219,99 @@ impl FilmPlane {
 
     /// The axes of the film worked out, for use with many points.
     pub fn frame(&self) -> FilmFrame {
-        let [x, y] = self.shift_mm;
-        let axes = self.rotation();
-        FilmFrame { axes, middle: axes * DVec3::new(x, y, 0.0) + DVec3::new(0.0, 0.0, self.z_mm) }
+        FilmFrame {
+            axes: self.rotation(),
+            vertex: DVec3::new(0.0, 0.0, self.z_mm),
+            shift: DVec2::from(self.shift_mm),
+            curvature: self.curvature_per_mm,
+        }
     }
 
     /// The point of the film at (u, v) from the middle of the picture, in lens space.
     pub fn point(&self, u_mm: f64, v_mm: f64) -> DVec3 {
-        self.frame().point(u_mm, v_mm)
+        self.frame().at(u_mm, v_mm).point
     }
 
-    /// The unit normal that looks towards −z: to the lens, unless an odd number of mirrors sends light towards −z.
+    /// The unit normal of the middle that looks towards −z: to the lens, unless an odd number of mirrors sends light towards −z.
     pub fn normal(&self) -> DVec3 {
         self.rotation() * DVec3::NEG_Z
     }
 
-    /// True if the film is not at right angles to the axis.
-    pub fn is_turned(&self) -> bool {
-        self.tilt_rad != 0.0 || self.swing_rad != 0.0
+    /// True if the film's points have not all the same z.
+    pub fn is_uneven(&self) -> bool {
+        self.tilt_rad != 0.0 || self.swing_rad != 0.0 || self.curvature_per_mm != 0.0
+    }
+
+    /// True if the film reaches to (u, v): a ball ends.
+    pub fn reaches(&self, u_mm: f64, v_mm: f64) -> bool {
+        let from_vertex = DVec2::new(u_mm, v_mm) + DVec2::from(self.shift_mm);
+        from_vertex.length() * self.curvature_per_mm.abs() < STEEPEST
     }
 }
 
-/// A film's middle and axes in lens space: [`FilmPlane::frame`].
+/// A curved film ends where the sine of its slope is this: what is steeper is hardly seen from the lens.
+const STEEPEST: f64 = 0.98;
+
+/// A film's axes in lens space: [`FilmPlane::frame`].
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct FilmFrame {
-    middle: DVec3,
     /// Right, up, and away from the scene.
     axes: DMat3,
+    /// Where the axis meets the film, and the film turns.
+    vertex: DVec3,
+    shift: DVec2,
+    curvature: f64,
+}
+
+/// A point of the film.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct FilmPoint {
+    /// Lens space, mm.
+    pub point: DVec3,
+    /// Unit normal, as [`FilmPlane::normal`].
+    pub normal: DVec3,
+    /// Area of the film for an area of its coordinates: 1 on a flat film.
+    pub area: f64,
 }
 
 impl FilmFrame {
-    /// As [`FilmPlane::point`].
+    /// The point at (u, v), mm from the middle of the picture. Beyond the end of a curved film: its edge.
     #[inline]
-    pub fn point(&self, u_mm: f64, v_mm: f64) -> DVec3 {
-        self.middle + self.axes.x_axis * u_mm + self.axes.y_axis * v_mm
+    pub fn at(&self, u_mm: f64, v_mm: f64) -> FilmPoint {
+        let flat = DVec2::new(u_mm, v_mm) + self.shift;
+        let c = self.curvature;
+        if c == 0.0 {
+            let point = self.vertex + self.axes.x_axis * flat.x + self.axes.y_axis * flat.y;
+            return FilmPoint { point, normal: -self.axes.z_axis, area: 1.0 };
+        }
+        let flat = flat.clamp_length_max(STEEPEST / c.abs());
+        let cosine = (1.0 - c * c * flat.length_squared()).sqrt();
+        let sag = c * flat.length_squared() / (1.0 + cosine);
+        let normal = DVec3::new(c * flat.x, c * flat.y, -cosine);
+        FilmPoint {
+            point: self.vertex + self.axes * flat.extend(sag),
+            normal: self.axes * normal,
+            area: cosine.recip(),
+        }
     }
 
-    /// As [`FilmPlane::normal`].
-    #[inline]
-    pub fn normal(&self) -> DVec3 {
-        -self.axes.z_axis
-    }
-
-    /// Where a ray from the lens meets the film: its coordinates (u, v), mm. `None` if it goes along it or away.
+    /// Where a ray from the lens meets the film: its coordinates (u, v), mm. `None` if it misses it or goes away.
     #[inline]
     pub fn meet(&self, ray: &Ray) -> Option<[f64; 2]> {
-        let to_middle = self.middle - ray.origin;
-        let t = to_middle.dot(self.axes.z_axis) / ray.direction.dot(self.axes.z_axis);
-        let from_middle = ray.direction * t - to_middle;
-        (t > 0.0 && t.is_finite()).then(|| [from_middle.dot(self.axes.x_axis), from_middle.dot(self.axes.y_axis)])
+        let to = self.axes.transpose();
+        let (p, d) = (to * (ray.origin - self.vertex), to * ray.direction);
+        let c = self.curvature;
+        let t = if c == 0.0 {
+            -p.z / d.z
+        } else {
+            // As a surface of a lens: from the ray's point nearest the vertex, on the sheet of the vertex.
+            let b = c * p.dot(d) - d.z;
+            let q = b * b - c * (c * p.dot(p) - 2.0 * p.z);
+            (c * p.dot(p) - 2.0 * p.z) / (-b + q.sqrt().copysign(d.z))
+        };
+        let hit = p + d * t;
+        let is_there = t > 0.0 && t.is_finite() && hit.truncate().length() * c.abs() < STEEPEST && c * hit.z < 1.0;
+        is_there.then(|| (hit.truncate() - self.shift).to_array())
     }
 }
 
@@ -274,14 +321,35 @@ mod tests {
 
     #[test]
     fn a_ray_to_a_film_point_meets_it_there() {
-        let film = FilmPlane { z_mm: 30.0, tilt_rad: 0.3, swing_rad: -0.2, shift_mm: [1.0, -2.0] };
-        for (u, v) in [(0.0, 0.0), (12.0, -7.0), (-18.0, 12.0)] {
-            let point = film.point(u, v);
-            let origin = DVec3::new(3.0, -1.0, 2.0);
-            let ray = Ray { origin, direction: (point - origin).normalize() };
-            let [a, b] = film.frame().meet(&ray).unwrap();
-            assert!((a - u).abs() < 1e-12 && (b - v).abs() < 1e-12);
-            assert_eq!(film.frame().meet(&Ray { direction: -ray.direction, ..ray }), None);
+        for curvature_per_mm in [0.0, -1.0 / 30.0, 1.0 / 45.0] {
+            let film =
+                FilmPlane { z_mm: 30.0, tilt_rad: 0.3, swing_rad: -0.2, shift_mm: [1.0, -2.0], curvature_per_mm };
+            for (u, v) in [(0.0, 0.0), (12.0, -7.0), (-18.0, 12.0)] {
+                let point = film.point(u, v);
+                let origin = DVec3::new(3.0, -1.0, 2.0);
+                let ray = Ray { origin, direction: (point - origin).normalize() };
+                let [a, b] = film.frame().meet(&ray).unwrap();
+                assert!((a - u).abs() < 1e-11 && (b - v).abs() < 1e-11, "{curvature_per_mm}: {a} {b}");
+                assert_eq!(film.frame().meet(&Ray { direction: -ray.direction, ..ray }), None);
+            }
         }
+    }
+
+    /// Normal and area against neighbouring points; all points of a retina lie at its radius from its centre.
+    #[test]
+    fn a_retina_is_a_ball() {
+        let film = FilmPlane { tilt_rad: 0.1, curvature_per_mm: -1.0 / 12.0, ..FilmPlane::upright(24.0) };
+        let frame = film.frame();
+        let centre = frame.at(0.0, 0.0).point + frame.at(0.0, 0.0).normal * 12.0;
+        for (u, v) in [(0.0, 0.0), (5.0, -3.0), (-2.0, 9.0)] {
+            let FilmPoint { point, normal, area } = frame.at(u, v);
+            assert!(((point - centre).length() - 12.0).abs() < 1e-12);
+            let h = 1e-5;
+            let along = (frame.at(u + h, v).point - frame.at(u - h, v).point) / (2.0 * h);
+            let up = (frame.at(u, v + h).point - frame.at(u, v - h).point) / (2.0 * h);
+            let element = up.cross(along);
+            assert!((element - normal * area).length() < 1e-8, "{element} {normal} {area}");
+        }
+        assert!(film.reaches(8.0, 8.0) && !film.reaches(9.0, 9.0));
     }
 }

@@ -108,10 +108,10 @@ impl Resolution {
     /// Finer cells waste fewer samples at the edges of the outline, and take longer to make.
     fn choose(film: &FilmPlane, has_blades: bool, is_symmetric: bool) -> Self {
         if !is_symmetric {
-            let depth = if film.is_turned() { 3 } else { 1 };
+            let depth = if film.is_uneven() { 3 } else { 1 };
             return Self { radius: 12, depth, azimuth: 16 };
         }
-        match (film.is_turned(), has_blades) {
+        match (film.is_uneven(), has_blades) {
             (false, false) => Self { radius: 48, depth: 1, azimuth: 1 },
             (true, false) => Self { radius: 32, depth: 8, azimuth: 1 },
             (false, true) => Self { radius: 24, depth: 1, azimuth: 6 },

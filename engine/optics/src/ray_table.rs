@@ -100,7 +100,7 @@ impl RayTable {
         let reference_z = map.reference_plane_z();
         let extent = Extent::new(map, film, [half_width_mm, half_height_mm]);
         let upright;
-        let map = if film.is_turned() {
+        let map = if film.is_uneven() {
             let half = extent.half_sides();
             let tracer = system.at_wavelength(wavelength_nm);
             upright = PupilMap::new(&tracer, system, &FilmPlane::upright(film.z_mm), half.x, half.y);
@@ -357,7 +357,7 @@ impl Extent {
         for (u, v) in (0..=ACROSS).flat_map(|i| (0..=ACROSS).map(move |j| (part(i), part(j)))) {
             let point = film.point(u * half_width, v * half_height);
             extent.hold(point.truncate());
-            if film.is_turned() {
+            if film.is_uneven() {
                 let onto_upright = (film.z_mm - reference_z) / (point.z - reference_z);
                 let crossing = |pupil: DVec2| pupil + (point.truncate() - pupil) * onto_upright;
                 map.outline_mm(point).for_each(|pupil| extent.hold(crossing(pupil)));

@@ -165,7 +165,7 @@ fn what_cannot_be_sharp_says_what_can() {
 
 #[test]
 fn the_film_turns_about_its_axes() {
-    let film = FilmPlane { z_mm: 60.0, tilt_rad: 0.0, swing_rad: 0.0, shift_mm: [3.0, -1.0] };
+    let film = FilmPlane { shift_mm: [3.0, -1.0], ..FilmPlane::upright(60.0) };
     assert_eq!(film.point(1.0, 2.0), DVec3::new(4.0, 1.0, 60.0));
     assert_eq!(film.normal(), DVec3::NEG_Z);
     let tilted = FilmPlane { tilt_rad: 0.3, ..FilmPlane::upright(60.0) };

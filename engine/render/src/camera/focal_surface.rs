@@ -67,7 +67,7 @@ impl FocalSurface {
         let mut surface = Self { middle, exit, film_z, squeeze, step: 1.0, angles: vec![[0.0; 2]; NODES], distance };
         let corners = [(-0.5, -0.5), (-0.5, 0.5), (0.5, -0.5), (0.5, 0.5)];
         let radius =
-            |(x, y): (f32, f32)| surface.flat(mount.film_point(Vec2::new(x, y))).map_or(0.0, |(p, _)| p.length());
+            |(x, y): (f32, f32)| surface.flat(mount.film_at(Vec2::new(x, y)).point).map_or(0.0, |(p, _)| p.length());
         let farthest = corners.into_iter().map(radius).fold(0.0, f64::max);
         surface.step = BEYOND * farthest / (NODES - 1) as f64;
         surface.trace(tracer, map);
@@ -189,7 +189,7 @@ mod tests {
             let lens = camera.traced_lens().unwrap();
             let focal = &lens.scene_side().focal;
             let film = lens.mount.film.frame();
-            let at = |u: f64, v: f64| focal.point(film.point(u, v), film.normal());
+            let at = |u: f64, v: f64| focal.point(film.at(u, v).point, film.at(u, v).normal);
             let mut compared = 0;
             for i in 0..200 {
                 let [u, v] = [(f64::from(i) * 0.618).fract() - 0.5, (f64::from(i) * 0.755).fract() - 0.5];

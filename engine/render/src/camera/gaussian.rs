@@ -67,14 +67,14 @@ impl Gaussian {
     pub fn sample(&self, p: Vec2, u_lens: [f32; 2], u_wavelength: f32) -> CameraRay {
         let index = self.spectrum.sample(u_wavelength);
         let (lens, gain) = &self.lines[index];
-        let film_point = self.mount.film_point(p);
+        let film = self.mount.film_at(p);
         let stop = DVec2::from(self.diaphragm.sample(u_lens.map(f64::from)));
-        let slopes = lens.slopes(film_point, stop);
-        let out = lens.into_scene(film_point, slopes);
+        let slopes = lens.slopes(film.point, stop);
+        let out = lens.into_scene(film.point, slopes);
         let towards = slopes.extend(1.0);
         let cosine = towards.length().recip();
-        let cosines = (self.mount.film.normal().dot(towards) * cosine).abs() * cosine.powi(3);
-        let area = self.diaphragm.area_mm2() * lens.slopes_per_mm2(film_point.z);
+        let cosines = (film.normal.dot(towards) * cosine).abs() * cosine.powi(3);
+        let area = self.diaphragm.area_mm2() * lens.slopes_per_mm2(film.point.z);
         let weight = self.spectrum.wavelengths()[index].response * (cosines * area * gain) as f32;
         CameraRay { ray: self.mount.to_render(&out), weight }
     }

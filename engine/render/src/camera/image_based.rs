@@ -11,6 +11,7 @@
 use super::real_lens::{LensInfo, Mount, dark};
 use super::{CameraDescription, CameraError, CameraRay};
 use glam::{DMat3, Mat3, Vec2};
+use petzval_optics::focus::FilmPoint;
 use petzval_optics::glass::line_nm;
 use petzval_optics::pupil_map::{PupilMap, on_axis_throughput};
 use petzval_optics::ray_table::{Grid, RayTable};
@@ -48,13 +49,13 @@ impl ImageBased {
     /// A ray for a picture point, or `None` where it is lost in the lens.
     #[inline]
     pub fn sample(&self, p: Vec2, u_lens: [f32; 2]) -> Option<CameraRay> {
-        let film_point = self.mount.film_point(p);
+        let FilmPoint { point: film_point, normal, .. } = self.mount.film_at(p);
         let aim = self.map.sample(film_point, u_lens.map(f64::from));
         let out = self.table.from_film(film_point, aim.target)?;
         let to = aim.target - film_point;
         let distance2 = to.length_squared();
         let direction = to / distance2.sqrt();
-        let cosines = self.mount.film.normal().dot(direction).abs() * direction.z.abs();
+        let cosines = normal.dot(direction).abs() * direction.z.abs();
         let exposure = cosines / (distance2 * aim.pdf_per_mm2) * self.gain;
         Some(CameraRay { ray: self.mount.to_render(&out), weight: Mat3::IDENTITY * exposure as f32 })
     }

@@ -88,7 +88,7 @@ impl RealLens {
     ) -> Option<Arrival> {
         let landing = raster.land(place, u)?;
         let line = &self.lines[index];
-        let samples = f64::from(landing.density) / line.index_squared;
+        let samples = f64::from(landing.density) / (line.index_squared * self.mount.film_at(place).area);
         let importance = self.spectrum.wavelengths()[index].response * (samples * line.gain) as f32;
         Some(Arrival { x: landing.x, y: landing.y, importance, density: samples * lead_density(self) })
     }

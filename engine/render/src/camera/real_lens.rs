@@ -10,7 +10,7 @@ use super::{CameraDescription, CameraError, CameraRay, Spectrum};
 use crate::accel::Ray;
 use crate::spectrum::FilmSpectrum;
 use glam::{DMat3, DVec3, Vec2};
-use petzval_optics::focus::{self, FilmFrame, FilmPlane, FocusError};
+use petzval_optics::focus::{self, FilmFrame, FilmPlane, FilmPoint, FocusError};
 use petzval_optics::formats::lens;
 use petzval_optics::glass::Catalogue;
 use petzval_optics::paraxial::Paraxial;
@@ -98,7 +98,9 @@ impl Setup {
         let film_z_mm = film_z(d, &system, line)?;
         // The lens moved to the right is the film moved to the left.
         let shift_mm = d.shift_mm.map(|s| -s);
-        let film = FilmPlane { z_mm: film_z_mm, tilt_rad: d.tilt_rad, swing_rad: d.swing_rad, shift_mm };
+        let curvature_per_mm = system.film_radius_mm().map_or(0.0, f64::recip);
+        let film =
+            FilmPlane { z_mm: film_z_mm, tilt_rad: d.tilt_rad, swing_rad: d.swing_rad, shift_mm, curvature_per_mm };
         let paraxial = Paraxial::new(&system, line);
         let origin_z_mm = paraxial.entrance_pupil.z_mm.unwrap_or(0.0);
 
@@ -106,6 +108,15 @@ impl Setup {
         let aspect = width as f64 / height as f64;
         let picture_width_mm = d.film_width_mm.min(d.film_height_mm * aspect);
         let picture_height_mm = picture_width_mm / aspect;
+
+        let corners =
+            [-0.5, 0.5].map(|x| [-0.5, 0.5].map(|y| film.reaches(x * picture_width_mm, y * picture_height_mm)));
+        if !corners.into_iter().flatten().all(|reaches| reaches) {
+            let radius = system.film_radius_mm().unwrap_or(0.0).abs();
+            return Err(d.error(format!(
+                "a film of {picture_width_mm:.1} x {picture_height_mm:.1} mm is larger than the retina of radius {radius:.1} mm; make it smaller"
+            )));
+        }
 
         let distance = focus::focus_distance_for_film_mm(&system, line, film_z_mm);
         let magnification = focus::magnification(&system, line, film_z_mm);
@@ -209,8 +220,9 @@ impl Mount {
     }
 
     /// The film point of a picture point, lens space: the picture on the film is turned by half a turn.
-    pub(super) fn film_point(&self, p: Vec2) -> DVec3 {
-        self.frame.point(-p.x as f64 * self.info.picture_width_mm, -p.y as f64 * self.info.picture_height_mm)
+    #[inline]
+    pub(super) fn film_at(&self, p: Vec2) -> FilmPoint {
+        self.frame.at(-p.x as f64 * self.info.picture_width_mm, -p.y as f64 * self.info.picture_height_mm)
     }
 
     /// The picture point where a ray from the lens meets the film.
@@ -321,24 +333,24 @@ impl RealLens {
     /// A ray for a picture point at the film's wavelength number `index`.
     #[inline]
     pub(super) fn lead(&self, index: usize, p: Vec2, u_lens: [f32; 2]) -> Option<Lead> {
-        let film_point = self.mount.film_point(p);
-        let aim = self.map.sample(film_point, u_lens.map(f64::from));
-        let to = aim.target - film_point;
+        let film = self.mount.film_at(p);
+        let aim = self.map.sample(film.point, u_lens.map(f64::from));
+        let to = aim.target - film.point;
         let distance2 = to.length_squared();
         let direction = to / distance2.sqrt();
-        let out = self.lines[index].tracer.from_film(LensRay { origin: film_point, direction }).ok()?;
-        let cosines = self.mount.frame.normal().dot(direction).abs() * direction.z.abs();
+        let out = self.lines[index].tracer.from_film(LensRay { origin: film.point, direction }).ok()?;
+        let cosines = film.normal.dot(direction).abs() * direction.z.abs();
         Some(Lead { out, density: aim.pdf_per_mm2 * distance2 / cosines })
     }
 
     /// The density of [`Self::lead`] for the picture point `p` and a ray that comes to it from the lens.
     #[inline]
     pub(super) fn lead_density(&self, p: Vec2, ray: &LensRay) -> f64 {
-        let film_point = self.mount.film_point(p);
-        let to_plane = (self.map.reference_plane_z() - film_point.z) / ray.direction.z;
-        let target = film_point + ray.direction * to_plane;
-        let cosines = (self.mount.frame.normal().dot(ray.direction) * ray.direction.z).abs();
-        self.map.pdf(film_point, target) * to_plane * to_plane / cosines
+        let film = self.mount.film_at(p);
+        let to_plane = (self.map.reference_plane_z() - film.point.z) / ray.direction.z;
+        let target = film.point + ray.direction * to_plane;
+        let cosines = (film.normal.dot(ray.direction) * ray.direction.z).abs();
+        self.map.pdf(film.point, target) * to_plane * to_plane / cosines
     }
 
     /// For rays that start in the scene.

@@ -62,10 +62,11 @@ impl RealLens {
         let spread = if is_near { (1.0 + 2.0 * BEYOND).powi(-2) } else { 0.0 };
         // For each pixel's area, where every pixel has one sample.
         let samples = DEFENSIVE_SHARE * spread + (1.0 - DEFENSIVE_SHARE) * raster.density(place);
-        let focal = side.focal.point(self.mount.film_point(place), self.mount.frame.normal())?;
+        let film = self.mount.film_at(place);
+        let focal = side.focal.point(film.point, film.normal)?;
         let aim = side.entrance.sample(focal.point, u.lens.map(f64::from))?;
         // Etendue: the surface's element as the ray sees it, times the solid angle.
-        let seen = aim.direction.dot(focal.area_per_film_area).abs();
+        let seen = aim.direction.dot(focal.area_per_film_area).abs() * film.area;
         let density = f64::from(samples) * aim.pdf_per_sr / seen;
         let (set, _) = self.leader(u.wavelength);
         let start = side.entrance.before(focal.point, aim.direction);
