@@ -105,6 +105,8 @@ class CameraDescription:
     scale_mm_per_unit: tuple[float, float, float] = (1000.0, 1000.0, 1000.0)
     wavelength_nm: float | None = None  # None: all that `spectrum` says
     spectrum: str = "VISIBLE"  # VISIBLE | THREE
+    # Shutter (s), ISO, lumens of a watt; None: radiance one is one in the middle of the picture.
+    exposure: tuple[float, float, float] | None = None
 
 
 @dataclass

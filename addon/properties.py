@@ -249,6 +249,41 @@ class PetzvalCamera(bpy.types.PropertyGroup):
         precision=1,
         update=_changed,
     )
+    physical_exposure: BoolProperty(
+        name="Physical Exposure",
+        description="Brightness by shutter, film speed and f-number, as in a camera. Off: by the light alone, as in Cycles",
+        default=False,
+    )
+    shutter: FloatProperty(
+        name="Shutter",
+        description="How long the film is exposed, seconds. It sets the brightness; motion blur has its own shutter",
+        default=1.0 / 125.0,
+        min=1e-6,
+        max=1e5,
+        soft_min=1.0 / 8000.0,
+        soft_max=30.0,
+        precision=5,
+        subtype="TIME_ABSOLUTE",
+    )
+    iso: FloatProperty(
+        name="ISO",
+        description="Speed of the film: where it saturates, by ISO 12232",
+        default=100.0,
+        min=0.01,
+        max=1e7,
+        soft_min=6.0,
+        soft_max=25600.0,
+        precision=0,
+    )
+    lumens_per_watt: FloatProperty(
+        name="Lumens per Watt",
+        description="Light that one watt of Blender's white lamps stands for; 683 is what its exchange formats use",
+        default=683.0,
+        min=0.01,
+        max=1e6,
+        soft_max=683.0,
+        precision=0,
+    )
     match_viewport: BoolProperty(
         name="Viewport Follows",
         description="Set Blender's focal length (and sensor, where the film has a size of its own) so that the camera "

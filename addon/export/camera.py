@@ -50,6 +50,7 @@ def describe(
         scale_mm_per_unit=scale(settings, scene),
         wavelength_nm=settings.wavelength if settings.spectrum == "SINGLE" else None,
         spectrum="THREE" if settings.spectrum == "THREE" else "VISIBLE",
+        exposure=_exposure(settings),
     )
     _focus(description, camera, report)
     if of_lens:
@@ -94,6 +95,12 @@ def blender_shift(
 def _thin_f_number(camera: bpy.types.Camera) -> float:
     settings = camera.petzval
     return camera.dof.aperture_fstop if settings.wide_open else settings.f_number
+
+
+def _exposure(settings: bpy.types.PropertyGroup) -> tuple[float, float, float] | None:
+    if not settings.physical_exposure or settings.model == "PINHOLE":
+        return None
+    return settings.shutter, settings.iso, settings.lumens_per_watt
 
 
 def _blades(count: int) -> int:

@@ -151,6 +151,22 @@ class PETZVAL_CAMERA_PT_aperture(_AperturePart, bpy.types.Panel):
         column.prop(settings, "blade_rotation")
 
 
+class PETZVAL_CAMERA_PT_exposure(_AperturePart, bpy.types.Panel):
+    bl_label = "Physical Exposure"
+    bl_options = {"DEFAULT_CLOSED"}
+
+    def draw_header(self, context):
+        self.layout.prop(context.camera.petzval, "physical_exposure", text="")
+
+    def draw(self, context):
+        layout = columns(self)
+        settings = context.camera.petzval
+        layout.active = settings.physical_exposure
+        layout.prop(settings, "shutter")
+        layout.prop(settings, "iso")
+        layout.prop(settings, "lumens_per_watt")
+
+
 class PETZVAL_CAMERA_PT_focus(_AperturePart, bpy.types.Panel):
     bl_label = "Focus"
 
@@ -216,6 +232,7 @@ CLASSES = (
     PETZVAL_CAMERA_PT_lens,
     PETZVAL_CAMERA_PT_info,
     PETZVAL_CAMERA_PT_aperture,
+    PETZVAL_CAMERA_PT_exposure,
     PETZVAL_CAMERA_PT_focus,
     PETZVAL_CAMERA_PT_film,
     PETZVAL_CAMERA_PT_scale,

@@ -39,6 +39,8 @@ def add_parser(subparsers: argparse._SubParsersAction) -> None:
     p.add_argument("--focal-length", type=_positive, metavar="MM", help="scale the lens to this focal length")
     p.add_argument("--f-number", type=_positive, metavar="N", help="default: as the file has it")
     p.add_argument("--blades", type=int, metavar="N", help="blades of the diaphragm, 3 to 24; 0 is round")
+    p.add_argument("--shutter", type=_positive, metavar="S", help="expose physically, so many seconds")
+    p.add_argument("--iso", type=_positive, metavar="N", help="expose physically, with a film of that speed")
     p.add_argument("--focus-distance", type=_distance, metavar="MM|inf", help="from the entrance pupil")
     p.add_argument("--film", type=_size_mm, metavar="WxH", help="film size, mm")
     p.add_argument("--tilt", type=_number, metavar="DEG", help="turn of the film about its horizontal axis")
@@ -100,6 +102,8 @@ def _checked(a: argparse.Namespace) -> dict:
         "focal_length_mm": a.focal_length,
         "f_number": a.f_number,
         "blades": a.blades,
+        "shutter_s": a.shutter,
+        "iso": a.iso,
         "focus_distance_mm": "inf" if a.focus_distance == math.inf else a.focus_distance,
         "film_mm": a.film,
         "tilt_rad": None if a.tilt is None else math.radians(a.tilt),

@@ -185,6 +185,9 @@ def _apply_camera(scene: Any, data: Any, o: dict, addon: Any) -> None:
     if o["film_mm"]:
         own.film_mode = "SIZE"
         own.film_width, own.film_height = o["film_mm"]
+    if o["shutter_s"] or o["iso"]:
+        own.physical_exposure = True
+        own.shutter, own.iso = o["shutter_s"] or own.shutter, o["iso"] or own.iso
     if isinstance(o["spectrum"], float):
         own.spectrum, own.wavelength = "SINGLE", o["spectrum"]
     elif o["spectrum"]:

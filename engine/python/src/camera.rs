@@ -3,6 +3,7 @@
 use crate::doorway::away;
 use crate::error::{Error, refused};
 use glam::{DMat4, DVec3};
+use petzval_render::camera::exposure::PhysicalExposure;
 use petzval_render::camera::{self, CameraDescription, Model, Spectrum};
 use pyo3::prelude::*;
 use serde_json::json;
@@ -43,6 +44,8 @@ pub(crate) struct PyCamera {
     scale_mm_per_unit: (f64, f64, f64),
     wavelength_nm: Option<f64>,
     spectrum: String,
+    /// Shutter (s), film speed (ISO), lumens of a watt.
+    exposure: Option<(f64, f64, f64)>,
 }
 
 impl TryFrom<PyCamera> for CameraDescription {
@@ -96,6 +99,11 @@ impl TryFrom<PyCamera> for CameraDescription {
             scale_mm_per_unit: DVec3::new(sx, sy, sz),
             wavelength_nm: c.wavelength_nm,
             spectrum,
+            exposure: c.exposure.map(|(shutter_s, iso, lumens_per_watt)| PhysicalExposure {
+                shutter_s,
+                iso,
+                lumens_per_watt,
+            }),
         })
     }
 }

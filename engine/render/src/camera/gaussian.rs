@@ -47,7 +47,8 @@ impl Gaussian {
         let diaphragm = system.diaphragm().clone();
         let line = |nm: f64| {
             let lens = GaussianLens::new(&system, nm);
-            let gain = 1.0 / exposure_of_the_middle(&lens, &diaphragm, mount.film.z_mm);
+            let middle = exposure_of_the_middle(&lens, &diaphragm, mount.film.z_mm);
+            let gain = d.brightness(middle) / middle;
             (lens, gain)
         };
         let lines: Vec<_> = spectrum.wavelengths().iter().map(|w| line(w.nm)).collect();

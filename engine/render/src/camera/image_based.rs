@@ -33,7 +33,8 @@ impl ImageBased {
         let tracer = system.at_wavelength(nm);
         let half = [0.5 * info.picture_width_mm, 0.5 * info.picture_height_mm];
         let map = PupilMap::new(&tracer, &system, film, half[0], half[1]);
-        let gain = 1.0 / on_axis_throughput(&tracer, &system, film.z_mm);
+        let middle = on_axis_throughput(&tracer, &system, film.z_mm);
+        let gain = d.brightness(middle) / middle;
         if !gain.is_finite() {
             return Err(dark(d, &info.lens_name));
         }

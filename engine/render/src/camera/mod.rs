@@ -3,6 +3,7 @@
 //! The only place where lens millimetres meet world units. Picture coordinates are fractions of the picture's
 //! width and height from its centre, right and up as one looks at the finished picture: -1/2 to 1/2.
 
+pub mod exposure;
 mod focal_surface;
 pub mod gaussian;
 pub mod image_based;
@@ -14,6 +15,7 @@ pub mod thin;
 
 use crate::Rgb;
 use crate::accel::Ray;
+use exposure::PhysicalExposure;
 use gaussian::{Gaussian, Order};
 use glam::{DMat3, DMat4, DVec3, Mat3, Vec2};
 use image_based::ImageBased;
@@ -134,6 +136,8 @@ pub struct CameraDescription {
     pub wavelength_nm: Option<f64>,
     /// For lenses that treat wavelengths differently.
     pub spectrum: Spectrum,
+    /// `None`: a uniform world of radiance one makes the middle of the film one, whatever the f-number.
+    pub exposure: Option<PhysicalExposure>,
 }
 
 impl CameraDescription {
@@ -188,6 +192,14 @@ impl CameraDescription {
                 Err(self.error(format!("{name} is {value}; set it above zero")))
             }
         };
+        if let Some(e) = self.exposure {
+            positive(e.shutter_s, "the shutter time")?;
+            positive(e.iso, "the film speed")?;
+            positive(e.lumens_per_watt, "the lumens of a watt")?;
+            if self.model == Model::Pinhole {
+                return Err(self.error("a pinhole has no f-number to expose by; switch physical exposure off"));
+            }
+        }
         for value in self.scale_mm_per_unit.to_array() {
             positive(value, "a world-to-lens scale")?;
         }

@@ -274,7 +274,7 @@ pub struct RealLens {
 /// One wavelength of the film.
 pub(super) struct Line {
     pub(super) tracer: Tracer,
-    /// One over the exposure of the film's middle.
+    /// The picture's value for the irradiance that radiance one makes: by default one over that of the film's middle.
     pub(super) gain: f64,
     /// The index of the medium before the film, squared: what etendue is counted in.
     pub(super) index_squared: f64,
@@ -306,10 +306,11 @@ impl RealLens {
         if !gains.iter().all(|g| g.is_finite()) {
             return Err(dark(d, &info.lens_name));
         }
+        let brightness = d.brightness(gains[middle].recip());
         let packets = Packets::new(&tracers, &spectrum);
         let line = |(tracer, gain): (Tracer, f64)| {
             let index_squared = system.image_index(tracer.wavelength_nm()).powi(2);
-            Line { tracer, gain, index_squared }
+            Line { tracer, gain: gain * brightness, index_squared }
         };
         let lines = tracers.into_iter().zip(gains).map(line).collect();
         Ok(Self { mount, spectrum, lines, map, packets, system, scene_side: OnceLock::new() })

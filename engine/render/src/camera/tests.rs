@@ -42,6 +42,7 @@ fn description(model: Model) -> CameraDescription {
         scale_mm_per_unit: DVec3::splat(1000.0),
         wavelength_nm: Some(587.5618),
         spectrum: Spectrum::Visible,
+        exposure: None,
     }
 }
 
@@ -281,4 +282,38 @@ fn colours_part_by_the_paraxial_model() {
         (slope(0.01) - slope(0.99)).abs()
     };
     assert!(spread(Model::Paraxial) > 1e-3 && spread(Model::Thick) == 0.0);
+}
+
+/// The photographer's rule: an even card of luminance L saturates a film of speed S behind f-number N after
+/// t = 78 N² 4 / (π S L).
+#[test]
+fn a_card_is_exposed_as_the_light_meter_says() {
+    let value = |model, n: f64, shutter_s: f64, iso: f64| {
+        let exposure = Some(exposure::PhysicalExposure { shutter_s, iso, lumens_per_watt: 683.0 });
+        let d = CameraDescription {
+            f_number: Some(n),
+            focus_distance: None,
+            film_width_mm: 1.0,
+            film_height_mm: 1.0,
+            exposure,
+            ..description(model)
+        };
+        let camera = Camera::new(&d, 100, 100).unwrap();
+        let count = 4096;
+        let all = points(count).filter_map(|u| camera.sample(Vec2::ZERO, [u[0], u[1]], u[2]));
+        all.map(|ray| f64::from(ray.white().x)).sum::<f64>() / count as f64
+    };
+    let rule = |n: f64, t: f64, iso: f64| 683.0 * std::f64::consts::FRAC_PI_4 / (n * n) * t * iso / 78.0;
+    for model in [Model::Lens, Model::Thick, Model::Paraxial, Model::ImageBased, Model::Thin] {
+        for (n, t, iso) in [(8.0, 1.0 / 125.0, 100.0), (16.0, 1.0 / 30.0, 400.0), (5.6, 2.0, 50.0)] {
+            // The pupil of a real lens lies on a plane, not on a ball about the film: cos⁴, 1 % at f/5.6.
+            let part = value(model, n, t, iso) / rule(n, t, iso);
+            assert!((part - 1.0).abs() < 0.015, "{model:?} {n} {t} {iso}: {part}");
+        }
+    }
+    let d = CameraDescription {
+        exposure: Some(exposure::PhysicalExposure { shutter_s: 0.0, iso: 100.0, lumens_per_watt: 683.0 }),
+        ..description(Model::Lens)
+    };
+    assert!(Camera::new(&d, 10, 10).err().unwrap().to_string().contains("shutter"));
 }

@@ -5,7 +5,7 @@ use super::{CameraDescription, CameraError, CameraRay};
 use crate::accel::Ray;
 use crate::sampler::warp::sample_disk;
 use glam::{DMat3, DVec2, DVec3, Mat3, Vec2};
-use std::f64::consts::TAU;
+use std::f64::consts::{FRAC_PI_4, TAU};
 
 /// The aperture that Blender's own cameras start with, where none is given.
 const DEFAULT_F_NUMBER: f64 = 2.8;
@@ -19,6 +19,7 @@ pub struct Thin {
     focus: f64,
     blades: u32,
     rotation_rad: f64,
+    brightness: f32,
 }
 
 impl Thin {
@@ -34,6 +35,8 @@ impl Thin {
             focus: d.focus_depth()?.unwrap_or(f64::INFINITY),
             blades: d.blades,
             rotation_rad: d.blade_rotation_rad,
+            // The irradiance behind a lens without aberration, focused far away.
+            brightness: d.brightness(FRAC_PI_4 / (f_number * f_number)) as f32,
         })
     }
 
@@ -46,7 +49,7 @@ impl Thin {
         let d = if self.focus.is_finite() { along * self.focus - start } else { along };
         let axes = self.pinhole.axes();
         let ray = Ray::new((*axes * start).as_vec3a(), (*axes * d).normalize().as_vec3a());
-        CameraRay { ray, weight: Mat3::IDENTITY }
+        CameraRay { ray, weight: Mat3::IDENTITY * self.brightness }
     }
 
     /// A point of the unit aperture, uniformly.

@@ -48,6 +48,7 @@ fn camera(model: Model) -> Camera {
         scale_mm_per_unit: DVec3::splat(1000.0),
         wavelength_nm: None,
         spectrum: crate::camera::Spectrum::Visible,
+        exposure: None,
     };
     Camera::new(&d, 75, 50).unwrap()
 }

@@ -35,6 +35,7 @@ fn description(file: &str, film_mm: [f64; 2]) -> CameraDescription {
         scale_mm_per_unit: DVec3::splat(1000.0),
         wavelength_nm: Some(587.5618),
         spectrum: Spectrum::Visible,
+        exposure: None,
     }
 }
 

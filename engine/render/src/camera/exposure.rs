@@ -1,0 +1,33 @@
+//! Exposure as a photographer sets it: shutter and film speed beside the f-number.
+
+use super::CameraDescription;
+
+/// What a digital camera's saturation is rated by, lux seconds times ISO: ISO 12232:2019, saturation-based speed.
+const SATURATION_LX_S: f64 = 78.0;
+
+/// A shutter and a film.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct PhysicalExposure {
+    /// How long it is open.
+    pub shutter_s: f64,
+    /// Speed.
+    pub iso: f64,
+    /// Luminous flux of one watt of the scene's white light, lm/W. Blender's own exchange formats count 683.
+    pub lumens_per_watt: f64,
+}
+
+impl PhysicalExposure {
+    /// The picture's value for radiance one, W/(m² sr), where the film has an irradiance of `throughput` for it:
+    /// 1 is where the film saturates.
+    pub fn value(&self, throughput: f64) -> f64 {
+        self.lumens_per_watt * throughput * self.shutter_s * self.iso / SATURATION_LX_S
+    }
+}
+
+impl CameraDescription {
+    /// The picture's value for radiance one in the middle of a film with that irradiance: 1, as Blender has it, unless
+    /// the exposure is physical.
+    pub(super) fn brightness(&self, throughput: f64) -> f64 {
+        self.exposure.map_or(1.0, |exposure| exposure.value(throughput))
+    }
+}
