@@ -121,6 +121,7 @@ class SettingsDescription:
     clamp_indirect: float = 0.0  # most radiance that light after a bounce may add to a sample; 0: no limit
     filter_width_px: float = 1.5
     transparent_film: bool = False
+    with_data: bool = False  # keep what `Job.data` gives
     pipeline: str = "AUTO"  # AUTO | FILM | SCENE | HERO
 
 

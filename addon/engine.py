@@ -34,7 +34,7 @@ class PetzvalRenderEngine(bpy.types.RenderEngine):
     # There is no __init__: Blender's own takes whatever arguments its version has.
 
     def update_render_passes(self, scene=None, renderlayer=None):
-        for one in passes.PASSES:
+        for one in (passes.COMBINED, *passes.wanted(renderlayer)):
             self.register_pass(scene, renderlayer, one.name, one.channels, one.channel_names, one.kind)
 
     def render(self, depsgraph):
@@ -101,6 +101,7 @@ class _Photograph:
         self.scene = depsgraph.scene_eval
         self.report = Report()
         self.window = _region(self.scene.render)
+        self.data_passes = passes.wanted(depsgraph.view_layer_eval)
 
     def take(self) -> None:
         native = engine()
@@ -123,7 +124,7 @@ class _Photograph:
         job = loop.stoppable(lambda: native.Job(scene, camera, settings), self._stop_asked)
         stopped = loop.follow(job, stop_asked=self._stop_asked, show=self._show, tell=self._progress)
         self._progress(job.progress() if stopped else 1.0, job.samples_done())
-        self._show([tiles.Tile(0, 0, job.image())])
+        self._show_all(job)
         self._keep(json.loads(job.stats_json()), sync_seconds, stopped)
 
     def _settings(self, width: int, height: int) -> SettingsDescription:
@@ -139,8 +140,22 @@ class _Photograph:
             clamp_indirect=own.clamp_indirect,
             filter_width_px=own.filter_width,
             pipeline=own.pipeline,
+            with_data=bool(self.data_passes),
             transparent_film=render.film_transparent,
         )
+
+    def _show_all(self, job) -> None:
+        """The finished picture with its passes of data, at once: a result without a pass would blacken it."""
+        pictures = {passes.COMBINED.name: job.image()}
+        pictures |= {one.name: job.data(one.engine_name) for one in self.data_passes}
+        result = self.host.begin_result(
+            0, 0, self.window.width, self.window.height, layer=self.depsgraph.view_layer_eval.name
+        )
+        for one in result.layers[0].passes:
+            if one.name in pictures:
+                part = tiles.clipped(tiles.Tile(0, 0, pictures[one.name]), self.window)
+                one.rect.foreach_set(tiles.flat(part))
+        self.host.end_result(result)
 
     def _show(self, finished: list[tiles.Tile]) -> None:
         inside = (tiles.clipped(tile, self.window) for tile in finished)

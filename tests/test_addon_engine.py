@@ -155,8 +155,45 @@ def test_view_layers_and_multilayer_exr(parts, blender, tmp_path):
     assert np.array_equal(both[:, 30:], less[:, 30:])
 
 
+@pytest.mark.parametrize("model", ["PINHOLE", "LENS"])
+def test_passes_of_data(parts, blender, tmp_path, model):
+    """A wall that stands slanted, out of focus: depth, place and normal lie on it, and the picture is still there."""
+    scene = parts.set_up()
+    wall = parts.square("Wall", (0.1, 6, 0), 9.0, parts.emitter((0.2, 0.6, 0.4)))
+    wall.rotation_euler.z += 0.4
+    scene.camera.data.petzval.model = model
+    scene.camera.data.dof.focus_distance = 2.0
+    layer = scene.view_layers[0]
+    layer.use_pass_z = layer.use_pass_position = layer.use_pass_normal = True
+    parts.exr(scene, "OPEN_EXR_MULTILAYER")
+    scene.render.image_settings.exr_codec = "NONE"
+    scene.render.image_settings.color_depth = "32"
+    scene.render.filepath = str(tmp_path / "passes.exr")
+    blender.ops.render.render(write_still=True)
+
+    channels = {name.partition(".")[2]: pixels for name, pixels in exr_channels(tmp_path / "passes.exr").items()}
+    place = np.stack([channels[f"Position.{c}"] for c in "XYZ"], axis=-1)
+    normal = np.stack([channels[f"Normal.{c}"] for c in "XYZ"], axis=-1)
+    to_world = np.array(wall.matrix_world)
+    facing = to_world[:3, 1] / np.linalg.norm(to_world[:3, 1])
+    # Single precision at six units, half of it in the file's own rounding.
+    assert np.abs((place - to_world[:3, 3]) @ facing).max() < 1e-4
+    assert np.abs(np.abs(normal @ facing) - 1.0).max() < 1e-4
+    eye = np.array(scene.camera.matrix_world)
+    depth = channels.get("Depth.Z", channels.get("Depth.V"))
+    assert np.abs(depth - (eye[:3, 3] - place) @ eye[:3, 2]).max() < 1e-3
+    assert channels["Combined.G"][16, 24] == pytest.approx(0.6, abs=0.05)
+
+
 def exr_layers(path) -> dict[str, np.ndarray]:
     """Combined of every layer of an uncompressed multilayer EXR, (height, width, RGBA), first row at the bottom."""
+    channels = exr_channels(path)
+    layers = {name.removesuffix(".Combined.R") for name in channels if name.endswith(".Combined.R")}
+    return {layer: np.stack([channels[f"{layer}.Combined.{c}"] for c in "RGBA"], axis=-1) for layer in layers}
+
+
+def exr_channels(path) -> dict[str, np.ndarray]:
+    """Every channel, named layer.pass.channel, (height, width), first row at the bottom."""
     data = path.read_bytes()
     assert data[:4] == bytes([0x76, 0x2F, 0x31, 0x01])
     # From 5.0 on Blender writes one part for each layer.
@@ -189,7 +226,7 @@ def exr_layers(path) -> dict[str, np.ndarray]:
         while header["channels"][here]:
             end = header["channels"].index(0, here)
             name = header["channels"][here:end].decode()
-            name = name if "Combined" in name else f"{prefix}.{name}"
+            name = name if name.count(".") >= 2 else f"{prefix}.{name}"
             channels.append((name, "<f2" if header["channels"][end + 1] == 1 else "<f4"))
             here = end + 17
         for row in range(height):
@@ -198,10 +235,7 @@ def exr_layers(path) -> dict[str, np.ndarray]:
             for name, kind in channels:
                 values = np.frombuffer(data, kind, width, chunk)
                 chunk += values.nbytes
-                layer, _, channel = name.partition(".Combined.")
-                if channel:
-                    pixels = found.setdefault(layer, np.zeros((height, width, 4), np.float32))
-                    pixels[height - 1 - y, :, "RGBA".index(channel)] = values
+                found.setdefault(name, np.zeros((height, width), np.float32))[height - 1 - y] = values
         at += 8 * height
     return found
 

@@ -27,7 +27,7 @@ def assert_white(picture: np.ndarray, tolerance: float) -> None:
 
 def small_film(lens: Path) -> dict[str, float]:
     """A film of 1/500 of the focal length: over it nothing falls off by more than some 1e-5."""
-    efl = abs(native.info(native.camera(lens), WIDTH, HEIGHT)["efl_mm"])
+    efl = abs(native.info(native.camera(lens, film_width_mm=1.0, film_height_mm=1.0), WIDTH, HEIGHT)["efl_mm"])
     return {"film_width_mm": efl / 500.0, "film_height_mm": efl / 500.0}
 
 

@@ -3,16 +3,18 @@
 
 from __future__ import annotations
 
-from . import builtin, camera, render
+from . import builtin, camera, render, view_layer
 
 
 def register() -> None:
     render.register()
     camera.register()
+    view_layer.register()
     builtin.register()
 
 
 def unregister() -> None:
     builtin.unregister()
+    view_layer.unregister()
     camera.unregister()
     render.unregister()

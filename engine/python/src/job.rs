@@ -6,6 +6,7 @@ use crate::error::{Error, refused};
 use crate::scene::Scene;
 use numpy::{PyArray1, PyArray3, PyArrayMethods};
 use petzval_render::camera::{Camera, CameraDescription};
+use petzval_render::film::data::DataPass;
 use petzval_render::job::{self as engine, Settings};
 use petzval_render::pipeline::Pipeline;
 use pyo3::prelude::*;
@@ -25,6 +26,7 @@ struct PySettings {
     filter_width_px: f32,
     transparent_film: bool,
     pipeline: String,
+    with_data: bool,
 }
 
 impl TryFrom<PySettings> for Settings {
@@ -50,6 +52,7 @@ impl TryFrom<PySettings> for Settings {
             filter_width_px: s.filter_width_px,
             transparent_film: s.transparent_film,
             pipeline,
+            with_data: s.with_data,
         })
     }
 }
@@ -105,6 +108,18 @@ impl Job {
         let (width, height) = self.job.film().size();
         let pixels = away(py, || self.job.film().picture())?;
         array(py, pixels, width, height)
+    }
+
+    fn data<'py>(&self, py: Python<'py>, name: &str) -> Result<Bound<'py, PyArray3<f32>>, Error> {
+        let (pass, channels) = match name {
+            "DEPTH" => (DataPass::Depth, 1),
+            "POSITION" => (DataPass::Position, 3),
+            "NORMAL" => (DataPass::Normal, 3),
+            other => return Err(refused(format!("there is no pass '{other}'; use DEPTH, POSITION or NORMAL"))),
+        };
+        let (width, height) = self.job.film().size();
+        let flat = PyArray1::from_vec(py, away(py, || self.job.data(pass))?);
+        Ok(flat.reshape([height as usize, width as usize, channels])?)
     }
 
     fn stop(&self) {

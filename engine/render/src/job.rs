@@ -4,6 +4,7 @@
 //! them, so that the same seed gives the same bits for any number of threads.
 
 use crate::camera::Camera;
+use crate::film::data::{DataPass, DataSums, FARTHEST};
 use crate::film::{Film, TilePixels};
 use crate::integrator::{Stage, path::Limits};
 use crate::pipeline::{Counts, Pipeline, Shot, render_tile};
@@ -44,6 +45,8 @@ pub struct Settings {
     pub transparent_film: bool,
     /// Which way light is followed.
     pub pipeline: Pipeline,
+    /// Keep what surfaces the pixels see, for [`Job::data`].
+    pub with_data: bool,
 }
 
 /// A setting out of range.
@@ -153,7 +156,7 @@ impl Job {
         let (width, height) = (settings.width, settings.height);
         let shared = Arc::new(Shared {
             raster: Raster::new(width, height, PixelFilter::new(settings.filter_width_px)),
-            film: Film::new(width, height, spreads),
+            film: Film::new(width, height, spreads, settings.with_data),
             pipeline,
             passes: passes(settings.samples),
             stage,
@@ -204,6 +207,21 @@ impl Job {
     /// The film.
     pub fn film(&self) -> &Film {
         &self.shared.film
+    }
+
+    /// A pass of data as it is now, its channels pixel by pixel, rows from below.
+    pub fn data(&self, pass: DataPass) -> Vec<f32> {
+        let origin = self.shared.stage.scene.origin.as_vec3();
+        let backwards = self.shared.camera.axes().z_axis.as_vec3();
+        let sums = self.shared.film.data();
+        let surfaces = sums.iter().map(DataSums::mean);
+        match pass {
+            DataPass::Depth => surfaces.map(|s| s.map_or(FARTHEST, |(position, _)| -position.dot(backwards))).collect(),
+            DataPass::Position => {
+                surfaces.flat_map(|s| s.map_or([0.0; 3], |(position, _)| (position + origin).to_array())).collect()
+            }
+            DataPass::Normal => surfaces.flat_map(|s| s.map_or([0.0; 3], |(_, normal)| normal.to_array())).collect(),
+        }
     }
 
     /// The tiles that changed since the last call.

@@ -58,6 +58,10 @@ impl Gaussian {
         Ok(Self { mount, spectrum, diaphragm, lines })
     }
 
+    pub(super) fn axes(&self) -> &DMat3 {
+        self.mount.axes()
+    }
+
     /// What the lens does in this camera.
     pub fn info(&self) -> &LensInfo {
         &self.mount.info

@@ -42,6 +42,10 @@ impl ImageBased {
         Ok(Self { mount, map, table, gain })
     }
 
+    pub(super) fn axes(&self) -> &DMat3 {
+        self.mount.axes()
+    }
+
     /// What the lens does in this camera.
     pub fn info(&self) -> &LensInfo {
         &self.mount.info

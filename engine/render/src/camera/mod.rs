@@ -285,6 +285,17 @@ impl Camera {
         }
     }
 
+    /// Camera space (x right, y up, looking along -z) to render space.
+    pub fn axes(&self) -> &DMat3 {
+        match self {
+            Self::Pinhole(c) => c.axes(),
+            Self::Thin(c) => c.axes(),
+            Self::Lens(c) => c.mount.axes(),
+            Self::Gaussian(c) => c.axes(),
+            Self::ImageBased(c) => c.axes(),
+        }
+    }
+
     /// What it is called in reports.
     pub fn name(&self) -> &str {
         match self {

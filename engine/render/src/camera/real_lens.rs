@@ -219,6 +219,10 @@ impl Mount {
         Ok((Self { info, film, frame, axes, origin_z_mm, per_unit: d.scale_mm_per_unit }, system))
     }
 
+    pub(super) fn axes(&self) -> &DMat3 {
+        &self.axes
+    }
+
     /// The film point of a picture point, lens space: the picture on the film is turned by half a turn.
     #[inline]
     pub(super) fn film_at(&self, p: Vec2) -> FilmPoint {

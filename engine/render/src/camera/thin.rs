@@ -40,6 +40,10 @@ impl Thin {
         })
     }
 
+    pub(super) fn axes(&self) -> &DMat3 {
+        self.pinhole.axes()
+    }
+
     /// A ray of a picture point through the point of the aperture that `u` chooses.
     #[inline]
     pub fn sample(&self, p: Vec2, u: [f32; 2]) -> CameraRay {

@@ -6,9 +6,12 @@
 //!
 //! Pixel (0, 0) is the lower left corner of the picture.
 
+pub mod data;
 pub mod splats;
 
 use crate::Rgb;
+use crate::integrator::path::FirstSurface;
+use data::DataSums;
 use splats::SplatSums;
 use std::sync::{Mutex, MutexGuard, PoisonError};
 
@@ -57,11 +60,24 @@ pub struct Patch {
     sums: Vec<[f32; 4]>,
     /// What fell outside.
     far: Vec<(u32, u32, Rgb)>,
+    /// By pixel, as the sums; empty if nobody asked.
+    data: Vec<DataSums>,
 }
 
 impl Patch {
-    fn new(rect: TileRect) -> Self {
-        Self { rect, sums: vec![[0.0; 4]; (rect.width * rect.height) as usize], far: Vec::new() }
+    fn new(rect: TileRect, with_data: bool) -> Self {
+        let pixels = (rect.width * rect.height) as usize;
+        let data = if with_data { vec![DataSums::default(); pixels] } else { Vec::new() };
+        Self { rect, sums: vec![[0.0; 4]; pixels], far: Vec::new(), data }
+    }
+
+    /// Notes what a ray of a pixel of the tile found, if anybody asked.
+    #[inline]
+    pub fn add_data(&mut self, x: u32, y: u32, found: Option<FirstSurface>) {
+        let Some(i) = self.rect.index(x, y) else { return };
+        if let Some(sums) = self.data.get_mut(i) {
+            sums.add(found);
+        }
     }
 
     /// Adds radiance to a pixel of the picture.
@@ -121,7 +137,8 @@ pub struct Film {
 impl Film {
     /// An empty film; tiles in order of their distance from the centre, where one looks first. `spreads` if samples
     /// give light to other pixels than their own.
-    pub fn new(width: u32, height: u32, spreads: bool) -> Self {
+    /// `with_data` if it shall also keep what surfaces the pixels see.
+    pub fn new(width: u32, height: u32, spreads: bool, with_data: bool) -> Self {
         let mut rects = Vec::new();
         for y in (0..height).step_by(TILE_SIZE as usize) {
             for x in (0..width).step_by(TILE_SIZE as usize) {
@@ -140,7 +157,7 @@ impl Film {
         order.iter().enumerate().for_each(|(tile, &place)| places[place] = tile);
         let margin = if spreads { SPREAD } else { 0 };
         let tile = |&place: &usize| {
-            let light = Patch::new(rects[place].grown(margin, width, height));
+            let light = Patch::new(rects[place].grown(margin, width, height), with_data);
             (rects[place], Mutex::new(TileSums { light, samples: 0, passes: 0, changed: false }))
         };
         let far = SplatSums::new(width as usize * height as usize);
@@ -164,7 +181,8 @@ impl Film {
 
     /// An empty patch for the samples of a tile.
     pub fn patch(&self, tile: usize) -> Patch {
-        Patch::new(self.tile(tile).light.rect)
+        let tile = self.tile(tile);
+        Patch::new(tile.light.rect, !tile.light.data.is_empty())
     }
 
     /// A tile's sums, for as long as the guard lives.
@@ -183,6 +201,9 @@ impl Film {
             for (s, a) in sum.iter_mut().zip(add) {
                 *s += a;
             }
+        }
+        for (sums, add) in sums.light.data.iter_mut().zip(&light.data) {
+            sums.join(add);
         }
         for &(x, y, radiance) in &light.far {
             self.far.add(y as usize * self.width as usize + x as usize, radiance.to_array());
@@ -213,6 +234,21 @@ impl Film {
             for (row, line) in means.chunks_exact(rect.width as usize).enumerate() {
                 let start = (rect.y as usize + row) * self.width as usize + rect.x as usize;
                 out[start..start + line.len()].copy_from_slice(line);
+            }
+        }
+        out
+    }
+
+    /// What each pixel sees, rows from below; nothing if the film was not to keep it.
+    pub fn data(&self) -> Vec<DataSums> {
+        let mut out = vec![DataSums::default(); self.width as usize * self.height as usize];
+        for (i, (rect, _)) in self.tiles.iter().enumerate() {
+            let tile = self.tile(i);
+            for (x, y) in (0..rect.height).flat_map(|y| (0..rect.width).map(move |x| (rect.x + x, rect.y + y))) {
+                let sums = tile.light.rect.index(x, y).and_then(|at| tile.light.data.get(at));
+                if let Some(sums) = sums {
+                    out[y as usize * self.width as usize + x as usize] = *sums;
+                }
             }
         }
         out
@@ -264,7 +300,7 @@ mod tests {
     #[test]
     fn tiles_cover_the_picture_once() {
         for (w, h) in [(1, 1), (32, 32), (33, 31), (160, 90)] {
-            let film = Film::new(w, h, true);
+            let film = Film::new(w, h, true, false);
             let mut seen = vec![0; (w * h) as usize];
             for i in 0..film.tile_count() {
                 let r = film.rect(i);
@@ -280,7 +316,7 @@ mod tests {
 
     #[test]
     fn means_and_changes() {
-        let film = Film::new(40, 8, false);
+        let film = Film::new(40, 8, false, false);
         for green in [4.0, 0.0] {
             let mut patch = film.patch(0);
             let r = film.rect(0);
@@ -302,7 +338,7 @@ mod tests {
     /// Tiles that are at different counts of samples: light beyond an edge is divided by the count of where it came from.
     #[test]
     fn light_beyond_an_edge_counts_once() {
-        let film = Film::new(70, 40, true);
+        let film = Film::new(70, 40, true, false);
         let mut expected = vec![0.0f32; 70 * 40];
         for tile in 0..film.tile_count() {
             let samples = 1 + tile as u32;

@@ -9,6 +9,7 @@ use crate::sampler::PathSampler;
 use crate::shading::principled::Bsdf;
 use crate::surface::SurfacePoint;
 use crate::{Rgb, scene::Scene};
+use glam::Vec3A;
 
 /// Bounces before a path may be ended by chance.
 const SURE_BOUNCES: u32 = 3;
@@ -28,6 +29,17 @@ pub struct PathResult {
     pub hit: bool,
     /// Rays traced, shadow rays included.
     pub rays: u32,
+    /// The first surface that the ray did not pass.
+    pub first: Option<FirstSurface>,
+}
+
+/// A surface that a camera ray met.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct FirstSurface {
+    /// Render space.
+    pub position: Vec3A,
+    /// Unit, towards the ray's origin.
+    pub normal: Vec3A,
 }
 
 /// How the current ray was chosen: what light it finds is weighted by this.
@@ -116,6 +128,9 @@ pub fn trace(stage: &Stage, camera_ray: Ray, limits: &Limits, sampler: &mut Path
             continue;
         }
         result.hit = true;
+        if result.first.is_none() {
+            result.first = Some(FirstSurface { position: point.position, normal: point.shading_normal });
+        }
         let material = &scene.materials[point.material as usize];
         if material.emits() {
             let radiance = nodes::emission(material, scene, hit.instance, hit.triangle, point.barycentric);

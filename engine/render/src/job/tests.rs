@@ -20,11 +20,12 @@ fn settings(samples: u32, threads: usize) -> Settings {
         filter_width_px: 1.5,
         transparent_film: false,
         pipeline: Pipeline::Auto,
+        with_data: true,
     }
 }
 
-fn camera(model: Model) -> Camera {
-    let d = CameraDescription {
+fn description(model: Model) -> CameraDescription {
+    CameraDescription {
         object_name: "Camera".into(),
         model,
         matrix_world: DMat4::IDENTITY,
@@ -49,8 +50,11 @@ fn camera(model: Model) -> Camera {
         wavelength_nm: None,
         spectrum: crate::camera::Spectrum::Visible,
         exposure: None,
-    };
-    Camera::new(&d, 75, 50).unwrap()
+    }
+}
+
+fn camera(model: Model) -> Camera {
+    Camera::new(&description(model), 75, 50).unwrap()
 }
 
 fn stage() -> Arc<Stage> {
@@ -148,4 +152,55 @@ fn settings_out_of_range_are_refused() {
     assert!(start(Settings { width: 0, ..settings(1, 1) }).contains("resolution 0 x 50"));
     assert!(start(Settings { clamp_indirect: -1.0, ..settings(1, 1) }).contains("clamped at -1"));
     assert!(start(Settings { filter_width_px: f32::NAN, ..settings(1, 1) }).contains("filter"));
+}
+
+/// A slanted plane, out of focus, through a lens with a tilted film: the mean of points of a plane lies in it, and the
+/// picture of a place is where the place is seen.
+#[test]
+fn passes_of_data_lie_on_what_the_lens_sees() {
+    let mut builder = SceneBuilder::new();
+    let quad = MeshDescription {
+        name: "quad".into(),
+        positions: [(-9.0, -9.0), (9.0, -9.0), (9.0, 9.0), (-9.0, 9.0)].map(|(x, y)| Vec3::new(x, y, 0.0)).to_vec(),
+        triangles: vec![[0, 1, 2], [0, 2, 3]],
+        ..Default::default()
+    };
+    let mesh = builder.add_mesh(quad).unwrap();
+    let turn = DMat4::from_rotation_y(0.5);
+    let place = DMat4::from_translation(DVec3::new(100.0, 50.0, -4.5));
+    builder.add_instance("quad", mesh, place * turn, &[], true, true).unwrap();
+    let origin = DVec3::new(100.0, 50.0, 0.0);
+    let stage = Arc::new(Stage::new(builder.build(origin)));
+    let normal = turn.transform_vector3(DVec3::Z).as_vec3();
+    for pipeline in [Pipeline::FilmFirst, Pipeline::Hero, Pipeline::SceneFirst] {
+        let settings = Settings { pipeline, ..settings(64, 2) };
+        let job = Job::start(stage.clone(), camera(Model::Lens), settings).unwrap();
+        assert!(job.wait(Duration::from_secs(120)));
+        let (depth, position, normals) =
+            (job.data(DataPass::Depth), job.data(DataPass::Position), job.data(DataPass::Normal));
+        let at = |list: &[f32], x: usize, y: usize| Vec3::from_slice(&list[3 * (y * 75 + x)..]);
+        for (x, y) in (4..46).flat_map(|y| (4..71).map(move |x| (x, y))) {
+            let p = at(&position, x, y);
+            // Single precision at a hundred units.
+            assert!((p - place.transform_point3(DVec3::ZERO).as_vec3()).dot(normal).abs() < 2e-4, "{pipeline:?} {p}");
+            assert!((depth[y * 75 + x] + p.z).abs() < 2e-4);
+            assert!((at(&normals, x, y) - normal).length() < 1e-4);
+        }
+        // Right and up in the picture are right and up in the world, evenly about the middle.
+        let across = at(&position, 60, 25).x - at(&position, 15, 25).x;
+        assert!(across > 1.0 && at(&position, 37, 40).y - at(&position, 37, 10).y > 0.5);
+        let info = crate::camera::lens_info(&description(Model::Lens), 75, 50).unwrap();
+        let (seen, far) = (at(&position, 37, 25).x - 100.0, depth[25 * 75 + 37]);
+        // The middle looks along the axis, to a pixel and the blur's noise.
+        assert!(
+            seen.abs() < 1.5 * far * (info.picture_width_mm / info.viewport_focal_length_mm) as f32 / 75.0,
+            "{seen}"
+        );
+    }
+    // Nothing there: background.
+    let empty = Arc::new(Stage::new(SceneBuilder::new().build(DVec3::ZERO)));
+    let job = Job::start(empty, camera(Model::Lens), settings(2, 1)).unwrap();
+    assert!(job.wait(Duration::from_secs(120)));
+    assert!(job.data(DataPass::Depth).iter().all(|&d| d == FARTHEST));
+    assert!(job.data(DataPass::Normal).iter().all(|&n| n == 0.0));
 }

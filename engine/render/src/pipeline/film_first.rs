@@ -14,6 +14,6 @@ pub(super) fn sample(mut s: Sample<'_>) {
     let Some(ray) = ray else { return s.lost() };
     if let Some(found) = s.follow(ray.ray, &mut sampler) {
         s.light.add(s.x, s.y, ray.weight * found.radiance);
-        s.alpha(found.hit);
+        s.note(&found);
     }
 }

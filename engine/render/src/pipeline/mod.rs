@@ -162,13 +162,16 @@ impl Sample<'_> {
         Some(found)
     }
 
+    /// What the sample's ray is for the pixel that it belongs to.
+    fn note(&mut self, found: &PathResult) {
+        let alpha = if self.shot.limits.hide_sky && !found.hit { 0.0 } else { 1.0 };
+        self.light.add_alpha(self.x, self.y, alpha);
+        self.light.add_data(self.x, self.y, found.first);
+    }
+
     /// Of a sample that was lost in the lens: black, not transparent, for the lens is in the way.
     fn lost(&mut self) {
         self.light.add_alpha(self.x, self.y, if self.shot.limits.hide_sky { 0.0 } else { 1.0 });
-    }
-
-    fn alpha(&mut self, hit: bool) {
-        self.light.add_alpha(self.x, self.y, if self.shot.limits.hide_sky && !hit { 0.0 } else { 1.0 });
     }
 }
 

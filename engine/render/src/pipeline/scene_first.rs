@@ -21,6 +21,6 @@ pub(super) fn sample(lens: &RealLens, mut s: Sample<'_>) {
         for (x, y, weight) in led.splats.into_iter().flatten() {
             s.light.add(x, y, weight * found.radiance);
         }
-        s.alpha(found.hit);
+        s.note(&found);
     }
 }

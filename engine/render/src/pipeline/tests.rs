@@ -59,6 +59,7 @@ fn settings(pipeline: Pipeline, samples: u32, seed: u32) -> Settings {
         filter_width_px: 1.5,
         transparent_film: false,
         pipeline,
+        with_data: true,
     }
 }
 

@@ -1,0 +1,79 @@
+//! What the first surfaces are that a pixel sees through the lens: where they lie, how far, how they are turned.
+//!
+//! Through a lens a pixel sees many places. Each ray that gets through the lens counts alike, with the first surface that
+//! it does not pass; the pass is their mean. In focus that is the surface; out of focus it is blurred as the picture is,
+//! with the same rays, so that a compositor's masks fit the picture. By hero the ray is that of the wavelength that leads;
+//! scene-first, the ray that the pixel started. Where less than half of the rays meet anything the pixel is background.
+
+use crate::integrator::path::FirstSurface;
+use glam::Vec3;
+
+/// Sums of one pixel.
+#[derive(Clone, Copy, Debug, Default, PartialEq)]
+pub struct DataSums {
+    /// Rays that got through the lens.
+    pub rays: f32,
+    /// Of these, those that met something.
+    pub hits: f32,
+    /// Sum of positions, render space.
+    pub position: Vec3,
+    /// Sum of normals.
+    pub normal: Vec3,
+}
+
+impl DataSums {
+    /// Adds a ray.
+    #[inline]
+    pub fn add(&mut self, found: Option<FirstSurface>) {
+        self.rays += 1.0;
+        if let Some(surface) = found {
+            self.hits += 1.0;
+            self.position += Vec3::from(surface.position);
+            self.normal += Vec3::from(surface.normal);
+        }
+    }
+
+    pub(super) fn join(&mut self, other: &Self) {
+        self.rays += other.rays;
+        self.hits += other.hits;
+        self.position += other.position;
+        self.normal += other.normal;
+    }
+
+    /// The mean surface; `None` for the background.
+    pub fn mean(&self) -> Option<(Vec3, Vec3)> {
+        (self.hits > 0.0 && 2.0 * self.hits >= self.rays).then(|| (self.position / self.hits, self.normal / self.hits))
+    }
+}
+
+/// A pass of data.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub enum DataPass {
+    /// Distance from the camera along its axis, Blender units; 1e10 for the background, as Cycles has it. One channel.
+    Depth,
+    /// World space; 0 for the background. Three channels.
+    Position,
+    /// World space, towards the camera; 0 for the background. Three channels.
+    Normal,
+}
+
+/// What stands for the background's depth.
+pub const FARTHEST: f32 = 1e10;
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use glam::Vec3A;
+
+    #[test]
+    fn the_background_is_where_most_rays_meet_nothing() {
+        let surface = FirstSurface { position: Vec3A::new(1.0, 2.0, -3.0), normal: Vec3A::Z };
+        let mut sums = DataSums::default();
+        assert_eq!(sums.mean(), None);
+        sums.add(Some(surface));
+        sums.add(None);
+        assert_eq!(sums.mean(), Some((Vec3::new(1.0, 2.0, -3.0), Vec3::Z)));
+        sums.add(None);
+        assert_eq!(sums.mean(), None);
+    }
+}
