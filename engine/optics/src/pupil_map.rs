@@ -29,7 +29,7 @@ pub use throughput::on_axis_throughput;
 
 /// Part of the samples that covers the whole rear glass. Larger wastes rays; smaller makes light that the outline
 /// misses noisier.
-const DEFENSIVE_SHARE: f64 = 0.01;
+const DEFENSIVE_SHARE: f64 = 0.005;
 
 /// A point of the reference plane to aim at.
 #[derive(Clone, Copy, Debug, PartialEq)]

@@ -132,7 +132,12 @@ impl Job {
         let timed = s.counts.sample_time.as_secs_f64();
         let lens_share = if timed > 0.0 { s.counts.camera_time.as_secs_f64() / timed } else { 0.0 };
         json!({
-            "seconds": { "bvh": self.job.stage().build_seconds, "plan": 0.0, "render": s.render_seconds },
+            "seconds": {
+                "pupil_map": self.job.camera().traced_lens().map(|lens| lens.map_seconds()),
+                "bvh": self.job.stage().build_seconds,
+                "plan": 0.0,
+                "render": s.render_seconds,
+            },
             "samples": s.samples,
             "camera_rays": s.counts.camera_rays,
             "camera_rays_lost": s.counts.camera_rays_lost,

@@ -18,6 +18,7 @@ use petzval_optics::pupil_map::{PupilMap, on_axis_throughput};
 use petzval_optics::system::{FocalLength, System, SystemError, SystemSettings};
 use petzval_optics::trace::{Ray as LensRay, Tracer};
 use std::sync::OnceLock;
+use std::time::Instant;
 
 /// Yellow helium line, where lenses are focused and measured, nm.
 const D_LINE_NM: f64 = 587.5618;
@@ -269,6 +270,7 @@ pub struct RealLens {
     /// By wavelength of the film.
     pub(super) lines: Vec<Line>,
     pub(super) map: PupilMap,
+    map_seconds: f64,
     packets: Packets,
     system: System,
     /// Made when rays first start in the scene.
@@ -305,7 +307,9 @@ impl RealLens {
         } else {
             [0, middle, tracers.len() - 1].map(|i| tracers[i].clone()).to_vec()
         };
+        let start = Instant::now();
         let map = PupilMap::for_tracers(&representative, &system, film, half[0], half[1]);
+        let map_seconds = start.elapsed().as_secs_f64();
         let gains = gains(&tracers, &spectrum, &system, film.z_mm);
         if !gains.iter().all(|g| g.is_finite()) {
             return Err(dark(d, &info.lens_name));
@@ -317,12 +321,17 @@ impl RealLens {
             Line { tracer, gain: gain * brightness, index_squared }
         };
         let lines = tracers.into_iter().zip(gains).map(line).collect();
-        Ok(Self { mount, spectrum, lines, map, packets, system, scene_side: OnceLock::new() })
+        Ok(Self { mount, spectrum, lines, map, map_seconds, packets, system, scene_side: OnceLock::new() })
     }
 
     /// What the lens does in this camera.
     pub fn info(&self) -> &LensInfo {
         &self.mount.info
+    }
+
+    /// Wall time that the map of the pupil took, s.
+    pub fn map_seconds(&self) -> f64 {
+        self.map_seconds
     }
 
     /// A ray for a picture point, or `None` where it is lost in the lens.
