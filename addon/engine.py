@@ -3,7 +3,9 @@
 
 from __future__ import annotations
 
+import dataclasses
 import json
+import math
 import time
 import traceback
 
@@ -11,13 +13,20 @@ import bpy
 import numpy as np
 
 from . import export, loop, passes, statistics, tiles
-from .description import Report, SettingsDescription
+from .description import CameraDescription, Report, SettingsDescription
 from .export import camera as camera_export
 from .export.errors import ExportError
 from .native import EngineMissing, engine
 
 #: The one name of the engine.
 ENGINE = "PETZVAL"
+
+
+# How much of the shutter's time has gone by at the frame.
+_OPENS = {"START": 0.0, "CENTER": 0.5, "END": 1.0}
+# Pictures of a lens that changes while the shutter is open: enough for changes of a few f-stops, or of a focus pull
+# across a scene, to look smooth.
+_SHUTTER_STEPS = 16
 
 
 class PetzvalRenderEngine(bpy.types.RenderEngine):
@@ -110,6 +119,7 @@ class _Photograph:
         width, height = camera_export.resolution(self.scene.render)
         camera = camera_export.describe(self.scene.camera, self.scene, width, height, self.report)
         settings = self._settings(width, height)
+        moving = self._over_the_shutter(camera, width, height)
         builder = native.SceneBuilder()
         export.send_scene(self.depsgraph, builder, self.report, self._check_stop)
         self.report.warnings += builder.warnings()
@@ -121,11 +131,36 @@ class _Photograph:
         position = tuple(row[3] for row in camera.matrix_world[:3])
         scene = loop.stoppable(lambda: builder.build(position, settings.threads), self._stop_asked)
         self._tell("Preparing the lens", 0.0)
-        job = loop.stoppable(lambda: native.Job(scene, camera, settings), self._stop_asked)
+        job = loop.stoppable(lambda: native.Job(scene, camera, settings, moving), self._stop_asked)
         stopped = loop.follow(job, stop_asked=self._stop_asked, show=self._show, tell=self._progress)
         self._progress(job.progress() if stopped else 1.0, job.samples_done())
         self._show_all(job)
         self._keep(json.loads(job.stats_json()), sync_seconds, stopped)
+
+    def _over_the_shutter(self, camera: CameraDescription, width: int, height: int) -> list[CameraDescription]:
+        """The camera at even times while the shutter is open; nothing where the lens does not change meanwhile."""
+        render = self.scene.render
+        if not render.use_motion_blur or render.motion_blur_shutter <= 0.0:
+            return []
+        now, subframe = self.scene.frame_current, self.scene.frame_subframe
+        begin = now + subframe - _OPENS[getattr(render, "motion_blur_position", "CENTER")] * render.motion_blur_shutter
+        shutter = render.motion_blur_shutter
+
+        def at(part: float) -> CameraDescription:
+            frame = math.floor(begin + part * shutter)
+            self.host.frame_set(frame, begin + part * shutter - frame)
+            self.scene = self.depsgraph.scene_eval
+            then = camera_export.describe(self.scene.camera, self.scene, width, height, self.report)
+            # The camera's own way through the world is not blurred yet; the report says so.
+            return dataclasses.replace(then, matrix_world=camera.matrix_world)
+
+        try:
+            if all(at(part) == camera for part in (0.0, 0.5, 1.0)):
+                return []
+            return [at((step + 0.5) / _SHUTTER_STEPS) for step in range(_SHUTTER_STEPS)]
+        finally:
+            self.host.frame_set(now, subframe)
+            self.scene = self.depsgraph.scene_eval
 
     def _settings(self, width: int, height: int) -> SettingsDescription:
         own, render = self.scene.petzval, self.scene.render

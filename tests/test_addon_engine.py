@@ -271,6 +271,35 @@ def test_an_animation_of_the_lens(parts, blender, tmp_path, animated):
     assert np.array_equal(second, parts.render(tmp_path, "alone.exr"))
 
 
+def test_a_focus_pull_while_the_shutter_is_open(parts, blender, tmp_path):
+    """From one lamp to another within a frame: the mean of the pictures before, between and after."""
+    scene = parts.set_up(width=36, height=24, samples=64, model="LENS")
+    camera = scene.camera.data
+    camera.petzval.lens_file = "double-gauss-f2-tronnier.lens"
+    for x, y in ((-0.2, 1.0), (0.3, 3.0)):
+        parts.square(f"At {y}", (x, y, 0.0), 0.1 * y, parts.emitter((4.0, 4.0, 4.0)))
+    for frame, distance in ((1, 1.0), (2, 3.0)):
+        camera.dof.focus_distance = distance
+        assert camera.dof.keyframe_insert("focus_distance", frame=frame)
+    # bpy 5 keeps curves in layers; everything else about them is the default: eased in and out.
+    scene.frame_set(1, subframe=0.5)
+    camera_before = scene.camera.data.dof.focus_distance
+    scene.render.motion_blur_shutter = 1.0
+    scene.render.use_motion_blur = True
+    blurred = parts.render(tmp_path, "blurred.exr")
+    assert scene.frame_current == 1 and scene.frame_subframe == pytest.approx(0.5)
+    assert scene.camera.data.dof.focus_distance == pytest.approx(camera_before)
+    scene.render.use_motion_blur = False
+    still = []
+    for step in range(16):
+        scene.frame_set(1, subframe=(step + 0.5) / 16)
+        still.append(parts.render(tmp_path, f"still-{step}.exr"))
+    mean = np.mean(still, axis=0)
+    # 64 samples of the blurred picture; a lamp of radiance 4 that half of a pixel's rays see.
+    assert np.abs(blurred - mean)[..., :3].mean() < 0.03
+    assert np.abs(still[0] - mean)[..., :3].mean() > 0.06
+
+
 def test_every_setting_survives_saving(parts, blender, tmp_path):
     scene = parts.set_up()
     holders = {"camera": scene.camera.data.petzval, "scene": scene.petzval}

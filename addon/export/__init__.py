@@ -26,6 +26,8 @@ def send_scene(depsgraph: bpy.types.Depsgraph, builder: Any, report: Report, che
     builder.set_world(world.describe(scene.world, images, report))
     Stage(builder, materials, images, report, check_stop).send(depsgraph)
     if scene.render.use_motion_blur:
-        report.warn(f"Scene '{scene.name}': motion blur is not supported yet, it is left out")
+        report.warn(
+            f"Scene '{scene.name}': motion blur is supported for the lens's settings only yet, that of objects is left out"
+        )
     if scene.render.use_freestyle:
         report.warn(f"Scene '{scene.name}': Freestyle lines are not supported yet, they are left out")

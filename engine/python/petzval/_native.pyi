@@ -162,7 +162,17 @@ class SettingsDescription(Protocol):
 class Job:
     """One render. Starts at once in threads of its own; every method returns without waiting unless it says so."""
 
-    def __init__(self, scene: Scene, camera: CameraDescription, settings: SettingsDescription) -> None: ...
+    def __init__(
+        self,
+        scene: Scene,
+        camera: CameraDescription,
+        settings: SettingsDescription,
+        over_the_shutter: Sequence[CameraDescription] = (),
+    ) -> None:
+        """`over_the_shutter`: the camera at the middles of equal parts of the exposure, where it changes meanwhile."""
+    def data(self, name: str) -> npt.NDArray[np.float32]:
+        """DEPTH (one channel, along the camera's axis, 1e10 for the background), POSITION or NORMAL (world space),
+        (height, width, channels), first row at the bottom; asked for by `SettingsDescription.with_data`."""
     def wait(self, timeout_s: float) -> bool:
         """Waits, with the interpreter's lock free, until finished or time is up; True: finished."""
     def progress(self) -> float:  # 0..1

@@ -68,13 +68,22 @@ pub(crate) struct Job {
 #[pymethods]
 impl Job {
     #[new]
-    fn new(py: Python<'_>, scene: &Scene, camera: PyCamera, settings: PySettings) -> Result<Self, Error> {
-        let description: CameraDescription = camera.try_into()?;
+    #[pyo3(signature = (scene, camera, settings, over_the_shutter=Vec::new()))]
+    fn new(
+        py: Python<'_>,
+        scene: &Scene,
+        camera: PyCamera,
+        settings: PySettings,
+        over_the_shutter: Vec<PyCamera>,
+    ) -> Result<Self, Error> {
+        let all = if over_the_shutter.is_empty() { vec![camera] } else { over_the_shutter };
+        let descriptions = all.into_iter().map(TryInto::try_into).collect::<Result<Vec<CameraDescription>, Error>>()?;
         let settings: Settings = settings.try_into()?;
         let stage = scene.stage.clone();
         away(py, || -> Result<Self, Error> {
-            let camera = Camera::new(&description, settings.width, settings.height)?;
-            Ok(Self { job: engine::Job::start(stage, camera, settings)? })
+            let camera = |d| Camera::new(d, settings.width, settings.height);
+            let cameras = descriptions.iter().map(camera).collect::<Result<Vec<Camera>, _>>()?;
+            Ok(Self { job: engine::Job::start_moving(stage, cameras, settings)? })
         })?
     }
 

@@ -71,6 +71,9 @@ pub enum SettingsError {
     /// The limit on indirect light.
     #[error("indirect light clamped at {0}: set a radiance, or zero for no limit")]
     Clamp(f32),
+    /// None given.
+    #[error("no camera: give one")]
+    Camera,
     /// The filter.
     #[error("filter width {0} pixels: set it from 0 to 10")]
     Filter(f32),
@@ -120,7 +123,7 @@ pub struct Statistics {
 /// State that the threads share.
 struct Shared {
     stage: Arc<Stage>,
-    camera: Camera,
+    cameras: Vec<Camera>,
     settings: Settings,
     pipeline: Pipeline,
     raster: Raster,
@@ -149,9 +152,18 @@ impl Job {
     /// # Errors
     /// [`SettingsError`].
     pub fn start(stage: Arc<Stage>, camera: Camera, settings: Settings) -> Result<Self, SettingsError> {
+        Self::start_moving(stage, vec![camera], settings)
+    }
+
+    /// The same with a camera that changes while the shutter is open: as it is at times that lie evenly over it, each
+    /// the middle of an equal part. Every sample has one of them.
+    ///
+    /// # Errors
+    /// [`SettingsError`], also if there is no camera.
+    pub fn start_moving(stage: Arc<Stage>, cameras: Vec<Camera>, settings: Settings) -> Result<Self, SettingsError> {
         settings.check()?;
+        let pipeline = settings.pipeline.with(cameras.first().ok_or(SettingsError::Camera)?);
         let threads = settings.thread_count();
-        let pipeline = settings.pipeline.with(&camera);
         let spreads = pipeline != Pipeline::FilmFirst;
         let (width, height) = (settings.width, settings.height);
         let shared = Arc::new(Shared {
@@ -160,7 +172,7 @@ impl Job {
             pipeline,
             passes: passes(settings.samples),
             stage,
-            camera,
+            cameras,
             settings,
             next: AtomicUsize::new(0),
             stop: AtomicBool::new(false),
@@ -212,7 +224,7 @@ impl Job {
     /// A pass of data as it is now, its channels pixel by pixel, rows from below.
     pub fn data(&self, pass: DataPass) -> Vec<f32> {
         let origin = self.shared.stage.scene.origin.as_vec3();
-        let backwards = self.shared.camera.axes().z_axis.as_vec3();
+        let backwards = self.camera().axes().z_axis.as_vec3();
         let sums = self.shared.film.data();
         let surfaces = sums.iter().map(DataSums::mean);
         match pass {
@@ -229,9 +241,10 @@ impl Job {
         self.shared.film.take_changed()
     }
 
-    /// The camera.
+    /// The camera in the middle of the exposure.
     pub fn camera(&self) -> &Camera {
-        &self.shared.camera
+        let cameras = &self.shared.cameras;
+        &cameras[cameras.len() / 2]
     }
 
     /// The way that light is followed.
@@ -297,7 +310,7 @@ impl Shared {
         let s = &self.settings;
         let shot = Shot {
             stage: &self.stage,
-            camera: &self.camera,
+            cameras: &self.cameras,
             pipeline: self.pipeline,
             raster: &self.raster,
             limits: Limits {

@@ -16,7 +16,9 @@ const SURE_BOUNCES: u32 = 3;
 /// Surfaces that a path may pass unbent or scatter at, in all: a bound for stacks of transparent leaves.
 const MOST_STEPS: u32 = 512;
 /// The sampler's sets of four numbers that the camera uses before the path begins.
-pub const CAMERA_SETS: u32 = 2;
+pub const CAMERA_SETS: u32 = 3;
+/// The last of them: its first number is the time.
+pub const TIME_SET: u32 = 2;
 /// Sets used at each surface.
 const SETS_PER_STEP: u32 = 3;
 

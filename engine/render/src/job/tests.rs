@@ -204,3 +204,32 @@ fn passes_of_data_lie_on_what_the_lens_sees() {
     assert!(job.data(DataPass::Depth).iter().all(|&d| d == FARTHEST));
     assert!(job.data(DataPass::Normal).iter().all(|&n| n == 0.0));
 }
+
+/// A diaphragm that closes and a focus that moves while the shutter is open: the mean of the pictures at each time.
+#[test]
+fn a_lens_that_moves_takes_the_mean_of_its_pictures() {
+    let at = |i: usize| {
+        let d = CameraDescription {
+            focus_distance: Some([2.2, 3.0, 6.0][i]),
+            f_number: Some([4.0, 5.6, 8.0][i]),
+            ..description(Model::Lens)
+        };
+        Camera::new(&d, 75, 50).unwrap()
+    };
+    let picture = |cameras: Vec<Camera>, samples| {
+        let job = Job::start_moving(stage(), cameras, settings(samples, 2)).unwrap();
+        assert!(job.wait(Duration::from_secs(120)));
+        job.film().picture()
+    };
+    let together = picture((0..3).map(at).collect(), 192);
+    let apart: Vec<_> = (0..3).map(|i| picture(vec![at(i)], 64)).collect();
+    let mean = |x: usize, y: usize, pixels: &[[f32; 4]]| {
+        (0..25).map(|i| pixels[(y + i / 5) * 75 + x + i % 5][1]).sum::<f32>() / 25.0
+    };
+    for (x, y) in (0..70).step_by(7).flat_map(|x| (0..45).step_by(6).map(move |y| (x, y))) {
+        let expected = apart.iter().map(|p| mean(x, y, p)).sum::<f32>() / 3.0;
+        // Noise of 25 pixels with 192 samples each.
+        assert!((mean(x, y, &together) - expected).abs() < 0.02, "{x} {y}: {} {expected}", mean(x, y, &together));
+    }
+    assert!(Job::start_moving(stage(), Vec::new(), settings(1, 1)).is_err());
+}

@@ -9,7 +9,7 @@ pub(super) fn sample(mut s: Sample<'_>) {
     let [u0, u1, u2, u3] = sampler.next_4d();
     let [u_wavelength, ..] = sampler.next_4d();
     let place = s.shot.raster.place(s.x, s.y, [u0, u1]);
-    let ray = s.shot.camera.sample(place, [u2, u3], u_wavelength);
+    let ray = s.camera.sample(place, [u2, u3], u_wavelength);
     s.count_camera(ray.is_none());
     let Some(ray) = ray else { return s.lost() };
     if let Some(found) = s.follow(ray.ray, &mut sampler) {

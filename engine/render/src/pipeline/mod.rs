@@ -54,8 +54,8 @@ impl Pipeline {
 pub struct Shot<'a> {
     /// The scene.
     pub stage: &'a Stage,
-    /// The camera.
-    pub camera: &'a Camera,
+    /// The camera, at times that lie evenly over the time that the shutter is open; one, if nothing of it moves.
+    pub cameras: &'a [Camera],
     /// One that the camera can.
     pub pipeline: Pipeline,
     /// The picture's pixels.
@@ -64,6 +64,19 @@ pub struct Shot<'a> {
     pub limits: Limits,
     /// Of all random choices.
     pub seed: u32,
+}
+
+impl Shot<'_> {
+    /// The camera at the time of a sample.
+    fn camera(&self, [x, y]: [u32; 2], index: u32) -> &Camera {
+        if let [only] = self.cameras {
+            return only;
+        }
+        let mut sampler = PathSampler::new(x, y, index, self.seed);
+        sampler.jump_to(path::TIME_SET);
+        let [u, ..] = sampler.next_4d();
+        &self.cameras[((u * self.cameras.len() as f32) as usize).min(self.cameras.len() - 1)]
+    }
 }
 
 /// Counts of what was done.
@@ -111,8 +124,9 @@ pub fn render_tile(
             }
             for index in first..first + count {
                 let timed = counts.camera_rays.is_multiple_of(TIMED_EVERY).then(Instant::now);
-                let one = Sample { shot, x, y, index, timed, counts: &mut counts, light };
-                match (shot.pipeline, shot.camera.traced_lens()) {
+                let camera = shot.camera([x, y], index);
+                let one = Sample { shot, camera, x, y, index, timed, counts: &mut counts, light };
+                match (shot.pipeline, camera.traced_lens()) {
                     (Pipeline::Hero, Some(lens)) => hero::sample(lens, one),
                     (Pipeline::SceneFirst, Some(lens)) => scene_first::sample(lens, one),
                     _ => film_first::sample(one),
@@ -129,6 +143,7 @@ pub fn render_tile(
 /// One sample of one pixel under way.
 struct Sample<'a> {
     shot: &'a Shot<'a>,
+    camera: &'a Camera,
     x: u32,
     y: u32,
     index: u32,
