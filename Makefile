@@ -4,7 +4,7 @@ DEMO_SCENE = tests/scenes/demo.blend
 DEMO_LENS = lenses/wide-angle-smith-f3.4.lens
 DEMO_OPTIONS =
 
-.PHONY: help demo test test-all lint setup build extension speed numerics clean
+.PHONY: help demo test test-all lint setup build extension speed price numerics clean
 
 help: ## what there is to make
 	@sed -n 's/^\([a-z-]*\):.*## \(.*\)/\1\t\2/p' Makefile | expand -t 12
@@ -42,6 +42,9 @@ setup: .venv-tools ## the Python environments: bpy 5.2, or 4.5 where Python 3.13
 
 speed: ## time the lens tracer, and write docs/lens-speed.md
 	@python3 tools/lens-speed.py
+
+price: build ## what each camera and pipeline costs, into docs/camera-price.md
+	@$(dir $(PETZVAL))python tools/camera-price.py
 
 numerics: ## hold the lens tracer against exact numbers, and write docs/numerics.md
 	@cargo run --release --quiet -p petzval-optics --example numerics
