@@ -94,6 +94,7 @@ class CameraDescription:
     f_number: float | None = None
     blades: int = 0
     blade_rotation_rad: float = 0.0
+    blade_curvature: float = 0.0  # 0: straight blades, 1: a round opening
     focus_distance: float | None = None
     focus_point_world: tuple[float, float, float] | None = None
     film_distance_mm: float | None = None

@@ -152,12 +152,14 @@ def test_the_lens_settings(parts, blender):
     assert sent.wavelength_nm is None and sent.blades == 0
     assert (sent.film_width_mm, sent.film_height_mm) == pytest.approx((36.0, 24.0))
     own.wide_open, own.f_number, own.blades, own.blade_rotation = False, 4.0, 7, 0.3
+    own.blade_curvature = 0.4
     own.focal_mode, own.focal_length, own.focal_scale = "LENGTH", 35.0, 0.5
     own.film_mode, own.film_width, own.film_height = "SIZE", 60.0, 45.0
     own.tilt, own.swing, own.shift_x, own.shift_y = 0.1, -0.2, 3.0, -4.0
     own.spectrum, own.wavelength = "SINGLE", 486.0
     sent = description(parts)
     assert (sent.f_number, sent.blades, sent.blade_rotation_rad) == pytest.approx((4.0, 7, 0.3))
+    assert sent.blade_curvature == pytest.approx(0.4)
     assert sent.focal_length_mm == pytest.approx(35.0) and sent.focal_scale is None
     assert (sent.film_width_mm, sent.film_height_mm) == pytest.approx((60.0, 45.0))
     assert (sent.tilt_rad, sent.swing_rad) == pytest.approx((0.1, -0.2))

@@ -149,6 +149,7 @@ class PETZVAL_CAMERA_PT_aperture(_AperturePart, bpy.types.Panel):
         column = layout.column(align=True)
         column.prop(settings, "blades")
         column.prop(settings, "blade_rotation")
+        column.prop(settings, "blade_curvature")
 
 
 class PETZVAL_CAMERA_PT_focus(_AperturePart, bpy.types.Panel):

@@ -8,7 +8,26 @@
 
 use std::f64::consts::TAU;
 
+use thiserror::Error;
+
 use crate::lane::{Lane, Mask, Real};
+
+/// More blades than this look round.
+const MOST_BLADES: u32 = 64;
+
+/// Why blades make no diaphragm.
+#[derive(Clone, Copy, Debug, PartialEq, Error)]
+pub enum DiaphragmError {
+    /// More blades than a diaphragm has.
+    #[error("{0} blades; give 3 to {MOST_BLADES}, or 0 for a round opening")]
+    Blades(u32),
+    /// The turn of the blades is no angle.
+    #[error("the rotation of the blades is {0} rad; give a finite angle")]
+    Rotation(f64),
+    /// Blades that bend inwards, or out of the circle.
+    #[error("the curvature of the blades is {0}; give 0 (straight) to 1 (round)")]
+    Curvature(f64),
+}
 
 /// The diaphragm's opening, centred on the axis in the plane of the stop.
 #[derive(Clone, Debug, PartialEq)]
@@ -56,6 +75,20 @@ impl Diaphragm {
         let bent = curvature * sin;
         let bulge = if curvature > 0.0 { 0.5 * curvature / (radius_mm * (1.0 - bent * bent).sqrt()) } else { 0.0 };
         Self { radius_mm, apothem_mm: radius_mm * cos, rotation_rad, curvature, bulge, sides }
+    }
+
+    /// As [`Self::bladed`], from what a user gave: the blades at most 64, the curvature in 0 to 1, the rotation finite.
+    pub fn checked(radius_mm: f64, blades: u32, curvature: f64, rotation_rad: f64) -> Result<Self, DiaphragmError> {
+        if blades > MOST_BLADES {
+            return Err(DiaphragmError::Blades(blades));
+        }
+        if !rotation_rad.is_finite() {
+            return Err(DiaphragmError::Rotation(rotation_rad));
+        }
+        if !(0.0..=1.0).contains(&curvature) {
+            return Err(DiaphragmError::Curvature(curvature));
+        }
+        Ok(Self::bladed(radius_mm, blades, curvature, rotation_rad))
     }
 
     /// Radius of the circle through the corners, in mm.

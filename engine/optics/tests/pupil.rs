@@ -117,6 +117,8 @@ fn make_cameras() -> Vec<Camera> {
     };
     let anamorphic = shipped("anamorphic-2x-double-gauss", 0, "");
     let six_blades = shipped("anamorphic-2x-double-gauss", 6, "");
+    let curved = SystemSettings { blades: 5, blade_curvature: 0.6, f_number: Some(4.0), ..Default::default() };
+    let curved = System::new(&prescription("double-gauss-f2-available"), &curved).unwrap();
     let misaligned = shipped("double-gauss-f2-available", 0, "# element: 0-1 decenter_x=3 tilt_x=-4 tilt_y=6");
     vec![
         Camera::new("anamorphic", anamorphic, FilmPlane::upright, [11.0, 9.0]),
@@ -130,6 +132,7 @@ fn make_cameras() -> Vec<Camera> {
         Camera::new("turned", system("double-gauss-f2-available"), turned, [18.0, 12.0]),
         Camera::new("six blades", stopped("tessar-brendel", 5.6, 6), FilmPlane::upright, [18.0, 12.0]),
         Camera::new("turned blades", stopped("double-gauss-f2-available", 4.0, 5), turned, [18.0, 12.0]),
+        Camera::new("curved blades", curved, FilmPlane::upright, [18.0, 12.0]),
         Camera::new("fisheye", system("pbrt-fisheye-10mm"), FilmPlane::upright, [10.0, 7.0]),
     ]
 }
@@ -277,17 +280,22 @@ fn a_dark_corner_is_dark_and_harmless() {
 #[test]
 fn throughput_of_a_polygon_is_exact() {
     let lens = parse("0 50 air 40 0 1", "hole", Catalogue::shipped()).unwrap();
-    for blades in [3, 4, 7] {
-        let settings = SystemSettings { blades, blade_rotation_rad: 0.3, ..Default::default() };
+    for (blades, curvature) in [(3, 0.0), (4, 0.0), (7, 0.0), (3, 0.5), (6, 0.9)] {
+        let settings =
+            SystemSettings { blades, blade_curvature: curvature, blade_rotation_rad: 0.3, ..Default::default() };
         let system = System::new(&lens, &settings).unwrap();
         let found = on_axis_throughput(&system.at_wavelength(550.0), &system, 50.0);
-        // With r(φ) = a / cos φ from the middle of a side: π mean of r² / (r² + d²), by the midpoint rule.
+        // With r(φ) from the middle of a side, π mean of r² / (r² + d²), by the midpoint rule. A straight side lies at
+        // a / cos φ; an arc of the radius s about the point c towards the side at c cos φ + √(s² − c² sin² φ).
         let (a, d, n) = (20.0 * (PI / f64::from(blades)).cos(), 50.0, 20_000);
+        let s = 20.0 / curvature;
+        let c = a - (s * s - (20.0 * (PI / f64::from(blades)).sin()).powi(2)).sqrt();
         let term = |i: i32| {
-            let r = a / ((f64::from(i) + 0.5) / f64::from(n) * PI / f64::from(blades)).cos();
+            let (sin, cos) = ((f64::from(i) + 0.5) / f64::from(n) * PI / f64::from(blades)).sin_cos();
+            let r = if curvature > 0.0 { c * cos + (s * s - c * c * sin * sin).sqrt() } else { a / cos };
             r * r / (r * r + d * d)
         };
         let expected = PI * (0..n).map(term).sum::<f64>() / f64::from(n);
-        assert!((found / expected - 1.0).abs() < 1e-6, "{blades}: {found} {expected}");
+        assert!((found / expected - 1.0).abs() < 1e-6, "{blades} {curvature}: {found} {expected}");
     }
 }

@@ -78,6 +78,7 @@ class CameraDescription(Protocol):
     f_number: float | None
     blades: int  # 0: round, else 3..24
     blade_rotation_rad: float
+    blade_curvature: float  # 0: straight blades, 1: a round opening
     focus_distance: float | None  # along the optical axis from the entrance pupil, Blender units; None: infinity
     focus_point_world: tuple[float, float, float] | None  # wins over focus_distance
     film_distance_mm: float | None  # last vertex to film centre; wins over both

@@ -39,6 +39,8 @@ def add_parser(subparsers: argparse._SubParsersAction) -> None:
     p.add_argument("--focal-length", type=_positive, metavar="MM", help="scale the lens to this focal length")
     p.add_argument("--f-number", type=_positive, metavar="N", help="default: as the file has it")
     p.add_argument("--blades", type=int, metavar="N", help="blades of the diaphragm, 3 to 24; 0 is round")
+    p.add_argument("--blade-curvature", type=_part, metavar="C", help="of the blades' edges: 0 straight, 1 round")
+    p.add_argument("--blade-rotation", type=_number, metavar="DEG", help="turn of the diaphragm about the axis")
     p.add_argument("--focus-distance", type=_distance, metavar="MM|inf", help="from the entrance pupil")
     p.add_argument("--film", type=_size_mm, metavar="WxH", help="film size, mm")
     p.add_argument("--tilt", type=_number, metavar="DEG", help="turn of the film about its horizontal axis")
@@ -100,6 +102,8 @@ def _checked(a: argparse.Namespace) -> dict:
         "focal_length_mm": a.focal_length,
         "f_number": a.f_number,
         "blades": a.blades,
+        "blade_curvature": a.blade_curvature,
+        "blade_rotation_rad": None if a.blade_rotation is None else math.radians(a.blade_rotation),
         "focus_distance_mm": "inf" if a.focus_distance == math.inf else a.focus_distance,
         "film_mm": a.film,
         "tilt_rad": None if a.tilt is None else math.radians(a.tilt),
@@ -183,6 +187,13 @@ def _positive(text: str) -> float:
     return value
 
 
+def _part(text: str) -> float:
+    value = float(text)
+    if not 0.0 <= value <= 1.0:
+        raise argparse.ArgumentTypeError(f"must be from 0 to 1: {text}")
+    return value
+
+
 def _distance(text: str) -> float:
     value = float(text)
     if math.isnan(value) or value <= 0.0:
@@ -240,7 +251,7 @@ def _effect(text: str) -> tuple[str, str]:
     return name, word
 
 
-for _type, _name in ((_number, "number"), (_positive, "number"), (_distance, "distance"), (_natural, "number"),
+for _type, _name in ((_number, "number"), (_positive, "number"), (_part, "number"), (_distance, "distance"), (_natural, "number"),
                      (_count, "number"), (_size_mm, "size"), (_pixels, "size"), (_pair, "pair"), (_triple, "triple"),
                      (_effect, "effect"), (_wavelengths, "spectrum")):  # fmt: skip
     # argparse names the type in its message: "invalid number value: 'x'".

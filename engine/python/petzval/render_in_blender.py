@@ -171,6 +171,9 @@ def _apply_camera(scene: Any, data: Any, o: dict, addon: Any) -> None:
         own.f_number = o["f_number"]
     if o["blades"] is not None:
         own.blades = o["blades"]
+    for name, option in (("blade_curvature", "blade_curvature"), ("blade_rotation", "blade_rotation_rad")):
+        if o[option] is not None:
+            setattr(own, name, o[option])
     if o["scale_mm"]:
         own.scale_from_scene = False
         own.scale_locked = False

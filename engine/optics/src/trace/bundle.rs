@@ -286,8 +286,8 @@ mod tests {
         for entry in std::fs::read_dir(folder).unwrap() {
             let path = entry.unwrap().path();
             let Ok(prescription) = lens::read(&path, Catalogue::shipped()) else { continue };
-            for blades in [0, 5] {
-                let settings = SystemSettings { blades, ..SystemSettings::default() };
+            for (blades, blade_curvature) in [(0, 0.0), (5, 0.0), (5, 0.5)] {
+                let settings = SystemSettings { blades, blade_curvature, ..SystemSettings::default() };
                 let system = System::new(&prescription, &settings).unwrap();
                 for travel in [Travel::FromScene, Travel::FromFilm] {
                     passed += check::<f64>(&system, travel) + check::<f32>(&system, travel);

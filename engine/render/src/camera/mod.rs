@@ -112,6 +112,8 @@ pub struct CameraDescription {
     pub blades: u32,
     /// Turn of the diaphragm.
     pub blade_rotation_rad: f64,
+    /// How far the blades are curved: 0 straight, 1 round.
+    pub blade_curvature: f64,
     /// Along the axis from the entrance pupil, Blender units; `None` is infinity.
     pub focus_distance: Option<f64>,
     /// A point whose depth is focused on, world space; wins over the distance.

@@ -92,6 +92,7 @@ impl Setup {
             f_number: d.f_number,
             blades: d.blades,
             blade_rotation_rad: d.blade_rotation_rad,
+            blade_curvature: d.blade_curvature,
         };
         let system = System::new(&prescription, &settings).map_err(wrong)?;
         let line = d.wavelength_nm.unwrap_or(D_LINE_NM);

@@ -37,6 +37,7 @@ fn camera(model: Model) -> Camera {
         f_number: None,
         blades: 0,
         blade_rotation_rad: 0.0,
+        blade_curvature: 0.0,
         focus_distance: Some(3.0),
         focus_point_world: None,
         film_distance_mm: None,
