@@ -204,3 +204,14 @@ def test_a_shift_that_moves_no_lens_is_said(parts, blender):
     assert not parts.sent()[1]
     fresh.petzval.model = "PINHOLE"
     assert not parts.sent()[1]
+
+
+def test_a_film_format_is_chosen(parts, blender):
+    camera = blender.context.scene.camera.data
+    own = camera.petzval
+    own.model = "LENS"
+    assert own.film_mode == "SENSOR"
+    assert blender.ops.petzval.choose_film(film="6x7cm") == {"FINISHED"}
+    assert own.film_mode == "SIZE"
+    sent = description(parts)
+    assert (sent.film_width_mm, sent.film_height_mm) == pytest.approx((69.5, 56.0))

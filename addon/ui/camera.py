@@ -7,7 +7,7 @@ from math import degrees
 
 import bpy
 
-from .. import lens_info, viewport_camera
+from .. import film_formats, lens_info, viewport_camera
 from ..description import OF_LENS_FILE
 from .mixin import PetzvalPanel, columns
 
@@ -181,6 +181,8 @@ class PETZVAL_CAMERA_PT_film(_LensPart, bpy.types.Panel):
         layout.prop(settings, "film_mode")
         column = layout.column(align=True)
         if settings.film_mode == "SIZE":
+            film = film_formats.of_size(settings.film_width, settings.film_height)
+            column.operator_menu_enum("petzval.choose_film", "film", text=film.title if film else "Formats")
             column.prop(settings, "film_width")
             column.prop(settings, "film_height")
         else:

@@ -11,6 +11,7 @@ import signal
 import subprocess
 from pathlib import Path
 
+from . import film_formats
 from .errors import CommandError
 from .places import find_lens
 
@@ -21,6 +22,7 @@ _COLOUR = {"lateral_colour", "axial_colour"}
 _NOT_YET = {"transmission", "ghosts", "glare", "diffraction", "motion_blur"}
 #: Exit status of a command that was broken off.
 _INTERRUPTED = 130
+_FILM_NAMES = ", ".join(film.name for film in film_formats.FILM_FORMATS)
 #: What the half in Blender ends with, having said why, and what that means here. No program ends so by chance.
 _OWN_STATUS = {70: 0, 71: 1, _INTERRUPTED: _INTERRUPTED}
 
@@ -42,7 +44,8 @@ def add_parser(subparsers: argparse._SubParsersAction) -> None:
     p.add_argument("--blade-curvature", type=_part, metavar="C", help="of the blades' edges: 0 straight, 1 round")
     p.add_argument("--blade-rotation", type=_number, metavar="DEG", help="turn of the diaphragm about the axis")
     p.add_argument("--focus-distance", type=_distance, metavar="MM|inf", help="from the entrance pupil")
-    p.add_argument("--film", type=_size_mm, metavar="WxH", help="film size, mm")
+    p.add_argument("--film", type=_film, metavar="NAME|WxH", help=f"mm, or one of {_FILM_NAMES}")
+    p.add_argument("--film-diagonal", type=_positive, metavar="MM", help="the film scaled to it, its shape kept")
     p.add_argument("--tilt", type=_number, metavar="DEG", help="turn of the film about its horizontal axis")
     p.add_argument("--swing", type=_number, metavar="DEG", help="turn of the film about its vertical axis")
     p.add_argument("--shift", type=_pair, metavar="X,Y", help="the lens right and up against the film, mm")
@@ -106,6 +109,7 @@ def _checked(a: argparse.Namespace) -> dict:
         "blade_rotation_rad": None if a.blade_rotation is None else math.radians(a.blade_rotation),
         "focus_distance_mm": "inf" if a.focus_distance == math.inf else a.focus_distance,
         "film_mm": a.film,
+        "film_diagonal_mm": a.film_diagonal,
         "tilt_rad": None if a.tilt is None else math.radians(a.tilt),
         "swing_rad": None if a.swing is None else math.radians(a.swing),
         "shift_mm": a.shift,
@@ -226,6 +230,15 @@ def _size_mm(text: str) -> list[float]:
     return [_positive(part) for part in _split(text, "x", 2)]
 
 
+def _film(text: str) -> list[float]:
+    film = film_formats.by_name(text)
+    if film is not None:
+        return [film.width_mm, film.height_mm]
+    if "x" not in text.lower():
+        raise argparse.ArgumentTypeError(f"no such film: {text}: give WIDTHxHEIGHT in mm, or one of {_FILM_NAMES}")
+    return _size_mm(text)
+
+
 def _pixels(text: str) -> list[int]:
     return [_count(part) for part in _split(text, "x", 2)]
 
@@ -252,7 +265,7 @@ def _effect(text: str) -> tuple[str, str]:
 
 
 for _type, _name in ((_number, "number"), (_positive, "number"), (_part, "number"), (_distance, "distance"), (_natural, "number"),
-                     (_count, "number"), (_size_mm, "size"), (_pixels, "size"), (_pair, "pair"), (_triple, "triple"),
+                     (_count, "number"), (_size_mm, "size"), (_film, "film"), (_pixels, "size"), (_pair, "pair"), (_triple, "triple"),
                      (_effect, "effect"), (_wavelengths, "spectrum")):  # fmt: skip
     # argparse names the type in its message: "invalid number value: 'x'".
     _type.__name__ = _name

@@ -188,6 +188,14 @@ def _apply_camera(scene: Any, data: Any, o: dict, addon: Any) -> None:
     if o["film_mm"]:
         own.film_mode = "SIZE"
         own.film_width, own.film_height = o["film_mm"]
+    if o["film_diagonal_mm"] is not None:
+        from petzval.film_formats import with_diagonal
+
+        shape = (own.film_width, own.film_height)
+        if own.film_mode != "SIZE":
+            shape = addon.export.camera.resolution(scene.render)
+        own.film_mode = "SIZE"
+        own.film_width, own.film_height = with_diagonal(*shape, o["film_diagonal_mm"])
     if isinstance(o["spectrum"], float):
         own.spectrum, own.wavelength = "SINGLE", o["spectrum"]
     elif o["spectrum"]:
