@@ -12,6 +12,7 @@ import numpy as np
 
 from . import export, loop, passes, statistics, tiles
 from .description import Report, SettingsDescription
+from .export import aperture_mask
 from .export import camera as camera_export
 from .export.errors import ExportError
 from .native import EngineMissing, engine
@@ -108,6 +109,7 @@ class _Photograph:
         began = time.perf_counter()
         width, height = camera_export.resolution(self.scene.render)
         camera = camera_export.describe(self.scene.camera, self.scene, width, height, self.report)
+        camera.aperture_mask = aperture_mask.read(self.scene.camera.data)
         settings = self._settings(width, height)
         builder = native.SceneBuilder()
         export.send_scene(self.depsgraph, builder, self.report, self._check_stop)

@@ -156,6 +156,12 @@ class PetzvalCamera(bpy.types.PropertyGroup):
         max=1.0,
         subtype="FACTOR",
     )
+    aperture_mask: PointerProperty(
+        name="Mask",
+        description="A square picture of the opening, as wide as the stop: light passes where it is brighter than half. "
+        "It stands instead of the blades",
+        type=bpy.types.Image,
+    )
     focus_mode: EnumProperty(name="Focus", description="What is sharp", items=FOCUS_MODES, update=_changed)
     film_distance: FloatProperty(
         name="Film Distance",

@@ -215,3 +215,33 @@ def test_a_film_format_is_chosen(parts, blender):
     assert own.film_mode == "SIZE"
     sent = description(parts)
     assert (sent.film_width_mm, sent.film_height_mm) == pytest.approx((69.5, 56.0))
+
+
+def test_the_mask_of_the_aperture(parts, blender):
+    import numpy as np
+
+    camera = blender.context.scene.camera.data
+    mask_of = parts_of_addon().export.aperture_mask
+    camera.petzval.model = "LENS"
+    assert mask_of.read(camera) is None
+    image = blender.data.images.new("Heart", 3, 3)
+    image.colorspace_settings.name = "Non-Color"
+    grey = np.array([[0.0, 0.2, 0.4], [0.6, 0.8, 1.0], [0.0, 0.0, 1.0]], np.float32)
+    pixels = np.ones((3, 3, 4), np.float32)
+    pixels[..., :3] = grey[..., None]
+    image.pixels.foreach_set(pixels.ravel())
+    camera.petzval.aperture_mask = image
+    mask = mask_of.read(camera)
+    assert (mask.name, mask.side) == ("Heart", 3)
+    assert list(mask.values) == [0, 51, 102, 153, 204, 255, 0, 0, 255]
+    camera.petzval.aperture_mask = blender.data.images.new("Wide", 4, 3)
+    with pytest.raises(Exception, match="'Wide' is 4 x 3 pixels: make it square"):
+        mask_of.read(camera)
+    camera.petzval.model = "PINHOLE"
+    assert mask_of.read(camera) is None
+
+
+def parts_of_addon():
+    import petzval
+
+    return petzval.load_addon()

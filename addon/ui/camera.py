@@ -150,6 +150,7 @@ class PETZVAL_CAMERA_PT_aperture(_AperturePart, bpy.types.Panel):
         column.prop(settings, "blades")
         column.prop(settings, "blade_rotation")
         column.prop(settings, "blade_curvature")
+        column.template_ID(settings, "aperture_mask", open="image.open", text="Mask")
 
 
 class PETZVAL_CAMERA_PT_focus(_AperturePart, bpy.types.Panel):

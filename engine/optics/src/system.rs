@@ -1,8 +1,10 @@
 //! A lens placed in lens space for one focal length and one opening; immutable.
 
+use std::sync::Arc;
+
 use thiserror::Error;
 
-use crate::diaphragm::{Diaphragm, DiaphragmError};
+use crate::diaphragm::{ApertureMask, Diaphragm, DiaphragmError};
 use crate::first_order::{Thin, between_vertices, front_of};
 use crate::glass::{Medium, line_nm};
 use crate::prescription::{Behind, Prescription, PrescriptionError};
@@ -155,6 +157,15 @@ impl System {
             film_radius_mm: prescription.film_radius_mm.map(|r| r * scale),
             half_field_deg: prescription.metadata.half_field_deg,
         })
+    }
+
+    /// The same lens with a mask in its diaphragm instead of blades, turned by `rotation_rad` from x towards y.
+    pub fn with_aperture_mask(mut self, mask: Arc<ApertureMask>, rotation_rad: f64) -> Result<Self, SystemError> {
+        if !rotation_rad.is_finite() {
+            return Err(DiaphragmError::Rotation(rotation_rad).into());
+        }
+        self.diaphragm = Diaphragm::masked(self.diaphragm.radius_mm(), mask, rotation_rad);
+        Ok(self)
     }
 
     /// The lens's name.

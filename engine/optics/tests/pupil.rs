@@ -3,10 +3,12 @@
 mod common;
 
 use std::f64::consts::PI;
+use std::sync::Arc;
 use std::sync::OnceLock;
 
 use common::{prescription, system};
 use glam::DVec3;
+use petzval_optics::diaphragm::ApertureMask;
 use petzval_optics::focus::{FilmPlane, film_z_for_focus_mm};
 use petzval_optics::formats::lens::parse;
 use petzval_optics::glass::{Catalogue, line_nm};
@@ -298,4 +300,39 @@ fn throughput_of_a_polygon_is_exact() {
         let expected = PI * (0..n).map(term).sum::<f64>() / f64::from(n);
         assert!((found / expected - 1.0).abs() < 1e-6, "{blades} {curvature}: {found} {expected}");
     }
+}
+
+/// A mask that is dark in its middle, off centre and turned: the map bounds it and stays unbiased.
+#[test]
+fn a_mask_is_bounded_and_exposes_as_much_as_by_brute_force() {
+    let side = 64;
+    let ring = |i: usize| {
+        let at = |i: usize| (2.0 * i as f64 + 1.0) / f64::from(side) - 1.0;
+        let out = (at(i % 64) - 0.2).hypot(at(i / 64));
+        (1.0 - 2.0 * (out - 0.5).abs()).clamp(0.0, 1.0) as f32
+    };
+    let values: Vec<f32> = (0..64 * 64).map(ring).collect();
+    let mask = Arc::new(ApertureMask::new(64, &values).unwrap());
+    let masked = |film: fn(f64) -> FilmPlane| {
+        let system = system("double-gauss-f2-available").with_aperture_mask(mask.clone(), 0.4).unwrap();
+        Camera::new("masked", system, film, [18.0, 12.0])
+    };
+    let turned = |z| FilmPlane { tilt_rad: 0.15, swing_rad: -0.1, shift_mm: [2.0, -1.0], ..FilmPlane::upright(z) };
+    for camera in [masked(FilmPlane::upright), masked(turned)] {
+        for (u, v) in [(0.0, 0.0), (0.6, -0.3), (-1.0, 1.0)] {
+            let point = camera.film.point(u * camera.half[0], v * camera.half[1]);
+            let (map, map_error) = camera.by_map(point);
+            let (brute, brute_error) = camera.by_brute_force(point, 1000);
+            // Both errors are those of unstratified points and so larger than the true ones.
+            let allowed = 3.0 * map_error.hypot(brute_error);
+            assert!((map - brute).abs() <= allowed, "({u}, {v}): {map} {brute} ± {allowed}");
+        }
+    }
+    let camera = masked(FilmPlane::upright);
+    let exact = on_axis_throughput(&camera.tracer, &camera.system, camera.film.z_mm);
+    let (brute, error) = camera.by_brute_force(DVec3::new(0.0, 0.0, camera.film.z_mm), 1000);
+    assert!((brute - exact).abs() < 3.0 * error, "{exact} {brute} ± {error}");
+    // A ring of 0.25 to 0.75 of the stop's radius, cut off nowhere: half of its area.
+    let part = camera.system.diaphragm().area_mm2() / (PI * camera.system.stop_semi_diameter_mm().powi(2));
+    assert!((part - 0.5).abs() < 2e-3, "{part}");
 }

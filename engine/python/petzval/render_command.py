@@ -43,6 +43,7 @@ def add_parser(subparsers: argparse._SubParsersAction) -> None:
     p.add_argument("--blades", type=int, metavar="N", help="blades of the diaphragm, 3 to 24; 0 is round")
     p.add_argument("--blade-curvature", type=_part, metavar="C", help="of the blades' edges: 0 straight, 1 round")
     p.add_argument("--blade-rotation", type=_number, metavar="DEG", help="turn of the diaphragm about the axis")
+    p.add_argument("--aperture-mask", metavar="FILE", help="a square picture of the opening, instead of blades")
     p.add_argument("--focus-distance", type=_distance, metavar="MM|inf", help="from the entrance pupil")
     p.add_argument("--film", type=_film, metavar="NAME|WxH", help=f"mm, or one of {_FILM_NAMES}")
     p.add_argument("--film-diagonal", type=_positive, metavar="MM", help="the film scaled to it, its shape kept")
@@ -88,6 +89,10 @@ def _checked(a: argparse.Namespace) -> dict:
         raise CommandError(f"quality {a.quality:g}: effects are not planned yet: leave --quality out")
     if a.blades is not None and a.blades != 0 and not 3 <= a.blades <= 24:
         raise CommandError(f"{a.blades} blades: a diaphragm has 3 to 24, or 0 for a round one: change --blades")
+    if a.aperture_mask and a.blades:
+        a.usage_error("--aperture-mask stands instead of --blades: leave out the one or the other")
+    if a.aperture_mask and not Path(a.aperture_mask).is_file():
+        raise CommandError(f"no such picture: {a.aperture_mask}: change --aperture-mask")
     output = Path(a.output) if a.output else Path(f"{scene.stem}.png")
     if output.suffix.lower() not in _SUFFIXES:
         raise CommandError(f"unknown picture format: {output}: end its name in .exr or .png")
@@ -106,6 +111,7 @@ def _checked(a: argparse.Namespace) -> dict:
         "f_number": a.f_number,
         "blades": a.blades,
         "blade_curvature": a.blade_curvature,
+        "aperture_mask": str(Path(a.aperture_mask).absolute()) if a.aperture_mask else None,
         "blade_rotation_rad": None if a.blade_rotation is None else math.radians(a.blade_rotation),
         "focus_distance_mm": "inf" if a.focus_distance == math.inf else a.focus_distance,
         "film_mm": a.film,

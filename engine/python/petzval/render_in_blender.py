@@ -129,7 +129,10 @@ def _apply(scene: Any, o: dict, addon: Any) -> str | None:
     if o["pipeline"]:
         scene.petzval.pipeline = o["pipeline"].upper()
     _apply_output(r, o["output"])
-    _apply_camera(scene, scene.camera.data, o, addon)
+    try:
+        _apply_camera(scene, scene.camera.data, o, addon)
+    except RuntimeError as error:  # only the mask is a file that is read here
+        return f"cannot read {o['aperture_mask']}: {_one_line(error)}: give --aperture-mask a picture"
     return None
 
 
@@ -174,6 +177,10 @@ def _apply_camera(scene: Any, data: Any, o: dict, addon: Any) -> None:
     for name, option in (("blade_curvature", "blade_curvature"), ("blade_rotation", "blade_rotation_rad")):
         if o[option] is not None:
             setattr(own, name, o[option])
+    if o["aperture_mask"]:
+        own.aperture_mask = addon.export.aperture_mask.load(o["aperture_mask"])
+    elif o["blades"] is not None:
+        own.aperture_mask = None
     if o["scale_mm"]:
         own.scale_from_scene = False
         own.scale_locked = False

@@ -1,4 +1,4 @@
-//! The thin lens: a disk or polygon whose every point sends a picture point's light to one point of a plane.
+//! The thin lens: a disk, polygon or mask whose every point sends a picture point's light to one point of a plane.
 
 use super::pinhole::Pinhole;
 use super::{CameraDescription, CameraError, CameraRay};
@@ -25,8 +25,11 @@ impl Thin {
             return Err(d.error(format!("the f-number is {f_number}; set it above zero")));
         }
         let radius_mm = d.pinhole_focal_length_mm / (2.0 * f_number);
-        let diaphragm = Diaphragm::checked(radius_mm, d.blades, d.blade_curvature, d.blade_rotation_rad)
+        let mut diaphragm = Diaphragm::checked(radius_mm, d.blades, d.blade_curvature, d.blade_rotation_rad)
             .map_err(|e| d.error(e.to_string()))?;
+        if let Some(mask) = &d.aperture_mask {
+            diaphragm = Diaphragm::masked(radius_mm, mask.clone(), d.blade_rotation_rad);
+        }
         Ok(Self {
             pinhole: Pinhole::new(d, axes, width, height),
             diaphragm,
