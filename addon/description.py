@@ -80,6 +80,15 @@ class WorldDescription:
     visible_camera: bool = True
 
 
+@dataclass(frozen=True)
+class ApertureMask:
+    """A square grey picture over the diameter of the stop; light passes where it is brighter than half."""
+
+    name: str
+    side: int
+    values: bytes = field(repr=False)  # side x side, rows from below
+
+
 @dataclass
 class CameraDescription:
     object_name: str
@@ -94,6 +103,8 @@ class CameraDescription:
     f_number: float | None = None
     blades: int = 0
     blade_rotation_rad: float = 0.0
+    blade_curvature: float = 0.0  # 0: straight blades, 1: a round opening
+    aperture_mask: ApertureMask | None = None  # the opening's shape instead of blades; turned like them
     focus_distance: float | None = None
     focus_point_world: tuple[float, float, float] | None = None
     film_distance_mm: float | None = None

@@ -14,6 +14,7 @@ import numpy as np
 
 from . import export, loop, passes, statistics, tiles
 from .description import CameraDescription, Report, SettingsDescription
+from .export import aperture_mask
 from .export import camera as camera_export
 from .export.errors import ExportError
 from .native import EngineMissing, engine
@@ -118,6 +119,7 @@ class _Photograph:
         began = time.perf_counter()
         width, height = camera_export.resolution(self.scene.render)
         camera = camera_export.describe(self.scene.camera, self.scene, width, height, self.report)
+        camera.aperture_mask = aperture_mask.read(self.scene.camera.data)
         settings = self._settings(width, height)
         moving = self._over_the_shutter(camera, width, height)
         builder = native.SceneBuilder()
@@ -152,7 +154,7 @@ class _Photograph:
             self.scene = self.depsgraph.scene_eval
             then = camera_export.describe(self.scene.camera, self.scene, width, height, self.report)
             # The camera's own way through the world is not blurred yet; the report says so.
-            return dataclasses.replace(then, matrix_world=camera.matrix_world)
+            return dataclasses.replace(then, matrix_world=camera.matrix_world, aperture_mask=camera.aperture_mask)
 
         try:
             if all(at(part) == camera for part in (0.0, 0.5, 1.0)):

@@ -6,17 +6,24 @@ from __future__ import annotations
 import bpy
 from bpy.props import EnumProperty
 
-from . import lens_files, viewport_camera
+from . import film_formats, lens_files, viewport_camera
 from .description import OF_LENS_FILE
 
 # Blender does not keep the strings of enum items that are made on demand.
 _items: list[tuple[str, str, str]] = []
+_film_list: list[tuple[str, str, str]] = []
 
 
 def _shipped_items(_operator: bpy.types.Operator, _context: bpy.types.Context) -> list[tuple[str, str, str]]:
     if not _items:
         _items.extend((path.name, lens_files.title(path), path.name) for path in lens_files.shipped())
     return _items
+
+
+def _film_items(_operator: bpy.types.Operator, _context: bpy.types.Context) -> list[tuple[str, str, str]]:
+    if not _film_list:
+        _film_list.extend(film_formats.items())
+    return _film_list
 
 
 def _camera(context: bpy.types.Context) -> bpy.types.Camera | None:
@@ -51,6 +58,27 @@ class PETZVAL_OT_choose_lens(bpy.types.Operator):
         return {"FINISHED"}
 
 
+class PETZVAL_OT_choose_film(bpy.types.Operator):
+    """Give the film the size of a real format"""
+
+    bl_idname = "petzval.choose_film"
+    bl_label = "Choose Film Format"
+    bl_options = {"REGISTER", "UNDO", "INTERNAL"}
+
+    film: EnumProperty(name="Format", items=_film_items)
+
+    @classmethod
+    def poll(cls, context):
+        camera = _camera(context)
+        return camera is not None and not camera.library
+
+    def execute(self, context):
+        settings = _camera(context).petzval
+        settings.film_mode = "SIZE"
+        settings.film_width, settings.film_height = film_formats.size_mm(self.film)
+        return {"FINISHED"}
+
+
 class PETZVAL_OT_match_viewport(bpy.types.Operator):
     """Set Blender's own camera so that its view frames what the lens will photograph"""
 
@@ -77,7 +105,7 @@ class PETZVAL_OT_match_viewport(bpy.types.Operator):
         return {"FINISHED"}
 
 
-CLASSES = (PETZVAL_OT_choose_lens, PETZVAL_OT_match_viewport)
+CLASSES = (PETZVAL_OT_choose_lens, PETZVAL_OT_choose_film, PETZVAL_OT_match_viewport)
 
 
 def register() -> None:
@@ -89,3 +117,4 @@ def unregister() -> None:
     for cls in reversed(CLASSES):
         bpy.utils.unregister_class(cls)
     _items.clear()
+    _film_list.clear()

@@ -148,6 +148,20 @@ class PetzvalCamera(bpy.types.PropertyGroup):
     blade_rotation: FloatProperty(
         name="Rotation", description="The diaphragm turned about the axis", default=0.0, subtype="ANGLE"
     )
+    blade_curvature: FloatProperty(
+        name="Curvature",
+        description="How far the blades' edges bulge between the corners: zero is straight, one makes the opening round",
+        default=0.0,
+        min=0.0,
+        max=1.0,
+        subtype="FACTOR",
+    )
+    aperture_mask: PointerProperty(
+        name="Mask",
+        description="A square picture of the opening, as wide as the stop: light passes where it is brighter than half. "
+        "It stands instead of the blades",
+        type=bpy.types.Image,
+    )
     focus_mode: EnumProperty(name="Focus", description="What is sharp", items=FOCUS_MODES, update=_changed)
     film_distance: FloatProperty(
         name="Film Distance",

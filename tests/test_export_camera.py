@@ -152,12 +152,14 @@ def test_the_lens_settings(parts, blender):
     assert sent.wavelength_nm is None and sent.blades == 0
     assert (sent.film_width_mm, sent.film_height_mm) == pytest.approx((36.0, 24.0))
     own.wide_open, own.f_number, own.blades, own.blade_rotation = False, 4.0, 7, 0.3
+    own.blade_curvature = 0.4
     own.focal_mode, own.focal_length, own.focal_scale = "LENGTH", 35.0, 0.5
     own.film_mode, own.film_width, own.film_height = "SIZE", 60.0, 45.0
     own.tilt, own.swing, own.shift_x, own.shift_y = 0.1, -0.2, 3.0, -4.0
     own.spectrum, own.wavelength = "SINGLE", 486.0
     sent = description(parts)
     assert (sent.f_number, sent.blades, sent.blade_rotation_rad) == pytest.approx((4.0, 7, 0.3))
+    assert sent.blade_curvature == pytest.approx(0.4)
     assert sent.focal_length_mm == pytest.approx(35.0) and sent.focal_scale is None
     assert (sent.film_width_mm, sent.film_height_mm) == pytest.approx((60.0, 45.0))
     assert (sent.tilt_rad, sent.swing_rad) == pytest.approx((0.1, -0.2))
@@ -202,3 +204,44 @@ def test_a_shift_that_moves_no_lens_is_said(parts, blender):
     assert not parts.sent()[1]
     fresh.petzval.model = "PINHOLE"
     assert not parts.sent()[1]
+
+
+def test_a_film_format_is_chosen(parts, blender):
+    camera = blender.context.scene.camera.data
+    own = camera.petzval
+    own.model = "LENS"
+    assert own.film_mode == "SENSOR"
+    assert blender.ops.petzval.choose_film(film="6x7cm") == {"FINISHED"}
+    assert own.film_mode == "SIZE"
+    sent = description(parts)
+    assert (sent.film_width_mm, sent.film_height_mm) == pytest.approx((69.5, 56.0))
+
+
+def test_the_mask_of_the_aperture(parts, blender):
+    import numpy as np
+
+    camera = blender.context.scene.camera.data
+    mask_of = parts_of_addon().export.aperture_mask
+    camera.petzval.model = "LENS"
+    assert mask_of.read(camera) is None
+    image = blender.data.images.new("Heart", 3, 3)
+    image.colorspace_settings.name = "Non-Color"
+    grey = np.array([[0.0, 0.2, 0.4], [0.6, 0.8, 1.0], [0.0, 0.0, 1.0]], np.float32)
+    pixels = np.ones((3, 3, 4), np.float32)
+    pixels[..., :3] = grey[..., None]
+    image.pixels.foreach_set(pixels.ravel())
+    camera.petzval.aperture_mask = image
+    mask = mask_of.read(camera)
+    assert (mask.name, mask.side) == ("Heart", 3)
+    assert list(mask.values) == [0, 51, 102, 153, 204, 255, 0, 0, 255]
+    camera.petzval.aperture_mask = blender.data.images.new("Wide", 4, 3)
+    with pytest.raises(Exception, match="'Wide' is 4 x 3 pixels: make it square"):
+        mask_of.read(camera)
+    camera.petzval.model = "PINHOLE"
+    assert mask_of.read(camera) is None
+
+
+def parts_of_addon():
+    import petzval
+
+    return petzval.load_addon()

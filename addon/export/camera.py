@@ -47,6 +47,7 @@ def describe(
         f_number=(None if wide_open else settings.f_number) if of_lens else _thin_f_number(camera),
         blades=_blades(settings.blades if of_lens or settings.blades else camera.dof.aperture_blades),
         blade_rotation_rad=settings.blade_rotation,
+        blade_curvature=settings.blade_curvature,
         scale_mm_per_unit=scale(settings, scene),
         wavelength_nm=settings.wavelength if settings.spectrum == "SINGLE" else None,
         spectrum="THREE" if settings.spectrum == "THREE" else "VISIBLE",

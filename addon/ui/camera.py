@@ -7,7 +7,7 @@ from math import degrees
 
 import bpy
 
-from .. import lens_info, viewport_camera
+from .. import film_formats, lens_info, viewport_camera
 from ..description import OF_LENS_FILE
 from .mixin import PetzvalPanel, columns
 
@@ -149,6 +149,8 @@ class PETZVAL_CAMERA_PT_aperture(_AperturePart, bpy.types.Panel):
         column = layout.column(align=True)
         column.prop(settings, "blades")
         column.prop(settings, "blade_rotation")
+        column.prop(settings, "blade_curvature")
+        column.template_ID(settings, "aperture_mask", open="image.open", text="Mask")
 
 
 class PETZVAL_CAMERA_PT_exposure(_AperturePart, bpy.types.Panel):
@@ -196,6 +198,8 @@ class PETZVAL_CAMERA_PT_film(_LensPart, bpy.types.Panel):
         layout.prop(settings, "film_mode")
         column = layout.column(align=True)
         if settings.film_mode == "SIZE":
+            film = film_formats.of_size(settings.film_width, settings.film_height)
+            column.operator_menu_enum("petzval.choose_film", "film", text=film.title if film else "Formats")
             column.prop(settings, "film_width")
             column.prop(settings, "film_height")
         else:

@@ -1,4 +1,4 @@
-//! The opening of the diaphragm: round, or a regular polygon of straight or curved blades.
+//! The opening of the diaphragm: round, a regular polygon of straight or curved blades, or of a mask's shape.
 //!
 //! A polygon is inscribed in the round opening of the same f-number: its corners touch the circle of the stop's
 //! radius. So the f-number, the bounds and the planes of focus do not depend on the blades, and fewer blades pass
@@ -6,9 +6,36 @@
 //! between the corners: each side is an arc of the radius R / curvature, R the stop's radius, so that curvature 0 is
 //! the polygon and curvature 1 the full circle.
 
+mod mask;
+
 use std::f64::consts::TAU;
+use std::sync::Arc;
+
+use thiserror::Error;
 
 use crate::lane::{Lane, Mask, Real};
+
+pub use mask::{ApertureMask, MaskError};
+
+/// More blades than this look round.
+const MOST_BLADES: u32 = 64;
+
+/// No lane holds more numbers.
+const WIDEST_LANE: usize = 16;
+
+/// Why blades make no diaphragm.
+#[derive(Clone, Copy, Debug, PartialEq, Error)]
+pub enum DiaphragmError {
+    /// More blades than a diaphragm has.
+    #[error("{0} blades; give 3 to {MOST_BLADES}, or 0 for a round opening")]
+    Blades(u32),
+    /// The turn of the blades is no angle.
+    #[error("the rotation of the blades is {0} rad; give a finite angle")]
+    Rotation(f64),
+    /// Blades that bend inwards, or out of the circle.
+    #[error("the curvature of the blades is {0}; give 0 (straight) to 1 (round)")]
+    Curvature(f64),
+}
 
 /// The diaphragm's opening, centred on the axis in the plane of the stop.
 #[derive(Clone, Debug, PartialEq)]
@@ -21,12 +48,41 @@ pub struct Diaphragm<R = f64> {
     bulge: R,
     /// Unit vectors from the centre to the middle of each side; empty if round.
     sides: Vec<[R; 2]>,
+    mask: Option<Arc<Masked>>,
+}
+
+/// A mask in its place.
+#[derive(Clone, Debug, PartialEq)]
+struct Masked {
+    shape: Arc<ApertureMask>,
+    radius_mm: f64,
+    /// Of the rotation.
+    cos: f64,
+    sin: f64,
 }
 
 impl Diaphragm {
     /// A round opening.
     pub fn round(radius_mm: f64) -> Self {
-        Self { radius_mm, apothem_mm: radius_mm, rotation_rad: 0.0, curvature: 0.0, bulge: 0.0, sides: Vec::new() }
+        let apothem_mm = radius_mm;
+        Self { radius_mm, apothem_mm, rotation_rad: 0.0, curvature: 0.0, bulge: 0.0, sides: Vec::new(), mask: None }
+    }
+
+    /// The opening of a mask whose width spans the circle of `radius_mm`, turned by `rotation_rad` (finite).
+    pub fn masked(radius_mm: f64, shape: Arc<ApertureMask>, rotation_rad: f64) -> Self {
+        let (sin, cos) = rotation_rad.sin_cos();
+        let mask = Some(Arc::new(Masked { shape, radius_mm, cos, sin }));
+        Self { rotation_rad, mask, ..Self::round(radius_mm) }
+    }
+
+    /// The same without its mask: the circle that holds it.
+    pub(crate) fn without_mask(&self) -> Self {
+        Self { mask: None, ..self.clone() }
+    }
+
+    /// True if a mask shapes the opening.
+    pub fn is_masked(&self) -> bool {
+        self.mask.is_some()
     }
 
     /// An opening of `blades` straight blades in the circle of `radius_mm`; one corner lies at `rotation_rad` from
@@ -55,7 +111,21 @@ impl Diaphragm {
         let (sin, cos) = (0.5 * step).sin_cos();
         let bent = curvature * sin;
         let bulge = if curvature > 0.0 { 0.5 * curvature / (radius_mm * (1.0 - bent * bent).sqrt()) } else { 0.0 };
-        Self { radius_mm, apothem_mm: radius_mm * cos, rotation_rad, curvature, bulge, sides }
+        Self { radius_mm, apothem_mm: radius_mm * cos, rotation_rad, curvature, bulge, sides, mask: None }
+    }
+
+    /// As [`Self::bladed`], from what a user gave: the blades at most 64, the curvature in 0 to 1, the rotation finite.
+    pub fn checked(radius_mm: f64, blades: u32, curvature: f64, rotation_rad: f64) -> Result<Self, DiaphragmError> {
+        if blades > MOST_BLADES {
+            return Err(DiaphragmError::Blades(blades));
+        }
+        if !rotation_rad.is_finite() {
+            return Err(DiaphragmError::Rotation(rotation_rad));
+        }
+        if !(0.0..=1.0).contains(&curvature) {
+            return Err(DiaphragmError::Curvature(curvature));
+        }
+        Ok(Self::bladed(radius_mm, blades, curvature, rotation_rad))
     }
 
     /// Radius of the circle through the corners, in mm.
@@ -63,7 +133,7 @@ impl Diaphragm {
         self.radius_mm
     }
 
-    /// Number of blades; 0 if round.
+    /// Number of blades; 0 if round or masked.
     pub fn blades(&self) -> u32 {
         self.sides.len() as u32
     }
@@ -86,8 +156,11 @@ impl Diaphragm {
         (radius, self.apothem_mm - radius * half_angle.cos(), half_angle)
     }
 
-    /// Area of the opening in mm².
+    /// Area of the opening in mm²; of a mask, to a hundredth of what the cells on its rim fill.
     pub fn area_mm2(&self) -> f64 {
+        if let Some(mask) = &self.mask {
+            return 4.0 * mask.shape.open_part() * self.radius_mm * self.radius_mm;
+        }
         match self.blades() {
             0 => 0.5 * TAU * self.radius_mm * self.radius_mm,
             blades if self.curvature > 0.0 => {
@@ -103,6 +176,10 @@ impl Diaphragm {
 
     /// A point (x, y) in mm of the opening, evenly, by two numbers in [0, 1).
     pub fn sample(&self, [u, v]: [f64; 2]) -> [f64; 2] {
+        if let Some(mask) = &self.mask {
+            let [x, y] = mask.shape.sample([u, v]).map(|x| x * mask.radius_mm);
+            return [mask.cos * x - mask.sin * y, mask.sin * x + mask.cos * y];
+        }
         let out = v.sqrt() * self.radius_mm;
         let blades = self.blades();
         if blades == 0 {
@@ -149,7 +226,22 @@ impl Diaphragm {
             curvature: self.curvature,
             bulge: R::from_f64(self.bulge),
             sides: self.sides.iter().map(|side| side.map(R::from_f64)).collect(),
+            mask: self.mask.clone(),
         }
+    }
+}
+
+impl Masked {
+    /// One lane after the other, in f64: a lookup gains nothing from lanes, and so comes out alike in all.
+    fn are_open<L: Lane>(&self, x_mm: L, y_mm: L) -> L::Mask {
+        let mut is_open = [L::Real::ZERO; WIDEST_LANE];
+        for (i, is_open) in is_open.iter_mut().enumerate().take(L::WIDTH) {
+            let [x, y] = [x_mm, y_mm].map(|x| x.of(i).to_f64() / self.radius_mm);
+            if self.shape.is_open(self.cos * x + self.sin * y, self.cos * y - self.sin * x) {
+                *is_open = L::Real::ONE;
+            }
+        }
+        x_mm.like(L::Real::ONE).at_most(x_mm.load(&is_open[..L::WIDTH]))
     }
 }
 
@@ -165,6 +257,9 @@ impl<R: Real> Diaphragm<R> {
         let squared = x_mm * x_mm + y_mm * y_mm;
         let within = |radius: R| squared.at_most(squared.like(radius * radius));
         let mut is_open = within(self.radius_mm);
+        if let Some(mask) = &self.mask {
+            return is_open & mask.are_open(x_mm, y_mm);
+        }
         if !self.sides.is_empty() && !within(self.apothem_mm).all() {
             if self.curvature == 0.0 {
                 for [nx, ny] in &self.sides {

@@ -70,6 +70,8 @@ struct View {
 impl EntranceMap {
     /// The map of all `tracers` together: one for a whole spectrum from its ends and middle.
     pub fn new(tracers: &[Tracer], system: &System) -> Self {
+        // A mask's circle holds all of its openings.
+        let tracers: &[Tracer] = &tracers.iter().map(Tracer::without_mask).collect::<Vec<_>>();
         let wavelength_nm = tracers.first().map_or(crate::glass::line_nm::D, Tracer::wavelength_nm);
         let pupil = Paraxial::new(system, wavelength_nm).entrance_pupil;
         let first = &system.surfaces()[0];

@@ -1,8 +1,10 @@
 //! A lens placed in lens space for one focal length and one opening; immutable.
 
+use std::sync::Arc;
+
 use thiserror::Error;
 
-use crate::diaphragm::Diaphragm;
+use crate::diaphragm::{ApertureMask, Diaphragm, DiaphragmError};
 use crate::first_order::{Thin, between_vertices, front_of};
 use crate::glass::{Medium, line_nm};
 use crate::prescription::{Behind, Prescription, PrescriptionError};
@@ -31,6 +33,8 @@ pub struct SystemSettings {
     pub blades: u32,
     /// Turn of the diaphragm, from x towards y.
     pub blade_rotation_rad: f64,
+    /// How far the blades are curved: 0 straight, 1 the full circle.
+    pub blade_curvature: f64,
 }
 
 /// Why no system can be made.
@@ -47,19 +51,14 @@ pub enum SystemError {
         /// Its value.
         value: f64,
     },
-    /// More blades than a diaphragm has.
-    #[error("{0} blades; give 3 to {MOST_BLADES}, or 0 for a round opening")]
-    Blades(u32),
-    /// The turn of the blades is no angle.
-    #[error("the rotation of the blades is {0} rad; give a finite angle")]
-    Rotation(f64),
+    /// The blades make no diaphragm.
+    #[error(transparent)]
+    Diaphragm(#[from] DiaphragmError),
     /// The lens does not focus parallel light, so no focal length or f-number can be asked of it.
     #[error("the lens has no focal length (its power is 0); scale it by a factor and leave the f-number to it")]
     Afocal,
 }
 
-/// More blades than this look round.
-const MOST_BLADES: u32 = 64;
 /// Powers below this part of 1/track are rounding.
 const NO_POWER: f64 = 1e-12;
 
@@ -144,7 +143,8 @@ impl System {
             (Some(now), Some(widest)) => clear * (widest / now),
             _ => clear,
         };
-        let diaphragm = Diaphragm::polygon(opening, settings.blades, settings.blade_rotation_rad);
+        let (curvature, rotation_rad) = (settings.blade_curvature, settings.blade_rotation_rad);
+        let diaphragm = Diaphragm::checked(opening, settings.blades, curvature, rotation_rad)?;
         Ok(Self {
             name: prescription.name.clone(),
             surfaces,
@@ -157,6 +157,15 @@ impl System {
             film_radius_mm: prescription.film_radius_mm.map(|r| r * scale),
             half_field_deg: prescription.metadata.half_field_deg,
         })
+    }
+
+    /// The same lens with a mask in its diaphragm instead of blades, turned by `rotation_rad` from x towards y.
+    pub fn with_aperture_mask(mut self, mask: Arc<ApertureMask>, rotation_rad: f64) -> Result<Self, SystemError> {
+        if !rotation_rad.is_finite() {
+            return Err(DiaphragmError::Rotation(rotation_rad).into());
+        }
+        self.diaphragm = Diaphragm::masked(self.diaphragm.radius_mm(), mask, rotation_rad);
+        Ok(self)
     }
 
     /// The lens's name.
@@ -297,12 +306,6 @@ fn check_settings(settings: &SystemSettings) -> Result<(), SystemError> {
     }
     if let Some(f_number) = settings.f_number {
         positive("f-number", f_number)?;
-    }
-    if settings.blades > MOST_BLADES {
-        return Err(SystemError::Blades(settings.blades));
-    }
-    if !settings.blade_rotation_rad.is_finite() {
-        return Err(SystemError::Rotation(settings.blade_rotation_rad));
     }
     Ok(())
 }

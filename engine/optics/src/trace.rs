@@ -141,6 +141,11 @@ impl Tracer {
         Self { from_scene: self.from_scene.map(clear), from_film: self.from_film.map(clear), ..self.clone() }
     }
 
+    /// The same lens without the mask in its diaphragm.
+    pub(crate) fn without_mask(&self) -> Self {
+        Self { diaphragm: Arc::new(self.diaphragm.without_mask()), ..self.clone() }
+    }
+
     /// The same lens with rims, stop and obstructions taken away: all rays that its surfaces can carry.
     pub(crate) fn without_rims(&self) -> Self {
         let open = |step: &Step| Step {

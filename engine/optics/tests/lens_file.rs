@@ -3,6 +3,7 @@
 mod common;
 
 use common::{prescription, repository};
+use petzval_optics::diaphragm::DiaphragmError;
 use petzval_optics::formats::lens::{self, parse, parse_bytes};
 use petzval_optics::glass::{Catalogue, line_nm};
 use petzval_optics::prescription::Behind;
@@ -145,7 +146,11 @@ fn settings_that_make_no_lens_say_so() {
         let f_number = with(SystemSettings { f_number: Some(bad), ..default() });
         assert!(matches!(f_number, SystemError::NotPositive { .. }));
     }
-    assert_eq!(with(SystemSettings { blades: 1000, ..default() }), SystemError::Blades(1000));
+    assert_eq!(with(SystemSettings { blades: 1000, ..default() }), DiaphragmError::Blades(1000).into());
+    for curvature in [-0.1, 1.1, f64::INFINITY] {
+        let bent = SystemSettings { blade_curvature: curvature, ..default() };
+        assert_eq!(with(bent), DiaphragmError::Curvature(curvature).into());
+    }
     let window = parse("0 5 1.5 20 0 1\n0 50 air 20 0 0", "window", Catalogue::shipped()).unwrap();
     assert_eq!(
         System::new(&window, &SystemSettings { f_number: Some(4.0), ..default() }).unwrap_err(),

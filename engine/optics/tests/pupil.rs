@@ -3,10 +3,12 @@
 mod common;
 
 use std::f64::consts::PI;
+use std::sync::Arc;
 use std::sync::OnceLock;
 
 use common::{prescription, system};
 use glam::DVec3;
+use petzval_optics::diaphragm::ApertureMask;
 use petzval_optics::focus::{FilmPlane, film_z_for_focus_mm};
 use petzval_optics::formats::lens::parse;
 use petzval_optics::glass::{Catalogue, line_nm};
@@ -117,6 +119,8 @@ fn make_cameras() -> Vec<Camera> {
     };
     let anamorphic = shipped("anamorphic-2x-double-gauss", 0, "");
     let six_blades = shipped("anamorphic-2x-double-gauss", 6, "");
+    let curved = SystemSettings { blades: 5, blade_curvature: 0.6, f_number: Some(4.0), ..Default::default() };
+    let curved = System::new(&prescription("double-gauss-f2-available"), &curved).unwrap();
     let misaligned = shipped("double-gauss-f2-available", 0, "# element: 0-1 decenter_x=3 tilt_x=-4 tilt_y=6");
     vec![
         Camera::new("anamorphic", anamorphic, FilmPlane::upright, [11.0, 9.0]),
@@ -130,6 +134,7 @@ fn make_cameras() -> Vec<Camera> {
         Camera::new("turned", system("double-gauss-f2-available"), turned, [18.0, 12.0]),
         Camera::new("six blades", stopped("tessar-brendel", 5.6, 6), FilmPlane::upright, [18.0, 12.0]),
         Camera::new("turned blades", stopped("double-gauss-f2-available", 4.0, 5), turned, [18.0, 12.0]),
+        Camera::new("curved blades", curved, FilmPlane::upright, [18.0, 12.0]),
         Camera::new("fisheye", system("pbrt-fisheye-10mm"), FilmPlane::upright, [10.0, 7.0]),
     ]
 }
@@ -279,17 +284,57 @@ fn a_dark_corner_is_dark_and_harmless() {
 #[test]
 fn throughput_of_a_polygon_is_exact() {
     let lens = parse("0 50 air 40 0 1", "hole", Catalogue::shipped()).unwrap();
-    for blades in [3, 4, 7] {
-        let settings = SystemSettings { blades, blade_rotation_rad: 0.3, ..Default::default() };
+    for (blades, curvature) in [(3, 0.0), (4, 0.0), (7, 0.0), (3, 0.5), (6, 0.9)] {
+        let settings =
+            SystemSettings { blades, blade_curvature: curvature, blade_rotation_rad: 0.3, ..Default::default() };
         let system = System::new(&lens, &settings).unwrap();
         let found = on_axis_throughput(&system.at_wavelength(550.0), &system, 50.0);
-        // With r(φ) = a / cos φ from the middle of a side: π mean of r² / (r² + d²), by the midpoint rule.
+        // With r(φ) from the middle of a side, π mean of r² / (r² + d²), by the midpoint rule. A straight side lies at
+        // a / cos φ; an arc of the radius s about the point c towards the side at c cos φ + √(s² − c² sin² φ).
         let (a, d, n) = (20.0 * (PI / f64::from(blades)).cos(), 50.0, 20_000);
+        let s = 20.0 / curvature;
+        let c = a - (s * s - (20.0 * (PI / f64::from(blades)).sin()).powi(2)).sqrt();
         let term = |i: i32| {
-            let r = a / ((f64::from(i) + 0.5) / f64::from(n) * PI / f64::from(blades)).cos();
+            let (sin, cos) = ((f64::from(i) + 0.5) / f64::from(n) * PI / f64::from(blades)).sin_cos();
+            let r = if curvature > 0.0 { c * cos + (s * s - c * c * sin * sin).sqrt() } else { a / cos };
             r * r / (r * r + d * d)
         };
         let expected = PI * (0..n).map(term).sum::<f64>() / f64::from(n);
-        assert!((found / expected - 1.0).abs() < 1e-6, "{blades}: {found} {expected}");
+        assert!((found / expected - 1.0).abs() < 1e-6, "{blades} {curvature}: {found} {expected}");
     }
+}
+
+/// A mask that is dark in its middle, off centre and turned: the map bounds it and stays unbiased.
+#[test]
+fn a_mask_is_bounded_and_exposes_as_much_as_by_brute_force() {
+    let side = 64;
+    let ring = |i: usize| {
+        let at = |i: usize| (2.0 * i as f64 + 1.0) / f64::from(side) - 1.0;
+        let out = (at(i % 64) - 0.2).hypot(at(i / 64));
+        (1.0 - 2.0 * (out - 0.5).abs()).clamp(0.0, 1.0) as f32
+    };
+    let values: Vec<f32> = (0..64 * 64).map(ring).collect();
+    let mask = Arc::new(ApertureMask::new(64, &values).unwrap());
+    let masked = |film: fn(f64) -> FilmPlane| {
+        let system = system("double-gauss-f2-available").with_aperture_mask(mask.clone(), 0.4).unwrap();
+        Camera::new("masked", system, film, [18.0, 12.0])
+    };
+    let turned = |z| FilmPlane { tilt_rad: 0.15, swing_rad: -0.1, shift_mm: [2.0, -1.0], ..FilmPlane::upright(z) };
+    for camera in [masked(FilmPlane::upright), masked(turned)] {
+        for (u, v) in [(0.0, 0.0), (0.6, -0.3), (-1.0, 1.0)] {
+            let point = camera.film.point(u * camera.half[0], v * camera.half[1]);
+            let (map, map_error) = camera.by_map(point);
+            let (brute, brute_error) = camera.by_brute_force(point, 1000);
+            // Both errors are those of unstratified points and so larger than the true ones.
+            let allowed = 3.0 * map_error.hypot(brute_error);
+            assert!((map - brute).abs() <= allowed, "({u}, {v}): {map} {brute} ± {allowed}");
+        }
+    }
+    let camera = masked(FilmPlane::upright);
+    let exact = on_axis_throughput(&camera.tracer, &camera.system, camera.film.z_mm);
+    let (brute, error) = camera.by_brute_force(DVec3::new(0.0, 0.0, camera.film.z_mm), 1000);
+    assert!((brute - exact).abs() < 3.0 * error, "{exact} {brute} ± {error}");
+    // A ring of 0.25 to 0.75 of the stop's radius, cut off nowhere: half of its area.
+    let part = camera.system.diaphragm().area_mm2() / (PI * camera.system.stop_semi_diameter_mm().powi(2));
+    assert!((part - 0.5).abs() < 2e-3, "{part}");
 }

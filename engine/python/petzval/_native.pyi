@@ -61,6 +61,13 @@ class Lens:
 def trace_surfaces_json(cases_json: str, *, precision: str = "f64") -> str:
     """The input and output of `petzval surface trace`; `precision` is "f64", "f32" or "printed"."""
 
+class ApertureMask(Protocol):
+    """A square grey picture over the diameter of the stop; light passes where it is brighter than half."""
+
+    name: str  # for messages
+    side: int
+    values: bytes  # side x side, rows from below
+
 class CameraDescription(Protocol):
     """Read by attribute; `addon/description.py` has the dataclass. None means: the lens's own value."""
 
@@ -78,6 +85,8 @@ class CameraDescription(Protocol):
     f_number: float | None
     blades: int  # 0: round, else 3..24
     blade_rotation_rad: float
+    blade_curvature: float  # 0: straight blades, 1: a round opening
+    aperture_mask: ApertureMask | None  # the opening's shape instead of blades; turned like them
     focus_distance: float | None  # along the optical axis from the entrance pupil, Blender units; None: infinity
     focus_point_world: tuple[float, float, float] | None  # wins over focus_distance
     film_distance_mm: float | None  # last vertex to film centre; wins over both

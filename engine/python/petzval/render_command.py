@@ -11,6 +11,7 @@ import signal
 import subprocess
 from pathlib import Path
 
+from . import film_formats
 from .errors import CommandError
 from .places import find_lens
 
@@ -21,6 +22,7 @@ _COLOUR = {"lateral_colour", "axial_colour"}
 _NOT_YET = {"transmission", "ghosts", "glare", "diffraction", "motion_blur"}
 #: Exit status of a command that was broken off.
 _INTERRUPTED = 130
+_FILM_NAMES = ", ".join(film.name for film in film_formats.FILM_FORMATS)
 #: What the half in Blender ends with, having said why, and what that means here. No program ends so by chance.
 _OWN_STATUS = {70: 0, 71: 1, _INTERRUPTED: _INTERRUPTED}
 
@@ -41,8 +43,12 @@ def add_parser(subparsers: argparse._SubParsersAction) -> None:
     p.add_argument("--blades", type=int, metavar="N", help="blades of the diaphragm, 3 to 24; 0 is round")
     p.add_argument("--shutter", type=_positive, metavar="S", help="expose physically, so many seconds")
     p.add_argument("--iso", type=_positive, metavar="N", help="expose physically, with a film of that speed")
+    p.add_argument("--blade-curvature", type=_part, metavar="C", help="of the blades' edges: 0 straight, 1 round")
+    p.add_argument("--blade-rotation", type=_number, metavar="DEG", help="turn of the diaphragm about the axis")
+    p.add_argument("--aperture-mask", metavar="FILE", help="a square picture of the opening, instead of blades")
     p.add_argument("--focus-distance", type=_distance, metavar="MM|inf", help="from the entrance pupil")
-    p.add_argument("--film", type=_size_mm, metavar="WxH", help="film size, mm")
+    p.add_argument("--film", type=_film, metavar="NAME|WxH", help=f"mm, or one of {_FILM_NAMES}")
+    p.add_argument("--film-diagonal", type=_positive, metavar="MM", help="the film scaled to it, its shape kept")
     p.add_argument("--tilt", type=_number, metavar="DEG", help="turn of the film about its horizontal axis")
     p.add_argument("--swing", type=_number, metavar="DEG", help="turn of the film about its vertical axis")
     p.add_argument("--shift", type=_pair, metavar="X,Y", help="the lens right and up against the film, mm")
@@ -85,6 +91,10 @@ def _checked(a: argparse.Namespace) -> dict:
         raise CommandError(f"quality {a.quality:g}: effects are not planned yet: leave --quality out")
     if a.blades is not None and a.blades != 0 and not 3 <= a.blades <= 24:
         raise CommandError(f"{a.blades} blades: a diaphragm has 3 to 24, or 0 for a round one: change --blades")
+    if a.aperture_mask and a.blades:
+        a.usage_error("--aperture-mask stands instead of --blades: leave out the one or the other")
+    if a.aperture_mask and not Path(a.aperture_mask).is_file():
+        raise CommandError(f"no such picture: {a.aperture_mask}: change --aperture-mask")
     output = Path(a.output) if a.output else Path(f"{scene.stem}.png")
     if output.suffix.lower() not in _SUFFIXES:
         raise CommandError(f"unknown picture format: {output}: end its name in .exr or .png")
@@ -104,8 +114,12 @@ def _checked(a: argparse.Namespace) -> dict:
         "blades": a.blades,
         "shutter_s": a.shutter,
         "iso": a.iso,
+        "blade_curvature": a.blade_curvature,
+        "aperture_mask": str(Path(a.aperture_mask).absolute()) if a.aperture_mask else None,
+        "blade_rotation_rad": None if a.blade_rotation is None else math.radians(a.blade_rotation),
         "focus_distance_mm": "inf" if a.focus_distance == math.inf else a.focus_distance,
         "film_mm": a.film,
+        "film_diagonal_mm": a.film_diagonal,
         "tilt_rad": None if a.tilt is None else math.radians(a.tilt),
         "swing_rad": None if a.swing is None else math.radians(a.swing),
         "shift_mm": a.shift,
@@ -187,6 +201,13 @@ def _positive(text: str) -> float:
     return value
 
 
+def _part(text: str) -> float:
+    value = float(text)
+    if not 0.0 <= value <= 1.0:
+        raise argparse.ArgumentTypeError(f"must be from 0 to 1: {text}")
+    return value
+
+
 def _distance(text: str) -> float:
     value = float(text)
     if math.isnan(value) or value <= 0.0:
@@ -219,6 +240,15 @@ def _size_mm(text: str) -> list[float]:
     return [_positive(part) for part in _split(text, "x", 2)]
 
 
+def _film(text: str) -> list[float]:
+    film = film_formats.by_name(text)
+    if film is not None:
+        return [film.width_mm, film.height_mm]
+    if "x" not in text.lower():
+        raise argparse.ArgumentTypeError(f"no such film: {text}: give WIDTHxHEIGHT in mm, or one of {_FILM_NAMES}")
+    return _size_mm(text)
+
+
 def _pixels(text: str) -> list[int]:
     return [_count(part) for part in _split(text, "x", 2)]
 
@@ -244,8 +274,8 @@ def _effect(text: str) -> tuple[str, str]:
     return name, word
 
 
-for _type, _name in ((_number, "number"), (_positive, "number"), (_distance, "distance"), (_natural, "number"),
-                     (_count, "number"), (_size_mm, "size"), (_pixels, "size"), (_pair, "pair"), (_triple, "triple"),
+for _type, _name in ((_number, "number"), (_positive, "number"), (_part, "number"), (_distance, "distance"), (_natural, "number"),
+                     (_count, "number"), (_size_mm, "size"), (_film, "film"), (_pixels, "size"), (_pair, "pair"), (_triple, "triple"),
                      (_effect, "effect"), (_wavelengths, "spectrum")):  # fmt: skip
     # argparse names the type in its message: "invalid number value: 'x'".
     _type.__name__ = _name

@@ -129,7 +129,10 @@ def _apply(scene: Any, o: dict, addon: Any) -> str | None:
     if o["pipeline"]:
         scene.petzval.pipeline = o["pipeline"].upper()
     _apply_output(r, o["output"])
-    _apply_camera(scene, scene.camera.data, o, addon)
+    try:
+        _apply_camera(scene, scene.camera.data, o, addon)
+    except RuntimeError as error:  # only the mask is a file that is read here
+        return f"cannot read {o['aperture_mask']}: {_one_line(error)}: give --aperture-mask a picture"
     return None
 
 
@@ -171,6 +174,13 @@ def _apply_camera(scene: Any, data: Any, o: dict, addon: Any) -> None:
         own.f_number = o["f_number"]
     if o["blades"] is not None:
         own.blades = o["blades"]
+    for name, option in (("blade_curvature", "blade_curvature"), ("blade_rotation", "blade_rotation_rad")):
+        if o[option] is not None:
+            setattr(own, name, o[option])
+    if o["aperture_mask"]:
+        own.aperture_mask = addon.export.aperture_mask.load(o["aperture_mask"])
+    elif o["blades"] is not None:
+        own.aperture_mask = None
     if o["scale_mm"]:
         own.scale_from_scene = False
         own.scale_locked = False
@@ -188,6 +198,14 @@ def _apply_camera(scene: Any, data: Any, o: dict, addon: Any) -> None:
     if o["shutter_s"] or o["iso"]:
         own.physical_exposure = True
         own.shutter, own.iso = o["shutter_s"] or own.shutter, o["iso"] or own.iso
+    if o["film_diagonal_mm"] is not None:
+        from petzval.film_formats import with_diagonal
+
+        shape = (own.film_width, own.film_height)
+        if own.film_mode != "SIZE":
+            shape = addon.export.camera.resolution(scene.render)
+        own.film_mode = "SIZE"
+        own.film_width, own.film_height = with_diagonal(*shape, o["film_diagonal_mm"])
     if isinstance(o["spectrum"], float):
         own.spectrum, own.wavelength = "SINGLE", o["spectrum"]
     elif o["spectrum"]:

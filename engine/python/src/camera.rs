@@ -1,12 +1,14 @@
 //! Camera descriptions, read by attribute.
 
 use crate::doorway::away;
-use crate::error::{Error, refused};
+use crate::error::{Error, bad_camera, refused};
 use glam::{DMat4, DVec3};
+use petzval_optics::diaphragm::ApertureMask;
 use petzval_render::camera::exposure::PhysicalExposure;
 use petzval_render::camera::{self, CameraDescription, Model, Spectrum};
 use pyo3::prelude::*;
 use serde_json::json;
+use std::sync::Arc;
 
 /// A 4 x 4 matrix as Blender gives it, row by row.
 #[derive(FromPyObject)]
@@ -16,6 +18,22 @@ pub(crate) struct Matrix4([[f64; 4]; 4]);
 impl From<Matrix4> for DMat4 {
     fn from(m: Matrix4) -> Self {
         DMat4::from_cols_array_2d(&m.0).transpose()
+    }
+}
+
+/// A square grey picture: eight bits a value, rows from below.
+#[derive(FromPyObject)]
+struct PyApertureMask {
+    name: String,
+    side: usize,
+    values: Vec<u8>,
+}
+
+impl PyApertureMask {
+    fn read(&self, camera: &str) -> Result<Arc<ApertureMask>, Error> {
+        let values: Vec<f32> = self.values.iter().map(|&value| f32::from(value) / 255.0).collect();
+        let mask = ApertureMask::new(self.side, &values);
+        mask.map(Arc::new).map_err(|e| bad_camera(format!("camera '{camera}', image '{}': {e}", self.name)))
     }
 }
 
@@ -33,6 +51,8 @@ pub(crate) struct PyCamera {
     f_number: Option<f64>,
     blades: u32,
     blade_rotation_rad: f64,
+    blade_curvature: f64,
+    aperture_mask: Option<PyApertureMask>,
     focus_distance: Option<f64>,
     focus_point_world: Option<(f64, f64, f64)>,
     film_distance_mm: Option<f64>,
@@ -74,6 +94,10 @@ impl TryFrom<PyCamera> for CameraDescription {
                 return Err(refused(what));
             }
         };
+        let aperture_mask = match &c.aperture_mask {
+            Some(mask) => Some(mask.read(&c.object_name)?),
+            None => None,
+        };
         let (sx, sy, sz) = c.scale_mm_per_unit;
         Ok(CameraDescription {
             object_name: c.object_name,
@@ -88,6 +112,8 @@ impl TryFrom<PyCamera> for CameraDescription {
             f_number: c.f_number,
             blades: c.blades,
             blade_rotation_rad: c.blade_rotation_rad,
+            blade_curvature: c.blade_curvature,
+            aperture_mask,
             focus_distance: c.focus_distance,
             focus_point_world: c.focus_point_world.map(|(x, y, z)| DVec3::new(x, y, z)),
             film_distance_mm: c.film_distance_mm,

@@ -67,3 +67,8 @@ pub(crate) fn refused(what: impl Into<String>) -> Error {
 pub(crate) fn bad_scene(what: impl Into<String>) -> Error {
     Error(PyErr::new::<SceneError_, _>(what.into()))
 }
+
+/// The same for a camera.
+pub(crate) fn bad_camera(what: impl Into<String>) -> Error {
+    Error(PyErr::new::<CameraError_, _>(what.into()))
+}

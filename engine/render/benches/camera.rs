@@ -22,6 +22,8 @@ fn camera(model: Model, lens: &str, spectrum: Option<Spectrum>) -> Camera {
         f_number: None,
         blades: 0,
         blade_rotation_rad: 0.0,
+        blade_curvature: 0.0,
+        aperture_mask: None,
         focus_distance: Some(3.0),
         focus_point_world: None,
         film_distance_mm: None,

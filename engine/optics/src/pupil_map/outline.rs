@@ -34,7 +34,8 @@ impl Outline {
 
 /// Asks tracers which targets are clear.
 pub(super) struct Probe {
-    /// With every obstruction taken away: the pupil's hole is found apart.
+    /// With every obstruction and mask taken away: the pupil's hole is found apart, and the outline of a mask's circle
+    /// holds all of its openings.
     open: Vec<Tracer>,
     /// As they are, if anything obstructs them.
     obstructed: Vec<Tracer>,
@@ -52,8 +53,8 @@ impl Probe {
     pub(super) fn new(tracers: &[Tracer], reference_z: f64, glass_radius: f64) -> Self {
         let is_obstructed = tracers.iter().any(Tracer::has_obstructions);
         Self {
-            open: tracers.iter().map(Tracer::without_obstructions).collect(),
-            obstructed: if is_obstructed { tracers.to_vec() } else { Vec::new() },
+            open: tracers.iter().map(|t| t.without_obstructions().without_mask()).collect(),
+            obstructed: if is_obstructed { tracers.iter().map(Tracer::without_mask).collect() } else { Vec::new() },
             reference_z,
             glass_radius,
         }

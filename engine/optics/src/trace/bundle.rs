@@ -225,9 +225,11 @@ impl<R: Real> Block<'_, R> {
 #[cfg(test)]
 mod tests {
     use super::*;
+    use crate::diaphragm::ApertureMask;
     use crate::formats::lens;
     use crate::glass::Catalogue;
     use crate::system::{System, SystemSettings};
+    use std::sync::Arc;
 
     /// All kinds of instructions that this processor has.
     fn levels() -> Vec<Level> {
@@ -279,18 +281,26 @@ mod tests {
         passed
     }
 
+    /// Open in stripes of a ninth of the stop, dark in the middle.
+    fn masked(system: System) -> System {
+        let values: Vec<f32> = (0..81).map(|i| if (i % 9) % 2 == 0 && i / 9 != 4 { 1.0 } else { 0.1 }).collect();
+        system.with_aperture_mask(Arc::new(ApertureMask::new(9, &values).unwrap()), 0.3).unwrap()
+    }
+
     #[test]
     fn a_ray_in_a_bundle_is_the_ray_alone() {
         let folder = concat!(env!("CARGO_MANIFEST_DIR"), "/../../tests/reference/lenses");
+        let both = [Travel::FromScene, Travel::FromFilm];
         let mut passed = 0;
         for entry in std::fs::read_dir(folder).unwrap() {
             let path = entry.unwrap().path();
             let Ok(prescription) = lens::read(&path, Catalogue::shipped()) else { continue };
-            for blades in [0, 5] {
-                let settings = SystemSettings { blades, ..SystemSettings::default() };
+            for (blades, blade_curvature) in [(0, 0.0), (5, 0.0), (5, 0.5)] {
+                let settings = SystemSettings { blades, blade_curvature, ..SystemSettings::default() };
                 let system = System::new(&prescription, &settings).unwrap();
-                for travel in [Travel::FromScene, Travel::FromFilm] {
-                    passed += check::<f64>(&system, travel) + check::<f32>(&system, travel);
+                let systems = [Some(system.clone()), (blades == 0).then(|| masked(system))];
+                for (system, travel) in systems.iter().flatten().flat_map(|s| both.map(|travel| (s, travel))) {
+                    passed += check::<f64>(system, travel) + check::<f32>(system, travel);
                 }
             }
         }

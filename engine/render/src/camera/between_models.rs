@@ -72,6 +72,8 @@ fn description(model: Model, file: &LensFile, focal_length_mm: f64, f_number: f6
         f_number: Some(f_number),
         blades: 0,
         blade_rotation_rad: 0.0,
+        blade_curvature: 0.0,
+        aperture_mask: None,
         focus_distance: None,
         focus_point_world: None,
         film_distance_mm: None,

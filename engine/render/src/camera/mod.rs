@@ -19,12 +19,14 @@ use exposure::PhysicalExposure;
 use gaussian::{Gaussian, Order};
 use glam::{DMat3, DMat4, DVec3, Mat3, Vec2};
 use image_based::ImageBased;
+use petzval_optics::diaphragm::ApertureMask;
 use petzval_optics::focus::FocusError;
 use petzval_optics::formats::lens::LensFileError;
 use petzval_optics::system::SystemError;
 use pinhole::Pinhole;
 use real_lens::{LensInfo, RealLens};
 use std::path::PathBuf;
+use std::sync::Arc;
 use thin::Thin;
 
 /// Why a camera cannot photograph.
@@ -114,6 +116,10 @@ pub struct CameraDescription {
     pub blades: u32,
     /// Turn of the diaphragm.
     pub blade_rotation_rad: f64,
+    /// How far the blades are curved: 0 straight, 1 round.
+    pub blade_curvature: f64,
+    /// The opening's shape instead of blades; turned like them.
+    pub aperture_mask: Option<Arc<ApertureMask>>,
     /// Along the axis from the entrance pupil, Blender units; `None` is infinity.
     pub focus_distance: Option<f64>,
     /// A point whose depth is focused on, world space; wins over the distance.

@@ -93,8 +93,12 @@ impl Setup {
             f_number: d.f_number,
             blades: d.blades,
             blade_rotation_rad: d.blade_rotation_rad,
+            blade_curvature: d.blade_curvature,
         };
-        let system = System::new(&prescription, &settings).map_err(wrong)?;
+        let mut system = System::new(&prescription, &settings).map_err(wrong)?;
+        if let Some(mask) = &d.aperture_mask {
+            system = system.with_aperture_mask(mask.clone(), d.blade_rotation_rad).map_err(wrong)?;
+        }
         let line = d.wavelength_nm.unwrap_or(D_LINE_NM);
         let film_z_mm = film_z(d, &system, line)?;
         // The lens moved to the right is the film moved to the left.

@@ -24,6 +24,8 @@ fn description(file: &str, film_mm: [f64; 2]) -> CameraDescription {
         f_number: None,
         blades: 0,
         blade_rotation_rad: 0.0,
+        blade_curvature: 0.0,
+        aperture_mask: None,
         focus_distance: None,
         focus_point_world: None,
         film_distance_mm: None,
