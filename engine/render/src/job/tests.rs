@@ -20,6 +20,7 @@ fn settings(samples: u32, threads: usize) -> Settings {
         filter_width_px: 1.5,
         transparent_film: false,
         pipeline: Pipeline::Auto,
+        integrator: Integrator::Path,
     }
 }
 

@@ -1,11 +1,13 @@
 //! Ways from the film to the scene and back: which rays are followed, and where what they find is added up.
 
+pub mod bidirectional;
 pub mod film_first;
 pub mod hero;
 
 use crate::camera::Camera;
 use crate::film::{Patch, TileRect};
 use crate::integrator::Stage;
+use crate::integrator::bidirectional::{LightPath, Techniques};
 use crate::integrator::path::{self, Limits, PathResult};
 use crate::sampler::{PathSampler, raster::Raster};
 use std::time::{Duration, Instant};
@@ -52,6 +54,8 @@ pub struct Shot<'a> {
     pub camera: &'a Camera,
     /// One that the camera can.
     pub pipeline: Pipeline,
+    /// Where light paths take part: with the real lens alone.
+    pub light_paths: Option<Techniques>,
     /// The picture's pixels.
     pub raster: &'a Raster,
     /// How far light is followed.
@@ -98,6 +102,7 @@ pub fn render_tile(
     stopped: &dyn Fn() -> bool,
 ) -> Option<Counts> {
     let mut counts = Counts::default();
+    let mut light_path = LightPath::default();
     for y in rect.y..rect.y + rect.height {
         for x in rect.x..rect.x + rect.width {
             if stopped() {
@@ -106,9 +111,14 @@ pub fn render_tile(
             for index in first..first + count {
                 let timed = counts.camera_rays.is_multiple_of(TIMED_EVERY).then(Instant::now);
                 let one = Sample { shot, x, y, index, timed, counts: &mut counts, light };
-                match (shot.pipeline, shot.camera.dispersing_lens()) {
-                    (Pipeline::Hero, Some(lens)) => hero::sample(lens, one),
-                    _ => film_first::sample(one),
+                match (shot.light_paths, shot.camera) {
+                    (Some(techniques), Camera::Lens(lens)) => {
+                        bidirectional::sample(lens, techniques, &mut light_path, one);
+                    }
+                    _ => match (shot.pipeline, shot.camera.dispersing_lens()) {
+                        (Pipeline::Hero, Some(lens)) => hero::sample(lens, one),
+                        _ => film_first::sample(one),
+                    },
                 }
                 if let Some(start) = timed {
                     counts.sample_time += start.elapsed();
