@@ -120,6 +120,7 @@ class SettingsDescription:
     filter_width_px: float = 1.5
     transparent_film: bool = False
     pipeline: str = "AUTO"  # AUTO | FILM | HERO
+    integrator: str = "PATH"  # PATH | BIDIRECTIONAL
 
 
 @dataclass

@@ -139,6 +139,7 @@ class _Photograph:
             clamp_indirect=own.clamp_indirect,
             filter_width_px=own.filter_width,
             pipeline=own.pipeline,
+            integrator=own.integrator,
             transparent_film=render.film_transparent,
         )
 

@@ -6,6 +6,7 @@ use crate::error::{Error, refused};
 use crate::scene::Scene;
 use numpy::{PyArray1, PyArray3, PyArrayMethods};
 use petzval_render::camera::{Camera, CameraDescription};
+use petzval_render::integrator::Integrator;
 use petzval_render::job::{self as engine, Settings};
 use petzval_render::pipeline::Pipeline;
 use pyo3::prelude::*;
@@ -25,6 +26,7 @@ struct PySettings {
     filter_width_px: f32,
     transparent_film: bool,
     pipeline: String,
+    integrator: String,
 }
 
 impl TryFrom<PySettings> for Settings {
@@ -36,6 +38,11 @@ impl TryFrom<PySettings> for Settings {
             "FILM" => Pipeline::FilmFirst,
             "HERO" => Pipeline::Hero,
             other => return Err(refused(format!("there is no pipeline '{other}'; use AUTO, FILM or HERO"))),
+        };
+        let integrator = match s.integrator.as_str() {
+            "PATH" => Integrator::Path,
+            "BIDIRECTIONAL" => Integrator::Bidirectional,
+            other => return Err(refused(format!("there is no integrator '{other}'; use PATH or BIDIRECTIONAL"))),
         };
         Ok(Self {
             width: s.width,
@@ -49,6 +56,7 @@ impl TryFrom<PySettings> for Settings {
             filter_width_px: s.filter_width_px,
             transparent_film: s.transparent_film,
             pipeline,
+            integrator,
         })
     }
 }
@@ -127,6 +135,7 @@ impl Job {
             "threads": s.threads,
             "lens": self.job.camera().name(),
             "pipeline": self.job.pipeline().name(),
+            "integrator": settings.integrator.name(),
             "width": settings.width,
             "height": settings.height,
             "failure": s.failure,

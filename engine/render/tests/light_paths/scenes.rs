@@ -12,15 +12,15 @@ use std::f64::consts::{FRAC_PI_2, PI};
 use std::sync::Arc;
 
 /// A scene under construction, in a room of the kind that most of them share.
-pub struct Room {
-    pub builder: SceneBuilder,
+pub(crate) struct Room {
+    pub(crate) builder: SceneBuilder,
 }
 
-pub fn plain(r: f32, g: f32, b: f32) -> Material {
+pub(crate) fn plain(r: f32, g: f32, b: f32) -> Material {
     Material { base_color: Input::Constant(Rgb::new(r, g, b)), specular: false, ..Material::default_grey() }
 }
 
-pub fn glossy(metallic: f32, transmission: f32, roughness: f32) -> Material {
+pub(crate) fn glossy(metallic: f32, transmission: f32, roughness: f32) -> Material {
     Material {
         base_color: Input::Constant(Rgb::new(0.9, 0.8, 0.7)),
         metallic: Input::Constant(metallic),
@@ -31,7 +31,7 @@ pub fn glossy(metallic: f32, transmission: f32, roughness: f32) -> Material {
 }
 
 /// A square of side 2 in the xy plane that faces +z, with UVs.
-pub fn square() -> MeshDescription {
+pub(crate) fn square() -> MeshDescription {
     let positions = vec![
         Vec3::new(-1.0, -1.0, 0.0),
         Vec3::new(1.0, -1.0, 0.0),
@@ -51,7 +51,7 @@ pub fn square() -> MeshDescription {
 }
 
 /// A ball of radius 1, smooth.
-pub fn ball(rings: u32) -> MeshDescription {
+pub(crate) fn ball(rings: u32) -> MeshDescription {
     let sectors = 2 * rings;
     let at = |i: u32, j: u32| {
         let (theta, phi) =
@@ -79,7 +79,7 @@ pub fn ball(rings: u32) -> MeshDescription {
     d
 }
 
-pub fn lamp(kind: LampKind, watts: f32) -> Lamp {
+pub(crate) fn lamp(kind: LampKind, watts: f32) -> Lamp {
     Lamp {
         object_name: "lamp".into(),
         kind,
@@ -90,34 +90,34 @@ pub fn lamp(kind: LampKind, watts: f32) -> Lamp {
     }
 }
 
-pub const DOWN: [f64; 3] = [-FRAC_PI_2, 0.0, 0.0];
+pub(crate) const DOWN: [f64; 3] = [-FRAC_PI_2, 0.0, 0.0];
 
 /// Placed at `at`, turned about x, then y, then z.
-pub fn place(at: [f64; 3], turn: [f64; 3], size: f64) -> DMat4 {
+pub(crate) fn place(at: [f64; 3], turn: [f64; 3], size: f64) -> DMat4 {
     let turned = DMat4::from_rotation_z(turn[2]) * DMat4::from_rotation_y(turn[1]) * DMat4::from_rotation_x(turn[0]);
     DMat4::from_translation(DVec3::from(at)) * turned * DMat4::from_scale(DVec3::splat(size))
 }
 
 impl Room {
     /// A floor at y = -0.6 and a wall at z = -5, y up.
-    pub fn new() -> Self {
+    pub(crate) fn new() -> Self {
         let mut room = Self { builder: SceneBuilder::new() };
         room.put(square(), plain(0.7, 0.6, 0.5), place([0.0, -0.6, -3.0], DOWN, 4.0));
         room.put(square(), plain(0.4, 0.5, 0.7), place([0.0, 0.0, -5.0], [0.0; 3], 4.0));
         room
     }
 
-    pub fn put(&mut self, mesh: MeshDescription, material: Material, place: DMat4) {
+    pub(crate) fn put(&mut self, mesh: MeshDescription, material: Material, place: DMat4) {
         let m = self.builder.add_material(material).unwrap();
         let mesh = self.builder.add_mesh(mesh).unwrap();
         self.builder.add_instance("object", mesh, place, &[m], true, true).unwrap();
     }
 
-    pub fn light(&mut self, lamp: Lamp, place: DMat4) {
+    pub(crate) fn light(&mut self, lamp: Lamp, place: DMat4) {
         self.builder.add_lamp(lamp, place).unwrap();
     }
 
-    pub fn finish(self) -> Arc<Stage> {
+    pub(crate) fn finish(self) -> Arc<Stage> {
         Arc::new(Stage::new(self.builder.build(DVec3::ZERO)))
     }
 }
@@ -127,7 +127,7 @@ fn area(side: f32, half_spread_rad: f32) -> LampKind {
 }
 
 /// Matte and glossy things under an area lamp; closed in by walls, so that light goes round.
-pub fn box_under_a_lamp() -> Arc<Stage> {
+pub(crate) fn box_under_a_lamp() -> Arc<Stage> {
     let mut room = Room::new();
     room.put(square(), plain(0.8, 0.2, 0.2), place([-1.2, 0.0, -4.0], [0.0, FRAC_PI_2, 0.0], 2.0));
     room.put(square(), plain(0.2, 0.8, 0.2), place([1.2, 0.0, -4.0], [0.0, -FRAC_PI_2, 0.0], 2.0));
@@ -138,7 +138,7 @@ pub fn box_under_a_lamp() -> Arc<Stage> {
 }
 
 /// A glass ball and a mirror ball that gather light on the floor.
-pub fn caustic(kind: LampKind) -> Arc<Stage> {
+pub(crate) fn caustic(kind: LampKind) -> Arc<Stage> {
     let mut room = Room::new();
     room.put(ball(24), glossy(0.0, 1.0, 0.0), place([0.3, -0.3, -3.2], [0.0; 3], 0.25));
     room.put(ball(24), glossy(1.0, 0.0, 0.0), place([-0.4, -0.35, -3.6], [0.0; 3], 0.25));
@@ -147,7 +147,7 @@ pub fn caustic(kind: LampKind) -> Arc<Stage> {
 }
 
 /// The same with a rough surface on both.
-pub fn rough_caustic() -> Arc<Stage> {
+pub(crate) fn rough_caustic() -> Arc<Stage> {
     let mut room = Room::new();
     room.put(ball(24), glossy(0.0, 1.0, 0.35), place([0.3, -0.3, -3.2], [0.0; 3], 0.25));
     room.put(ball(24), glossy(1.0, 0.0, 0.3), place([-0.4, -0.35, -3.6], [0.0; 3], 0.25));
@@ -156,7 +156,7 @@ pub fn rough_caustic() -> Arc<Stage> {
 }
 
 /// Glowing meshes: an open one and a closed one.
-pub fn emissive() -> Arc<Stage> {
+pub(crate) fn emissive() -> Arc<Stage> {
     let mut room = Room::new();
     let glowing = |strength: f32| Material {
         emission_color: Input::Constant(Rgb::new(1.0, 0.6, 0.3)),
@@ -170,7 +170,7 @@ pub fn emissive() -> Arc<Stage> {
 }
 
 /// A sun, and a dim sky of one colour.
-pub fn sun(half_angle_rad: f32) -> Arc<Stage> {
+pub(crate) fn sun(half_angle_rad: f32) -> Arc<Stage> {
     let mut room = Room::new();
     room.put(ball(24), glossy(0.0, 1.0, 0.0), place([0.3, -0.3, -3.2], [0.0; 3], 0.25));
     room.put(ball(16), plain(0.6, 0.6, 0.6), place([-0.4, -0.3, -3.4], [0.0; 3], 0.3));
@@ -180,7 +180,7 @@ pub fn sun(half_angle_rad: f32) -> Arc<Stage> {
 }
 
 /// A sky with a bright patch.
-pub fn image_sky() -> Arc<Stage> {
+pub(crate) fn image_sky() -> Arc<Stage> {
     let mut room = Room::new();
     let (w, h) = (32, 16);
     let bright = |i: usize| if (6..9).contains(&(i % w)) && (11..13).contains(&(i / w)) { 30.0 } else { 0.2 };
@@ -194,7 +194,7 @@ pub fn image_sky() -> Arc<Stage> {
 }
 
 /// A leaf with an alpha map and a half-transparent sheet in the light of a lamp, one of them before the camera.
-pub fn leaves() -> Arc<Stage> {
+pub(crate) fn leaves() -> Arc<Stage> {
     let mut room = Room::new();
     let (w, h) = (8, 8);
     let alpha = |i: usize| if (i % w + i / w) % 3 == 0 { 0.2 } else { 0.9 };
@@ -222,7 +222,7 @@ pub fn leaves() -> Arc<Stage> {
 }
 
 /// Balls and spots of light, hard and soft, one of them without extent.
-pub fn many_lamps() -> Arc<Stage> {
+pub(crate) fn many_lamps() -> Arc<Stage> {
     let mut room = Room::new();
     room.put(ball(16), glossy(1.0, 0.0, 0.15), place([0.0, -0.3, -3.5], [0.0; 3], 0.3));
     let kinds = [
@@ -240,11 +240,19 @@ pub fn many_lamps() -> Arc<Stage> {
 }
 
 /// Matte things alone, lit by an area lamp that the camera does not see.
-pub fn matte() -> Arc<Stage> {
+pub(crate) fn matte() -> Arc<Stage> {
     let mut room = Room::new();
     room.put(ball(16), plain(0.8, 0.4, 0.2), place([0.5, -0.2, -3.4], [0.0; 3], 0.35));
     room.put(square(), plain(0.2, 0.3, 0.8), place([-0.5, 0.4, -3.8], [0.2, 0.4, 0.3], 0.3));
     let unseen = Lamp { visible_camera: false, ..lamp(area(0.5, 1.6), 30.0) };
     room.light(unseen, place([0.2, 1.2, -2.5], [-1.2, 0.0, 0.0], 1.0));
+    room.finish()
+}
+
+/// A small matte square above and to the right, under a lamp without extent.
+pub(crate) fn small_square() -> Arc<Stage> {
+    let mut room = Room { builder: SceneBuilder::new() };
+    room.put(square(), plain(0.8, 0.8, 0.8), place([0.6, 0.35, -3.5], [0.0; 3], 0.05));
+    room.light(lamp(LampKind::Point { radius: 0.0, soft: false }, 100.0), place([0.2, 0.0, -2.0], [0.0; 3], 1.0));
     room.finish()
 }
