@@ -36,6 +36,16 @@ pub struct CameraEnd<'a> {
     pub density: f64,
 }
 
+/// Where light paths end.
+pub struct FilmEnd<'a> {
+    /// The lens that they aim at.
+    pub lens: &'a RealLens,
+    /// The picture behind it.
+    pub raster: &'a Raster,
+    /// What else makes the same paths.
+    pub techniques: Techniques,
+}
+
 /// Scattering places of a light path; kept from one path to the next, so that nothing is allocated on the way.
 #[derive(Default)]
 pub struct LightPath {
@@ -52,14 +62,12 @@ impl LightPath {
     pub fn splat(
         &self,
         stage: &Stage,
-        lens: &RealLens,
-        raster: &Raster,
-        techniques: Techniques,
+        film: &FilmEnd<'_>,
         limits: &Limits,
         sampler: PathSampler,
         add: impl FnMut(u32, u32, Rgb),
     ) -> u32 {
-        light::splat(stage, lens, raster, techniques, limits, sampler, &self.places, add)
+        light::splat(stage, film, limits, sampler, &self.places, add)
     }
 
     /// Follows a ray from the camera and joins it to this.
@@ -72,6 +80,3 @@ impl LightPath {
 fn is_dark(light: Rgb) -> bool {
     light == Rgb::ZERO || !light.is_finite()
 }
-
-#[cfg(test)]
-mod tests;

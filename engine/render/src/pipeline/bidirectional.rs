@@ -4,7 +4,7 @@
 
 use super::Sample;
 use crate::camera::real_lens::RealLens;
-use crate::integrator::bidirectional::{CameraEnd, LightPath, Techniques};
+use crate::integrator::bidirectional::{CameraEnd, FilmEnd, LightPath, Techniques};
 use crate::sampler::PathSampler;
 
 /// What tells the light path's random numbers from the camera's.
@@ -17,7 +17,7 @@ pub(super) fn sample(lens: &RealLens, techniques: Techniques, path: &mut LightPa
     let light_sampler = PathSampler::new(s.x, s.y, s.index, shot.seed ^ LIGHT_SEED);
     s.counts.rays += u64::from(path.trace(stage, limits, light_sampler.clone()));
     let (mut non_finite, light) = (0, &mut *s.light);
-    let rays = path.splat(stage, lens, raster, techniques, limits, light_sampler, |x, y, colour| {
+    let rays = path.splat(stage, &FilmEnd { lens, raster, techniques }, limits, light_sampler, |x, y, colour| {
         if colour.is_finite() {
             light.add(x, y, colour);
         } else {

@@ -197,7 +197,7 @@ pub(crate) fn image_sky() -> Arc<Stage> {
 pub(crate) fn leaves() -> Arc<Stage> {
     let mut room = Room::new();
     let (w, h) = (8, 8);
-    let alpha = |i: usize| if (i % w + i / w) % 3 == 0 { 0.2 } else { 0.9 };
+    let alpha = |i: usize| if (i % w + i / w).is_multiple_of(3) { 0.2 } else { 0.9 };
     let pixels: Vec<f32> = (0..w * h).flat_map(|i| [0.2, 0.7, 0.2, alpha(i)]).collect();
     let t = room.builder.add_texture(Texture::from_floats("leaf", w, h, &pixels, false).unwrap()) as u32;
     let image = |channel| ImageInput {
@@ -249,10 +249,10 @@ pub(crate) fn matte() -> Arc<Stage> {
     room.finish()
 }
 
-/// A small matte square above and to the right, under a lamp without extent.
+/// A small matte square above and to the right, under a sun behind the camera.
 pub(crate) fn small_square() -> Arc<Stage> {
     let mut room = Room { builder: SceneBuilder::new() };
     room.put(square(), plain(0.8, 0.8, 0.8), place([0.6, 0.35, -3.5], [0.0; 3], 0.05));
-    room.light(lamp(LampKind::Point { radius: 0.0, soft: false }, 100.0), place([0.2, 0.0, -2.0], [0.0; 3], 1.0));
+    room.light(lamp(LampKind::Sun { half_angle_rad: 0.0 }, 100.0), place([0.0; 3], [0.0; 3], 1.0));
     room.finish()
 }

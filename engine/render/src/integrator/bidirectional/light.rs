@@ -2,13 +2,13 @@
 
 use super::vertex::{Vertex, Walk};
 use super::weights::{Partial, squared, weight};
-use super::{Techniques, is_dark};
+use super::{FilmEnd, Techniques, is_dark};
 use crate::Rgb;
 use crate::accel::{Hit, RayKind};
-use crate::camera::{from_scene::Landed, real_lens::RealLens};
+use crate::camera::from_scene::Landed;
 use crate::integrator::Stage;
 use crate::integrator::path::{Limits, SURE_BOUNCES, opacity};
-use crate::sampler::{PathSampler, raster::Raster};
+use crate::sampler::PathSampler;
 
 /// Sets of four numbers before the light path's first step.
 const LIGHT_SETS: u32 = 2;
@@ -115,14 +115,13 @@ fn scatter(
 /// What the film gets of a light path's places, each seen directly by the camera.
 pub(super) fn splat(
     stage: &Stage,
-    lens: &RealLens,
-    raster: &Raster,
-    techniques: Techniques,
+    film: &FilmEnd<'_>,
     limits: &Limits,
     mut sampler: PathSampler,
     path: &[Vertex],
     mut add: impl FnMut(u32, u32, Rgb),
 ) -> u32 {
+    let FilmEnd { lens, raster, techniques } = *film;
     let mut rays = 0;
     sampler.jump_to(AIM_SETS);
     for (bounce, vertex) in path.iter().enumerate() {

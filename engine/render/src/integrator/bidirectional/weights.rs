@@ -66,3 +66,64 @@ pub(super) fn weight(others: f64) -> f32 {
 pub(super) fn squared(x: f32) -> f64 {
     f64::from(x) * f64::from(x)
 }
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    /// The geometry and densities of a path of four places, and from them the weights of all techniques, by the sums and
+    /// by their definition: they are the same, and add to one.
+    #[test]
+    fn weights_are_those_of_the_definition() {
+        // By place: distance to the next, cosines towards camera and light, densities per steradian towards both.
+        let distance = [1.3f32, 0.7, 2.1];
+        let (to_eye, to_light) = ([0.9f32, 0.3, 0.6, 0.8], [0.5f32, 0.7, 0.2, 0.4]);
+        let (eye_pdf, light_pdf) = ([0.4f32, 2.5, 0.3, 0.8], [0.2f32, 1.5, 0.6, 0.9]);
+        // Density of the first place with its direction, of aiming there, of a light sample, of the last place.
+        let (a1, aim, sample, bk) = (0.7f64, 3.0f64, 1.9f64, 0.35f64);
+        // Per area: a[i] from place i-1, b[i] from place i+1.
+        let area = |pdf: f32, cos: f32, d: f32| f64::from(pdf * cos / (d * d));
+        let a = [
+            a1,
+            area(light_pdf[0], to_eye[1], distance[0]),
+            area(light_pdf[1], to_eye[2], distance[1]),
+            area(light_pdf[2], to_eye[3], distance[2]),
+        ];
+        let b = [
+            area(eye_pdf[1], to_light[0], distance[0]),
+            area(eye_pdf[2], to_light[1], distance[1]),
+            area(eye_pdf[3], to_light[2], distance[2]),
+            bk,
+        ];
+        // Technique j makes j places from the camera; the last two all four, with a light sample or by chance.
+        let made = |j: usize| a[..j].iter().product::<f64>() * b[j..].iter().product::<f64>();
+        let densities = [made(0) * aim, made(1), made(2), made(3), made(4) * sample, made(4) * f64::from(light_pdf[3])];
+        let total: f64 = densities.iter().map(|p| p * p).sum();
+
+        let mut eye = vec![Partial::first(a1, aim, 0.0)];
+        let mut light = vec![Partial::first(bk, sample, 1.0)];
+        for i in 0..3 {
+            eye.push(eye[i].scattered(light_pdf[i], to_light[i], eye_pdf[i]).arrived(distance[i], to_eye[i + 1]));
+            let k = 3 - i;
+            light.push(
+                light[i].scattered(eye_pdf[k], to_eye[k], light_pdf[k]).arrived(distance[k - 1], to_light[k - 1]),
+            );
+        }
+        light.reverse();
+        let last = eye[3];
+        let by_chance = last.scattered(light_pdf[3], to_light[3], eye_pdf[3]);
+        let density = bk / f64::from(to_light[3]);
+        let others = [
+            light[0].others(a1, light_pdf[0]) / (aim * aim),
+            eye[0].others(b[0], eye_pdf[0]) + light[1].others(a[1], light_pdf[1]),
+            eye[1].others(b[1], eye_pdf[1]) + light[2].others(a[2], light_pdf[2]),
+            eye[2].others(b[2], eye_pdf[2]) + light[3].others(a[3], light_pdf[3]),
+            (squared(light_pdf[3]) + last.others(bk, eye_pdf[3])) / (sample * sample),
+            sample * sample * by_chance.ends + density * density * by_chance.before,
+        ];
+        for (j, (p, others)) in densities.iter().zip(others).enumerate() {
+            let (expected, found) = (p * p / total, weight(others));
+            assert!((f64::from(found) - expected).abs() < 1e-5, "{j}: {found} {expected}");
+        }
+    }
+}
