@@ -43,7 +43,13 @@ FILM_MODES = (
 
 SPECTRA = (
     ("VISIBLE", "Visible Light", "Light of all visible wavelengths, each bent as the glass bends it", "", 0),
-    ("THREE", "Three Wavelengths", "One wavelength for each of red, green and blue: fringes come in three steps", "", 1),
+    (
+        "THREE",
+        "Three Wavelengths",
+        "One wavelength for each of red, green and blue: fringes come in three steps",
+        "",
+        1,
+    ),
     ("SINGLE", "One Wavelength", "The picture keeps its colours and shows the lens without its dispersion", "", 2),
 )
 INTEGRATORS = (
@@ -59,7 +65,13 @@ INTEGRATORS = (
 PIPELINES = (
     ("AUTO", "Automatic", "Hero where the glass parts the colours, else from the film", "", 0),
     ("FILM", "From the Film", "Each path starts on the film, in one wavelength", "", 1),
-    ("HERO", "Hero Wavelength", "One wavelength leads; its path serves seven others, which land where they must", "", 2),
+    (
+        "HERO",
+        "Hero Wavelength",
+        "One wavelength leads; its path serves seven others, which land where they must",
+        "",
+        2,
+    ),
 )
 
 
