@@ -134,6 +134,7 @@ class SettingsDescription:
     transparent_film: bool = False
     with_data: bool = False  # keep what `Job.data` gives
     pipeline: str = "AUTO"  # AUTO | FILM | SCENE | HERO
+    integrator: str = "PATH"  # PATH | BIDIRECTIONAL
 
 
 @dataclass

@@ -178,6 +178,7 @@ class _Photograph:
             filter_width_px=own.filter_width,
             pipeline=own.pipeline,
             with_data=bool(self.data_passes),
+            integrator=own.integrator,
             transparent_film=render.film_transparent,
         )
 

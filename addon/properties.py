@@ -59,6 +59,16 @@ SPECTRA = (
     ),
     ("SINGLE", "One Wavelength", "The picture keeps its colours and shows the lens without its dispersion", "", 2),
 )
+INTEGRATORS = (
+    ("PATH", "Path Tracing", "Light is looked for from the camera", "", 0),
+    (
+        "BIDIRECTIONAL",
+        "Bidirectional",
+        "From the lights, too: for caustics and small lamps. Needs the real lens, with one scale for all axes",
+        "",
+        1,
+    ),
+)
 PIPELINES = (
     ("AUTO", "Automatic", "Hero where the glass parts the colours, else from the film", "", 0),
     ("FILM", "From the Film", "Each path starts on the film, in one wavelength", "", 1),
@@ -363,6 +373,7 @@ class PetzvalScene(bpy.types.PropertyGroup):
         min=0.0,
         soft_max=100.0,
     )
+    integrator: EnumProperty(name="Integrator", description="From where light is looked for", items=INTEGRATORS)
     pipeline: EnumProperty(name="Pipeline", description="Which way light is followed", items=PIPELINES)
     filter_width: FloatProperty(
         name="Filter Width",

@@ -145,6 +145,16 @@ def test_a_lens_as_a_table(render):
 
 
 @pytest.mark.once
+def test_light_paths(blender, render):
+    lens = ("--lens", "cooke-triplet-50mm", "--samples", 64)
+    done, one, stats = render(*lens)
+    assert done.returncode == 0 and stats["integrator"] == "path"
+    done, two, stats = render(*lens, "--integrator", "bdpt", name="both.exr")
+    assert done.returncode == 0 and stats["integrator"] == "bdpt"
+    # Two ways to one picture: means of thousands of pixels, with the noise of a few hundredths in each.
+    assert picture(two)[..., :3].mean() == pytest.approx(picture(one)[..., :3].mean(), rel=0.02)
+
+
 def test_scripts_in_a_file_never_run(render, made):
     done, _, _ = render("--camera", "pinhole", "--samples", 1)
     assert done.returncode == 0, done.stderr
@@ -243,6 +253,7 @@ BAD_USAGE = {
     "effect word": ["S", "--effect", "ghosts=maybe"],
     "camera": ["S", "--camera", "camera-obscura"],
     "pipeline": ["S", "--pipeline", "oil"],
+    "integrator": ["S", "--integrator", "photon"],
     "frame": ["S", "--frame", "first"],
 }
 
@@ -267,6 +278,11 @@ ERRORS = {
     "a folder": (["S", "-o", "no/such/folder/a.png"], "no such folder"),
     "a format": (["S", "-o", "a.jpg"], ".exr or .png"),
     "blades": (["S", "--blades", "2"], "2 blades"),
+    "light paths without a lens": (["S", "--camera", "pinhole", "--integrator", "bdpt"], "choose the lens as camera"),
+    "stretched axes": (
+        ["S", "--lens", "cooke-triplet-50mm", "--scale", "1000,1000,2000", "--integrator", "bdpt"],
+        "one scale for all three axes",
+    ),
     "no such Blender": (["S", "--blender", "no-such-blender"], "no-such-blender"),
     "a Blender that is none": (["S", "--blender", "/bin/false"], "/bin/false"),
     "one that does nothing": (["S", "--blender", "/bin/true"], "/bin/true"),

@@ -44,6 +44,7 @@ class PETZVAL_RENDER_PT_light_paths(_RenderPanel, bpy.types.Panel):
 
     def draw(self, context):
         layout = columns(self)
+        layout.prop(context.scene.petzval, "integrator")
         layout.prop(context.scene.petzval, "pipeline")
         layout.prop(context.scene.petzval, "max_bounces", text="Bounces")
         layout.prop(context.scene.petzval, "clamp_indirect")

@@ -167,6 +167,7 @@ class SettingsDescription(Protocol):
     clamp_indirect: float  # most radiance that light after a bounce may add to a sample; 0: no limit
     filter_width_px: float  # Blackman-Harris filter; 0: box of one pixel
     transparent_film: bool  # world seen directly is left out, alpha 0
+    integrator: str  # PATH | BIDIRECTIONAL: the real lens alone, one scale for all axes
 
 class Job:
     """One render. Starts at once in threads of its own; every method returns without waiting unless it says so."""

@@ -55,6 +55,9 @@ def add_parser(subparsers: argparse._SubParsersAction) -> None:
     p.add_argument("--scale", type=_triple, metavar="X,Y,Z", help="millimetres for one Blender unit along each axis")
     p.add_argument("--spectrum", type=_wavelengths, metavar="visible|rgb|NM", help="all wavelengths, three, or one")
     p.add_argument("--pipeline", choices=("film", "scene", "hero"), help="default: hero where the glass disperses")
+    p.add_argument(
+        "--integrator", choices=("path", "bdpt"), help="bdpt: from the lights, too; default: as the scene has it"
+    )
     p.add_argument("--effect", action="append", default=[], type=_effect, metavar="NAME=auto|on|off")
     p.add_argument("--quality", type=_positive, metavar="Q", help="1 is the default")
     p.add_argument("--samples", type=_count, metavar="N", help="paths for each pixel")
@@ -126,6 +129,7 @@ def _checked(a: argparse.Namespace) -> dict:
         "scale_mm": a.scale,
         "spectrum": _spectrum(dict(a.effect), a.spectrum),
         "pipeline": a.pipeline,
+        "integrator": {"path": "PATH", "bdpt": "BIDIRECTIONAL", None: None}[a.integrator],
         "samples": a.samples,
         "seed": a.seed,
         "sample_offset": a.sample_offset,

@@ -128,6 +128,8 @@ def _apply(scene: Any, o: dict, addon: Any) -> str | None:
             setattr(scene.petzval, name, o[name])
     if o["pipeline"]:
         scene.petzval.pipeline = o["pipeline"].upper()
+    if o["integrator"]:
+        scene.petzval.integrator = o["integrator"]
     _apply_output(r, o["output"])
     try:
         _apply_camera(scene, scene.camera.data, o, addon)

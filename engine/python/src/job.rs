@@ -7,6 +7,7 @@ use crate::scene::Scene;
 use numpy::{PyArray1, PyArray3, PyArrayMethods};
 use petzval_render::camera::{Camera, CameraDescription};
 use petzval_render::film::data::DataPass;
+use petzval_render::integrator::Integrator;
 use petzval_render::job::{self as engine, Settings};
 use petzval_render::pipeline::Pipeline;
 use pyo3::prelude::*;
@@ -27,6 +28,7 @@ struct PySettings {
     transparent_film: bool,
     pipeline: String,
     with_data: bool,
+    integrator: String,
 }
 
 impl TryFrom<PySettings> for Settings {
@@ -39,6 +41,11 @@ impl TryFrom<PySettings> for Settings {
             "SCENE" => Pipeline::SceneFirst,
             "HERO" => Pipeline::Hero,
             other => return Err(refused(format!("there is no pipeline '{other}'; use AUTO, FILM, SCENE or HERO"))),
+        };
+        let integrator = match s.integrator.as_str() {
+            "PATH" => Integrator::Path,
+            "BIDIRECTIONAL" => Integrator::Bidirectional,
+            other => return Err(refused(format!("there is no integrator '{other}'; use PATH or BIDIRECTIONAL"))),
         };
         Ok(Self {
             width: s.width,
@@ -53,6 +60,7 @@ impl TryFrom<PySettings> for Settings {
             transparent_film: s.transparent_film,
             pipeline,
             with_data: s.with_data,
+            integrator,
         })
     }
 }
@@ -157,6 +165,7 @@ impl Job {
             "threads": s.threads,
             "lens": self.job.camera().name(),
             "pipeline": self.job.pipeline().name(),
+            "integrator": settings.integrator.name(),
             "width": settings.width,
             "height": settings.height,
             "failure": s.failure,

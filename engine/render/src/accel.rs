@@ -159,9 +159,14 @@ impl Accel {
 
     /// The part of light that gets from one end of the ray to the other; `opacity` says how much of it each
     /// surface in between takes (1: all).
-    pub fn transmittance(&self, ray: &Ray, mut opacity: impl FnMut(&Hit) -> f32) -> f32 {
+    pub fn transmittance(&self, ray: &Ray, opacity: impl FnMut(&Hit) -> f32) -> f32 {
+        self.transmittance_of(ray, RayKind::Shadow, opacity)
+    }
+
+    /// The same for rays that ask for another reason than a light's shadow.
+    pub fn transmittance_of(&self, ray: &Ray, kind: RayKind, mut opacity: impl FnMut(&Hit) -> f32) -> f32 {
         let mut left = 1.0;
-        self.visit(ray, RayKind::Shadow, |hit| {
+        self.visit(ray, kind, |hit| {
             left *= 1.0 - opacity(&hit);
             if left <= 0.0 { Visit::Stop } else { Visit::Continue }
         });

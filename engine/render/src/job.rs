@@ -6,7 +6,7 @@
 use crate::camera::Camera;
 use crate::film::data::{DataPass, DataSums, FARTHEST};
 use crate::film::{Film, TilePixels};
-use crate::integrator::{Stage, path::Limits};
+use crate::integrator::{Integrator, Stage, bidirectional::Techniques, path::Limits};
 use crate::pipeline::{Counts, Pipeline, Shot, render_tile};
 use crate::sampler::{raster::Raster, warp::PixelFilter};
 use std::panic::{AssertUnwindSafe, catch_unwind};
@@ -47,6 +47,8 @@ pub struct Settings {
     pub pipeline: Pipeline,
     /// Keep what surfaces the pixels see, for [`Job::data`].
     pub with_data: bool,
+    /// How it is looked for. Light paths carry a set of wavelengths, whatever the pipeline.
+    pub integrator: Integrator,
 }
 
 /// A setting out of range.
@@ -77,6 +79,19 @@ pub enum SettingsError {
     /// The filter.
     #[error("filter width {0} pixels: set it from 0 to 10")]
     Filter(f32),
+    /// Light paths end in a real lens alone.
+    #[error(
+        "bidirectional path tracing photographs with the real lens, not with '{camera}': choose the lens as camera, or path tracing"
+    )]
+    NoLensForLight {
+        /// The camera in use.
+        camera: String,
+    },
+    /// Etendue is not kept between spaces that are stretched against one another.
+    #[error(
+        "light tracing needs one scale for all three axes: make the world-to-lens scales equal, or choose path tracing"
+    )]
+    UnequalScales,
 }
 
 impl Settings {
@@ -96,6 +111,20 @@ impl Settings {
             return Err(SettingsError::Filter(self.filter_width_px));
         }
         Ok(())
+    }
+
+    fn check_integrator(&self, camera: &Camera) -> Result<(), SettingsError> {
+        match (self.integrator, camera) {
+            (Integrator::Path, _) => Ok(()),
+            (Integrator::Bidirectional, Camera::Lens(lens)) if lens.takes_light_paths() => {
+                lens.prepare_for_light_paths();
+                Ok(())
+            }
+            (Integrator::Bidirectional, Camera::Lens(_)) => Err(SettingsError::UnequalScales),
+            (Integrator::Bidirectional, other) => {
+                Err(SettingsError::NoLensForLight { camera: other.name().to_owned() })
+            }
+        }
     }
 
     /// Threads to use.
@@ -162,9 +191,13 @@ impl Job {
     /// [`SettingsError`], also if there is no camera.
     pub fn start_moving(stage: Arc<Stage>, cameras: Vec<Camera>, settings: Settings) -> Result<Self, SettingsError> {
         settings.check()?;
-        let pipeline = settings.pipeline.with(cameras.first().ok_or(SettingsError::Camera)?);
+        let first = cameras.first().ok_or(SettingsError::Camera)?;
+        settings.check_integrator(first)?;
         let threads = settings.thread_count();
-        let spreads = pipeline != Pipeline::FilmFirst;
+        let is_bidirectional = settings.integrator == Integrator::Bidirectional;
+        let asked = if is_bidirectional { Pipeline::Hero } else { settings.pipeline };
+        let pipeline = asked.with(first);
+        let spreads = is_bidirectional || pipeline != Pipeline::FilmFirst;
         let (width, height) = (settings.width, settings.height);
         let shared = Arc::new(Shared {
             raster: Raster::new(width, height, PixelFilter::new(settings.filter_width_px)),
@@ -312,6 +345,7 @@ impl Shared {
             stage: &self.stage,
             cameras: &self.cameras,
             pipeline: self.pipeline,
+            light_paths: (s.integrator == Integrator::Bidirectional).then_some(Techniques::All),
             raster: &self.raster,
             limits: Limits {
                 max_bounces: s.max_bounces,

@@ -65,6 +65,19 @@ impl SurfacePoint {
         }
     }
 
+    /// The same point seen along another ray, which leaves it along `d`.
+    pub fn seen_from(&self, d: Vec3A) -> Self {
+        if self.geometric_normal.dot(d) >= 0.0 {
+            return *self;
+        }
+        Self {
+            geometric_normal: -self.geometric_normal,
+            shading_normal: -self.shading_normal,
+            backfacing: !self.backfacing,
+            ..*self
+        }
+    }
+
     /// Texture coordinates in the UV map of that name (`None`: the first); zero where the mesh has none.
     pub fn uv(&self, scene: &Scene, map: Option<&str>) -> Vec2 {
         uv(mesh_of(scene, self.instance), self.triangle, self.barycentric, map)

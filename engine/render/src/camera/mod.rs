@@ -5,6 +5,7 @@
 
 pub mod exposure;
 mod focal_surface;
+pub mod from_scene;
 pub mod gaussian;
 pub mod image_based;
 pub mod packet;

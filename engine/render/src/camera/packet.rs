@@ -101,6 +101,10 @@ pub struct Led {
     pub ray: Ray,
     /// By wavelength: column and row of a pixel and the weight of the radiance there.
     pub splats: [Option<(u32, u32, Mat3)>; SET_SIZE],
+    /// The number of the set.
+    pub set: usize,
+    /// The sum of the densities with which each wavelength would have led to it.
+    pub density: f64,
 }
 
 impl RealLens {
@@ -124,7 +128,7 @@ impl RealLens {
         arrivals[leader] = self.arrival(index, p, raster, [0.0; 2], |_| lead.density).map(|a| Arrival { x, y, ..a });
         let total: f64 = arrivals.iter().flatten().map(|a| a.density).sum();
         let splats = arrivals.map(|arrival| arrival.map(|a| (a.x, a.y, a.importance * total.recip() as f32)));
-        Some(Led { ray: self.mount.to_render(&lead.out), splats })
+        Some(Led { ray: self.mount.to_render(&lead.out), splats, set, density: total })
     }
 }
 

@@ -10,6 +10,7 @@ use super::{CameraDescription, CameraError, CameraRay, Spectrum};
 use crate::accel::Ray;
 use crate::spectrum::FilmSpectrum;
 use glam::{DMat3, DVec3, Vec2};
+use petzval_optics::entrance_map::EntranceMap;
 use petzval_optics::focus::{self, FilmFrame, FilmPlane, FilmPoint, FocusError};
 use petzval_optics::formats::lens;
 use petzval_optics::glass::Catalogue;
@@ -241,6 +242,27 @@ impl Mount {
         Some(Vec2::new((-u / self.info.picture_width_mm) as f32, (-v / self.info.picture_height_mm) as f32))
     }
 
+    /// Millimetres of lens space in a unit of render space; `None` if they differ between the axes.
+    pub(super) fn scale(&self) -> Option<f64> {
+        let s = self.per_unit;
+        (s.x == s.y && s.y == s.z).then_some(s.x)
+    }
+
+    /// A point of render space in lens space.
+    pub(super) fn to_lens(&self, p: DVec3) -> DVec3 {
+        self.axes.transpose() * p * self.per_unit + DVec3::new(0.0, 0.0, self.origin_z_mm)
+    }
+
+    /// A direction of render space in lens space, where all axes have one scale.
+    pub(super) fn direction_to_lens(&self, d: DVec3) -> DVec3 {
+        (self.axes.transpose() * d).normalize()
+    }
+
+    /// The same, back.
+    pub(super) fn direction_to_render(&self, d: DVec3) -> DVec3 {
+        (self.axes * d).normalize()
+    }
+
     /// A ray in front of the lens, from lens space to render space: camera space has the lens's axes, with the
     /// entrance pupil's centre as origin.
     pub(super) fn to_render(&self, ray: &LensRay) -> Ray {
@@ -279,6 +301,7 @@ pub struct RealLens {
     system: System,
     /// Made when rays first start in the scene.
     scene_side: OnceLock<SceneSide>,
+    entrance: OnceLock<EntranceMap>,
 }
 
 /// One wavelength of the film.
@@ -325,7 +348,8 @@ impl RealLens {
             Line { tracer, gain: gain * brightness, index_squared }
         };
         let lines = tracers.into_iter().zip(gains).map(line).collect();
-        Ok(Self { mount, spectrum, lines, map, map_seconds, packets, system, scene_side: OnceLock::new() })
+        let (scene_side, entrance) = (OnceLock::new(), OnceLock::new());
+        Ok(Self { mount, spectrum, lines, map, map_seconds, packets, system, scene_side, entrance })
     }
 
     /// What the lens does in this camera.
@@ -374,6 +398,17 @@ impl RealLens {
     /// For rays that start in the scene.
     pub(super) fn scene_side(&self) -> &SceneSide {
         self.scene_side.get_or_init(|| SceneSide::new(self, &self.system))
+    }
+
+    /// Where to aim at from the scene, for all wavelengths; made when first asked for.
+    pub(super) fn entrance(&self) -> &EntranceMap {
+        self.entrance.get_or_init(|| {
+            let middle = self.lines.len() / 2;
+            let mut picked = vec![0, middle, self.lines.len() - 1];
+            picked.dedup();
+            let tracers: Vec<Tracer> = picked.into_iter().map(|i| self.lines[i].tracer.clone()).collect();
+            EntranceMap::new(&tracers, &self.system)
+        })
     }
 
     /// For rays that are carried at several wavelengths.

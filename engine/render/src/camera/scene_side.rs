@@ -6,9 +6,8 @@ use super::packet::Led;
 use super::real_lens::RealLens;
 use crate::sampler::raster::Raster;
 use glam::Vec2;
-use petzval_optics::entrance_map::EntranceMap;
 use petzval_optics::system::System;
-use petzval_optics::trace::{Ray as LensRay, Tracer};
+use petzval_optics::trace::Ray as LensRay;
 
 /// Part of the samples that is spread over more than the picture, for light that the lens throws into it from beyond.
 const DEFENSIVE_SHARE: f32 = 0.05;
@@ -17,19 +16,15 @@ const BEYOND: f32 = 0.15;
 
 /// The scene's side of a lens.
 pub(super) struct SceneSide {
-    pub(super) entrance: EntranceMap,
     pub(super) focal: FocalSurface,
 }
 
 impl SceneSide {
     pub(super) fn new(lens: &RealLens, system: &System) -> Self {
         let count = lens.lines.len();
-        let tracers = [0, count / 2, count - 1].map(|i| lens.lines[i].tracer.clone());
-        let tracers: &[Tracer] = if count == 1 { &tracers[..1] } else { &tracers };
-        let entrance = EntranceMap::new(tracers, system);
         let middle = &lens.lines[count / 2].tracer;
-        let focal = FocalSurface::new(&lens.mount, system, middle, &lens.map, entrance.middle());
-        Self { entrance, focal }
+        let focal = FocalSurface::new(&lens.mount, system, middle, &lens.map, lens.entrance().middle());
+        Self { focal }
     }
 }
 
@@ -64,12 +59,12 @@ impl RealLens {
         let samples = DEFENSIVE_SHARE * spread + (1.0 - DEFENSIVE_SHARE) * raster.density(place);
         let film = self.mount.film_at(place);
         let focal = side.focal.point(film.point, film.normal)?;
-        let aim = side.entrance.sample(focal.point, u.lens.map(f64::from))?;
+        let aim = self.entrance().sample(focal.point, u.lens.map(f64::from))?;
         // Etendue: the surface's element as the ray sees it, times the solid angle.
         let seen = aim.direction.dot(focal.area_per_film_area).abs() * film.area;
         let density = f64::from(samples) * aim.pdf_per_sr / seen;
         let (set, _) = self.leader(u.wavelength);
-        let start = side.entrance.before(focal.point, aim.direction);
+        let start = self.entrance().before(focal.point, aim.direction);
         let arrivals = self.arrivals(set, LensRay { origin: start, direction: aim.direction }, raster, u.pixels);
         let share = (density * self.packet_size() as f64).recip();
         if !(share.is_finite() && share > 0.0 && arrivals.iter().any(Option::is_some)) {
@@ -77,6 +72,6 @@ impl RealLens {
         }
         let splats = arrivals.map(|arrival| arrival.map(|a| (a.x, a.y, a.importance * share as f32)));
         let out = LensRay { origin: start, direction: -aim.direction };
-        Some(Led { ray: self.mount.to_render(&out), splats })
+        Some(Led { ray: self.mount.to_render(&out), splats, set, density: density * self.packet_size() as f64 })
     }
 }

@@ -1,15 +1,36 @@
 //! From a camera ray to the radiance along it.
 
+pub mod bidirectional;
 pub mod path;
 
 use crate::accel::Accel;
-use crate::lights::Lights;
+use crate::lights::{Lights, emission::Emission};
 use crate::scene::Scene;
 use crate::shading::{albedo::AlbedoTable, principled::PrincipledTables};
 use rayon::prelude::*;
 use std::collections::HashMap;
 use std::sync::{Arc, LazyLock};
 use std::time::Instant;
+
+/// How light is looked for.
+#[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
+pub enum Integrator {
+    /// [`path`]: from the camera.
+    #[default]
+    Path,
+    /// [`bidirectional`]: from the camera and from the lights.
+    Bidirectional,
+}
+
+impl Integrator {
+    /// What it is called in reports and on the command line.
+    pub fn name(self) -> &'static str {
+        match self {
+            Self::Path => "path",
+            Self::Bidirectional => "bdpt",
+        }
+    }
+}
 
 /// A scene with everything that is worked out once before light is followed through it. Cameras and settings
 /// change without it.
@@ -20,6 +41,8 @@ pub struct Stage {
     pub accel: Accel,
     /// Its emitters.
     pub lights: Lights,
+    /// What leaves them.
+    pub emission: Emission,
     /// By material.
     pub tables: Vec<Arc<PrincipledTables>>,
     /// Wall time that it took, s.
@@ -32,6 +55,7 @@ impl Stage {
         let start = Instant::now();
         let accel = Accel::new(&scene);
         let lights = Lights::new(&scene);
+        let emission = Emission::new(&scene, &lights, accel.bounds());
         // The same for every scene.
         static REFLECTION: LazyLock<Arc<AlbedoTable>> = LazyLock::new(|| Arc::new(AlbedoTable::reflection()));
         let reflection = REFLECTION.clone();
@@ -46,6 +70,6 @@ impl Stage {
             .collect();
         let tables = scene.materials.iter().map(|m| known[&PrincipledTables::key(m)].clone()).collect();
         let build_seconds = start.elapsed().as_secs_f64();
-        Self { scene, accel, lights, tables, build_seconds }
+        Self { scene, accel, lights, emission, tables, build_seconds }
     }
 }

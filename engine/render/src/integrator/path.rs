@@ -12,15 +12,15 @@ use crate::{Rgb, scene::Scene};
 use glam::Vec3A;
 
 /// Bounces before a path may be ended by chance.
-const SURE_BOUNCES: u32 = 3;
+pub(super) const SURE_BOUNCES: u32 = 3;
 /// Surfaces that a path may pass unbent or scatter at, in all: a bound for stacks of transparent leaves.
-const MOST_STEPS: u32 = 512;
+pub(super) const MOST_STEPS: u32 = 512;
 /// The sampler's sets of four numbers that the camera uses before the path begins.
 pub const CAMERA_SETS: u32 = 3;
 /// The last of them: its first number is the time.
 pub const TIME_SET: u32 = 2;
 /// Sets used at each surface.
-const SETS_PER_STEP: u32 = 3;
+pub(super) const SETS_PER_STEP: u32 = 3;
 
 /// What one path found.
 #[derive(Clone, Copy, Debug, Default)]
@@ -86,7 +86,7 @@ pub struct Limits {
 impl Limits {
     /// Light found after `bounce` bounces, as far as it counts.
     #[inline]
-    fn clamp(&self, light: Rgb, bounce: u32) -> Rgb {
+    pub(super) fn clamp(&self, light: Rgb, bounce: u32) -> Rgb {
         let most = light.max_element();
         if bounce > 0 && most > self.clamp_indirect { light * (self.clamp_indirect / most) } else { light }
     }
@@ -102,17 +102,21 @@ pub fn trace(stage: &Stage, camera_ray: Ray, limits: &Limits, sampler: &mut Path
     let mut bounce = 0;
     // Distance since the last scattering, over surfaces passed unbent: what densities by area need.
     let mut travelled = 0.0;
+    let mut start = ray.origin;
     for step in 0..MOST_STEPS {
         let camera = bounce == 0;
         let kind = if camera { RayKind::Camera } else { RayKind::Bounce };
         result.rays += 1;
         let hit = stage.accel.closest(&ray, kind);
-        let t_max = hit.map_or(f32::INFINITY, |h| h.t);
-        stage.lights.lamps_along(ray.origin, ray.direction, t_max, camera, chosen.receiver(), |radiance, pdf| {
-            result.radiance += limits.clamp(throughput * radiance * chosen.weight(pdf), bounce);
-            result.hit = true;
-        });
+        let mut lamps_before = |t_max: f32| {
+            // From where the ray was scattered, over all that it passed: there a light sample would have been taken.
+            stage.lights.lamps_along(start, ray.direction, t_max, camera, chosen.receiver(), |radiance, pdf| {
+                result.radiance += limits.clamp(throughput * radiance * chosen.weight(pdf), bounce);
+                result.hit = true;
+            });
+        };
         let Some(hit) = hit else {
+            lamps_before(f32::INFINITY);
             if camera && limits.hide_sky {
                 break;
             }
@@ -129,6 +133,7 @@ pub fn trace(stage: &Stage, camera_ray: Ray, limits: &Limits, sampler: &mut Path
             ray = Ray::new(offset_origin(point.position, -point.geometric_normal, point.position_error), ray.direction);
             continue;
         }
+        lamps_before(travelled + hit.t);
         result.hit = true;
         if result.first.is_none() {
             result.first = Some(FirstSurface { position: point.position, normal: point.shading_normal });
@@ -174,6 +179,7 @@ pub fn trace(stage: &Stage, camera_ray: Ray, limits: &Limits, sampler: &mut Path
         };
         travelled = 0.0;
         ray = Ray::new(leave(&point, next.wi), next.wi);
+        start = ray.origin;
     }
     result
 }
@@ -195,14 +201,14 @@ fn direct(stage: &Stage, point: &SurfacePoint, bsdf: &Bsdf, light: &LightSample,
 }
 
 /// A start for a ray that leaves a surface along `d`, on the side that it goes to.
-fn leave(point: &SurfacePoint, d: glam::Vec3A) -> glam::Vec3A {
+pub(super) fn leave(point: &SurfacePoint, d: glam::Vec3A) -> glam::Vec3A {
     let n = point.geometric_normal;
     offset_origin(point.position, if n.dot(d) < 0.0 { -n } else { n }, point.position_error)
 }
 
 /// The share of light that a surface stops, 0 to 1.
 #[inline]
-fn opacity(scene: &Scene, hit: &Hit) -> f32 {
+pub(super) fn opacity(scene: &Scene, hit: &Hit) -> f32 {
     let instance = &scene.instances[hit.instance as usize];
     let slot = scene.meshes[instance.mesh as usize].slot(hit.triangle);
     let material = &scene.materials[instance.material(slot) as usize];

@@ -21,6 +21,7 @@ fn settings(samples: u32, threads: usize) -> Settings {
         transparent_film: false,
         pipeline: Pipeline::Auto,
         with_data: true,
+        integrator: Integrator::Path,
     }
 }
 

@@ -7,6 +7,8 @@ use crate::{Rgb, luminance, sampler::warp};
 use glam::{Mat3A, Vec3A};
 use std::f32::consts::{FRAC_PI_2, PI};
 
+pub(super) mod emission;
+
 /// A lamp with its constants worked out.
 #[derive(Clone, Debug)]
 pub struct PreparedLamp {

@@ -3,6 +3,7 @@
 //! Knows where light leaves from; knows nothing of the surfaces that it arrives at, nor whether anything stands in
 //! between.
 
+pub mod emission;
 pub mod lamp;
 pub mod sky;
 pub mod tree;
@@ -38,9 +39,13 @@ pub struct LightSample {
     pub cast_shadow: bool,
 }
 
+/// One of a scene's sources of light: lamps and emissive triangles, then the world and the suns.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub struct Source(usize);
+
 #[derive(Clone, Copy, Debug)]
 enum Emitter {
-    Triangle { instance: u32, triangle: u32 },
+    Triangle { instance: u32, triangle: u32, two_sided: bool, power: f32 },
     Lamp(u32),
 }
 
@@ -83,20 +88,31 @@ impl Lights {
 
     /// Light at a place; `None` where none was found.
     pub fn sample(&self, scene: &Scene, to: &Receiver, u_choice: f32, u: [f32; 2]) -> Option<LightSample> {
+        self.sample_source(scene, to, u_choice, u).map(|(sample, _)| sample)
+    }
+
+    /// Light at a place, and where it comes from.
+    pub fn sample_source(
+        &self,
+        scene: &Scene,
+        to: &Receiver,
+        u_choice: f32,
+        u: [f32; 2],
+    ) -> Option<(LightSample, Source)> {
         let from = to.position;
         if u_choice < self.sky_chance {
-            let mut sample = self.sky.sample(scene, &self.lamps, u_choice / self.sky_chance, u)?;
+            let (mut sample, index) = self.sky.sample(scene, &self.lamps, u_choice / self.sky_chance, u)?;
             sample.pdf *= self.sky_chance;
-            return Some(sample);
+            return Some((sample, self.sky_source(index)));
         }
         let rest = ((u_choice - self.sky_chance) / (1.0 - self.sky_chance)).min(1.0 - f32::EPSILON);
         let (index, probability) = self.tree.as_ref()?.sample(to, rest)?;
         let mut sample = match self.local[index] {
             Emitter::Lamp(i) => self.lamps[i as usize].sample(from, u)?,
-            Emitter::Triangle { instance, triangle } => sample_triangle(scene, instance, triangle, from, u)?,
+            Emitter::Triangle { instance, triangle, .. } => sample_triangle(scene, instance, triangle, from, u)?,
         };
         sample.pdf *= probability * (1.0 - self.sky_chance);
-        Some(sample)
+        Some((sample, Source(index)))
     }
 
     /// The density with which [`Lights::sample`] at `to` would have found a point on an emissive triangle:
@@ -121,6 +137,19 @@ impl Lights {
         to: Option<&Receiver>,
         mut found: impl FnMut(Rgb, f32),
     ) {
+        self.lamp_sources_along(from, d, t_max, camera, to, |_, radiance, pdf| found(radiance, pdf));
+    }
+
+    /// The same with which of them it is.
+    pub fn lamp_sources_along(
+        &self,
+        from: Vec3A,
+        d: Vec3A,
+        t_max: f32,
+        camera: bool,
+        to: Option<&Receiver>,
+        mut found: impl FnMut(Source, Rgb, f32),
+    ) {
         for (index, emitter) in self.local.iter().enumerate() {
             // Lamps come first.
             let Emitter::Lamp(i) = *emitter else { break };
@@ -133,14 +162,31 @@ impl Lights {
                     (Some(tree), Some(to)) => tree.probability(to, index) * (1.0 - self.sky_chance),
                     _ => 0.0,
                 };
-                found(radiance, pdf * chance);
+                found(Source(index), radiance, pdf * chance);
             }
         }
     }
 
     /// Calls `found(radiance, pdf)` for what shines from infinity along `d`: the world, and suns with extent.
     pub fn sky_along(&self, scene: &Scene, d: Vec3A, camera: bool, mut found: impl FnMut(Rgb, f32)) {
-        self.sky.along(scene, &self.lamps, d, camera, |radiance, pdf| found(radiance, pdf * self.sky_chance));
+        self.sky_sources_along(scene, d, camera, |_, radiance, pdf| found(radiance, pdf));
+    }
+
+    /// The same with which of them it is.
+    pub fn sky_sources_along(&self, scene: &Scene, d: Vec3A, camera: bool, mut found: impl FnMut(Source, Rgb, f32)) {
+        self.sky.along(scene, &self.lamps, d, camera, |index, radiance, pdf| {
+            found(self.sky_source(index), radiance, pdf * self.sky_chance);
+        });
+    }
+
+    fn sky_source(&self, index: usize) -> Source {
+        Source(self.local.len() + index)
+    }
+
+    /// The source that an emissive triangle is, if it is one.
+    pub fn triangle_source(&self, instance: u32, triangle: u32) -> Option<Source> {
+        let index = self.emitter_of[instance as usize].get(triangle as usize).copied().unwrap_or(0);
+        (index > 0).then(|| Source(index as usize - 1))
     }
 }
 
@@ -163,7 +209,7 @@ fn emissive_triangles(scene: &Scene, local: &mut Vec<Emitter>, bounds: &mut Vec<
             let power = b * triangle_area(scene, i as u32, t as u32) * PI * if two_sided { 2.0 } else { 1.0 };
             if power > 0.0 {
                 let [a, b, c] = placed_corners(scene, i as u32, t as u32);
-                local.push(Emitter::Triangle { instance: i as u32, triangle: t as u32 });
+                local.push(Emitter::Triangle { instance: i as u32, triangle: t as u32, two_sided, power });
                 bounds.push(LightBounds {
                     min: a.min(b).min(c),
                     max: a.max(b).max(c),

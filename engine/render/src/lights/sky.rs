@@ -44,33 +44,34 @@ impl Sky {
         self.choice.is_none()
     }
 
+    /// Light from infinity and which it is: 0 the world, then the suns.
     pub(super) fn sample(
         &self,
         scene: &Scene,
         lamps: &[PreparedLamp],
         u_choice: f32,
         u: [f32; 2],
-    ) -> Option<LightSample> {
+    ) -> Option<(LightSample, usize)> {
         let (index, probability, _) = self.choice.as_ref()?.sample(u_choice.min(1.0 - f32::EPSILON));
         let mut sample = match index {
             0 => self.sample_image(scene, u)?,
             i => lamps[self.suns[i - 1] as usize].sample(Vec3A::ZERO, u)?,
         };
         sample.pdf *= probability;
-        Some(sample)
+        Some((sample, index))
     }
 
+    /// Calls `found(index, radiance, pdf)`: 0 is the world, the suns follow.
     pub(super) fn along(
         &self,
         scene: &Scene,
         lamps: &[PreparedLamp],
         d: Vec3A,
         camera: bool,
-        mut found: impl FnMut(Rgb, f32),
+        mut found: impl FnMut(usize, Rgb, f32),
     ) {
-        let chance = |i: usize| self.choice.as_ref().map_or(0.0, |c| c.probability(i));
         if !camera || scene.world.visible_camera {
-            found(scene.world.radiance(d, &scene.textures), self.image_pdf(scene, d) * chance(0));
+            found(0, scene.world.radiance(d, &scene.textures), self.image_pdf(scene, d) * self.chance(0));
         }
         for (i, &sun) in self.suns.iter().enumerate() {
             let lamp = &lamps[sun as usize];
@@ -78,12 +79,27 @@ impl Sky {
                 continue;
             }
             if let Some((radiance, pdf)) = lamp.hit_sun(d) {
-                found(radiance, pdf * chance(i + 1));
+                found(i + 1, radiance, pdf * self.chance(i + 1));
             }
         }
     }
 
-    fn sample_image(&self, scene: &Scene, u: [f32; 2]) -> Option<LightSample> {
+    /// The chance with which [`Sky::sample`] chooses number `index`.
+    pub(super) fn chance(&self, index: usize) -> f32 {
+        self.choice.as_ref().map_or(0.0, |c| c.probability(index))
+    }
+
+    /// The lamps that are suns.
+    pub(super) fn suns(&self) -> &[u32] {
+        &self.suns
+    }
+
+    /// Whether the world has an image to be sampled by.
+    pub(super) fn has_image(&self) -> bool {
+        self.image.is_some()
+    }
+
+    pub(super) fn sample_image(&self, scene: &Scene, u: [f32; 2]) -> Option<LightSample> {
         let (p, pdf) = self.image.as_ref()?.sample(u);
         let local = equirectangular_to_direction(Vec2::from_array(p));
         let wi = (scene.world.rotation.transpose() * local).normalize();
@@ -101,7 +117,7 @@ impl Sky {
         })
     }
 
-    fn image_pdf(&self, scene: &Scene, d: Vec3A) -> f32 {
+    pub(super) fn image_pdf(&self, scene: &Scene, d: Vec3A) -> f32 {
         let Some(table) = &self.image else { return 0.0 };
         let local = scene.world.rotation * d;
         let sin = local.x.hypot(local.y);

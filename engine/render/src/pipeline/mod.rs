@@ -1,5 +1,6 @@
 //! Ways from the film to the scene and back: which rays are followed, and where what they find is added up.
 
+pub mod bidirectional;
 pub mod film_first;
 pub mod hero;
 pub mod scene_first;
@@ -7,6 +8,7 @@ pub mod scene_first;
 use crate::camera::Camera;
 use crate::film::{Patch, TileRect};
 use crate::integrator::Stage;
+use crate::integrator::bidirectional::{LightPath, Techniques};
 use crate::integrator::path::{self, Limits, PathResult};
 use crate::sampler::{PathSampler, raster::Raster};
 use std::time::{Duration, Instant};
@@ -58,6 +60,8 @@ pub struct Shot<'a> {
     pub cameras: &'a [Camera],
     /// One that the camera can.
     pub pipeline: Pipeline,
+    /// Where light paths take part: with the real lens alone.
+    pub light_paths: Option<Techniques>,
     /// The picture's pixels.
     pub raster: &'a Raster,
     /// How far light is followed.
@@ -117,6 +121,7 @@ pub fn render_tile(
     stopped: &dyn Fn() -> bool,
 ) -> Option<Counts> {
     let mut counts = Counts::default();
+    let mut light_path = LightPath::default();
     for y in rect.y..rect.y + rect.height {
         for x in rect.x..rect.x + rect.width {
             if stopped() {
@@ -126,9 +131,12 @@ pub fn render_tile(
                 let timed = counts.camera_rays.is_multiple_of(TIMED_EVERY).then(Instant::now);
                 let camera = shot.camera([x, y], index);
                 let one = Sample { shot, camera, x, y, index, timed, counts: &mut counts, light };
-                match (shot.pipeline, camera.traced_lens()) {
-                    (Pipeline::Hero, Some(lens)) => hero::sample(lens, one),
-                    (Pipeline::SceneFirst, Some(lens)) => scene_first::sample(lens, one),
+                match (shot.light_paths, shot.pipeline, camera.traced_lens()) {
+                    (Some(techniques), _, Some(lens)) => {
+                        bidirectional::sample(lens, techniques, &mut light_path, one);
+                    }
+                    (None, Pipeline::Hero, Some(lens)) => hero::sample(lens, one),
+                    (None, Pipeline::SceneFirst, Some(lens)) => scene_first::sample(lens, one),
                     _ => film_first::sample(one),
                 }
                 if let Some(start) = timed {

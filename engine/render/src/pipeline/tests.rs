@@ -60,6 +60,7 @@ fn settings(pipeline: Pipeline, samples: u32, seed: u32) -> Settings {
         transparent_film: false,
         pipeline,
         with_data: true,
+        integrator: crate::integrator::Integrator::Path,
     }
 }
 

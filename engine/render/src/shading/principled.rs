@@ -264,6 +264,33 @@ impl Bsdf {
         (above != transmit).then_some(BsdfSample { wi: world, weight, pdf: 0.0, mirror: true, transmitted: transmit })
     }
 
+    /// What the mirror lobes together send along one mirrored or refracted direction, and the chance with which
+    /// [`Bsdf::sample`] chooses it. For paths from the light, which know both ends of a mirror before they look at it
+    /// from the camera's side.
+    pub fn mirror(&self, transmitted: bool) -> (Rgb, f32) {
+        let fresnel = fresnel::dielectric(self.wo.z, self.eta);
+        if self.wo.z <= 0.0 || !self.ggx.is_mirror() {
+            (Rgb::ZERO, 0.0)
+        } else if transmitted {
+            (self.glass_tint * (self.glass_weight * (1.0 - fresnel)), self.chance[1] * (1.0 - fresnel))
+        } else {
+            let value = self.metal.at(self.wo.z) * self.metal_weight
+                + self.glass_reflection_tint * (self.glass_weight * fresnel)
+                + self.coat_fresnel(self.wo.z) * self.coat_weight;
+            (value, self.chance[0] + self.chance[2] + self.chance[1] * fresnel)
+        }
+    }
+
+    /// The index of refraction beyond the surface over that on the side of `wo`.
+    pub fn relative_index(&self) -> f32 {
+        self.eta
+    }
+
+    /// Cosine of a direction to the normal that scattering is about, on either side.
+    pub fn cosine(&self, d: Vec3A) -> f32 {
+        self.frame[2].dot(d).abs()
+    }
+
     fn finish(&self, wi: Vec3A, transmit: bool) -> Option<BsdfSample> {
         let world = warp::to_world(&self.frame, wi).normalize();
         let above = self.geometric_normal.dot(world) > 0.0;

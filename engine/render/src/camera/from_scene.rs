@@ -1,0 +1,97 @@
+//! The lens seen from the scene: where a light path aims at it, and what arrives at the film.
+//!
+//! Rays are counted per unit of etendue in render space: Blender units squared times steradians at right angles to the
+//! ray. One sample of the camera and one light path belong to each pixel; their densities are those of a single one,
+//! with the pixel left to chance, so that both can be compared.
+
+use super::packet::Led;
+use super::real_lens::RealLens;
+use crate::sampler::raster::Raster;
+use crate::spectrum::SET_SIZE;
+use glam::{Mat3, Vec3A};
+use petzval_optics::trace::Ray as LensRay;
+
+/// What a ray from the scene adds to the picture.
+#[derive(Clone, Copy, Debug)]
+pub struct Landed {
+    /// By wavelength: column and row of a pixel, and what radiance along the ray adds to it, for each unit of etendue,
+    /// when each pixel has one light path.
+    pub splats: [Option<(u32, u32, Mat3)>; SET_SIZE],
+    /// The density, per unit of etendue, with which the camera leads to this ray.
+    pub density: f64,
+}
+
+impl RealLens {
+    /// Whether light paths can end in this lens: world and lens space are alike in shape.
+    pub fn takes_light_paths(&self) -> bool {
+        self.mount.scale().is_some()
+    }
+
+    /// What every light path needs, made ahead.
+    pub fn prepare_for_light_paths(&self) {
+        self.entrance();
+    }
+
+    /// A direction from a point to the lens, chosen by `u`, and its density per steradian; render space.
+    pub fn aim(&self, from: Vec3A, u: [f32; 2]) -> Option<(Vec3A, f32)> {
+        let aim = self.entrance().sample(self.mount.to_lens(from.as_dvec3()), u.map(f64::from))?;
+        Some((self.mount.direction_to_render(aim.direction).as_vec3a(), aim.pdf_per_sr as f32))
+    }
+
+    /// The density per steradian with which [`Self::aim`] chooses a direction from a point.
+    pub fn aim_pdf(&self, from: Vec3A, direction: Vec3A) -> f32 {
+        let place = self.mount.to_lens(from.as_dvec3());
+        self.entrance().pdf(place, self.mount.direction_to_lens(direction.as_dvec3())) as f32
+    }
+
+    /// How many sets of wavelengths there are to choose from.
+    pub fn sets(&self) -> usize {
+        self.spectrum.sets()
+    }
+
+    /// How far a ray that was aimed at the lens goes until it is there, Blender units: to the plane of the first vertex,
+    /// or to where it passes it by.
+    pub fn distance_from(&self, from: Vec3A, direction: Vec3A) -> f32 {
+        let place = self.mount.to_lens(from.as_dvec3());
+        let along = self.mount.direction_to_lens(direction.as_dvec3());
+        let to_plane = -place.z / along.z;
+        let passing = -place.dot(along);
+        // Rays of a fisheye may come from the side, or from behind.
+        let mm = if along.z > 0.1 && to_plane > 0.0 { to_plane } else { passing };
+        (mm.max(0.0) / self.mount.scale().unwrap_or(1.0)) as f32
+    }
+
+    /// Carries a ray of render space to the film at the wavelengths of a set; `None` where no light arrives at all.
+    pub fn land(
+        &self,
+        set: usize,
+        from: Vec3A,
+        direction: Vec3A,
+        raster: &Raster,
+        u_pixels: [f32; 2],
+    ) -> Option<Landed> {
+        let origin = self.mount.to_lens(from.as_dvec3());
+        let ray = LensRay { origin, direction: self.mount.direction_to_lens(direction.as_dvec3()) };
+        let arrivals = self.arrivals(set, ray, raster, u_pixels);
+        let per_etendue = self.per_etendue();
+        let density: f64 = arrivals.iter().flatten().map(|a| a.density).sum();
+        if arrivals.iter().all(Option::is_none) {
+            return None;
+        }
+        let splats = arrivals.map(|arrival| arrival.map(|a| (a.x, a.y, a.importance * per_etendue as f32)));
+        Some(Landed { splats, density: density * per_etendue })
+    }
+
+    /// The density per unit of etendue of a ray that a wavelength of its set led to.
+    pub fn led_density(&self, led: &Led) -> f64 {
+        led.density * self.per_etendue()
+    }
+
+    /// From what is counted in mm² sr, for each pixel and the sum of a set's wavelengths, to render space, for the whole
+    /// picture and their mean.
+    fn per_etendue(&self) -> f64 {
+        let scale = self.mount.scale().unwrap_or(1.0);
+        let picture_mm2 = self.mount.info.picture_width_mm * self.mount.info.picture_height_mm;
+        scale * scale / (picture_mm2 * self.packet_size() as f64)
+    }
+}

@@ -1,0 +1,82 @@
+//! Bidirectional path tracing (Veach 1997, chapter 10): a path from the camera and one from a light, joined in every way,
+//! each way weighted by how likely all the others are to make the same path ([`weights`]).
+//!
+//! Paths are those of [`super::path`], and so is the picture. The lens takes part as a whole: light paths aim at its
+//! entrance pupil and are carried to the film.
+
+mod eye;
+mod light;
+mod vertex;
+mod weights;
+
+use super::Stage;
+use super::path::{Limits, PathResult};
+use crate::Rgb;
+use crate::accel::Ray;
+use crate::camera::real_lens::RealLens;
+use crate::sampler::{PathSampler, raster::Raster};
+use vertex::Vertex;
+
+/// Which ways of making a path are used.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub enum Techniques {
+    /// All of them.
+    All,
+    /// Light that ends in the lens after at least one scattering, and nothing else.
+    LightAlone,
+}
+
+/// A ray that the camera led to.
+pub struct CameraEnd<'a> {
+    /// The lens.
+    pub lens: &'a RealLens,
+    /// Render space.
+    pub ray: Ray,
+    /// Of the ray's choice, per unit of etendue ([`crate::camera::from_scene`]).
+    pub density: f64,
+}
+
+/// Where light paths end.
+pub struct FilmEnd<'a> {
+    /// The lens that they aim at.
+    pub lens: &'a RealLens,
+    /// The picture behind it.
+    pub raster: &'a Raster,
+    /// What else makes the same paths.
+    pub techniques: Techniques,
+}
+
+/// Scattering places of a light path; kept from one path to the next, so that nothing is allocated on the way.
+#[derive(Default)]
+pub struct LightPath {
+    places: Vec<Vertex>,
+}
+
+impl LightPath {
+    /// Follows light from a source. Gives the rays traced.
+    pub fn trace(&mut self, stage: &Stage, limits: &Limits, sampler: PathSampler) -> u32 {
+        light::trace(stage, limits, sampler, &mut self.places)
+    }
+
+    /// Gives what the film gets of it to `add`, pixel by pixel, for one light path a pixel. Gives the rays traced.
+    pub fn splat(
+        &self,
+        stage: &Stage,
+        film: &FilmEnd<'_>,
+        limits: &Limits,
+        sampler: PathSampler,
+        add: impl FnMut(u32, u32, Rgb),
+    ) -> u32 {
+        light::splat(stage, film, limits, sampler, &self.places, add)
+    }
+
+    /// Follows a ray from the camera and joins it to this.
+    pub fn join(&self, stage: &Stage, camera: &CameraEnd<'_>, limits: &Limits, sampler: PathSampler) -> PathResult {
+        eye::trace(stage, camera, limits, sampler, &self.places)
+    }
+}
+
+/// Nothing that could be seen, or nothing that can be added.
+fn is_dark(light: Rgb) -> bool {
+    light == Rgb::ZERO || !light.is_finite()
+}

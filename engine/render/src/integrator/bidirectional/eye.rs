@@ -1,0 +1,191 @@
+//! Paths that begin at the camera: what they meet, what they find by light samples, and what light paths bring to them.
+
+use super::vertex::{Vertex, Walk, material};
+use super::weights::{Partial, squared, weight};
+use super::{CameraEnd, is_dark};
+use crate::accel::{Hit, Ray, RayKind};
+use crate::integrator::Stage;
+use crate::integrator::path::{CAMERA_SETS, Limits, PathResult, SURE_BOUNCES, opacity};
+use crate::lights::tree::Receiver;
+use crate::sampler::PathSampler;
+use crate::surface::SurfacePoint;
+use crate::{Rgb, nodes};
+use glam::Vec3A;
+
+/// Follows a ray from the camera.
+pub(super) fn trace(
+    stage: &Stage,
+    camera: &CameraEnd<'_>,
+    limits: &Limits,
+    sampler: PathSampler,
+    light_path: &[Vertex],
+) -> PathResult {
+    let mut result = PathResult::default();
+    let mut walk = Walk { stage, sampler, first_set: CAMERA_SETS, step: 0, rays: 0 };
+    let mut ray = camera.ray;
+    let mut carried = Rgb::ONE;
+    // Of the ray under way: no technique competes for what the camera sees directly.
+    let mut partial = Partial { ends: 0.0, before: 0.0 };
+    for bounce in 0.. {
+        let kind = if bounce == 0 { RayKind::Camera } else { RayKind::Bounce };
+        let stretch = walk.follow(ray, kind, |_, _| true);
+        let met = Met { stage, ray: &ray, bounce, partial };
+        met.lamps(stretch.distance, |light| {
+            result.radiance += limits.clamp(carried * light, bounce);
+            result.hit = true;
+        });
+        let Some((point, hit)) = stretch.end else {
+            if !(bounce == 0 && limits.hide_sky) && stretch.distance.is_infinite() {
+                met.sky(|light| result.radiance += limits.clamp(carried * light, bounce));
+            }
+            break;
+        };
+        result.hit = true;
+        if material(stage, &point).emits() {
+            result.radiance += limits.clamp(carried * met.surface(&point, &hit, stretch.distance), bounce);
+        }
+        let cos_in = point.geometric_normal.dot(ray.direction).abs();
+        if bounce > limits.max_bounces || cos_in <= 0.0 {
+            break;
+        }
+        partial = if bounce == 0 {
+            let aim_pdf = camera.lens.aim_pdf(point.position, -ray.direction);
+            Partial::first(camera.density * f64::from(cos_in), f64::from(aim_pdf), 0.0)
+        } else {
+            partial.arrived(stretch.distance, cos_in)
+        };
+        let vertex = Vertex::new(stage, point, -ray.direction, carried, partial);
+        let [u0, u1, u2, u3] = walk.sampler.next_4d();
+        if !vertex.bsdf.is_mirror() {
+            let found = direct(stage, &vertex, stretch.u_light, [u0, u1], &mut walk.rays);
+            result.radiance += limits.clamp(found, bounce);
+            let left = (limits.max_bounces - bounce) as usize;
+            for from_light in light_path.iter().take(left) {
+                result.radiance += limits.clamp(connect(stage, &vertex, from_light, &mut walk.rays), bounce + 1);
+            }
+        }
+        let [u4, ..] = walk.sampler.next_4d();
+        let Some(next) = vertex.bsdf.sample(stretch.u_lobe, [u2, u3], u4) else { break };
+        carried *= next.weight;
+        if bounce + 1 > SURE_BOUNCES {
+            let go_on = carried.max_element().min(1.0);
+            if stretch.u_end >= go_on {
+                break;
+            }
+            carried /= go_on;
+        }
+        partial = if next.mirror {
+            partial.mirrored(vertex.cos(next.wi))
+        } else {
+            let back_pdf = vertex.seen_from(stage, next.wi).evaluate(vertex.back).1;
+            partial.scattered(next.pdf, vertex.cos(next.wi), back_pdf)
+        };
+        ray = vertex.ray(next.wi);
+    }
+    result.rays = walk.rays;
+    result
+}
+
+/// Light that a ray meets by chance.
+struct Met<'a> {
+    stage: &'a Stage,
+    ray: &'a Ray,
+    bounce: u32,
+    partial: Partial,
+}
+
+impl Met<'_> {
+    /// Weight of light that a light sample where the ray began would find with `sample_pdf`, and light paths with
+    /// `density` per unit of etendue.
+    fn weight(&self, sample_pdf: f32, density: f32) -> f32 {
+        weight(squared(sample_pdf) * self.partial.ends + squared(density) * self.partial.before)
+    }
+
+    fn receiver(&self) -> Option<Receiver> {
+        (self.bounce > 0).then_some(Receiver { position: self.ray.origin, normal: None })
+    }
+
+    fn lamps(&self, t_max: f32, mut found: impl FnMut(Rgb)) {
+        let Stage { scene, lights, emission, .. } = self.stage;
+        let Ray { origin, direction, .. } = *self.ray;
+        let to = self.receiver();
+        lights.lamp_sources_along(origin, direction, t_max, self.bounce == 0, to.as_ref(), |source, radiance, pdf| {
+            // Every lamp that can be met has extent: the distance does not matter.
+            found(radiance * self.weight(pdf, emission.density(scene, lights, source, direction, 1.0)));
+        });
+    }
+
+    fn sky(&self, mut found: impl FnMut(Rgb)) {
+        let Stage { scene, lights, emission, .. } = self.stage;
+        lights.sky_sources_along(scene, self.ray.direction, self.bounce == 0, |source, radiance, pdf| {
+            found(radiance * self.weight(pdf, emission.density(scene, lights, source, self.ray.direction, 1.0)));
+        });
+    }
+
+    fn surface(&self, point: &SurfacePoint, hit: &Hit, distance: f32) -> Rgb {
+        let Stage { scene, lights, emission, .. } = self.stage;
+        let radiance = nodes::emission(material(self.stage, point), scene, hit.instance, hit.triangle, [hit.u, hit.v]);
+        let (Some(to), Some(source)) = (self.receiver(), lights.triangle_source(hit.instance, hit.triangle)) else {
+            return radiance;
+        };
+        let cos = point.geometric_normal.dot(self.ray.direction).abs();
+        let pdf = lights.triangle_pdf(scene, &to, (hit.instance, hit.triangle), distance, cos);
+        radiance * self.weight(pdf, emission.density(scene, lights, source, self.ray.direction, distance))
+    }
+}
+
+/// What a light sample finds at a place.
+fn direct(stage: &Stage, vertex: &Vertex, u_choice: f32, u: [f32; 2], rays: &mut u32) -> Rgb {
+    let Stage { scene, lights, emission, .. } = stage;
+    let to = Receiver { position: vertex.point.position, normal: None };
+    let Some((light, source)) = lights.sample_source(scene, &to, u_choice, u) else { return Rgb::ZERO };
+    let (value, pdf) = vertex.bsdf.evaluate(light.wi);
+    let found = vertex.carried * value * light.radiance / light.pdf;
+    if is_dark(found) {
+        return Rgb::ZERO;
+    }
+    let density = emission.density(scene, lights, source, light.wi, light.distance) * vertex.cos(light.wi);
+    let back_pdf = if density > 0.0 { vertex.seen_from(stage, light.wi).evaluate(vertex.back).1 } else { 0.0 };
+    let by_chance = if light.point_like { 0.0 } else { squared(pdf) };
+    let others = (by_chance + vertex.partial.others(f64::from(density), back_pdf)) / squared(light.pdf);
+    let found = found * weight(others);
+    if !light.cast_shadow {
+        return found;
+    }
+    *rays += 1;
+    let mut ray = vertex.ray(light.wi);
+    ray.t_max = light.distance;
+    found * stage.accel.transmittance(&ray, |hit| opacity(scene, hit))
+}
+
+/// What a place on a light path sends to one on the camera's path.
+fn connect(stage: &Stage, eye: &Vertex, light: &Vertex, rays: &mut u32) -> Rgb {
+    if light.bsdf.is_mirror() {
+        return Rgb::ZERO;
+    }
+    let to: Vec3A = light.point.position - eye.point.position;
+    let distance2 = to.length_squared();
+    let distance = distance2.sqrt();
+    let d = to / distance;
+    let (value, pdf) = eye.bsdf.evaluate(d);
+    if value == Rgb::ZERO || !d.is_finite() {
+        return Rgb::ZERO;
+    }
+    let (sent, light_back_pdf) = light.sent(stage, -d);
+    let found = eye.carried * value * sent / distance2;
+    if is_dark(found) {
+        return Rgb::ZERO;
+    }
+    let (_, light_pdf) = light.bsdf.evaluate(-d);
+    let (_, eye_back_pdf) = eye.seen_from(stage, d).evaluate(eye.back);
+    let per_area = |pdf: f32, at: &Vertex| f64::from(pdf) * f64::from(at.cos(d) / distance2);
+    let others = eye.partial.others(per_area(light_pdf, eye), eye_back_pdf)
+        + light.partial.others(per_area(pdf, light), light_back_pdf);
+    let origin = eye.ray(d).origin;
+    let gap = light.ray(-d).origin - origin;
+    *rays += 1;
+    // Both ends stand clear of their surfaces.
+    let ray = Ray { origin, direction: gap.normalize_or(d), t_max: gap.length() };
+    let open = stage.accel.transmittance_of(&ray, RayKind::Bounce, |hit| opacity(&stage.scene, hit));
+    found * (weight(others) * open)
+}

@@ -1,0 +1,169 @@
+//! Paths that begin at the light, and what they send to the lens.
+
+use super::vertex::{Vertex, Walk};
+use super::weights::{Partial, squared, weight};
+use super::{FilmEnd, Techniques, is_dark};
+use crate::Rgb;
+use crate::accel::{Hit, RayKind};
+use crate::camera::from_scene::Landed;
+use crate::integrator::Stage;
+use crate::integrator::path::{Limits, SURE_BOUNCES, opacity};
+use crate::sampler::PathSampler;
+
+/// Sets of four numbers before the light path's first step.
+const LIGHT_SETS: u32 = 2;
+/// Where in the sampler the numbers for aiming at the lens begin: behind those of all steps.
+const AIM_SETS: u32 = 4096;
+
+/// Follows light from a source; its scattering places replace those in `path`. Gives the rays traced.
+pub(super) fn trace(stage: &Stage, limits: &Limits, mut sampler: PathSampler, path: &mut Vec<Vertex>) -> u32 {
+    path.clear();
+    let [u_choice, u0, u1, u2] = sampler.next_4d();
+    let [u3, ..] = sampler.next_4d();
+    let Some(emitted) = stage.emission.sample(&stage.scene, &stage.lights, u_choice, [u0, u1], [u2, u3]) else {
+        return 0;
+    };
+    let mut walk = Walk { stage, sampler, first_set: LIGHT_SETS, step: 0, rays: 0 };
+    // What casts no shadow is lit, and so is what stands behind it: chance decides for which of them the ray is.
+    let casts_shadow = |hit: &Hit| stage.scene.instances[hit.instance as usize].visible_shadow;
+    let mut ray = emitted.ray;
+    let mut shares = 1.0;
+    let mut carried = Rgb::ZERO;
+    let mut partial = Partial { ends: 0.0, before: 0.0 };
+    for bounce in 0..=limits.max_bounces {
+        let passed = std::cell::Cell::new(1.0);
+        let stretch = walk.follow(ray, RayKind::Bounce, |hit, u| {
+            if bounce > 0 || casts_shadow(hit) {
+                return true;
+            }
+            passed.set(2.0 * passed.get());
+            u < 0.5
+        });
+        shares *= passed.get();
+        let Some((point, _)) = stretch.end else { break };
+        let back = -ray.direction;
+        let cos_in = point.geometric_normal.dot(back).abs();
+        if cos_in <= 0.0 {
+            break;
+        }
+        partial = if bounce == 0 {
+            let arrived =
+                stage.emission.arrive(&stage.scene, &stage.lights, &emitted, point.position, stretch.distance);
+            let Some(light) = arrived else { break };
+            carried = light.radiance * (shares / light.density);
+            let again = f64::from(u8::from(!light.point_like));
+            Partial::first(f64::from(light.density * cos_in), f64::from(light.sample_pdf), again)
+        } else {
+            partial.arrived(stretch.distance, cos_in)
+        };
+        if is_dark(carried) {
+            break;
+        }
+        let vertex = Vertex::new(stage, point, back, carried, partial);
+        let next = scatter(stage, &vertex, &stretch, &mut walk.sampler);
+        ray = vertex.ray(next.as_ref().map_or(back, |n| n.direction));
+        path.push(vertex);
+        let Some(next) = next else { break };
+        (carried, partial) = (next.carried, next.partial);
+        if bounce + 1 > SURE_BOUNCES {
+            // In units of what a light path brings along.
+            let start = path[0].carried.max_element();
+            let go_on = (carried.max_element() / start).min(1.0);
+            if stretch.u_end >= go_on {
+                break;
+            }
+            carried /= go_on;
+        }
+    }
+    walk.rays
+}
+
+struct Scattered {
+    direction: glam::Vec3A,
+    carried: Rgb,
+    partial: Partial,
+}
+
+/// A direction to go on in, away from the light.
+fn scatter(
+    stage: &Stage,
+    vertex: &Vertex,
+    stretch: &super::vertex::Stretch,
+    sampler: &mut PathSampler,
+) -> Option<Scattered> {
+    let [.., u2, u3] = sampler.next_4d();
+    let [u4, ..] = sampler.next_4d();
+    let next = vertex.bsdf.sample(stretch.u_lobe, [u2, u3], u4)?;
+    let d = next.wi;
+    if !next.mirror {
+        let (sent, back_pdf) = vertex.sent(stage, d);
+        let partial = vertex.partial.scattered(next.pdf, vertex.cos(d), back_pdf);
+        return Some(Scattered { direction: d, carried: sent / next.pdf, partial });
+    }
+    let towards_camera = vertex.seen_from(stage, d);
+    let (value, _) = towards_camera.mirror(next.transmitted);
+    let (_, chance) = vertex.bsdf.mirror(next.transmitted);
+    // Radiance is not scaled where the path tracer bends it; a beam's solid angle is, so its power must be.
+    let bent = if next.transmitted { towards_camera.relative_index().powi(2) } else { 1.0 };
+    let shading = towards_camera.cosine(vertex.back) / towards_camera.cosine(d).max(1e-6);
+    let cosines = vertex.cos(d) / vertex.cos(vertex.back) * shading;
+    let carried = vertex.carried * value * (bent * cosines / chance);
+    let partial = vertex.partial.mirrored(vertex.cos(d));
+    carried.is_finite().then_some(Scattered { direction: d, carried, partial })
+}
+
+/// What the film gets of a light path's places, each seen directly by the camera.
+pub(super) fn splat(
+    stage: &Stage,
+    film: &FilmEnd<'_>,
+    limits: &Limits,
+    mut sampler: PathSampler,
+    path: &[Vertex],
+    mut add: impl FnMut(u32, u32, Rgb),
+) -> u32 {
+    let FilmEnd { lens, raster, techniques } = *film;
+    let mut rays = 0;
+    sampler.jump_to(AIM_SETS);
+    for (bounce, vertex) in path.iter().enumerate() {
+        let [u0, u1, u_column, u_row] = sampler.next_4d();
+        let [u_set, ..] = sampler.next_4d();
+        let is_seen = stage.scene.instances[vertex.point.instance as usize].visible_camera;
+        if vertex.bsdf.is_mirror() || !is_seen {
+            continue;
+        }
+        let set = ((u_set * lens.sets() as f32) as usize).min(lens.sets() - 1);
+        let Some((d, aim_pdf)) = lens.aim(vertex.point.position, [u0, u1]) else { continue };
+        let (sent, back_pdf) = vertex.sent(stage, d);
+        if is_dark(sent) {
+            continue;
+        }
+        let Some(Landed { splats, density }) = lens.land(set, vertex.point.position, d, raster, [u_column, u_row])
+        else {
+            continue;
+        };
+        let others = vertex.partial.others(density * f64::from(vertex.cos(d)), back_pdf) / squared(aim_pdf);
+        let light = sent * (techniques.weight(others) / aim_pdf);
+        rays += 1;
+        let mut ray = vertex.ray(d);
+        ray.t_max = lens.distance_from(ray.origin, d);
+        let open = stage.accel.transmittance_of(&ray, RayKind::Camera, |hit| opacity(&stage.scene, hit));
+        let light = light * open;
+        if is_dark(light) {
+            continue;
+        }
+        for (x, y, importance) in splats.into_iter().flatten() {
+            add(x, y, limits.clamp(importance * light, bounce as u32));
+        }
+    }
+    rays
+}
+
+impl Techniques {
+    /// The weight of light that ends in the lens.
+    fn weight(self, others: f64) -> f32 {
+        match self {
+            Self::All => weight(others),
+            Self::LightAlone => 1.0,
+        }
+    }
+}

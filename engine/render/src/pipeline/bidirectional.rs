@@ -1,0 +1,49 @@
+//! A path from the camera and one from a light for each sample: the camera's ray is led to by one wavelength and counts
+//! at all of its set, as in [`super::hero`]; light that ends in the lens is carried through it at the wavelengths of a
+//! set of its own, and falls where it falls.
+
+use super::Sample;
+use crate::camera::real_lens::RealLens;
+use crate::integrator::bidirectional::{CameraEnd, FilmEnd, LightPath, Techniques};
+use crate::sampler::PathSampler;
+
+/// What tells the light path's random numbers from the camera's.
+const LIGHT_SEED: u32 = 0x51ab_73c9;
+
+/// One sample of one pixel.
+pub(super) fn sample(lens: &RealLens, techniques: Techniques, path: &mut LightPath, mut s: Sample<'_>) {
+    let shot = s.shot;
+    let (stage, limits, raster) = (shot.stage, &shot.limits, shot.raster);
+    let light_sampler = PathSampler::new(s.x, s.y, s.index, shot.seed ^ LIGHT_SEED);
+    s.counts.rays += u64::from(path.trace(stage, limits, light_sampler.clone()));
+    let (mut non_finite, light) = (0, &mut *s.light);
+    let rays = path.splat(stage, &FilmEnd { lens, raster, techniques }, limits, light_sampler, |x, y, colour| {
+        if colour.is_finite() {
+            light.add(x, y, colour);
+        } else {
+            non_finite += 1;
+        }
+    });
+    s.counts.rays += u64::from(rays);
+    s.counts.non_finite += non_finite;
+    let mut sampler = s.sampler();
+    let [u0, u1, u2, u3] = sampler.next_4d();
+    let [u_wavelength, u_column, u_row, _] = sampler.next_4d();
+    let place = raster.place(s.x, s.y, [u0, u1]);
+    let led = lens.lead_all([s.x, s.y], place, [u2, u3], u_wavelength, raster, [u_column, u_row]);
+    s.count_camera(led.is_none());
+    let Some(led) = led else { return s.lost() };
+    let camera = CameraEnd { lens, ray: led.ray, density: lens.led_density(&led) };
+    let found = path.join(stage, &camera, limits, sampler);
+    s.counts.rays += u64::from(found.rays);
+    if !found.radiance.is_finite() {
+        s.counts.non_finite += 1;
+        return;
+    }
+    if techniques == Techniques::All {
+        for (x, y, weight) in led.splats.into_iter().flatten() {
+            s.light.add(x, y, weight * found.radiance);
+        }
+    }
+    s.note(&found);
+}
