@@ -236,6 +236,16 @@ def test_a_mask_from_a_file_shapes_the_blur(blender, render, plain, tmp_path):
     assert middle(masks["right"]) - middle(masks["left"]) > 0.5
     mean = (masks["left"] + masks["right"]) / 2
     assert abs(mean - masks["open"]).mean() < 0.05 * masks["open"].mean()
+    # From the scene the entrance pupil is aimed at, and the mask met on the way back.
+    for pipeline in ("film", "scene", "hero"):
+        done, out, _ = render(
+            "--lens", "cooke-triplet-50mm", "--focus-distance", 600, "--samples", 64, "--aperture-mask",
+            tmp_path / "right.png", "--pipeline", pipeline, name=f"{pipeline}.exr",
+        )  # fmt: skip
+        assert done.returncode == 0, done.stderr
+        found = picture(out)[..., 0]
+        assert found.sum() == pytest.approx(masks["right"].sum(), rel=0.02), pipeline
+        assert middle(found) == pytest.approx(middle(masks["right"]), abs=0.2), pipeline
 
 
 def test_a_mask_that_is_no_picture_is_said(made, petzval_cli, tmp_path):
