@@ -334,6 +334,10 @@ def another_value(prop, now):
         return not now
     if prop.type == "STRING":
         return "cooke-triplet-50mm.lens"
+    if prop.type == "POINTER":
+        import bpy
+
+        return bpy.data.images.new("Mask", 4, 4)
     if prop.type == "INT":
         return now + 3
     if prop.is_array:
@@ -342,6 +346,8 @@ def another_value(prop, now):
 
 
 def plain(value):
+    if hasattr(value, "name_full"):  # a datablock: its address does not outlive the file
+        return value.name_full
     return tuple(value) if hasattr(value, "__len__") and not isinstance(value, str) else value
 
 

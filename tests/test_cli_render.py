@@ -223,6 +223,49 @@ def test_options_reach_the_lens(plain, render):
         assert stats["non_finite_samples"] == 0
 
 
+def test_a_mask_from_a_file_shapes_the_blur(blender, render, plain, tmp_path):
+    masks = {}
+    for name, column in (("left", 0), ("right", 1), ("open", None)):
+        image = blender.data.images.new(name, 2, 2)
+        pixels = [[float(column in (None, i % 2))] * 3 + [1.0] for i in range(4)]
+        image.pixels.foreach_set([number for pixel in pixels for number in pixel])
+        image.filepath_raw, image.file_format = str(tmp_path / f"{name}.png"), "PNG"
+        image.save()
+        done, out, _ = render(
+            "--lens", "cooke-triplet-50mm", "--focus-distance", 600, "--samples", 64, "--aperture-mask",
+            tmp_path / f"{name}.png", name=f"{name}.exr",
+        )  # fmt: skip
+        assert done.returncode == 0, done.stderr
+        masks[name] = picture(out)[..., 0]
+
+    def middle(found):
+        return (found.sum(axis=0) * range(found.shape[1])).sum() / found.sum()
+
+    # The square lies behind what is sharp: seen from further right it stands further right against it. The two halves
+    # are as bright as the whole, which is their mean.
+    assert middle(masks["right"]) - middle(masks["left"]) > 0.5
+    mean = (masks["left"] + masks["right"]) / 2
+    assert abs(mean - masks["open"]).mean() < 0.05 * masks["open"].mean()
+    # From the scene the entrance pupil is aimed at, and the mask met on the way back.
+    for pipeline in ("film", "scene", "hero"):
+        done, out, _ = render(
+            "--lens", "cooke-triplet-50mm", "--focus-distance", 600, "--samples", 64, "--aperture-mask",
+            tmp_path / "right.png", "--pipeline", pipeline, name=f"{pipeline}.exr",
+        )  # fmt: skip
+        assert done.returncode == 0, done.stderr
+        found = picture(out)[..., 0]
+        assert found.sum() == pytest.approx(masks["right"].sum(), rel=0.02), pipeline
+        assert middle(found) == pytest.approx(middle(masks["right"]), abs=0.2), pipeline
+
+
+def test_a_mask_that_is_no_picture_is_said(made, petzval_cli, tmp_path):
+    (tmp_path / "text.png").write_text("this is no picture")
+    done = petzval_cli("render", made / "scene.blend", "--camera", "thin", "--aperture-mask", tmp_path / "text.png",
+                       "-o", tmp_path / "out.exr")  # fmt: skip
+    assert done.returncode == 1
+    assert "text.png" in one_line(done)
+
+
 def test_without_lens_or_camera_the_file_decides(blender, render):
     # The scene was saved with a pinhole.
     done, _, stats = render("--samples", 1)

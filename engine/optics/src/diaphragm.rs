@@ -233,6 +233,7 @@ impl Diaphragm {
 
 impl Masked {
     /// One lane after the other, in f64: a lookup gains nothing from lanes, and so comes out alike in all.
+    #[cold]
     fn are_open<L: Lane>(&self, x_mm: L, y_mm: L) -> L::Mask {
         let mut is_open = [L::Real::ZERO; WIDEST_LANE];
         for (i, is_open) in is_open.iter_mut().enumerate().take(L::WIDTH) {
