@@ -95,6 +95,9 @@ class CameraDescription:
     blades: int = 0
     blade_rotation_rad: float = 0.0
     focus_distance: float | None = None
+    anchor: str = "ENTRANCE_PUPIL"  # ENTRANCE_PUPIL | FRONT_VERTEX | FILM
+    focus_relation: str = "EXACT"  # EXACT | THIN
+    autofocus: tuple[float, float] | None = None  # picture point, 0 to 1 from the lower left; for the render to resolve
     focus_point_world: tuple[float, float, float] | None = None
     film_distance_mm: float | None = None
     film_width_mm: float = 36.0

@@ -101,6 +101,7 @@ class _Photograph:
         self.scene = depsgraph.scene_eval
         self.report = Report()
         self.window = _region(self.scene.render)
+        self.focus: dict | None = None
 
     def take(self) -> None:
         native = engine()
@@ -120,11 +121,21 @@ class _Photograph:
         position = tuple(row[3] for row in camera.matrix_world[:3])
         scene = loop.stoppable(lambda: builder.build(position, settings.threads), self._stop_asked)
         self._tell("Preparing the lens", 0.0)
+        if camera.autofocus is not None:
+            self._focus(native, scene, camera, width, height)
         job = loop.stoppable(lambda: native.Job(scene, camera, settings), self._stop_asked)
         stopped = loop.follow(job, stop_asked=self._stop_asked, show=self._show, tell=self._progress)
         self._progress(job.progress() if stopped else 1.0, job.samples_done())
         self._show([tiles.Tile(0, 0, job.image())])
         self._keep(json.loads(job.stats_json()), sync_seconds, stopped)
+
+    def _focus(self, native, scene, camera, width: int, height: int) -> None:
+        """Puts the film where what the autofocus point sees is sharpest."""
+        found = loop.stoppable(
+            lambda: native.autofocus_json(scene, camera, width, height, camera.autofocus), self._stop_asked
+        )
+        self.focus = json.loads(found)
+        camera.film_distance_mm = self.focus["film_distance_mm"]
 
     def _settings(self, width: int, height: int) -> SettingsDescription:
         own, render = self.scene.petzval, self.scene.render
@@ -164,6 +175,8 @@ class _Photograph:
 
     def _keep(self, stats: dict, sync_seconds: float, stopped: bool) -> None:
         stats["seconds"]["sync"] = sync_seconds
+        if self.focus is not None:
+            stats["autofocus"] = self.focus
         render = statistics.LastRender(stats, self.report.warnings, stopped)
         statistics.keep(self.scene.name, render)
         for line in render.lines():

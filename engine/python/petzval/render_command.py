@@ -7,6 +7,7 @@ import argparse
 import json
 import math
 import os
+import re
 import signal
 import subprocess
 from pathlib import Path
@@ -39,7 +40,30 @@ def add_parser(subparsers: argparse._SubParsersAction) -> None:
     p.add_argument("--focal-length", type=_positive, metavar="MM", help="scale the lens to this focal length")
     p.add_argument("--f-number", type=_positive, metavar="N", help="default: as the file has it")
     p.add_argument("--blades", type=int, metavar="N", help="blades of the diaphragm, 3 to 24; 0 is round")
-    p.add_argument("--focus-distance", type=_distance, metavar="MM|inf", help="from the entrance pupil")
+    p.add_argument("--focus-distance", type=_distance, metavar="MM|inf", help="from the anchor")
+    p.add_argument(
+        "--anchor",
+        choices=("entrance-pupil", "front-vertex", "film"),
+        help="what distances count from, at the camera's place",
+    )
+    p.add_argument(
+        "--focus-relation", choices=("exact", "thin"), help="thin: 1/U + 1/V = 1/f, from the principal planes"
+    )
+    p.add_argument(
+        "--autofocus",
+        type=_place,
+        metavar="X,Y",
+        help="on what the picture shows there; 0,0 is lower left, 1,1 upper right",
+    )
+    p.add_argument(
+        "--sharp",
+        type=_point,
+        nargs=3,
+        metavar="X,Y,Z",
+        help="turn the film so that three points of the world are sharp",
+    )
+    # Coordinates may begin with a minus: what looks so is no option here.
+    p._negative_number_matcher = re.compile(r"-[\d.]")
     p.add_argument("--film", type=_size_mm, metavar="WxH", help="film size, mm")
     p.add_argument("--tilt", type=_number, metavar="DEG", help="turn of the film about its horizontal axis")
     p.add_argument("--swing", type=_number, metavar="DEG", help="turn of the film about its vertical axis")
@@ -83,6 +107,11 @@ def _checked(a: argparse.Namespace) -> dict:
         raise CommandError(f"quality {a.quality:g}: effects are not planned yet: leave --quality out")
     if a.blades is not None and a.blades != 0 and not 3 <= a.blades <= 24:
         raise CommandError(f"{a.blades} blades: a diaphragm has 3 to 24, or 0 for a round one: change --blades")
+    ways = {"--focus-distance": a.focus_distance, "--autofocus": a.autofocus, "--sharp": a.sharp}
+    if len(asked := [name for name, value in ways.items() if value is not None]) > 1:
+        a.usage_error(f"{' and '.join(asked)} say different things of the focus: leave out all but one")
+    if a.sharp and (a.tilt is not None or a.swing is not None):
+        a.usage_error("--sharp finds tilt and swing: leave out --tilt and --swing")
     output = Path(a.output) if a.output else Path(f"{scene.stem}.png")
     if output.suffix.lower() not in _SUFFIXES:
         raise CommandError(f"unknown picture format: {output}: end its name in .exr or .png")
@@ -101,6 +130,10 @@ def _checked(a: argparse.Namespace) -> dict:
         "f_number": a.f_number,
         "blades": a.blades,
         "focus_distance_mm": "inf" if a.focus_distance == math.inf else a.focus_distance,
+        "anchor": a.anchor,
+        "focus_relation": a.focus_relation,
+        "autofocus": a.autofocus,
+        "sharp": a.sharp,
         "film_mm": a.film,
         "tilt_rad": None if a.tilt is None else math.radians(a.tilt),
         "swing_rad": None if a.swing is None else math.radians(a.swing),
@@ -223,6 +256,17 @@ def _pair(text: str) -> list[float]:
     return [_number(part) for part in _split(text, ",", 2)]
 
 
+def _place(text: str) -> list[float]:
+    place = _pair(text)
+    if not all(0.0 <= part <= 1.0 for part in place):
+        raise argparse.ArgumentTypeError(f"must be from 0 to 1: {text}")
+    return place
+
+
+def _point(text: str) -> list[float]:
+    return [_number(part) for part in _split(text, ",", 3)]
+
+
 def _triple(text: str) -> list[float]:
     return [_positive(part) for part in _split(text, ",", 3)]
 
@@ -242,6 +286,6 @@ def _effect(text: str) -> tuple[str, str]:
 
 for _type, _name in ((_number, "number"), (_positive, "number"), (_distance, "distance"), (_natural, "number"),
                      (_count, "number"), (_size_mm, "size"), (_pixels, "size"), (_pair, "pair"), (_triple, "triple"),
-                     (_effect, "effect"), (_wavelengths, "spectrum")):  # fmt: skip
+                     (_effect, "effect"), (_wavelengths, "spectrum"), (_place, "place"), (_point, "point")):  # fmt: skip
     # argparse names the type in its message: "invalid number value: 'x'".
     _type.__name__ = _name

@@ -23,6 +23,7 @@ fn camera(model: Model, lens: &str, spectrum: Option<Spectrum>) -> Camera {
         blades: 0,
         blade_rotation_rad: 0.0,
         focus_distance: Some(3.0),
+        focusing: Default::default(),
         focus_point_world: None,
         film_distance_mm: None,
         film_width_mm: 36.0,

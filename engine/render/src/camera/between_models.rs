@@ -73,6 +73,7 @@ fn description(model: Model, file: &LensFile, focal_length_mm: f64, f_number: f6
         blades: 0,
         blade_rotation_rad: 0.0,
         focus_distance: None,
+        focusing: Default::default(),
         focus_point_world: None,
         film_distance_mm: None,
         film_width_mm: film_mm,

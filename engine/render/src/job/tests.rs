@@ -38,6 +38,7 @@ fn camera(model: Model) -> Camera {
         blades: 0,
         blade_rotation_rad: 0.0,
         focus_distance: Some(3.0),
+        focusing: Default::default(),
         focus_point_world: None,
         film_distance_mm: None,
         film_width_mm: 90.0,

@@ -25,6 +25,7 @@ fn description(file: &str, film_mm: [f64; 2]) -> CameraDescription {
         blades: 0,
         blade_rotation_rad: 0.0,
         focus_distance: None,
+        focusing: Default::default(),
         focus_point_world: None,
         film_distance_mm: None,
         film_width_mm: film_mm[0],
