@@ -106,6 +106,9 @@ class CameraDescription:
     blade_curvature: float = 0.0  # 0: straight blades, 1: a round opening
     aperture_mask: ApertureMask | None = None  # the opening's shape instead of blades; turned like them
     focus_distance: float | None = None
+    anchor: str = "ENTRANCE_PUPIL"  # ENTRANCE_PUPIL | FRONT_VERTEX | FILM
+    focus_relation: str = "EXACT"  # EXACT | THIN
+    autofocus: tuple[float, float] | None = None  # picture point, 0 to 1 from the lower left; for the render to resolve
     focus_point_world: tuple[float, float, float] | None = None
     film_distance_mm: float | None = None
     film_width_mm: float = 36.0

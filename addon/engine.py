@@ -112,6 +112,7 @@ class _Photograph:
         self.report = Report()
         self.window = _region(self.scene.render)
         self.data_passes = passes.wanted(depsgraph.view_layer_eval)
+        self.focus: dict | None = None
 
     def take(self) -> None:
         native = engine()
@@ -133,6 +134,9 @@ class _Photograph:
         position = tuple(row[3] for row in camera.matrix_world[:3])
         scene = loop.stoppable(lambda: builder.build(position, settings.threads), self._stop_asked)
         self._tell("Preparing the lens", 0.0)
+        if camera.autofocus is not None:
+            self._focus(native, scene, camera, width, height)
+            moving = [dataclasses.replace(then, film_distance_mm=camera.film_distance_mm) for then in moving]
         job = loop.stoppable(lambda: native.Job(scene, camera, settings, moving), self._stop_asked)
         stopped = loop.follow(job, stop_asked=self._stop_asked, show=self._show, tell=self._progress)
         self._progress(job.progress() if stopped else 1.0, job.samples_done())
@@ -163,6 +167,14 @@ class _Photograph:
         finally:
             self.host.frame_set(now, subframe)
             self.scene = self.depsgraph.scene_eval
+
+    def _focus(self, native, scene, camera, width: int, height: int) -> None:
+        """Puts the film where what the autofocus point sees is sharpest."""
+        found = loop.stoppable(
+            lambda: native.autofocus_json(scene, camera, width, height, camera.autofocus), self._stop_asked
+        )
+        self.focus = json.loads(found)
+        camera.film_distance_mm = self.focus["film_distance_mm"]
 
     def _settings(self, width: int, height: int) -> SettingsDescription:
         own, render = self.scene.petzval, self.scene.render
@@ -217,6 +229,8 @@ class _Photograph:
 
     def _keep(self, stats: dict, sync_seconds: float, stopped: bool) -> None:
         stats["seconds"]["sync"] = sync_seconds
+        if self.focus is not None:
+            stats["autofocus"] = self.focus
         render = statistics.LastRender(stats, self.report.warnings, stopped)
         statistics.keep(self.scene.name, render)
         for line in render.lines():

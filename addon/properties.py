@@ -42,6 +42,24 @@ FOCUS_MODES = (
     ("CAMERA", "Object or Distance", "The camera's own depth of field settings: its focus object, else its distance"),
     ("INFINITY", "Infinity", "What is infinitely far is sharp"),
     ("FILM", "Film Distance", "The film stands at a distance behind the lens; what is sharp follows"),
+    (
+        "AUTO",
+        "Autofocus",
+        "What is seen at a point of the picture, when it is rendered: the smallest spot of exact rays",
+    ),
+)
+ANCHORS = (
+    (
+        "ENTRANCE_PUPIL",
+        "Entrance Pupil",
+        "The no-parallax point: the camera view frames the same picture at all depths",
+    ),
+    ("FRONT_VERTEX", "Front Vertex", "The middle of the front glass"),
+    ("FILM", "Film", "The film stays and the lens moves; distances are those on the scale of a lens barrel"),
+)
+FOCUS_RELATIONS = (
+    ("EXACT", "Exact", "The lens's own conjugates, from the camera's place on"),
+    ("THIN", "Thin Lens", "1/U + 1/V = 1/f, the distances counted from the principal planes"),
 )
 FILM_MODES = (
     ("SENSOR", "Camera Sensor", "The camera's own sensor size and fit"),
@@ -173,11 +191,34 @@ class PetzvalCamera(bpy.types.PropertyGroup):
         type=bpy.types.Image,
     )
     focus_mode: EnumProperty(name="Focus", description="What is sharp", items=FOCUS_MODES, update=_changed)
+    anchor: EnumProperty(
+        name="Camera at",
+        description="What stands at the camera's place and stays there while focusing. Focus distances count from it",
+        items=ANCHORS,
+        update=_changed,
+    )
+    focus_relation: EnumProperty(
+        name="Relation",
+        description="How a focus distance moves the film. A focus object is focused on exactly",
+        items=FOCUS_RELATIONS,
+        update=_changed,
+    )
+    autofocus_point: FloatVectorProperty(
+        name="Autofocus Point",
+        description="Where to look, as parts of the picture's width and height from its lower left corner",
+        size=2,
+        default=(0.5, 0.5),
+        min=0.0,
+        max=1.0,
+        step=5,
+        precision=3,
+    )
     film_distance: FloatProperty(
         name="Film Distance",
-        description="From the last vertex of the lens to the middle of the film",
+        description="From the last vertex of the lens to the middle of the film. Negative behind an odd number of mirrors",
         default=50.0,
-        min=1e-3,
+        min=-1e6,
+        soft_min=1e-3,
         max=1e6,
         soft_max=1000.0,
         step=10,

@@ -341,7 +341,9 @@ def another_value(prop, now):
     if prop.type == "INT":
         return now + 3
     if prop.is_array:
-        return tuple(value + 1.5 + index for index, value in enumerate(now))
+        # Within its range: a place in the picture ends at 1.
+        step = min(1.5, 0.2 * (prop.hard_max - prop.hard_min))
+        return tuple(value + step * (1 + index) for index, value in enumerate(now))
     return now + 0.25
 
 

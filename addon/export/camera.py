@@ -111,6 +111,11 @@ def _blades(count: int) -> int:
 def _focus(description: CameraDescription, camera: bpy.types.Camera, report: Report) -> None:
     settings, dof = camera.petzval, camera.dof
     mode = settings.focus_mode
+    if settings.model in OF_LENS_FILE:
+        description.anchor = settings.anchor
+        description.focus_relation = settings.focus_relation
+        if mode == "AUTO":
+            description.autofocus = tuple(settings.autofocus_point)
     if mode == "FILM" and settings.model in OF_LENS_FILE:
         description.film_distance_mm = settings.film_distance
     elif mode == "INFINITY":

@@ -123,7 +123,7 @@ def _facts(info: dict) -> list[tuple[str, str]]:
         ("Focal Length", number("efl_mm", "{:.2f} mm")),
         ("F-Number", f"f/{info['f_number']:.2f}, widest f/{info['widest_f_number']:.2f}"),
         ("Film Distance", number("film_distance_mm", "{:.3f} mm")),
-        ("Focused At", number("focus_distance_mm", "{:.0f} mm")),
+        ("Focused At", number("focus_scale_mm", "{:.0f} mm")),
         ("Magnification", number("magnification", "{:.4f}")),
         ("Field of View", f"{angle('fov_horizontal_rad')} x {angle('fov_vertical_rad')}"),
         ("Diagonal", angle("fov_diagonal_rad")),
@@ -177,8 +177,13 @@ class PETZVAL_CAMERA_PT_focus(_AperturePart, bpy.types.Panel):
         camera = context.camera
         settings, dof = camera.petzval, camera.dof
         layout.prop(settings, "focus_mode")
+        if settings.model in OF_LENS_FILE:
+            layout.prop(settings, "anchor")
+            layout.prop(settings, "focus_relation")
         if settings.focus_mode == "FILM":
             layout.prop(settings, "film_distance")
+        elif settings.focus_mode == "AUTO":
+            layout.prop(settings, "autofocus_point")
         elif settings.focus_mode == "CAMERA":
             layout.prop(dof, "focus_object", text="Object")
             if dof.focus_object is not None and dof.focus_object.type == "ARMATURE":

@@ -1,7 +1,9 @@
 //! Where the film must stand for a distance to be sharp, and the film plane itself (Wu et al. 2011, §4).
 //!
 //! Conjugates are the exact paraxial ones. Distances to the scene are measured along the axis from the centre of the
-//! entrance pupil, positive in front of the lens.
+//! entrance pupil, positive in front of the lens; [`Focusing`] knows of other ways to count them.
+
+mod scale;
 
 use glam::{DMat3, DVec2, DVec3};
 use thiserror::Error;
@@ -10,6 +12,8 @@ use crate::first_order::{Matrix, between_vertices};
 use crate::paraxial::Paraxial;
 use crate::system::System;
 use crate::trace::Ray;
+
+pub use scale::{Anchor, Focusing, Relation};
 
 /// Why no film plane makes a distance sharp.
 #[derive(Clone, Debug, PartialEq, Error)]
@@ -84,29 +88,7 @@ pub fn film_z_for_focus_mm(
     wavelength_nm: f64,
     distance_from_entrance_pupil_mm: f64,
 ) -> Result<f64, FocusError> {
-    let distance_mm = distance_from_entrance_pupil_mm;
-    if !(distance_mm > 0.0) {
-        return Err(FocusError::NotPositive { distance_mm });
-    }
-    let conjugates = Conjugates::new(system, wavelength_nm);
-    let power = -conjugates.matrix.c;
-    if !(power > 0.0) {
-        return Err(FocusError::NoRealImage);
-    }
-    let film_z_mm = if distance_mm == f64::INFINITY {
-        conjugates.image_z_mm(1.0, 0.0)
-    } else {
-        let pupil_z = conjugates.pupil_z_mm.ok_or(FocusError::NoEntrancePupil)?;
-        // The object must lie before the object focal point and before the lens.
-        let front_focus_z = -conjugates.matrix.d / power;
-        let nearest_mm = pupil_z - front_focus_z.min(0.0);
-        if distance_mm <= nearest_mm {
-            return Err(FocusError::TooClose { distance_mm, nearest_mm });
-        }
-        conjugates.image_z_mm(distance_mm - pupil_z, 1.0)
-    };
-    let is_real = film_z_mm.is_finite() && (film_z_mm - conjugates.last_z_mm) * conjugates.towards_film > 0.0;
-    if is_real { Ok(film_z_mm) } else { Err(FocusError::NoRealImage) }
+    Focusing::default().film_z_mm(system, wavelength_nm, distance_from_entrance_pupil_mm)
 }
 
 /// The distance in mm from the entrance pupil to the plane that is sharp on a film at `film_z_mm`.

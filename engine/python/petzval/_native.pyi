@@ -87,7 +87,10 @@ class CameraDescription(Protocol):
     blade_rotation_rad: float
     blade_curvature: float  # 0: straight blades, 1: a round opening
     aperture_mask: ApertureMask | None  # the opening's shape instead of blades; turned like them
-    focus_distance: float | None  # along the optical axis from the entrance pupil, Blender units; None: infinity
+    focus_distance: float | None  # along the optical axis from the anchor, Blender units; None: infinity
+    anchor: str  # "ENTRANCE_PUPIL" | "FRONT_VERTEX" | "FILM": what of the lens stands at the camera's origin
+    # "EXACT" | "THIN": 1/U + 1/V = 1/f, with the focus distance U from the object principal plane
+    focus_relation: str
     focus_point_world: tuple[float, float, float] | None  # wins over focus_distance
     film_distance_mm: float | None  # last vertex to film centre; wins over both
     film_width_mm: float
@@ -100,10 +103,23 @@ class CameraDescription(Protocol):
 
 def camera_info_json(camera: CameraDescription, width: int, height: int) -> str:
     """What the panel shows and the viewport needs: efl_mm, bfd_mm, f_number (in force), widest_f_number,
-    film_z_mm, film_distance_mm, focus_distance_mm (null: infinity), magnification, fov_horizontal_rad,
+    film_z_mm, film_distance_mm, focus_distance_mm (from the entrance pupil; null: infinity), focus_scale_mm (the same as
+    the camera's anchor and relation count it), magnification, fov_horizontal_rad,
     fov_vertical_rad, fov_diagonal_rad, picture_width_mm, picture_height_mm (the used part of the film),
     viewport_focal_length_mm with viewport_sensor_width_mm and viewport_shift (a Blender camera that frames the same picture),
     entrance_pupil_diameter_mm, lens_name, surfaces."""
+
+def autofocus_json(scene: Scene, camera: CameraDescription, width: int, height: int, point: tuple[float, float]) -> str:
+    """The focus on what a picture point sees, (0, 0) lower left to (1, 1) upper right, by the smallest spot of exact
+    rays: film_distance_mm, focus_scale_mm (the focus distance that says the same; null: infinity), tilt_rad,
+    swing_rad, rms_spot_mm, subject_world (null: nothing is there, the focus is at infinity). The camera's own focus
+    does not count."""
+
+def sharp_points_json(
+    camera: CameraDescription, width: int, height: int, points_world: Sequence[tuple[float, float, float]]
+) -> str:
+    """The film that shows three points sharp: the same keys; tilt_rad and swing_rad are found, too, and rms_spot_mm is
+    the largest of three."""
 
 class SceneBuilder:
     """Takes a scene apart from Python, piece by piece; `build` checks it and builds the trees."""

@@ -7,6 +7,7 @@ import argparse
 import json
 import math
 import os
+import re
 import signal
 import subprocess
 from pathlib import Path
@@ -46,9 +47,32 @@ def add_parser(subparsers: argparse._SubParsersAction) -> None:
     p.add_argument("--blade-curvature", type=_part, metavar="C", help="of the blades' edges: 0 straight, 1 round")
     p.add_argument("--blade-rotation", type=_number, metavar="DEG", help="turn of the diaphragm about the axis")
     p.add_argument("--aperture-mask", metavar="FILE", help="a square picture of the opening, instead of blades")
-    p.add_argument("--focus-distance", type=_distance, metavar="MM|inf", help="from the entrance pupil")
     p.add_argument("--film", type=_film, metavar="NAME|WxH", help=f"mm, or one of {_FILM_NAMES}")
     p.add_argument("--film-diagonal", type=_positive, metavar="MM", help="the film scaled to it, its shape kept")
+    p.add_argument("--focus-distance", type=_distance, metavar="MM|inf", help="from the anchor")
+    p.add_argument(
+        "--anchor",
+        choices=("entrance-pupil", "front-vertex", "film"),
+        help="what distances count from, at the camera's place",
+    )
+    p.add_argument(
+        "--focus-relation", choices=("exact", "thin"), help="thin: 1/U + 1/V = 1/f, from the principal planes"
+    )
+    p.add_argument(
+        "--autofocus",
+        type=_place,
+        metavar="X,Y",
+        help="on what the picture shows there; 0,0 is lower left, 1,1 upper right",
+    )
+    p.add_argument(
+        "--sharp",
+        type=_point,
+        nargs=3,
+        metavar="X,Y,Z",
+        help="turn the film so that three points of the world are sharp",
+    )
+    # Coordinates may begin with a minus: what looks so is no option here.
+    p._negative_number_matcher = re.compile(r"-[\d.]")
     p.add_argument("--tilt", type=_number, metavar="DEG", help="turn of the film about its horizontal axis")
     p.add_argument("--swing", type=_number, metavar="DEG", help="turn of the film about its vertical axis")
     p.add_argument("--shift", type=_pair, metavar="X,Y", help="the lens right and up against the film, mm")
@@ -98,6 +122,11 @@ def _checked(a: argparse.Namespace) -> dict:
         a.usage_error("--aperture-mask stands instead of --blades: leave out the one or the other")
     if a.aperture_mask and not Path(a.aperture_mask).is_file():
         raise CommandError(f"no such picture: {a.aperture_mask}: change --aperture-mask")
+    ways = {"--focus-distance": a.focus_distance, "--autofocus": a.autofocus, "--sharp": a.sharp}
+    if len(asked := [name for name, value in ways.items() if value is not None]) > 1:
+        a.usage_error(f"{' and '.join(asked)} say different things of the focus: leave out all but one")
+    if a.sharp and (a.tilt is not None or a.swing is not None):
+        a.usage_error("--sharp finds tilt and swing: leave out --tilt and --swing")
     output = Path(a.output) if a.output else Path(f"{scene.stem}.png")
     if output.suffix.lower() not in _SUFFIXES:
         raise CommandError(f"unknown picture format: {output}: end its name in .exr or .png")
@@ -121,6 +150,10 @@ def _checked(a: argparse.Namespace) -> dict:
         "aperture_mask": str(Path(a.aperture_mask).absolute()) if a.aperture_mask else None,
         "blade_rotation_rad": None if a.blade_rotation is None else math.radians(a.blade_rotation),
         "focus_distance_mm": "inf" if a.focus_distance == math.inf else a.focus_distance,
+        "anchor": a.anchor,
+        "focus_relation": a.focus_relation,
+        "autofocus": a.autofocus,
+        "sharp": a.sharp,
         "film_mm": a.film,
         "film_diagonal_mm": a.film_diagonal,
         "tilt_rad": None if a.tilt is None else math.radians(a.tilt),
@@ -261,6 +294,17 @@ def _pair(text: str) -> list[float]:
     return [_number(part) for part in _split(text, ",", 2)]
 
 
+def _place(text: str) -> list[float]:
+    place = _pair(text)
+    if not all(0.0 <= part <= 1.0 for part in place):
+        raise argparse.ArgumentTypeError(f"must be from 0 to 1: {text}")
+    return place
+
+
+def _point(text: str) -> list[float]:
+    return [_number(part) for part in _split(text, ",", 3)]
+
+
 def _triple(text: str) -> list[float]:
     return [_positive(part) for part in _split(text, ",", 3)]
 
@@ -278,8 +322,9 @@ def _effect(text: str) -> tuple[str, str]:
     return name, word
 
 
-for _type, _name in ((_number, "number"), (_positive, "number"), (_part, "number"), (_distance, "distance"), (_natural, "number"),
-                     (_count, "number"), (_size_mm, "size"), (_film, "film"), (_pixels, "size"), (_pair, "pair"), (_triple, "triple"),
-                     (_effect, "effect"), (_wavelengths, "spectrum")):  # fmt: skip
+for _type, _name in ((_number, "number"), (_positive, "number"), (_part, "number"), (_distance, "distance"),
+                     (_natural, "number"), (_count, "number"), (_size_mm, "size"), (_film, "film"), (_pixels, "size"),
+                     (_pair, "pair"), (_triple, "triple"), (_effect, "effect"), (_wavelengths, "spectrum"),
+                     (_place, "place"), (_point, "point")):  # fmt: skip
     # argparse names the type in its message: "invalid number value: 'x'".
     _type.__name__ = _name

@@ -7,6 +7,7 @@ Imported in bpy, or run as a script by `blender -b --python render_in_blender.py
 from __future__ import annotations
 
 import json
+import math
 import os
 import signal
 import sys
@@ -64,7 +65,8 @@ def _render(options: dict, voice: TextIO) -> tuple[str | None, bool]:
         return f"cannot open {options['scene']}: {_one_line(error)}: is it a .blend of this Blender or older", False
     scene = bpy.context.scene
     scene.render.engine = addon.engine.ENGINE
-    error = _apply(scene, options, addon)
+    found: dict[str, Any] = {}
+    error = _apply(scene, options, addon, found)
     if error:
         return error, False
     watch = addon.loop.WATCH
@@ -86,7 +88,7 @@ def _render(options: dict, voice: TextIO) -> tuple[str | None, bool]:
         problem = f"cannot write {options['output']}: is there room, and may you write there"
     if problem is None and options["stats"] and last is not None:
         try:
-            _write_stats(options["stats"], last)
+            _write_stats(options["stats"], last, found)
         except OSError as failed:
             problem = f"cannot write {options['stats']}: {failed.strerror}: name another file"
     return problem, interrupted
@@ -107,8 +109,8 @@ def _stop_on_interrupt(watch: Any) -> None:
     signal.signal(signal.SIGTERM, asked)
 
 
-def _apply(scene: Any, o: dict, addon: Any) -> str | None:
-    """Sets what the command line asked for; the error, if any."""
+def _apply(scene: Any, o: dict, addon: Any, found: dict) -> str | None:
+    """Sets what the command line asked for; the error, if any. What had to be found goes into `found`."""
     r = scene.render
     if scene.camera is None:
         return f"no camera in scene '{scene.name}' of {o['scene']}: add one, or make one active"
@@ -135,6 +137,26 @@ def _apply(scene: Any, o: dict, addon: Any) -> str | None:
         _apply_camera(scene, scene.camera.data, o, addon)
     except RuntimeError as error:  # only the mask is a file that is read here
         return f"cannot read {o['aperture_mask']}: {_one_line(error)}: give --aperture-mask a picture"
+    if o["autofocus"] and scene.camera.data.petzval.model not in addon.description.OF_LENS_FILE:
+        return f"camera '{scene.camera.name}': only a lens can focus by itself: name one with --lens"
+    return _apply_sharp(scene, o["sharp"], addon, found) if o["sharp"] else None
+
+
+def _apply_sharp(scene: Any, points: list[list[float]], addon: Any, found: dict) -> str | None:
+    """Turns the film so that three points of the world are sharp; the error, if any."""
+    export, native = addon.export, addon.native.engine()
+    width, height = export.camera.resolution(scene.render)
+    own = scene.camera.data.petzval
+    try:
+        camera = export.camera.describe(scene.camera, scene, width, height, addon.description.Report())
+        film = json.loads(native.sharp_points_json(camera, width, height, [tuple(p) for p in points]))
+    except (export.errors.ExportError, native.PetzvalError) as error:
+        return str(error)
+    found["sharp"] = film
+    own.tilt, own.swing = film["tilt_rad"], film["swing_rad"]
+    own.focus_mode, own.film_distance = "FILM", film["film_distance_mm"]
+    tilt, swing = math.degrees(film["tilt_rad"]), math.degrees(film["swing_rad"])
+    print(f"Petzval: film turned by {tilt:.3f} (tilt) and {swing:.3f} degrees (swing) for the three sharp points")
     return None
 
 
@@ -187,6 +209,12 @@ def _apply_camera(scene: Any, data: Any, o: dict, addon: Any) -> None:
         own.scale_from_scene = False
         own.scale_locked = False
         own.scale = o["scale_mm"]
+    if o["anchor"]:
+        own.anchor = o["anchor"].upper().replace("-", "_")
+    if o["focus_relation"]:
+        own.focus_relation = o["focus_relation"].upper()
+    if o["autofocus"]:
+        own.focus_mode, own.autofocus_point = "AUTO", o["autofocus"]
     if o["focus_distance_mm"] == "inf":
         own.focus_mode = "INFINITY"
     elif o["focus_distance_mm"] is not None:
@@ -219,8 +247,8 @@ def _apply_camera(scene: Any, data: Any, o: dict, addon: Any) -> None:
         own.shift_x, own.shift_y = o["shift_mm"]
 
 
-def _write_stats(path: str, last: Any) -> None:
-    stats = {"plan": [], **last.stats, "peak_memory_mb": _peak_memory_mb(), "warnings": last.warnings,
+def _write_stats(path: str, last: Any, found: dict) -> None:
+    stats = {"plan": [], **last.stats, **found, "peak_memory_mb": _peak_memory_mb(), "warnings": last.warnings,
              "interrupted": last.stopped}  # fmt: skip
     with open(path, "w", encoding="utf-8") as out:
         json.dump(stats, out, indent=2)

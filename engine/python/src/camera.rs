@@ -4,6 +4,7 @@ use crate::doorway::away;
 use crate::error::{Error, bad_camera, refused};
 use glam::{DMat4, DVec3};
 use petzval_optics::diaphragm::ApertureMask;
+use petzval_optics::focus::{Anchor, Focusing, Relation};
 use petzval_render::camera::exposure::PhysicalExposure;
 use petzval_render::camera::{self, CameraDescription, Model, Spectrum};
 use pyo3::prelude::*;
@@ -54,6 +55,8 @@ pub(crate) struct PyCamera {
     blade_curvature: f64,
     aperture_mask: Option<PyApertureMask>,
     focus_distance: Option<f64>,
+    anchor: String,
+    focus_relation: String,
     focus_point_world: Option<(f64, f64, f64)>,
     film_distance_mm: Option<f64>,
     film_width_mm: f64,
@@ -98,6 +101,27 @@ impl TryFrom<PyCamera> for CameraDescription {
             Some(mask) => Some(mask.read(&c.object_name)?),
             None => None,
         };
+        let anchor = match c.anchor.as_str() {
+            "ENTRANCE_PUPIL" => Anchor::EntrancePupil,
+            "FRONT_VERTEX" => Anchor::FrontVertex,
+            "FILM" => Anchor::Film,
+            other => {
+                return Err(refused(format!(
+                    "camera '{}': there is no anchor '{other}'; use ENTRANCE_PUPIL, FRONT_VERTEX or FILM",
+                    c.object_name
+                )));
+            }
+        };
+        let relation = match c.focus_relation.as_str() {
+            "EXACT" => Relation::Exact,
+            "THIN" => Relation::Thin,
+            other => {
+                return Err(refused(format!(
+                    "camera '{}': there is no focus relation '{other}'; use EXACT or THIN",
+                    c.object_name
+                )));
+            }
+        };
         let (sx, sy, sz) = c.scale_mm_per_unit;
         Ok(CameraDescription {
             object_name: c.object_name,
@@ -115,6 +139,7 @@ impl TryFrom<PyCamera> for CameraDescription {
             blade_curvature: c.blade_curvature,
             aperture_mask,
             focus_distance: c.focus_distance,
+            focusing: Focusing { anchor, relation },
             focus_point_world: c.focus_point_world.map(|(x, y, z)| DVec3::new(x, y, z)),
             film_distance_mm: c.film_distance_mm,
             film_width_mm: c.film_width_mm,
@@ -150,6 +175,7 @@ pub(crate) fn camera_info_json(py: Python<'_>, camera: PyCamera, width: u32, hei
         "film_z_mm": i.film_z_mm,
         "film_distance_mm": i.film_distance_mm,
         "focus_distance_mm": i.focus_distance_mm,
+        "focus_scale_mm": i.focus_scale_mm,
         "magnification": i.magnification,
         "fov_horizontal_rad": i.fov_horizontal_rad,
         "fov_vertical_rad": i.fov_vertical_rad,

@@ -4,6 +4,7 @@
 mod camera;
 mod doorway;
 mod error;
+mod focusing;
 mod job;
 mod lens;
 mod material;
@@ -22,6 +23,8 @@ fn _native(m: &Bound<'_, PyModule>) -> PyResult<()> {
     m.add_class::<scene::Scene>()?;
     m.add_class::<job::Job>()?;
     m.add_function(wrap_pyfunction!(camera::camera_info_json, m)?)?;
+    m.add_function(wrap_pyfunction!(focusing::autofocus_json, m)?)?;
+    m.add_function(wrap_pyfunction!(focusing::sharp_points_json, m)?)?;
     m.add_function(wrap_pyfunction!(surface::trace_surfaces_json, m)?)?;
     Ok(())
 }

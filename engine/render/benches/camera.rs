@@ -25,6 +25,7 @@ fn camera(model: Model, lens: &str, spectrum: Option<Spectrum>) -> Camera {
         blade_curvature: 0.0,
         aperture_mask: None,
         focus_distance: Some(3.0),
+        focusing: Default::default(),
         focus_point_world: None,
         film_distance_mm: None,
         film_width_mm: 36.0,

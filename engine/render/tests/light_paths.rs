@@ -35,6 +35,9 @@ fn description(lens: &str) -> CameraDescription {
         f_number: None,
         blades: 0,
         blade_rotation_rad: 0.0,
+        blade_curvature: 0.0,
+        aperture_mask: None,
+        focusing: Default::default(),
         focus_distance: Some(3.5),
         focus_point_world: None,
         film_distance_mm: None,
@@ -46,6 +49,7 @@ fn description(lens: &str) -> CameraDescription {
         scale_mm_per_unit: DVec3::splat(1000.0),
         wavelength_nm: None,
         spectrum: Spectrum::Visible,
+        exposure: None,
     }
 }
 
@@ -62,6 +66,7 @@ fn settings(integrator: Integrator, samples: u32, seed: u32) -> Settings {
         filter_width_px: 1.5,
         transparent_film: false,
         pipeline: Pipeline::Auto,
+        with_data: false,
         integrator,
     }
 }
@@ -81,8 +86,16 @@ fn light_alone(stage: &Stage, d: &CameraDescription, samples: u32, seed: u32, ma
     let raster = Raster::new(WIDTH, HEIGHT, PixelFilter::new(1.5));
     let limits = Limits { max_bounces, clamp_indirect: f32::INFINITY, hide_sky: false };
     let light_paths = Some(Techniques::LightAlone);
-    let shot = Shot { stage, camera: &camera, pipeline: Pipeline::Hero, light_paths, raster: &raster, limits, seed };
-    let film = Film::new(WIDTH, HEIGHT, true);
+    let shot = Shot {
+        stage,
+        cameras: std::slice::from_ref(&camera),
+        pipeline: Pipeline::Hero,
+        light_paths,
+        raster: &raster,
+        limits,
+        seed,
+    };
+    let film = Film::new(WIDTH, HEIGHT, true, false);
     for tile in 0..film.tile_count() {
         let mut patch = film.patch(tile);
         render_tile(&shot, film.rect(tile), [0, samples], &mut patch, &|| false).unwrap();

@@ -75,6 +75,7 @@ fn description(model: Model, file: &LensFile, focal_length_mm: f64, f_number: f6
         blade_curvature: 0.0,
         aperture_mask: None,
         focus_distance: None,
+        focusing: Default::default(),
         focus_point_world: None,
         film_distance_mm: None,
         film_width_mm: film_mm,

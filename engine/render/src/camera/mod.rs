@@ -3,6 +3,7 @@
 //! The only place where lens millimetres meet world units. Picture coordinates are fractions of the picture's
 //! width and height from its centre, right and up as one looks at the finished picture: -1/2 to 1/2.
 
+pub mod autofocus;
 pub mod exposure;
 mod focal_surface;
 pub mod from_scene;
@@ -20,8 +21,9 @@ use exposure::PhysicalExposure;
 use gaussian::{Gaussian, Order};
 use glam::{DMat3, DMat4, DVec3, Mat3, Vec2};
 use image_based::ImageBased;
+use petzval_optics::autofocus::{AutofocusError, SharpPlaneError};
 use petzval_optics::diaphragm::ApertureMask;
-use petzval_optics::focus::FocusError;
+use petzval_optics::focus::{FocusError, Focusing};
 use petzval_optics::formats::lens::LensFileError;
 use petzval_optics::system::SystemError;
 use pinhole::Pinhole;
@@ -51,6 +53,22 @@ pub enum CameraError {
         camera: String,
         /// Why.
         source: FocusError,
+    },
+    /// What is to be sharp cannot be.
+    #[error("camera '{camera}': the autofocus point: {source}")]
+    Autofocus {
+        /// The camera's object.
+        camera: String,
+        /// Why.
+        source: AutofocusError,
+    },
+    /// Three points cannot be sharp at once.
+    #[error("camera '{camera}': {source}")]
+    SharpPlane {
+        /// The camera's object.
+        camera: String,
+        /// Why.
+        source: SharpPlaneError,
     },
     /// A setting out of range.
     #[error("camera '{camera}': {what}")]
@@ -121,8 +139,10 @@ pub struct CameraDescription {
     pub blade_curvature: f64,
     /// The opening's shape instead of blades; turned like them.
     pub aperture_mask: Option<Arc<ApertureMask>>,
-    /// Along the axis from the entrance pupil, Blender units; `None` is infinity.
+    /// Along the axis from what `focusing` says, Blender units; `None` is infinity.
     pub focus_distance: Option<f64>,
+    /// What the focus distance is counted from, and what of a lens stands at the camera's origin.
+    pub focusing: Focusing,
     /// A point whose depth is focused on, world space; wins over the distance.
     pub focus_point_world: Option<DVec3>,
     /// From the last vertex to the film's middle, mm; wins over both.

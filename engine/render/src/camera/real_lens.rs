@@ -11,7 +11,7 @@ use crate::accel::Ray;
 use crate::spectrum::FilmSpectrum;
 use glam::{DMat3, DVec3, Vec2};
 use petzval_optics::entrance_map::EntranceMap;
-use petzval_optics::focus::{self, FilmFrame, FilmPlane, FilmPoint, FocusError};
+use petzval_optics::focus::{self, FilmFrame, FilmPlane, FilmPoint, FocusError, Focusing, Relation};
 use petzval_optics::formats::lens;
 use petzval_optics::glass::Catalogue;
 use petzval_optics::paraxial::Paraxial;
@@ -22,7 +22,7 @@ use std::sync::OnceLock;
 use std::time::Instant;
 
 /// Yellow helium line, where lenses are focused and measured, nm.
-const D_LINE_NM: f64 = 587.5618;
+pub(super) const D_LINE_NM: f64 = 587.5618;
 
 /// What a lens does in a camera: for panels, reports, and a viewport that frames the same picture.
 #[derive(Clone, Debug)]
@@ -47,6 +47,8 @@ pub struct LensInfo {
     pub film_distance_mm: f64,
     /// From the entrance pupil to what is sharp, mm; `None` is infinity.
     pub focus_distance_mm: Option<f64>,
+    /// The same as the camera counts it: the focus distance that it would have to be set to.
+    pub focus_scale_mm: Option<f64>,
     /// Image over object height; negative is upside down on the film.
     pub magnification: f64,
     /// Whole angles that the picture sees, by exact rays; `None` where they are lost.
@@ -72,7 +74,7 @@ pub(super) struct Setup {
     pub(super) info: LensInfo,
     system: System,
     film: FilmPlane,
-    // Entrance pupil's centre in lens space; the front vertex where that is at infinity.
+    /// The point of the axis that stands at the camera's origin.
     origin_z_mm: f64,
 }
 
@@ -108,7 +110,7 @@ impl Setup {
         let film =
             FilmPlane { z_mm: film_z_mm, tilt_rad: d.tilt_rad, swing_rad: d.swing_rad, shift_mm, curvature_per_mm };
         let paraxial = Paraxial::new(&system, line);
-        let origin_z_mm = paraxial.entrance_pupil.z_mm.unwrap_or(0.0);
+        let origin_z_mm = d.focusing.origin_z_mm(&system, line, film_z_mm);
 
         // The largest part of the film with the picture's shape.
         let aspect = width as f64 / height as f64;
@@ -127,9 +129,11 @@ impl Setup {
         let distance = focus::focus_distance_for_film_mm(&system, line, film_z_mm);
         let magnification = focus::magnification(&system, line, film_z_mm);
         let efl = paraxial.efl_mm;
-        // A chief ray at unit slope in front of the lens lands this far from the film's middle.
+        let scale = d.focusing.distance_mm(&system, line, film_z_mm);
+        // A pinhole at the camera's origin that frames the plane that is sharp; from the entrance pupil, all others too.
+        let pupil_z_mm = paraxial.entrance_pupil.z_mm.unwrap_or(0.0);
         let viewport_focal_length_mm = if distance.is_finite() && magnification != 0.0 {
-            (magnification * distance).abs()
+            (magnification * (distance + origin_z_mm - pupil_z_mm)).abs()
         } else {
             efl.map_or(50.0, f64::abs)
         };
@@ -146,6 +150,7 @@ impl Setup {
             film_z_mm,
             film_distance_mm: film_z_mm - system.last_vertex_z_mm(),
             focus_distance_mm: distance.is_finite().then_some(distance),
+            focus_scale_mm: scale.is_finite().then_some(scale),
             magnification,
             fov_horizontal_rad: chief.angle_between([-hw, 0.0], [hw, 0.0]),
             fov_vertical_rad: chief.angle_between([0.0, -hh], [0.0, hh]),
@@ -170,7 +175,9 @@ fn film_z(d: &CameraDescription, system: &System, line_nm: f64) -> Result<f64, C
         return Ok(system.last_vertex_z_mm() + distance);
     }
     let distance_mm = d.focus_depth()?.map_or(f64::INFINITY, |units| units * d.scale_mm_per_unit.z);
-    focus::film_z_for_focus_mm(system, line_nm, distance_mm).map_err(wrong)
+    // A point of the world is to be sharp, whichever relation numbers follow.
+    let relation = if d.focus_point_world.is_some() { Relation::Exact } else { d.focusing.relation };
+    Focusing { relation, ..d.focusing }.film_z_mm(system, line_nm, distance_mm).map_err(wrong)
 }
 
 /// Rays from film points through the middle of the exit pupil.
@@ -248,11 +255,6 @@ impl Mount {
         (s.x == s.y && s.y == s.z).then_some(s.x)
     }
 
-    /// A point of render space in lens space.
-    pub(super) fn to_lens(&self, p: DVec3) -> DVec3 {
-        self.axes.transpose() * p * self.per_unit + DVec3::new(0.0, 0.0, self.origin_z_mm)
-    }
-
     /// A direction of render space in lens space, where all axes have one scale.
     pub(super) fn direction_to_lens(&self, d: DVec3) -> DVec3 {
         (self.axes.transpose() * d).normalize()
@@ -263,12 +265,23 @@ impl Mount {
         (self.axes * d).normalize()
     }
 
-    /// A ray in front of the lens, from lens space to render space: camera space has the lens's axes, with the
-    /// entrance pupil's centre as origin.
+    /// A ray in front of the lens, from lens space to render space: camera space has the lens's axes, with the anchor of
+    /// the focus as origin.
     pub(super) fn to_render(&self, ray: &LensRay) -> Ray {
         let origin = (ray.origin - DVec3::new(0.0, 0.0, self.origin_z_mm)) / self.per_unit;
         let direction = (ray.direction / self.per_unit).normalize();
         Ray::new((self.axes * origin).as_vec3a(), (self.axes * direction).as_vec3a())
+    }
+
+    /// A point of render space in lens space.
+    pub(super) fn to_lens(&self, point: DVec3) -> DVec3 {
+        self.axes.transpose() * point * self.per_unit + DVec3::new(0.0, 0.0, self.origin_z_mm)
+    }
+
+    /// Puts another film behind the lens, and another point of the axis at the camera's origin. Of `info` nothing changes
+    /// but by [`Setup::new`].
+    pub(super) fn refocus(&mut self, film: FilmPlane, origin_z_mm: f64) {
+        (self.film, self.frame, self.origin_z_mm) = (film, film.frame(), origin_z_mm);
     }
 }
 

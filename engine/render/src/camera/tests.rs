@@ -35,6 +35,7 @@ fn description(model: Model) -> CameraDescription {
         blade_curvature: 0.0,
         aperture_mask: None,
         focus_distance: Some(2.0),
+        focusing: Default::default(),
         focus_point_world: None,
         film_distance_mm: None,
         film_width_mm: 120.0,
@@ -205,6 +206,31 @@ fn the_lens_looks_where_the_picture_says() {
     let viewport = 120.0 / info.viewport_focal_length_mm / 2.0;
     let paraxial = 60.0 / info.magnification.abs() / 2000.0;
     assert!((viewport - paraxial).abs() < 1e-9);
+}
+
+/// What is at the focus distance from the camera's origin is sharp, whatever of the lens stands there; and a pinhole there
+/// frames it as the viewport is told.
+#[test]
+fn what_is_at_the_distance_is_sharp_from_each_anchor() {
+    use petzval_optics::focus::{Anchor, Relation};
+    for anchor in [Anchor::EntrancePupil, Anchor::FrontVertex, Anchor::Film] {
+        let focusing = Focusing { anchor, relation: Relation::Exact };
+        let d =
+            CameraDescription { focusing, f_number: Some(45.0), focus_distance: Some(0.9), ..description(Model::Lens) };
+        let camera = Camera::new(&d, 300, 200).unwrap();
+        let info = lens_info(&d, 300, 200).unwrap();
+        assert!((info.focus_scale_mm.unwrap() - 900.0).abs() < 1e-6, "{anchor:?} {info:?}");
+        let near = Vec2::new(0.01, 0.0);
+        // Of a pinhole at the origin.
+        let expected = 0.01 * info.picture_width_mm / info.viewport_focal_length_mm * 0.9;
+        for u in points(100) {
+            let Some(r) = camera.sample(near, [u[0], u[1]], u[2]) else { continue };
+            let at = r.ray.origin + r.ray.direction * ((-0.9 - r.ray.origin.z) / r.ray.direction.z);
+            // The beam is 2 mm wide: off by a lens's thickness of some 30 mm, the point would be blurred to 60 µm. The
+            // distance of the rays from each other is spherical aberration of the third order: below 10 µm here.
+            assert!((at.x - expected as f32).abs() < 1e-5 && at.y.abs() < 1e-5, "{anchor:?}: {at} {expected}");
+        }
+    }
 }
 
 /// Nothing is lost or gained by where the camera stands and how it is turned, or by the scale of the world.

@@ -42,6 +42,7 @@ fn description(model: Model) -> CameraDescription {
         blade_curvature: 0.0,
         aperture_mask: None,
         focus_distance: Some(3.0),
+        focusing: Default::default(),
         focus_point_world: None,
         film_distance_mm: None,
         film_width_mm: 90.0,

@@ -27,6 +27,7 @@ fn description(file: &str, film_mm: [f64; 2]) -> CameraDescription {
         blade_curvature: 0.0,
         aperture_mask: None,
         focus_distance: None,
+        focusing: Default::default(),
         focus_point_world: None,
         film_distance_mm: None,
         film_width_mm: film_mm[0],
