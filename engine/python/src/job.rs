@@ -148,13 +148,16 @@ impl Job {
         let settings = self.job.settings();
         let timed = s.counts.sample_time.as_secs_f64();
         let lens_share = if timed > 0.0 { s.counts.camera_time.as_secs_f64() / timed } else { 0.0 };
+        let mut seconds = json!({
+            "bvh": self.job.stage().build_seconds,
+            "plan": 0.0,
+            "render": s.render_seconds,
+        });
+        if let Some(lens) = self.job.camera().traced_lens() {
+            seconds["pupil_map"] = json!(lens.map_seconds());
+        }
         json!({
-            "seconds": {
-                "pupil_map": self.job.camera().traced_lens().map(|lens| lens.map_seconds()),
-                "bvh": self.job.stage().build_seconds,
-                "plan": 0.0,
-                "render": s.render_seconds,
-            },
+            "seconds": seconds,
             "samples": s.samples,
             "camera_rays": s.counts.camera_rays,
             "camera_rays_lost": s.counts.camera_rays_lost,

@@ -242,7 +242,9 @@ fn densities_integrate_to_one() {
         }
         let mut sum = 0.0;
         for i in 0..n {
-            let (u, v) = (sobol_burley::sample_4d(i, 0, 11), sobol_burley::sample_4d(i, 0, 12));
+            // The sequence ends at 2^16; four scrambled ones follow each other.
+            let (at, round) = (i & 0xffff, 2 * (i >> 16));
+            let (u, v) = (sobol_burley::sample_4d(at, 0, 11 + round), sobol_burley::sample_4d(at, 0, 12 + round));
             // A point of the sphere and a cosine-distributed direction inwards: etendue 4 pi r² pi in all.
             let p = warp::sample_sphere([u[0], u[1]]) * radius;
             let inwards = warp::sample_cosine_hemisphere([u[2], v[0]]);
