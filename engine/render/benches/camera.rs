@@ -1,7 +1,8 @@
 //! What a sample costs before its path begins: `cargo bench -p petzval-render --bench camera`.
 
 use criterion::{Criterion, criterion_group, criterion_main};
-use glam::{DMat4, DVec3, Vec2};
+use glam::{DMat4, DVec3};
+use petzval_render::camera::packet::Request;
 use petzval_render::camera::{Camera, CameraDescription, Model, Spectrum};
 use petzval_render::sampler::{PathSampler, raster::Raster, warp::PixelFilter};
 use std::hint::black_box;
@@ -41,11 +42,20 @@ fn camera(model: Model, lens: &str, spectrum: Option<Spectrum>) -> Camera {
     Camera::new(&d, SIZE[0], SIZE[1]).unwrap()
 }
 
-/// Pixel after pixel, as a tile is rendered.
-fn samples(mut one: impl FnMut([u32; 2], PathSampler)) {
+/// Pixel after pixel, as a tile is rendered, in as many stretches.
+fn stretches(raster: &Raster, mut one: impl FnMut(&[Request])) {
+    let mut requests = Vec::with_capacity(64);
     for i in 0..32 * 32 {
         let pixel = [200 + i % 32, 100 + i / 32];
-        one(pixel, PathSampler::new(pixel[0], pixel[1], 3, 0));
+        let mut sampler = PathSampler::new(pixel[0], pixel[1], 3, 0);
+        let [u0, u1, u2, u3] = sampler.next_4d();
+        let [u_wavelength, u4, u5, _] = sampler.next_4d();
+        let place = raster.place(pixel[0], pixel[1], [u0, u1]);
+        requests.push(Request { pixel, place, u_lens: [u2, u3], u_wavelength, u_pixels: [u4, u5] });
+        if requests.len() == 64 {
+            one(&requests);
+            requests.clear();
+        }
     }
 }
 
@@ -53,33 +63,52 @@ fn bench(c: &mut Criterion) {
     let raster = Raster::new(SIZE[0], SIZE[1], PixelFilter::new(1.5));
     let mut group = c.benchmark_group("camera sample");
     group.throughput(criterion::Throughput::Elements(32 * 32));
-    let mut film_first = |name: &str, camera: &Camera| {
+    let mut alone = |name: &str, camera: &Camera| {
         group.bench_function(name, |b| {
             b.iter(|| {
-                samples(|[x, y], mut sampler| {
-                    let [u0, u1, u2, u3] = sampler.next_4d();
-                    let [u4, ..] = sampler.next_4d();
-                    let place: Vec2 = raster.place(x, y, [u0, u1]);
-                    black_box(camera.sample(place, [u2, u3], u4));
+                stretches(&raster, |requests| {
+                    for r in requests {
+                        black_box(camera.sample(r.place, r.u_lens, r.u_wavelength));
+                    }
                 });
             });
         });
     };
-    film_first("pinhole", &camera(Model::Pinhole, "", None));
-    for lens in ["wide-angle-smith-f3.4", "double-gauss-f1.35", "laikin-fisheye-170"] {
-        film_first(&format!("{lens}/one wavelength"), &camera(Model::Lens, lens, None));
-        film_first(&format!("{lens}/film first"), &camera(Model::Lens, lens, Some(Spectrum::Visible)));
-    }
-    for lens in ["wide-angle-smith-f3.4", "double-gauss-f1.35", "laikin-fisheye-170"] {
-        let camera = camera(Model::Lens, lens, Some(Spectrum::Visible));
-        let lens_ready = camera.traced_lens().unwrap();
-        group.bench_function(format!("{lens}/hero"), |b| {
+    alone("pinhole", &camera(Model::Pinhole, "", None));
+    alone("wide-angle-smith-f3.4/alone", &camera(Model::Lens, "wide-angle-smith-f3.4", Some(Spectrum::Visible)));
+    for name in ["wide-angle-smith-f3.4", "double-gauss-f1.35", "laikin-fisheye-170"] {
+        for (kind, spectrum) in [("one wavelength", None), ("film first", Some(Spectrum::Visible))] {
+            let camera = camera(Model::Lens, name, spectrum);
+            let lens = camera.traced_lens().unwrap();
+            let (mut batch, mut rays) = (lens.batch(), Vec::new());
+            group.bench_function(format!("{name}/{kind}"), |b| {
+                b.iter(|| {
+                    stretches(&raster, |requests| {
+                        rays.clear();
+                        lens.sample_batch(requests, &mut batch, &mut rays);
+                        black_box(&rays);
+                    });
+                });
+            });
+        }
+        let camera = camera(Model::Lens, name, Some(Spectrum::Visible));
+        let lens = camera.traced_lens().unwrap();
+        let (mut batch, mut leads) = (lens.batch(), Vec::new());
+        group.bench_function(format!("{name}/hero"), |b| {
             b.iter(|| {
-                samples(|pixel, mut sampler| {
-                    let [u0, u1, u2, u3] = sampler.next_4d();
-                    let [u4, u5, u6, _] = sampler.next_4d();
-                    let place = raster.place(pixel[0], pixel[1], [u0, u1]);
-                    black_box(lens_ready.lead_all(pixel, place, [u2, u3], u4, &raster, [u5, u6]));
+                stretches(&raster, |requests| {
+                    leads.clear();
+                    lens.lead_all_batch(requests, &raster, &mut batch, &mut leads);
+                    black_box(&leads);
+                });
+            });
+        });
+        group.bench_function(format!("{name}/hero alone"), |b| {
+            b.iter(|| {
+                stretches(&raster, |requests| {
+                    for r in requests {
+                        black_box(lens.lead_all(r, &raster));
+                    }
                 });
             });
         });

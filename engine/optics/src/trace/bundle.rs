@@ -6,7 +6,7 @@
 
 use glam::DVec3;
 
-use super::step::Step;
+use super::step::{Action, Step};
 use super::{Failure, Lost, Ray, Tracer, Travel, Way};
 use crate::diaphragm::Diaphragm;
 use crate::interface::Interfaces;
@@ -32,7 +32,7 @@ pub struct Bundle<R = f64> {
 impl<R: Real> Tracer<R> {
     /// An empty bundle of rays that go `travel`.
     pub fn bundle(&self, travel: Travel) -> Bundle<R> {
-        Bundle { way: self.way(travel).clone(), numbers: Default::default(), lost: Vec::new(), is_traced: false }
+        Bundle::along(self.way(travel).clone())
     }
 
     /// Takes the rays of `bundle`, which this tracer or one of the same lens made, through the lens; what became of
@@ -43,14 +43,18 @@ impl<R: Real> Tracer<R> {
 
     /// [`Self::trace`] with the instructions of `level`, which may be fewer than the processor has.
     pub fn trace_with(&self, level: Level, bundle: &mut Bundle<R>) {
-        assert!(!bundle.is_traced, "a bundle is traced once; clear it and fill it again");
-        bundle.is_traced = true;
+        bundle.begin();
         let way = self.way(bundle.way.travel);
-        R::run_wide(level, Trace { way, diaphragm: &self.diaphragm, bundle });
+        R::run_wide(level, Trace { way, diaphragm: &self.diaphragm, bundle, lines: None });
     }
 }
 
 impl<R: Real> Bundle<R> {
+    /// An empty one for rays along `way`.
+    pub(super) fn along(way: Way<R>) -> Self {
+        Self { way, numbers: Default::default(), lost: Vec::new(), is_traced: false }
+    }
+
     /// Number of rays.
     pub fn len(&self) -> usize {
         self.lost.len()
@@ -70,12 +74,30 @@ impl<R: Real> Bundle<R> {
 
     /// Adds a ray in lens space.
     pub fn push(&mut self, ray: Ray) {
+        self.push_times(ray, 1);
+    }
+
+    /// Adds a ray in lens space so many times.
+    #[inline]
+    pub(super) fn push_times(&mut self, ray: Ray, count: usize) {
         let (p, d) = self.way.enter(ray);
+        let rays = self.lost.len();
         for (column, number) in self.numbers.iter_mut().zip([p.x, p.y, p.z, d.x, d.y, d.z]) {
-            column.truncate(self.lost.len());
-            column.push(number);
+            column.truncate(rays);
+            column.resize(rays + count, number);
         }
-        self.lost.push(None);
+        self.lost.resize(rays + count, None);
+    }
+
+    /// Marks it as traced, which is to be done once.
+    pub(super) fn begin(&mut self) {
+        assert!(!self.is_traced, "a bundle is traced once; clear it and fill it again");
+        self.is_traced = true;
+    }
+
+    /// Which way its rays go.
+    pub(super) fn travel(&self) -> Travel {
+        self.way.travel
     }
 
     /// What became of ray `i`: as [`Tracer::from_scene`] and [`Tracer::from_film`] say it.
@@ -97,10 +119,38 @@ impl<R: Real> Bundle<R> {
     }
 }
 
-struct Trace<'a, R> {
-    way: &'a Way<R>,
-    diaphragm: &'a Diaphragm<R>,
-    bundle: &'a mut Bundle<R>,
+/// A lens's interfaces at several lines, and which of them the rays of a bundle have.
+pub(super) struct Lines<'a, R> {
+    /// By step: ratios, then excesses, by line.
+    pub(super) tables: &'a [[Box<[R]>; 2]],
+    /// The first line of each group of rays; the others of a group have those that follow.
+    pub(super) first: &'a [u32],
+    /// Rays in a group: divides [`BLOCK`].
+    pub(super) group: usize,
+}
+
+impl<R: Real> Lines<'_, R> {
+    /// The numbers at step `step` of the rays from `ray` on.
+    #[inline(always)]
+    fn fill(&self, step: usize, ray: usize, numbers: &mut [[R; BLOCK]; 2]) {
+        for (numbers, table) in numbers.iter_mut().zip(&self.tables[step]) {
+            let groups = self.first[ray / self.group..].iter();
+            if self.group == 1 {
+                groups.zip(numbers).for_each(|(&line, number)| *number = table[line as usize]);
+            } else {
+                let each = numbers.chunks_exact_mut(self.group);
+                groups.zip(each).for_each(|(&line, to)| to.copy_from_slice(&table[line as usize..][..self.group]));
+            }
+        }
+    }
+}
+
+/// The work of one [`Bundle`].
+pub(super) struct Trace<'a, R> {
+    pub(super) way: &'a Way<R>,
+    pub(super) diaphragm: &'a Diaphragm<R>,
+    pub(super) bundle: &'a mut Bundle<R>,
+    pub(super) lines: Option<Lines<'a, R>>,
 }
 
 impl<R: Real> LaneKernel<R> for Trace<'_, R> {
@@ -114,6 +164,8 @@ impl<R: Real> LaneKernel<R> for Trace<'_, R> {
         for (column, number) in numbers.iter_mut().zip(axis) {
             column.resize(rays, number);
         }
+        // Rays that only fill a register up have the numbers of those before them, or these: no interface.
+        let mut at_lines = [[R::ONE; BLOCK], [R::ZERO; BLOCK]];
         for first in (0..rays).step_by(BLOCK) {
             let block = first..(first + BLOCK).min(rays);
             let [x, y, z, dx, dy, dz] = numbers.each_mut().map(|column| &mut column[block.clone()]);
@@ -121,12 +173,13 @@ impl<R: Real> LaneKernel<R> for Trace<'_, R> {
             let mut lost = Losses { lost: &mut lost[first..], surface: 0 };
             for (i, step) in self.way.steps.iter().enumerate() {
                 lost.surface = self.way.surface(i);
-                if let Some(plain) = step.plain(false) {
-                    block.pass(zero, &plain, None, self.diaphragm, &mut lost);
-                } else if let Some(plain) = step.plain(true) {
-                    block.pass(zero, &plain, None, self.diaphragm, &mut lost);
-                } else {
-                    block.pass(zero, step, None, self.diaphragm, &mut lost);
+                match &self.lines {
+                    Some(lines) if matches!(step.action, Action::Refract(_)) => {
+                        lines.fill(i, first, &mut at_lines);
+                        let [ratios, excesses] = &at_lines;
+                        block.step(zero, step, Some([ratios, excesses]), self.diaphragm, &mut lost);
+                    }
+                    _ => block.step(zero, step, None, self.diaphragm, &mut lost),
                 }
             }
         }
@@ -184,7 +237,26 @@ impl<R: Real> Block<'_, R> {
 
     /// Takes all rays through a surface; each by its own interface, if `interfaces` has them (ratios and excesses).
     #[inline(always)]
-    pub(super) fn pass<L: Lane<Real = R>>(
+    pub(super) fn step<L: Lane<Real = R>>(
+        &mut self,
+        zero: L,
+        step: &Step<R>,
+        interfaces: Option<[&[R]; 2]>,
+        diaphragm: &Diaphragm<R>,
+        lost: &mut Losses,
+    ) {
+        if let Some(plain) = step.plain(false) {
+            self.pass(zero, &plain, interfaces, diaphragm, lost);
+        } else if let Some(plain) = step.plain(true) {
+            self.pass(zero, &plain, interfaces, diaphragm, lost);
+        } else {
+            self.pass(zero, step, interfaces, diaphragm, lost);
+        }
+    }
+
+    /// [`Self::step`] for one kind of surface.
+    #[inline(always)]
+    fn pass<L: Lane<Real = R>>(
         &mut self,
         zero: L,
         step: &Step<R>,
@@ -196,8 +268,9 @@ impl<R: Real> Block<'_, R> {
             let (p, d) = self.load(zero, at);
             let lanes = match interfaces {
                 None => None,
-                Some([ratio, excess]) => {
-                    Some(Interfaces { ratio: zero.load(&ratio[at..]), excess: zero.load(&excess[at..]) })
+                Some(numbers) => {
+                    let [ratio, excess] = numbers.map(|numbers| zero.load(&numbers[at..at + L::WIDTH]));
+                    Some(Interfaces { ratio, excess })
                 }
             };
             let passage = step.pass(p, d, diaphragm, lanes);

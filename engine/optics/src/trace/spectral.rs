@@ -1,66 +1,82 @@
-//! One ray from the scene at several wavelengths at a time, one in each lane.
+//! Many rays at a time, each at a wavelength of its own.
 //!
-//! What a path found along a ray holds for every wavelength; where each leaves the lens is the work of one packet.
+//! What a path found along a ray holds for every wavelength: a group of neighbouring lines, one in each lane, says where
+//! each of them leaves the lens.
 
 use std::sync::Arc;
 
 use glam::DVec3;
 
-use super::bundle::{Block, Losses};
-use super::step::{Action, Step};
-use super::{Lost, Ray, Tracer, Way};
+use super::bundle::{Block, Bundle, Lines, Losses, Trace};
+use super::step::Action;
+use super::{Lost, Ray, Tracer, Travel, Way};
 use crate::diaphragm::Diaphragm;
 use crate::interface::Interface;
 use crate::lane::{Lane, LaneKernel, Level, Real};
 
-/// Wavelengths in a packet: a multiple of the numbers in the widest register.
+/// Lines in a group: a multiple of the numbers in the widest register of f64.
 pub const LINES: usize = 8;
 
-/// A lens at [`LINES`] wavelengths, for rays from the scene.
+/// By step: ratios and excesses of the interfaces, by line.
+type Tables<R> = Arc<[[Box<[R]>; 2]]>;
+
+/// A lens at several wavelengths: its lines, in the order in which they were given.
 #[derive(Clone, Debug)]
-pub struct SpectralTracer {
-    way: Way<f64>,
-    diaphragm: Arc<Diaphragm>,
-    /// Ratios and excesses by step.
-    interfaces: Arc<[[[f64; LINES]; 2]]>,
+pub struct SpectralTracer<R = f64> {
+    from_scene: (Way<R>, Tables<R>),
+    from_film: (Way<R>, Tables<R>),
+    diaphragm: Arc<Diaphragm<R>>,
+    lines: usize,
+}
+
+/// Rays on one way through a lens, each at one of its lines.
+///
+/// Made by [`SpectralTracer::bundle`] and used like a [`Bundle`].
+#[derive(Clone, Debug)]
+pub struct SpectralBundle<R = f64> {
+    rays: Bundle<R>,
+    first: Vec<u32>,
+    group: usize,
 }
 
 impl SpectralTracer {
-    /// Of the tracers of one lens.
-    pub fn new(lines: [&Tracer; LINES]) -> Self {
-        let first = lines[0];
-        let mut steps: Vec<Step> = first.from_scene.steps.to_vec();
-        let mut interfaces = Vec::with_capacity(steps.len());
-        for (i, step) in steps.iter_mut().enumerate() {
-            let at = lines.map(|line| match line.from_scene.steps[i].action {
-                Action::Refract(interface) => interface,
-                Action::Pass | Action::Reflect => Interface { ratio: 1.0, excess: 0.0 },
-            });
-            // Two media may agree at one wavelength.
-            let bends = lines.iter().map(|line| line.from_scene.steps[i].action);
-            if let Some(action) = { bends }.find(|action| matches!(action, Action::Refract(_))) {
-                step.action = action;
-            }
-            interfaces.push([at.map(|interface| interface.ratio), at.map(|interface| interface.excess)]);
-        }
-        let Way { travel, start_z, end_z, .. } = first.from_scene;
+    /// Of the tracers of one lens: at least one.
+    pub fn new(lines: &[&Tracer]) -> Self {
         Self {
-            way: Way { steps: steps.into(), travel, start_z, end_z },
-            diaphragm: first.diaphragm.clone(),
-            interfaces: interfaces.into(),
+            from_scene: along(&lines.iter().map(|line| &line.from_scene).collect::<Vec<_>>()),
+            from_film: along(&lines.iter().map(|line| &line.from_film).collect::<Vec<_>>()),
+            diaphragm: lines[0].diaphragm.clone(),
+            lines: lines.len(),
         }
     }
 
-    /// As [`Tracer::from_scene`] of each wavelength, to the last bit.
+    /// The same lens traced in numbers of another kind.
+    pub fn cast<R: Real>(&self) -> SpectralTracer<R> {
+        let number = |numbers: &Box<[f64]>| numbers.iter().map(|&n| R::from_f64(n)).collect();
+        let along = |(way, tables): &(Way<f64>, Tables<f64>)| {
+            let tables: Tables<R> = tables.iter().map(|table| table.each_ref().map(number)).collect();
+            (way.map(|step| step.cast()), tables)
+        };
+        SpectralTracer {
+            from_scene: along(&self.from_scene),
+            from_film: along(&self.from_film),
+            diaphragm: Arc::new(self.diaphragm.cast()),
+            lines: self.lines,
+        }
+    }
+
+    /// As [`Tracer::from_scene`] at each of the [`LINES`] lines from `first` on, to the last bit.
     #[inline]
-    pub fn from_scene(&self, ray: Ray) -> [Result<Ray, Lost>; LINES] {
-        f64::run_wide(Level::new(), Packet { tracer: self, ray })
+    pub fn from_scene(&self, ray: Ray, first: usize) -> [Result<Ray, Lost>; LINES] {
+        f64::run_wide(Level::new(), Packet { tracer: self, ray, first })
     }
 }
 
+/// One ray at one group of lines, without a bundle to fill.
 struct Packet<'a> {
     tracer: &'a SpectralTracer,
     ray: Ray,
+    first: usize,
 }
 
 impl LaneKernel<f64> for Packet<'_> {
@@ -68,26 +84,101 @@ impl LaneKernel<f64> for Packet<'_> {
 
     #[inline(always)]
     fn run<L: Lane<Real = f64>>(self, zero: L) -> Self::Output {
-        let SpectralTracer { way, diaphragm, interfaces } = self.tracer;
+        let (way, tables) = &self.tracer.from_scene;
         let (p, d) = way.enter(self.ray);
         let [mut x, mut y, mut z, mut dx, mut dy, mut dz] = [p.x, p.y, p.z, d.x, d.y, d.z].map(|n| [n; LINES]);
         let mut block = Block { x: &mut x, y: &mut y, z: &mut z, dx: &mut dx, dy: &mut dy, dz: &mut dz };
         let mut reasons = [None; LINES];
         let mut lost = Losses { lost: &mut reasons, surface: 0 };
-        for (i, (step, [ratio, excess])) in way.steps.iter().zip(interfaces.iter()).enumerate() {
+        for (i, (step, table)) in way.steps.iter().zip(tables.iter()).enumerate() {
             lost.surface = i;
-            let lanes: Option<[&[f64]; 2]> = Some([ratio, excess]);
-            if let Some(plain) = step.plain(false) {
-                block.pass(zero, &plain, lanes, diaphragm, &mut lost);
-            } else {
-                block.pass(zero, step, lanes, diaphragm, &mut lost);
-            }
+            let interfaces = table.each_ref().map(|numbers| &numbers[self.first..self.first + LINES]);
+            block.step(zero, step, Some(interfaces), &self.tracer.diaphragm, &mut lost);
         }
         std::array::from_fn(|i| match reasons[i] {
             Some(lost) => Err(lost),
             None => Ok(way.leave(DVec3::new(x[i], y[i], z[i]), DVec3::new(dx[i], dy[i], dz[i]))),
         })
     }
+}
+
+impl<R: Real> SpectralTracer<R> {
+    /// An empty bundle of rays that go `travel`, each of which counts as `group` rays: 1 or [`LINES`].
+    pub fn bundle(&self, travel: Travel, group: usize) -> SpectralBundle<R> {
+        assert!(group == 1 || group == LINES, "a group is one line or {LINES}");
+        SpectralBundle { rays: Bundle::along(self.way(travel).0.clone()), first: Vec::new(), group }
+    }
+
+    /// Takes the rays of a bundle, which this tracer made, through the lens; what became of them is what
+    /// [`Tracer::from_scene`] or [`Tracer::from_film`] of their lines say, to the last bit.
+    pub fn trace(&self, bundle: &mut SpectralBundle<R>) {
+        let SpectralBundle { rays, first, group } = bundle;
+        rays.begin();
+        let (way, tables) = self.way(rays.travel());
+        // One line alone needs no table.
+        let lines = (self.lines > 1).then_some(Lines { tables, first, group: *group });
+        R::run_wide(Level::new(), Trace { way, diaphragm: &self.diaphragm, bundle: rays, lines });
+    }
+
+    fn way(&self, travel: Travel) -> &(Way<R>, Tables<R>) {
+        match travel {
+            Travel::FromScene => &self.from_scene,
+            Travel::FromFilm => &self.from_film,
+        }
+    }
+}
+
+impl<R: Real> SpectralBundle<R> {
+    /// Number of rays, those of a group counted each.
+    pub fn len(&self) -> usize {
+        self.rays.len()
+    }
+
+    /// True if there is no ray.
+    pub fn is_empty(&self) -> bool {
+        self.rays.is_empty()
+    }
+
+    /// Takes all rays out, and keeps the memory.
+    pub fn clear(&mut self) {
+        self.rays.clear();
+        self.first.clear();
+    }
+
+    /// Adds a ray in lens space: at one line, or once at each of a group that begins there.
+    #[inline]
+    pub fn push(&mut self, ray: Ray, line: usize) {
+        self.rays.push_times(ray, self.group);
+        self.first.push(line as u32);
+    }
+
+    /// What became of ray `i`.
+    #[inline]
+    pub fn result(&self, i: usize) -> Result<Ray, Lost> {
+        self.rays.result(i)
+    }
+}
+
+/// The way that all lines share, and what they do not.
+fn along(lines: &[&Way<f64>]) -> (Way<f64>, Tables<f64>) {
+    let at = |i: usize| {
+        let interface = |line: &&Way<f64>| match line.steps[i].action {
+            Action::Refract(interface) => interface,
+            Action::Pass | Action::Reflect => Interface { ratio: 1.0, excess: 0.0 },
+        };
+        let interfaces: Vec<Interface> = lines.iter().map(interface).collect();
+        [interfaces.iter().map(|at| at.ratio).collect(), interfaces.iter().map(|at| at.excess).collect()]
+    };
+    let tables = (0..lines[0].steps.len()).map(at).collect();
+    let mut steps = lines[0].steps.to_vec();
+    for (i, step) in steps.iter_mut().enumerate() {
+        // Two media may agree at one wavelength.
+        let bends = lines.iter().map(|line| line.steps[i].action);
+        if let Some(action) = { bends }.find(|action| matches!(action, Action::Refract(_))) {
+            step.action = action;
+        }
+    }
+    (Way { steps: steps.into(), ..lines[0].clone() }, tables)
 }
 
 #[cfg(test)]
@@ -97,31 +188,87 @@ mod tests {
     use crate::glass::Catalogue;
     use crate::system::{System, SystemSettings};
 
-    /// Rays to all places of the front glass, some beyond the rims, of lenses with spheres, aspheres, toroids, mirrors
-    /// and blades.
+    /// All shipped lenses, with spheres, aspheres, toroids, mirrors and blades.
+    fn systems() -> impl Iterator<Item = System> {
+        let folder = std::path::Path::new(concat!(env!("CARGO_MANIFEST_DIR"), "/../../lenses"));
+        std::fs::read_dir(folder).unwrap().filter_map(|entry| {
+            let prescription = lens::read(&entry.unwrap().path(), Catalogue::shipped()).ok()?;
+            let settings = SystemSettings { blades: 6, ..SystemSettings::default() };
+            Some(System::new(&prescription, &settings).unwrap())
+        })
+    }
+
+    /// Rays to all places of the glass that they meet first, some beyond the rims.
+    fn rays(system: &System, travel: Travel) -> Vec<Ray> {
+        let surfaces = system.surfaces();
+        let (semi, z, start) = match travel {
+            Travel::FromScene => (surfaces[0].semi_diameter_mm, 0.0, -500.0),
+            Travel::FromFilm => (
+                surfaces[surfaces.len() - 1].semi_diameter_mm,
+                system.last_vertex_z_mm(),
+                system.film_z_published_mm() - system.last_vertex_z_mm(),
+            ),
+        };
+        let ray = |i: u32| {
+            let (a, b) = (f64::from(i) * 0.618_034, f64::from(i) / 200.0);
+            let at = DVec3::new((a * 6.3).cos(), (a * 6.3).sin(), 0.0) * semi * b.sqrt();
+            let tilt = DVec3::new((a * 1.7).sin() * 0.3, (a * 2.9).cos() * 0.3, -start.signum()).normalize();
+            Ray { origin: at + DVec3::Z * z + tilt * (start / tilt.z), direction: tilt }
+        };
+        (0..200).map(ray).collect()
+    }
+
+    fn check<R: Real>(system: &System, travel: Travel, group: usize) -> usize {
+        let lines: Vec<Tracer> = (0..24).map(|i| system.at_wavelength(400.0 + 12.0 * f64::from(i))).collect();
+        let together = SpectralTracer::new(&lines.iter().collect::<Vec<_>>()).cast::<R>();
+        let alone: Vec<Tracer<R>> = lines.iter().map(Tracer::cast).collect();
+        let first = |i: usize| if group == 1 { i * 7 % 24 } else { i % 3 * LINES };
+        let rays = rays(system, travel);
+        let mut bundle = together.bundle(travel, group);
+        let mut passed = 0;
+        for round in 0..2 {
+            // Not a whole number of registers, and less the second time.
+            let count = 199 - 50 * round;
+            rays[..count].iter().enumerate().for_each(|(i, ray)| bundle.push(*ray, first(i)));
+            together.trace(&mut bundle);
+            assert_eq!(bundle.len(), count * group);
+            for i in 0..bundle.len() {
+                let tracer = &alone[first(i / group) + i % group];
+                let expected = match travel {
+                    Travel::FromScene => tracer.from_scene(rays[i / group]),
+                    Travel::FromFilm => tracer.from_film(rays[i / group]),
+                };
+                assert_eq!(bundle.result(i), expected, "{} {travel:?} {i}", system.name());
+                passed += usize::from(expected.is_ok());
+            }
+            bundle.clear();
+        }
+        passed
+    }
+
     #[test]
     fn each_wavelength_is_traced_as_alone() {
-        let folder = std::path::Path::new(concat!(env!("CARGO_MANIFEST_DIR"), "/../../lenses"));
-        let mut passed = 0;
-        for entry in std::fs::read_dir(folder).unwrap() {
-            let path = entry.unwrap().path();
-            let Ok(prescription) = lens::read(&path, Catalogue::shipped()) else { continue };
-            let settings = SystemSettings { blades: 6, ..SystemSettings::default() };
-            let system = System::new(&prescription, &settings).unwrap();
+        let mut passed = [0; 2];
+        for system in systems() {
+            for (passed, travel) in passed.iter_mut().zip([Travel::FromScene, Travel::FromFilm]) {
+                *passed += check::<f64>(&system, travel, 1) + check::<f64>(&system, travel, LINES);
+                *passed += check::<f32>(&system, travel, 1) + check::<f32>(&system, travel, LINES);
+            }
+        }
+        assert!(passed.iter().all(|&n| n > 5000), "{passed:?}");
+    }
+
+    /// A single ray at a group of lines.
+    #[test]
+    fn a_packet_is_traced_as_alone() {
+        for system in systems() {
             let lines: [Tracer; LINES] = std::array::from_fn(|i| system.at_wavelength(400.0 + 40.0 * i as f64));
-            let together = SpectralTracer::new(lines.each_ref());
-            let semi = system.surfaces()[0].semi_diameter_mm;
-            for i in 0..200 {
-                let (a, b) = (f64::from(i) * 0.618_034, f64::from(i) / 200.0);
-                let at = DVec3::new((a * 6.3).cos(), (a * 6.3).sin(), 0.0) * semi * b.sqrt();
-                let tilt = DVec3::new((a * 1.7).sin() * 0.3, (a * 2.9).cos() * 0.3, 1.0).normalize();
-                let ray = Ray { origin: at - tilt * 500.0, direction: tilt };
-                for (line, result) in lines.iter().zip(together.from_scene(ray)) {
-                    assert_eq!(result, line.from_scene(ray), "{}", path.display());
-                    passed += usize::from(result.is_ok());
+            let together = SpectralTracer::new(&lines.iter().collect::<Vec<_>>());
+            for ray in rays(&system, Travel::FromScene).into_iter().step_by(10) {
+                for (line, result) in lines.iter().zip(together.from_scene(ray, 0)) {
+                    assert_eq!(result, line.from_scene(ray), "{}", system.name());
                 }
             }
         }
-        assert!(passed > 5000, "{passed}");
     }
 }

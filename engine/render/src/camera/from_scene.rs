@@ -4,19 +4,17 @@
 //! ray. One sample of the camera and one light path belong to each pixel; their densities are those of a single one,
 //! with the pixel left to chance, so that both can be compared.
 
-use super::packet::Led;
+use super::packet::{Led, Splats};
 use super::real_lens::RealLens;
 use crate::sampler::raster::Raster;
-use crate::spectrum::SET_SIZE;
-use glam::{Mat3, Vec3A};
+use glam::Vec3A;
 use petzval_optics::trace::Ray as LensRay;
 
 /// What a ray from the scene adds to the picture.
 #[derive(Clone, Copy, Debug)]
 pub struct Landed {
-    /// By wavelength: column and row of a pixel, and what radiance along the ray adds to it, for each unit of etendue,
-    /// when each pixel has one light path.
-    pub splats: [Option<(u32, u32, Mat3)>; SET_SIZE],
+    /// What radiance along the ray adds to which pixels, for each unit of etendue, when each pixel has one light path.
+    pub splats: Splats,
     /// The density, per unit of etendue, with which the camera leads to this ray.
     pub density: f64,
 }
@@ -78,7 +76,7 @@ impl RealLens {
         if arrivals.iter().all(Option::is_none) {
             return None;
         }
-        let splats = arrivals.map(|arrival| arrival.map(|a| (a.x, a.y, a.importance * per_etendue as f32)));
+        let splats = Splats::new(&arrivals, set, self.spectrum.sets(), per_etendue as f32);
         Some(Landed { splats, density: density * per_etendue })
     }
 

@@ -4,6 +4,7 @@
 //! width and height from its centre, right and up as one looks at the finished picture: -1/2 to 1/2.
 
 pub mod autofocus;
+pub mod batch;
 pub mod exposure;
 mod focal_surface;
 pub mod from_scene;

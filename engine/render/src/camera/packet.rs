@@ -4,19 +4,25 @@
 //! counted in it, divided by the area of a pixel, so that a ray which one wavelength chose can be used by all
 //! (Veach 1995, the balance heuristic over which of them could have led to it).
 
-use super::real_lens::RealLens;
+use super::real_lens::{Lead, RealLens};
 use crate::accel::Ray;
 use crate::sampler::raster::Raster;
 use crate::spectrum::{FilmSpectrum, SET_SIZE};
 use glam::{Mat3, Vec2};
-use petzval_optics::trace::{LINES, Ray as LensRay, SpectralTracer, Tracer};
+use petzval_optics::trace::{LINES, Lost, Ray as LensRay, SpectralTracer, Tracer};
 
 // A set goes through the lens in one packet.
 const _: () = assert!(SET_SIZE == LINES);
 
-/// The lens at each set of the film's wavelengths.
+/// The lens at all of the film's wavelengths.
 pub(super) struct Packets {
-    tracers: Vec<SpectralTracer>,
+    /// Line by wavelength of the film.
+    pub(super) out: SpectralTracer,
+    /// A group of lines for each set.
+    pub(super) back: SpectralTracer,
+    /// The same for whole batches: a wavelength that did not lead lands within some 1e-6 of the lens's size of its place,
+    /// far less than a pixel, in a third of the time.
+    pub(super) back_in_short: SpectralTracer<f32>,
     size: usize,
 }
 
@@ -25,8 +31,10 @@ impl Packets {
         let (sets, size) = (spectrum.sets(), spectrum.set_size());
         // A small set is filled up with its last wavelength.
         let line = |set: usize, i: usize| &tracers[set + i.min(size - 1) * sets];
-        let packet = |set: usize| SpectralTracer::new(std::array::from_fn(|i| line(set, i)));
-        Self { tracers: (0..sets).map(packet).collect(), size }
+        let by_set: Vec<&Tracer> = (0..sets).flat_map(|set| (0..LINES).map(move |i| line(set, i))).collect();
+        let back = SpectralTracer::new(&by_set);
+        let out = SpectralTracer::new(&tracers.iter().collect::<Vec<_>>());
+        Self { out, back_in_short: back.cast(), back, size }
     }
 }
 
@@ -37,8 +45,8 @@ pub struct Arrival {
     pub x: u32,
     /// Row.
     pub y: u32,
-    /// What radiance along the ray adds to the pixel, for each unit of etendue and pixel area.
-    pub importance: Mat3,
+    /// What radiance along the ray adds to the pixel, for each unit of etendue and pixel area, before the film's response.
+    pub importance: f32,
     /// The density with which film-first samples, one for each pixel and all at this wavelength, choose the ray.
     pub density: f64,
 }
@@ -46,10 +54,70 @@ pub struct Arrival {
 /// A ray's arrivals at the wavelengths of one set; `None` where it is lost or misses the picture.
 pub type Arrivals = [Option<Arrival>; SET_SIZE];
 
+/// What radiance adds to a pixel at one wavelength.
+#[derive(Clone, Copy, Debug, Default, PartialEq)]
+pub struct Splat {
+    /// Column of the pixel.
+    pub x: u32,
+    /// Row.
+    pub y: u32,
+    /// Number of the film's wavelength, for [`RealLens::response`].
+    pub wavelength: u32,
+    /// Of the radiance, before the film's response.
+    pub weight: f32,
+}
+
+/// At most one splat for each wavelength of a set.
+#[derive(Clone, Copy, Debug, Default)]
+pub struct Splats {
+    list: [Splat; SET_SIZE],
+    count: u32,
+}
+
+impl Splats {
+    /// One.
+    pub fn one(splat: Splat) -> Self {
+        let mut all = Self::default();
+        all.push(splat);
+        all
+    }
+
+    /// Those of `arrivals` at the wavelengths of `set`, their importance times `scale`.
+    #[inline]
+    pub(super) fn new(arrivals: &Arrivals, set: usize, sets: usize, scale: f32) -> Self {
+        let mut all = Self::default();
+        for (i, arrival) in arrivals.iter().enumerate() {
+            if let Some(a) = arrival {
+                let wavelength = (set + i * sets) as u32;
+                all.push(Splat { x: a.x, y: a.y, wavelength, weight: a.importance * scale });
+            }
+        }
+        all
+    }
+
+    #[inline]
+    fn push(&mut self, splat: Splat) {
+        self.list[self.count as usize] = splat;
+        self.count += 1;
+    }
+
+    /// All of them.
+    #[inline]
+    pub fn as_slice(&self) -> &[Splat] {
+        &self.list[..self.count as usize]
+    }
+}
+
 impl RealLens {
     /// How many wavelengths a packet carries.
     pub fn packet_size(&self) -> usize {
         self.packets().size
+    }
+
+    /// What the film makes of a scene colour at its wavelength of that number.
+    #[inline]
+    pub fn response(&self, wavelength: u32) -> Mat3 {
+        self.spectrum.wavelengths()[wavelength as usize].response
     }
 
     /// Which wavelength leads, chosen by `u`: its set and its place in the set.
@@ -62,14 +130,25 @@ impl RealLens {
 
     /// Carries a ray that comes from the scene, in lens space, to the film. `u` chooses the pixels.
     pub(super) fn arrivals(&self, set: usize, ray: LensRay, raster: &Raster, u: [f32; 2]) -> Arrivals {
-        let packets = self.packets();
-        let rays = packets.tracers[set].from_scene(ray);
+        let rays = self.packets().back.from_scene(ray, set * LINES);
+        self.arrived(set, |i| rays[i], raster, u)
+    }
+
+    /// Where the rays that left the lens at the wavelengths of a set arrive.
+    #[inline]
+    pub(super) fn arrived(
+        &self,
+        set: usize,
+        ray: impl Fn(usize) -> Result<LensRay, Lost>,
+        raster: &Raster,
+        u: [f32; 2],
+    ) -> Arrivals {
         let mut arrivals = [None; SET_SIZE];
-        for (i, ray) in rays.iter().enumerate().take(packets.size) {
-            let Ok(ray) = ray else { continue };
-            let Some(place) = self.mount.picture_point(ray) else { continue };
-            arrivals[i] = self.arrival(set + i * self.spectrum.sets(), place, raster, turned(u, i), |lens| {
-                lens.lead_density(place, ray)
+        for (i, arrival) in arrivals.iter_mut().enumerate().take(self.packets().size) {
+            let Ok(ray) = ray(i) else { continue };
+            let Some(place) = self.mount.picture_point(&ray) else { continue };
+            *arrival = self.arrival(set + i * self.spectrum.sets(), place, raster, turned(u, i), |lens| {
+                lens.lead_density(place, &ray)
             });
         }
         arrivals
@@ -89,7 +168,7 @@ impl RealLens {
         let landing = raster.land(place, u)?;
         let line = &self.lines[index];
         let samples = f64::from(landing.density) / (line.index_squared * self.mount.film_at(place).area);
-        let importance = self.spectrum.wavelengths()[index].response * (samples * line.gain) as f32;
+        let importance = (samples * line.gain) as f32;
         Some(Arrival { x: landing.x, y: landing.y, importance, density: samples * lead_density(self) })
     }
 }
@@ -99,42 +178,65 @@ impl RealLens {
 pub struct Led {
     /// Render space.
     pub ray: Ray,
-    /// By wavelength: column and row of a pixel and the weight of the radiance there.
-    pub splats: [Option<(u32, u32, Mat3)>; SET_SIZE],
+    /// What its radiance adds.
+    pub splats: Splats,
     /// The number of the set.
     pub set: usize,
     /// The sum of the densities with which each wavelength would have led to it.
     pub density: f64,
 }
 
+/// A wish for a ray through the lens.
+#[derive(Clone, Copy, Debug)]
+pub struct Request {
+    /// Column and row of the pixel that asks.
+    pub pixel: [u32; 2],
+    /// The place in the picture.
+    pub place: Vec2,
+    /// Chooses the point of the pupil.
+    pub u_lens: [f32; 2],
+    /// Chooses the wavelength that leads.
+    pub u_wavelength: f32,
+    /// Choose the pixels of the wavelengths that arrive elsewhere.
+    pub u_pixels: [f32; 2],
+}
+
 impl RealLens {
-    /// A ray for the place `p` of pixel (x, y), as [`Self::sample`] has it, with what all wavelengths of the set make of
-    /// it. `u_pixels` chooses the pixels of those that arrive elsewhere.
-    pub fn lead_all(
-        &self,
-        [x, y]: [u32; 2],
-        p: Vec2,
-        u_lens: [f32; 2],
-        u_wavelength: f32,
-        raster: &Raster,
-        u_pixels: [f32; 2],
-    ) -> Option<Led> {
-        let (set, leader) = self.leader(u_wavelength);
+    /// A ray as [`Self::sample`] has it, with what all wavelengths of its set make of it.
+    pub fn lead_all(&self, request: &Request, raster: &Raster) -> Option<Led> {
+        let (set, leader) = self.leader(request.u_wavelength);
         let index = set + leader * self.spectrum.sets();
-        let lead = self.lead(index, p, u_lens)?;
-        let back = LensRay { origin: lead.out.origin, direction: -lead.out.direction };
-        let mut arrivals = self.arrivals(set, back, raster, u_pixels);
-        // The leader's own place and density are known without the rounding of the way back.
-        arrivals[leader] = self.arrival(index, p, raster, [0.0; 2], |_| lead.density).map(|a| Arrival { x, y, ..a });
-        let total: f64 = arrivals.iter().flatten().map(|a| a.density).sum();
-        let splats = arrivals.map(|arrival| arrival.map(|a| (a.x, a.y, a.importance * total.recip() as f32)));
-        Some(Led { ray: self.mount.to_render(&lead.out), splats, set, density: total })
+        let lead = self.lead(index, request.place, request.u_lens)?;
+        let arrivals = self.arrivals(set, backwards(&lead), raster, request.u_pixels);
+        Some(self.joined(request, &lead, arrivals, raster))
     }
+
+    /// What becomes of a ray that one wavelength led to, when all others of its set have arrived.
+    #[inline]
+    pub(super) fn joined(&self, request: &Request, lead: &Lead, mut arrivals: Arrivals, raster: &Raster) -> Led {
+        let (set, leader) = self.leader(request.u_wavelength);
+        let sets = self.spectrum.sets();
+        // The leader's own place and density are known without the rounding of the way back.
+        let own = self.arrival(set + leader * sets, request.place, raster, [0.0; 2], |_| lead.density);
+        let [x, y] = request.pixel;
+        arrivals[leader] = own.map(|a| Arrival { x, y, ..a });
+        let density: f64 = arrivals.iter().flatten().map(|a| a.density).sum();
+        let splats = Splats::new(&arrivals, set, sets, density.recip() as f32);
+        Led { ray: self.mount.to_render(&lead.out), splats, set, density }
+    }
+}
+
+/// The ray of a lead as light takes it.
+#[inline]
+pub(super) fn backwards(lead: &Lead) -> LensRay {
+    LensRay { origin: lead.out.origin, direction: -lead.out.direction }
 }
 
 /// Numbers for wavelength `i`, apart from those of the others.
 #[inline]
 fn turned(u: [f32; 2], i: usize) -> [f32; 2] {
     // Multiples of two irrational numbers with small terms (the plastic constant: Roberts 2018).
-    [(u[0] + 0.754_877_7 * i as f32).fract(), (u[1] + 0.569_840_3 * i as f32).fract()]
+    // A cast takes the whole part off without a call.
+    let part = |x: f32| x - (x as i32) as f32;
+    [part(u[0] + 0.754_877_7 * i as f32), part(u[1] + 0.569_840_3 * i as f32)]
 }

@@ -379,23 +379,34 @@ impl RealLens {
     #[inline]
     pub fn sample(&self, p: Vec2, u_lens: [f32; 2], u_wavelength: f32) -> Option<CameraRay> {
         let index = self.spectrum.sample(u_wavelength);
-        let lead = self.lead(index, p, u_lens)?;
+        self.lead(index, p, u_lens).map(|lead| self.weighted(index, &lead))
+    }
+
+    /// What a ray at the film's wavelength number `index` counts.
+    #[inline]
+    pub(super) fn weighted(&self, index: usize, lead: &Lead) -> CameraRay {
         let exposure = self.lines[index].gain / lead.density;
         let weight = self.spectrum.wavelengths()[index].response * exposure as f32;
-        Some(CameraRay { ray: self.mount.to_render(&lead.out), weight })
+        CameraRay { ray: self.mount.to_render(&lead.out), weight }
     }
 
     /// A ray for a picture point at the film's wavelength number `index`.
     #[inline]
     pub(super) fn lead(&self, index: usize, p: Vec2, u_lens: [f32; 2]) -> Option<Lead> {
+        let (ray, density) = self.aim_out(p, u_lens);
+        self.lines[index].tracer.from_film(ray).ok().map(|out| Lead { out, density })
+    }
+
+    /// A ray from a picture point to the lens, lens space, and the density of its choice as [`Lead`] has it.
+    #[inline]
+    pub(super) fn aim_out(&self, p: Vec2, u_lens: [f32; 2]) -> (LensRay, f64) {
         let film = self.mount.film_at(p);
         let aim = self.map.sample(film.point, u_lens.map(f64::from));
         let to = aim.target - film.point;
         let distance2 = to.length_squared();
         let direction = to / distance2.sqrt();
-        let out = self.lines[index].tracer.from_film(LensRay { origin: film.point, direction }).ok()?;
         let cosines = film.normal.dot(direction).abs() * direction.z.abs();
-        Some(Lead { out, density: aim.pdf_per_mm2 * distance2 / cosines })
+        (LensRay { origin: film.point, direction }, aim.pdf_per_mm2 * distance2 / cosines)
     }
 
     /// The density of [`Self::lead`] for the picture point `p` and a ray that comes to it from the lens.

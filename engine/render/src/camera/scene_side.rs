@@ -2,7 +2,7 @@
 //! 5.3 and figure 6), and on through the lens to the film.
 
 use super::focal_surface::FocalSurface;
-use super::packet::Led;
+use super::packet::{Led, Splats};
 use super::real_lens::RealLens;
 use crate::sampler::raster::Raster;
 use glam::Vec2;
@@ -70,7 +70,7 @@ impl RealLens {
         if !(share.is_finite() && share > 0.0 && arrivals.iter().any(Option::is_some)) {
             return None;
         }
-        let splats = arrivals.map(|arrival| arrival.map(|a| (a.x, a.y, a.importance * share as f32)));
+        let splats = Splats::new(&arrivals, set, self.spectrum.sets(), share as f32);
         let out = LensRay { origin: start, direction: -aim.direction };
         Some(Led { ray: self.mount.to_render(&out), splats, set, density: density * self.packet_size() as f64 })
     }

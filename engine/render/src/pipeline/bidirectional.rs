@@ -3,6 +3,7 @@
 //! set of its own, and falls where it falls.
 
 use super::Sample;
+use crate::camera::packet::Request;
 use crate::camera::real_lens::RealLens;
 use crate::integrator::bidirectional::{CameraEnd, FilmEnd, LightPath, Techniques};
 use crate::sampler::PathSampler;
@@ -30,7 +31,9 @@ pub(super) fn sample(lens: &RealLens, techniques: Techniques, path: &mut LightPa
     let [u0, u1, u2, u3] = sampler.next_4d();
     let [u_wavelength, u_column, u_row, _] = sampler.next_4d();
     let place = raster.place(s.x, s.y, [u0, u1]);
-    let led = lens.lead_all([s.x, s.y], place, [u2, u3], u_wavelength, raster, [u_column, u_row]);
+    let pixel = [s.x, s.y];
+    let request = Request { pixel, place, u_lens: [u2, u3], u_wavelength, u_pixels: [u_column, u_row] };
+    let led = lens.lead_all(&request, raster);
     s.count_camera(led.is_none());
     let Some(led) = led else { return s.lost() };
     let camera = CameraEnd { lens, ray: led.ray, density: lens.led_density(&led) };
@@ -41,9 +44,7 @@ pub(super) fn sample(lens: &RealLens, techniques: Techniques, path: &mut LightPa
         return;
     }
     if techniques == Techniques::All {
-        for (x, y, weight) in led.splats.into_iter().flatten() {
-            s.light.add(x, y, weight * found.radiance);
-        }
+        s.splat(lens, &led.splats, found.radiance);
     }
     s.note(&found);
 }

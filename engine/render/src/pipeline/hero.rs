@@ -4,23 +4,42 @@
 //! A ray could have been led to by any of them: each is weighted by the balance heuristic over all, which keeps the
 //! edges right where some are vignetted. So a wavelength costs a trace through the lens, not a path.
 
-use super::Sample;
+use super::stretch::Leads;
+use super::{Shot, add_splats};
+use crate::Rgb;
+use crate::accel::Ray;
+use crate::camera::batch::LensBatch;
+use crate::camera::packet::{Led, Request};
 use crate::camera::real_lens::RealLens;
+use crate::film::Patch;
+use crate::sampler::raster::Raster;
 
-/// One sample of one pixel.
-pub(super) fn sample(lens: &RealLens, mut s: Sample<'_>) {
-    let mut sampler = s.sampler();
-    let [u0, u1, u2, u3] = sampler.next_4d();
-    let [u_wavelength, u_column, u_row, _] = sampler.next_4d();
-    let raster = s.shot.raster;
-    let place = raster.place(s.x, s.y, [u0, u1]);
-    let led = lens.lead_all([s.x, s.y], place, [u2, u3], u_wavelength, raster, [u_column, u_row]);
-    s.count_camera(led.is_none());
-    let Some(led) = led else { return s.lost() };
-    if let Some(found) = s.follow(led.ray, &mut sampler) {
-        for (x, y, weight) in led.splats.into_iter().flatten() {
-            s.light.add(x, y, weight * found.radiance);
-        }
-        s.note(&found);
+/// Rays from real lenses.
+pub(super) struct Hero<'a> {
+    lenses: Vec<(&'a RealLens, LensBatch)>,
+    raster: &'a Raster,
+}
+
+impl<'a> Hero<'a> {
+    pub(super) fn new(shot: &Shot<'a>) -> Self {
+        let lenses = shot.cameras.iter().filter_map(|camera| camera.traced_lens());
+        Self { lenses: lenses.map(|lens| (lens, lens.batch())).collect(), raster: shot.raster }
+    }
+}
+
+impl Leads for Hero<'_> {
+    type Lead = Led;
+
+    fn ask(&mut self, camera: usize, requests: &[Request], leads: &mut Vec<Option<Led>>) {
+        let (lens, batch) = &mut self.lenses[camera];
+        lens.lead_all_batch(requests, self.raster, batch, leads);
+    }
+
+    fn ray(lead: &Led) -> Ray {
+        lead.ray
+    }
+
+    fn add(&self, camera: usize, _: &Request, lead: &Led, radiance: Rgb, light: &mut Patch) {
+        add_splats(light, self.lenses[camera].0, &lead.splats, radiance);
     }
 }

@@ -4,16 +4,22 @@ pub mod bidirectional;
 pub mod film_first;
 pub mod hero;
 pub mod scene_first;
+mod stretch;
 
+use crate::Rgb;
 use crate::camera::Camera;
+use crate::camera::packet::Splats;
+use crate::camera::real_lens::RealLens;
 use crate::film::{Patch, TileRect};
 use crate::integrator::Stage;
 use crate::integrator::bidirectional::{LightPath, Techniques};
 use crate::integrator::path::{self, Limits, PathResult};
 use crate::sampler::{PathSampler, raster::Raster};
+use film_first::FilmFirst;
+use hero::Hero;
 use std::time::{Duration, Instant};
 
-/// One sample in this many is timed, to know the lens' share of the time without spending any.
+/// Where samples go one by one, one in this many is timed, to know the lens' share of the time without spending any.
 const TIMED_EVERY: u64 = 61;
 
 /// Which way.
@@ -71,15 +77,15 @@ pub struct Shot<'a> {
 }
 
 impl Shot<'_> {
-    /// The camera at the time of a sample.
-    fn camera(&self, [x, y]: [u32; 2], index: u32) -> &Camera {
-        if let [only] = self.cameras {
-            return only;
+    /// The number of the camera at the time of a sample.
+    fn camera(&self, [x, y]: [u32; 2], index: u32) -> usize {
+        if self.cameras.len() == 1 {
+            return 0;
         }
         let mut sampler = PathSampler::new(x, y, index, self.seed);
         sampler.jump_to(path::TIME_SET);
         let [u, ..] = sampler.next_4d();
-        &self.cameras[((u * self.cameras.len() as f32) as usize).min(self.cameras.len() - 1)]
+        ((u * self.cameras.len() as f32) as usize).min(self.cameras.len() - 1)
     }
 }
 
@@ -120,29 +126,38 @@ pub fn render_tile(
     light: &mut Patch,
     stopped: &dyn Fn() -> bool,
 ) -> Option<Counts> {
+    let columns = rect.x..rect.x + rect.width;
+    let pixels = (rect.y..rect.y + rect.height).flat_map(|y| columns.clone().map(move |x| [x, y]));
+    let samples = pixels.flat_map(|pixel| (first..first + count).map(move |index| (pixel, index)));
+    match (shot.light_paths, shot.pipeline) {
+        (None, Pipeline::FilmFirst) => stretch::render(FilmFirst::new(shot), shot, samples, light, stopped),
+        (None, Pipeline::Hero) => stretch::render(Hero::new(shot), shot, samples, light, stopped),
+        _ => render_one_by_one(shot, samples, light, stopped),
+    }
+}
+
+/// What the camera makes of one sample after the other.
+fn render_one_by_one(
+    shot: &Shot<'_>,
+    samples: impl Iterator<Item = ([u32; 2], u32)>,
+    light: &mut Patch,
+    stopped: &dyn Fn() -> bool,
+) -> Option<Counts> {
     let mut counts = Counts::default();
     let mut light_path = LightPath::default();
-    for y in rect.y..rect.y + rect.height {
-        for x in rect.x..rect.x + rect.width {
-            if stopped() {
-                return None;
-            }
-            for index in first..first + count {
-                let timed = counts.camera_rays.is_multiple_of(TIMED_EVERY).then(Instant::now);
-                let camera = shot.camera([x, y], index);
-                let one = Sample { shot, camera, x, y, index, timed, counts: &mut counts, light };
-                match (shot.light_paths, shot.pipeline, camera.traced_lens()) {
-                    (Some(techniques), _, Some(lens)) => {
-                        bidirectional::sample(lens, techniques, &mut light_path, one);
-                    }
-                    (None, Pipeline::Hero, Some(lens)) => hero::sample(lens, one),
-                    (None, Pipeline::SceneFirst, Some(lens)) => scene_first::sample(lens, one),
-                    _ => film_first::sample(one),
-                }
-                if let Some(start) = timed {
-                    counts.sample_time += start.elapsed();
-                }
-            }
+    for ([x, y], index) in samples {
+        if stopped() {
+            return None;
+        }
+        let timed = counts.camera_rays.is_multiple_of(TIMED_EVERY).then(Instant::now);
+        let Some(lens) = shot.cameras[shot.camera([x, y], index)].traced_lens() else { continue };
+        let one = Sample { shot, x, y, index, timed, counts: &mut counts, light };
+        match shot.light_paths {
+            Some(techniques) => bidirectional::sample(lens, techniques, &mut light_path, one),
+            None => scene_first::sample(lens, one),
+        }
+        if let Some(start) = timed {
+            counts.sample_time += start.elapsed();
         }
     }
     Some(counts)
@@ -151,7 +166,6 @@ pub fn render_tile(
 /// One sample of one pixel under way.
 struct Sample<'a> {
     shot: &'a Shot<'a>,
-    camera: &'a Camera,
     x: u32,
     y: u32,
     index: u32,
@@ -192,9 +206,21 @@ impl Sample<'_> {
         self.light.add_data(self.x, self.y, found.first);
     }
 
+    /// Adds what a ray found to the pixels where it arrives.
+    fn splat(&mut self, lens: &RealLens, splats: &Splats, radiance: Rgb) {
+        add_splats(self.light, lens, splats, radiance);
+    }
+
     /// Of a sample that was lost in the lens: black, not transparent, for the lens is in the way.
     fn lost(&mut self) {
         self.light.add_alpha(self.x, self.y, if self.shot.limits.hide_sky { 0.0 } else { 1.0 });
+    }
+}
+
+/// Adds radiance along a ray to the pixels where it arrives.
+fn add_splats(light: &mut Patch, lens: &RealLens, splats: &Splats, radiance: Rgb) {
+    for splat in splats.as_slice() {
+        light.add(splat.x, splat.y, lens.response(splat.wavelength) * (radiance * splat.weight));
     }
 }
 

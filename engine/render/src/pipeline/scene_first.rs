@@ -18,9 +18,7 @@ pub(super) fn sample(lens: &RealLens, mut s: Sample<'_>) {
     s.count_camera(led.is_none());
     let Some(led) = led else { return s.lost() };
     if let Some(found) = s.follow(led.ray, &mut sampler) {
-        for (x, y, weight) in led.splats.into_iter().flatten() {
-            s.light.add(x, y, weight * found.radiance);
-        }
+        s.splat(lens, &led.splats, found.radiance);
         s.note(&found);
     }
 }

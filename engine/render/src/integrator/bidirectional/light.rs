@@ -151,8 +151,9 @@ pub(super) fn splat(
         if is_dark(light) {
             continue;
         }
-        for (x, y, importance) in splats.into_iter().flatten() {
-            add(x, y, limits.clamp(importance * light, bounce as u32));
+        for splat in splats.as_slice() {
+            let seen = lens.response(splat.wavelength) * (light * splat.weight);
+            add(splat.x, splat.y, limits.clamp(seen, bounce as u32));
         }
     }
     rays

@@ -1,0 +1,169 @@
+//! Many camera samples at a time: their rays go through the lens together, as many in step as the processor's registers
+//! hold.
+
+use super::CameraRay;
+use super::packet::{Led, Request, backwards};
+use super::real_lens::{Lead, RealLens};
+use crate::sampler::raster::Raster;
+use petzval_optics::trace::{LINES, SpectralBundle, Travel};
+
+/// Memory for batches of one lens.
+pub struct LensBatch {
+    out: SpectralBundle,
+    back: SpectralBundle<f32>,
+    /// By request: the density of its choice.
+    densities: Vec<f64>,
+    /// By request.
+    leads: Vec<Option<Lead>>,
+}
+
+impl RealLens {
+    /// For batches of this lens.
+    pub fn batch(&self) -> LensBatch {
+        let packets = self.packets();
+        LensBatch {
+            out: packets.out.bundle(Travel::FromFilm, 1),
+            back: packets.back_in_short.bundle(Travel::FromScene, LINES),
+            leads: Vec::new(),
+            densities: Vec::new(),
+        }
+    }
+
+    /// [`Self::sample`] for each request, to the last bit.
+    pub fn sample_batch(&self, requests: &[Request], batch: &mut LensBatch, rays: &mut Vec<Option<CameraRay>>) {
+        self.lead_batch(requests, batch);
+        rays.extend(requests.iter().zip(&batch.leads).map(|(request, lead)| {
+            lead.as_ref().map(|lead| self.weighted(self.spectrum.sample(request.u_wavelength), lead))
+        }));
+    }
+
+    /// [`Self::lead_all`] for each request; the wavelengths that do not lead in numbers of single precision.
+    pub fn lead_all_batch(
+        &self,
+        requests: &[Request],
+        raster: &Raster,
+        batch: &mut LensBatch,
+        led: &mut Vec<Option<Led>>,
+    ) {
+        self.lead_batch(requests, batch);
+        let LensBatch { back, leads, .. } = batch;
+        back.clear();
+        for (request, lead) in requests.iter().zip(leads.iter()) {
+            if let Some(lead) = lead {
+                let (set, _) = self.leader(request.u_wavelength);
+                back.push(backwards(lead), set * LINES);
+            }
+        }
+        self.packets().back_in_short.trace(back);
+        let mut first = 0;
+        led.extend(requests.iter().zip(leads.iter()).map(|(request, lead)| {
+            let lead = lead.as_ref()?;
+            let (set, _) = self.leader(request.u_wavelength);
+            let arrivals = self.arrived(set, |i| back.result(first + i), raster, request.u_pixels);
+            first += LINES;
+            Some(self.joined(request, lead, arrivals, raster))
+        }));
+    }
+
+    fn lead_batch(&self, requests: &[Request], batch: &mut LensBatch) {
+        let LensBatch { out, leads, densities, .. } = batch;
+        out.clear();
+        leads.clear();
+        densities.clear();
+        for request in requests {
+            let (ray, density) = self.aim_out(request.place, request.u_lens);
+            out.push(ray, self.spectrum.sample(request.u_wavelength));
+            densities.push(density);
+        }
+        self.packets().out.trace(out);
+        let lead = |(i, &density): (usize, &f64)| out.result(i).ok().map(|out| Lead { out, density });
+        leads.extend(densities.iter().enumerate().map(lead));
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::camera::Camera;
+    use crate::camera::tests::with_lens;
+    use crate::sampler::{PathSampler, warp::PixelFilter};
+
+    const SIZE: [u32; 2] = [3840, 2160];
+
+    fn requests(raster: &Raster) -> Vec<Request> {
+        let request = |i: u32| {
+            // All over the picture.
+            let pixel = [i * 7919 % SIZE[0], i * 104_729 % SIZE[1]];
+            let mut sampler = PathSampler::new(pixel[0], pixel[1], 0, 1);
+            let ([u0, u1, u2, u3], [u4, u5, u6, _]) = (sampler.next_4d(), sampler.next_4d());
+            let place = raster.place(pixel[0], pixel[1], [u0, u1]);
+            Request { pixel, place, u_lens: [u2, u3], u_wavelength: u4, u_pixels: [u5, u6] }
+        };
+        (0..1000).map(request).collect()
+    }
+
+    fn cameras() -> impl Iterator<Item = Camera> {
+        let cases = [
+            ("wide-angle-smith-f3.4", 32.0, 18.0, 0.0),
+            ("laikin-fisheye-170", 24.0, 13.5, 0.0),
+            ("angenieux-f1.1", 36.0, 20.25, 0.15),
+            ("eye-navarro", 8.0, 4.5, 0.0),
+        ];
+        cases.into_iter().map(|(lens, width, height, tilt)| {
+            Camera::new(&with_lens(&format!("{lens}.lens"), width, height, tilt), SIZE[0], SIZE[1]).unwrap()
+        })
+    }
+
+    #[test]
+    fn a_sample_of_a_batch_is_the_sample_alone() {
+        let raster = Raster::new(SIZE[0], SIZE[1], PixelFilter::new(1.5));
+        let requests = requests(&raster);
+        let mut passed = 0;
+        for camera in cameras() {
+            let lens = camera.traced_lens().unwrap();
+            let (mut batch, mut rays) = (lens.batch(), Vec::new());
+            // The second time as many fewer.
+            for requests in [&requests[..], &requests[..77]] {
+                rays.clear();
+                lens.sample_batch(requests, &mut batch, &mut rays);
+                assert_eq!(rays.len(), requests.len());
+                for (r, ray) in requests.iter().zip(&rays) {
+                    let alone = camera.sample(r.place, r.u_lens, r.u_wavelength);
+                    let parts = |ray: &CameraRay| (ray.ray.origin, ray.ray.direction, ray.weight);
+                    assert_eq!(ray.as_ref().map(parts), alone.as_ref().map(parts), "{}", camera.name());
+                    passed += usize::from(alone.is_some());
+                }
+            }
+        }
+        assert!(passed > 3000, "{passed}");
+    }
+
+    /// Single precision moves the wavelengths that do not lead by so little that hardly one goes to another pixel, even
+    /// in 4K.
+    #[test]
+    fn short_numbers_land_in_the_same_pixels() {
+        let raster = Raster::new(SIZE[0], SIZE[1], PixelFilter::new(1.5));
+        let requests = requests(&raster);
+        let (mut same, mut other) = (0, 0);
+        for camera in cameras() {
+            let lens = camera.traced_lens().unwrap();
+            let (mut batch, mut leads) = (lens.batch(), Vec::new());
+            lens.lead_all_batch(&requests, &raster, &mut batch, &mut leads);
+            for (r, led) in requests.iter().zip(&leads) {
+                let alone = lens.lead_all(r, &raster);
+                assert_eq!(led.is_some(), alone.is_some());
+                let (Some(led), Some(alone)) = (led, alone) else { continue };
+                for splat in alone.splats.as_slice() {
+                    // A hundredth of a pixel changes the density of places by some 1e-4; where the density of the choice
+                    // jumps, at the edge of the pupil's map, so does the weight.
+                    let is_same = led.splats.as_slice().iter().any(|s| {
+                        let near = (s.weight / splat.weight - 1.0).abs() < 2e-3;
+                        (s.x, s.y, s.wavelength) == (splat.x, splat.y, splat.wavelength) && near
+                    });
+                    if is_same { same += 1 } else { other += 1 }
+                }
+            }
+        }
+        assert!(same > 20_000 && other * 200 < same, "{same} {other}");
+    }
+}

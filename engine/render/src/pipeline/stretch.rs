@@ -1,0 +1,111 @@
+//! Samples in stretches: the camera does its part for all of a stretch, then each ray is followed.
+
+use super::{Counts, Sample, Shot};
+use crate::Rgb;
+use crate::accel::Ray;
+use crate::camera::packet::Request;
+use crate::film::Patch;
+use crate::sampler::PathSampler;
+use std::time::Instant;
+
+/// Samples in a stretch. More fill the registers better; fewer stay in the nearest cache.
+const STRETCH: usize = 64;
+
+/// How a pipeline asks a camera for rays, and what it does with the light along them.
+pub(super) trait Leads {
+    /// A ray, and where its light counts.
+    type Lead: Clone;
+
+    /// Appends a lead for each request to camera number `camera`; `None` where it is lost in the lens.
+    fn ask(&mut self, camera: usize, requests: &[Request], leads: &mut Vec<Option<Self::Lead>>);
+
+    /// The ray into the scene.
+    fn ray(lead: &Self::Lead) -> Ray;
+
+    /// Adds the radiance that was found.
+    fn add(&self, camera: usize, request: &Request, lead: &Self::Lead, radiance: Rgb, light: &mut Patch);
+}
+
+/// Follows `samples`, pixel and index, in their order. `None` where `stopped` said so.
+pub(super) fn render<L: Leads>(
+    mut pipeline: L,
+    shot: &Shot<'_>,
+    mut samples: impl Iterator<Item = ([u32; 2], u32)>,
+    light: &mut Patch,
+    stopped: &dyn Fn() -> bool,
+) -> Option<Counts> {
+    let mut counts = Counts::default();
+    let mut stretch = Stretch::default();
+    let mut leads = Vec::with_capacity(STRETCH);
+    loop {
+        if stopped() {
+            return None;
+        }
+        let start = Instant::now();
+        stretch.fill(shot, samples.by_ref().take(STRETCH));
+        if stretch.requests.is_empty() {
+            return Some(counts);
+        }
+        stretch.ask(&mut pipeline, shot.cameras.len(), &mut leads);
+        counts.camera_time += start.elapsed();
+        for (i, (request, lead)) in stretch.requests.iter().zip(&leads).enumerate() {
+            let ([x, y], index) = (request.pixel, stretch.indices[i]);
+            let mut s = Sample { shot, x, y, index, timed: None, counts: &mut counts, light };
+            s.count_camera(lead.is_none());
+            let Some(lead) = lead else {
+                s.lost();
+                continue;
+            };
+            if let Some(found) = s.follow(L::ray(lead), &mut stretch.samplers[i]) {
+                s.note(&found);
+                pipeline.add(stretch.cameras[i], request, lead, found.radiance, light);
+            }
+        }
+        counts.sample_time += start.elapsed();
+    }
+}
+
+/// Samples on their way to the camera.
+#[derive(Default)]
+struct Stretch {
+    requests: Vec<Request>,
+    indices: Vec<u32>,
+    samplers: Vec<PathSampler>,
+    cameras: Vec<usize>,
+}
+
+impl Stretch {
+    fn fill(&mut self, shot: &Shot<'_>, samples: impl Iterator<Item = ([u32; 2], u32)>) {
+        self.requests.clear();
+        self.indices.clear();
+        self.samplers.clear();
+        self.cameras.clear();
+        for (pixel, index) in samples {
+            let mut sampler = PathSampler::new(pixel[0], pixel[1], index, shot.seed);
+            let [u0, u1, u2, u3] = sampler.next_4d();
+            let [u_wavelength, u_column, u_row, _] = sampler.next_4d();
+            let place = shot.raster.place(pixel[0], pixel[1], [u0, u1]);
+            let u_pixels = [u_column, u_row];
+            self.requests.push(Request { pixel, place, u_lens: [u2, u3], u_wavelength, u_pixels });
+            self.indices.push(index);
+            self.samplers.push(sampler);
+            self.cameras.push(shot.camera(pixel, index));
+        }
+    }
+
+    /// Fills `leads`, each from the camera of its own time.
+    fn ask<L: Leads>(&self, pipeline: &mut L, cameras: usize, leads: &mut Vec<Option<L::Lead>>) {
+        leads.clear();
+        if cameras == 1 {
+            return pipeline.ask(0, &self.requests, leads);
+        }
+        leads.resize(self.requests.len(), None);
+        for camera in 0..cameras {
+            let picked: Vec<usize> = (0..self.requests.len()).filter(|&i| self.cameras[i] == camera).collect();
+            let requests: Vec<Request> = picked.iter().map(|&i| self.requests[i]).collect();
+            let mut answers = Vec::with_capacity(picked.len());
+            pipeline.ask(camera, &requests, &mut answers);
+            picked.into_iter().zip(answers).for_each(|(i, answer)| leads[i] = answer);
+        }
+    }
+}
