@@ -11,10 +11,12 @@ use crate::accel::Ray;
 use crate::spectrum::FilmSpectrum;
 use glam::{DMat3, DVec3, Vec2};
 use petzval_optics::entrance_map::EntranceMap;
-use petzval_optics::focus::{self, FilmFrame, FilmPlane, FilmPoint, FocusError, Focusing, Relation};
+use petzval_optics::focus::{self, FilmFrame, FilmPlane, FilmPoint, FocusError, Focusing, GroupsError, Relation};
 use petzval_optics::formats::lens;
 use petzval_optics::glass::Catalogue;
 use petzval_optics::paraxial::Paraxial;
+use petzval_optics::prescription::Prescription;
+use petzval_optics::prescription::moving::MovingGaps;
 use petzval_optics::pupil_map::{PupilMap, on_axis_throughput};
 use petzval_optics::system::{FocalLength, System, SystemError, SystemSettings};
 use petzval_optics::trace::{Ray as LensRay, Tracer};
@@ -67,6 +69,10 @@ pub struct LensInfo {
     pub viewport_shift: [f64; 2],
     /// mm.
     pub entrance_pupil_diameter_mm: Option<f64>,
+    /// Focal lengths that a zoom lens is made for, mm.
+    pub zoom_range_mm: Option<[f64; 2]>,
+    /// Groups inside of the lens move to focus it, not the film.
+    pub focuses_inside: bool,
 }
 
 /// A lens set, focused and put before its film: all that a panel needs.
@@ -98,12 +104,11 @@ impl Setup {
             blade_rotation_rad: d.blade_rotation_rad,
             blade_curvature: d.blade_curvature,
         };
-        let mut system = System::new(&prescription, &settings).map_err(wrong)?;
+        let line = d.wavelength_nm.unwrap_or(D_LINE_NM);
+        let (mut system, film_z_mm) = focused(d, &prescription, &settings, line)?;
         if let Some(mask) = &d.aperture_mask {
             system = system.with_aperture_mask(mask.clone(), d.blade_rotation_rad).map_err(wrong)?;
         }
-        let line = d.wavelength_nm.unwrap_or(D_LINE_NM);
-        let film_z_mm = film_z(d, &system, line)?;
         // The lens moved to the right is the film moved to the left.
         let shift_mm = d.shift_mm.map(|s| -s);
         let curvature_per_mm = system.film_radius_mm().map_or(0.0, f64::recip);
@@ -160,9 +165,33 @@ impl Setup {
             viewport_focal_length_mm,
             viewport_shift: d.shift_mm.map(|s| s / picture_width_mm.max(picture_height_mm)),
             entrance_pupil_diameter_mm: paraxial.entrance_pupil.diameter_mm,
+            zoom_range_mm: prescription.moving.as_ref().and_then(MovingGaps::zoom_range_mm),
+            focuses_inside: prescription.moving.as_ref().is_some_and(MovingGaps::focuses),
         };
         Ok(Self { info, system, film, origin_z_mm })
     }
+}
+
+/// The lens, and where the film's middle is to stand, lens space. Groups that focus move instead of the film, but where
+/// its place was asked for.
+fn focused(
+    d: &CameraDescription,
+    prescription: &Prescription,
+    settings: &SystemSettings,
+    line_nm: f64,
+) -> Result<(System, f64), CameraError> {
+    let system_error = |source| CameraError::System { lens: prescription.name.clone(), source };
+    if d.film_distance_mm.is_none() && prescription.moving.as_ref().is_some_and(MovingGaps::focuses) {
+        let (focusing, distance_mm) = d.focus_request()?;
+        let done = focusing.by_groups(prescription, settings, line_nm, distance_mm).map_err(|error| match error {
+            GroupsError::System(source) => system_error(source),
+            GroupsError::Focus(source) => CameraError::Focus { camera: d.object_name.clone(), source },
+        })?;
+        return Ok((done.system, done.film_z_mm));
+    }
+    let system = System::new(prescription, settings).map_err(system_error)?;
+    let film_z_mm = film_z(d, &system, line_nm)?;
+    Ok((system, film_z_mm))
 }
 
 /// Where the film's middle is to stand, lens space.
@@ -174,10 +203,18 @@ fn film_z(d: &CameraDescription, system: &System, line_nm: f64) -> Result<f64, C
         }
         return Ok(system.last_vertex_z_mm() + distance);
     }
-    let distance_mm = d.focus_depth()?.map_or(f64::INFINITY, |units| units * d.scale_mm_per_unit.z);
-    // A point of the world is to be sharp, whichever relation numbers follow.
-    let relation = if d.focus_point_world.is_some() { Relation::Exact } else { d.focusing.relation };
-    Focusing { relation, ..d.focusing }.film_z_mm(system, line_nm, distance_mm).map_err(wrong)
+    let (focusing, distance_mm) = d.focus_request()?;
+    focusing.film_z_mm(system, line_nm, distance_mm).map_err(wrong)
+}
+
+impl CameraDescription {
+    /// What distance is to be sharp, mm, and how it is meant.
+    fn focus_request(&self) -> Result<(Focusing, f64), CameraError> {
+        let distance_mm = self.focus_depth()?.map_or(f64::INFINITY, |units| units * self.scale_mm_per_unit.z);
+        // A point of the world is to be sharp, whichever relation numbers follow.
+        let relation = if self.focus_point_world.is_some() { Relation::Exact } else { self.focusing.relation };
+        Ok((Focusing { relation, ..self.focusing }, distance_mm))
+    }
 }
 
 /// Rays from film points through the middle of the exit pupil.
