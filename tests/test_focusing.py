@@ -84,7 +84,8 @@ def test_a_zoom_focuses_by_its_groups(focus):
     zoom = ROOT / "lenses/zoom-nikon-57-143-f2.8.lens"
     far = native.camera(zoom, focal_length_mm=100.0, focus_distance=None, wavelength_nm=587.56)
     far = native.info(far, 48, 32)
-    assert found["film_distance_mm"] == pytest.approx(far["film_distance_mm"], abs=1e-9)
+    # Blender keeps the wavelength in single precision.
+    assert found["film_distance_mm"] == pytest.approx(far["film_distance_mm"], abs=1e-6)
     assert far["zoom_range_mm"] == [57.21, 143.08] and far["focuses_inside"]
     for options, word in ((("--focal-length", 200), "57.2 to 143.1"), (("--focus-distance", 0.5), "too close")):
         done, _ = focus(*lens, *options)
