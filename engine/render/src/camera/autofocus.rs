@@ -1,6 +1,7 @@
 //! Focus found instead of set: on what a point of the picture sees, or on three points of the world at once.
 
-use super::real_lens::{D_LINE_NM, Mount};
+use super::mount::Mount;
+use super::setup::D_LINE_NM;
 use super::{CameraDescription, CameraError, Model};
 use crate::accel::Ray;
 use glam::{DVec3, Vec2};
