@@ -11,35 +11,35 @@ use std::sync::Arc;
 const SIZE: [u32; 2] = [96, 64];
 /// Of a block whose mean is compared.
 const BLOCK: usize = 16;
+/// A pixel's, for each seed.
+const SAMPLES: u32 = 4;
 const ALL: [Pipeline; 3] = [Pipeline::FilmFirst, Pipeline::SceneFirst, Pipeline::Hero];
 
 /// A glowing grey world, with glowing triangles of several colours before and behind the plane of focus.
-fn stage(triangles: bool) -> Arc<Stage> {
+fn stage() -> Arc<Stage> {
     let mut builder = SceneBuilder::new();
-    if triangles {
-        let glow = |r, g, b| crate::scene::material::Material {
-            emission_color: crate::scene::material::Input::Constant(Rgb::new(r, g, b)),
-            emission_strength: 1.0,
-            base_color: crate::scene::material::Input::Constant(Rgb::ZERO),
-            specular: false,
-            ..crate::scene::material::Material::default_grey()
-        };
-        let triangle = MeshDescription {
-            name: "triangle".into(),
-            positions: vec![Vec3::new(-1.0, -1.0, 0.0), Vec3::new(1.0, -1.0, 0.0), Vec3::new(0.0, 1.0, 0.0)],
-            triangles: vec![[0, 1, 2]],
-            ..Default::default()
-        };
-        let mesh = builder.add_mesh(triangle).unwrap();
-        let colours = [glow(2.0, 2.0, 2.0), glow(3.0, 0.2, 0.1), glow(0.1, 2.0, 0.3), glow(0.2, 0.3, 4.0)];
-        let materials = colours.map(|m| builder.add_material(m).unwrap());
-        for i in 0..24 {
-            let (x, y) = ((f64::from(i) * 0.618).fract() - 0.5, (f64::from(i) * 0.755).fract() - 0.5);
-            let z = -1.0 - 5.0 * (f64::from(i) * 0.57).fract();
-            let place = DMat4::from_translation(DVec3::new(4.0 * x * -z / 2.0, 3.0 * y * -z / 2.0, z));
-            let m = materials[i as usize % 4];
-            builder.add_instance("t", mesh, place * DMat4::from_scale(DVec3::splat(0.25)), &[m], true, true).unwrap();
-        }
+    let glow = |r, g, b| crate::scene::material::Material {
+        emission_color: crate::scene::material::Input::Constant(Rgb::new(r, g, b)),
+        emission_strength: 1.0,
+        base_color: crate::scene::material::Input::Constant(Rgb::ZERO),
+        specular: false,
+        ..crate::scene::material::Material::default_grey()
+    };
+    let triangle = MeshDescription {
+        name: "triangle".into(),
+        positions: vec![Vec3::new(-1.0, -1.0, 0.0), Vec3::new(1.0, -1.0, 0.0), Vec3::new(0.0, 1.0, 0.0)],
+        triangles: vec![[0, 1, 2]],
+        ..Default::default()
+    };
+    let mesh = builder.add_mesh(triangle).unwrap();
+    let colours = [glow(2.0, 2.0, 2.0), glow(3.0, 0.2, 0.1), glow(0.1, 2.0, 0.3), glow(0.2, 0.3, 4.0)];
+    let materials = colours.map(|m| builder.add_material(m).unwrap());
+    for i in 0..24 {
+        let (x, y) = ((f64::from(i) * 0.618).fract() - 0.5, (f64::from(i) * 0.755).fract() - 0.5);
+        let z = -1.0 - 5.0 * (f64::from(i) * 0.57).fract();
+        let place = DMat4::from_translation(DVec3::new(4.0 * x * -z / 2.0, 3.0 * y * -z / 2.0, z));
+        let m = materials[i as usize % 4];
+        builder.add_instance("t", mesh, place * DMat4::from_scale(DVec3::splat(0.25)), &[m], true, true).unwrap();
     }
     builder.set_world(World { color: Rgb::splat(0.5), ..Default::default() }).unwrap();
     Arc::new(Stage::new(builder.build(DVec3::ZERO)))
@@ -107,15 +107,16 @@ fn camera(file: &str, width_mm: f64, tilt_rad: f64) -> Camera {
     Camera::new(&d, width, height).unwrap()
 }
 
-/// Block by block within the noise, which is measured: by the spread over independent seeds.
+/// Block by block within the noise, which is measured: by the spread over independent seeds. A block's noise is about 1 %, that of
+/// all blocks together 0.2 %: the bias that fails is some 0.5 % of the light, or a few blocks that are wrong by 5 %.
 #[test]
 fn all_pipelines_take_the_same_picture() {
-    let stage = stage(true);
+    let stage = stage();
     for (file, width_mm, tilt_rad) in LENSES {
         let mut results = Vec::new();
         for pipeline in ALL {
             let seeds: Vec<Vec<[f64; 3]>> = (0..6)
-                .map(|seed| blocks(&render(&stage, camera(file, width_mm, tilt_rad), pipeline, 16, 10 + seed).0))
+                .map(|seed| blocks(&render(&stage, camera(file, width_mm, tilt_rad), pipeline, SAMPLES, 10 + seed).0))
                 .collect();
             let n = seeds.len() as f64;
             let count = seeds[0].len();
@@ -141,56 +142,10 @@ fn all_pipelines_take_the_same_picture() {
     }
 }
 
-/// A uniform world shows neither ripples, nor tiles, nor the pixel grid, wherever light is splatted: through a sharp lens, a
-/// single glass that blurs over many pixels, and a fisheye. An energy test alone would miss all that.
-#[test]
-fn an_even_field_is_flat() {
-    let stage = stage(false);
-    let [width, height] = SIZE.map(|n| n as usize);
-    for (file, film_mm, pipeline) in [
-        ("double-gauss-f1.35.lens", 20.0, Pipeline::Hero),
-        ("double-gauss-f1.35.lens", 20.0, Pipeline::SceneFirst),
-        ("biconvex-50mm.lens", 20.0, Pipeline::Hero),
-        ("biconvex-50mm.lens", 20.0, Pipeline::SceneFirst),
-        ("laikin-fisheye-170.lens", 8.0, Pipeline::SceneFirst),
-    ] {
-        let seeds: Vec<Vec<f64>> = (0..10)
-            .map(|seed| render(&stage, camera(file, film_mm, 0.0), pipeline, 16, seed).0)
-            .map(|pixels| pixels.iter().map(|p| f64::from(p[1])).collect())
-            .collect();
-        let n = seeds.len() as f64;
-        let mean: Vec<f64> = (0..width * height).map(|i| seeds.iter().map(|s| s[i]).sum::<f64>() / n).collect();
-        let error2 = |i: usize| seeds.iter().map(|s| (s[i] - mean[i]).powi(2)).sum::<f64>() / (n * (n - 1.0));
-        // Vignetting is smooth: what a pixel differs from the mean of the square about it.
-        let reach = 4;
-        let (mut chi2, mut count) = (0.0, 0.0);
-        let (mut edges, mut edges_error2) = (0.0, 0.0);
-        for y in reach..height - reach {
-            for x in reach..width - reach {
-                let square = (y - reach..=y + reach).flat_map(|j| (x - reach..=x + reach).map(move |i| j * width + i));
-                let about = square.map(|i| mean[i]).sum::<f64>() / ((2 * reach + 1) as f64).powi(2);
-                let (i, difference) = (y * width + x, mean[y * width + x] - about);
-                chi2 += difference * difference / (error2(i) + 1e-12);
-                count += 1.0;
-                if x % 32 == 0 || x % 32 == 31 || y % 32 == 0 || y % 32 == 31 {
-                    edges += difference;
-                    edges_error2 += error2(i);
-                }
-            }
-        }
-        let chi2 = chi2 / count;
-        // Ten seeds know their spread roughly: the mean of the squares of Student's t is 9 / 7.
-        assert!((1.0..1.5).contains(&chi2), "{file} {pipeline:?}: {chi2}");
-        let edges = edges / edges_error2.sqrt();
-        // Pixels share light with their neighbours: a little wider than normal.
-        assert!(edges.abs() < 4.5, "{file} {pipeline:?}: {edges} sigma at the edges of tiles");
-    }
-}
-
 /// All of them, also where light lands in any order.
 #[test]
 fn the_same_bits_for_any_number_of_threads() {
-    let stage = stage(true);
+    let stage = stage();
     for pipeline in [Pipeline::Hero, Pipeline::SceneFirst] {
         // A glass so unsharp that light lands beyond what a tile keeps.
         let one = |threads: usize| {

@@ -60,10 +60,9 @@ fn points_out_of_focus_have_the_shapes_of_exact_rays() {
         let in_one = case.camera();
         let list = case.lamps(&in_one);
         let stage = lamps(&list);
-        for (d, pipelines) in [
-            (in_three(&in_one), &[Pipeline::Hero][..]),
-            (in_one, &[Pipeline::FilmFirst, Pipeline::SceneFirst]),
-        ] {
+        for (d, pipelines) in
+            [(in_three(&in_one), &[Pipeline::Hero][..]), (in_one, &[Pipeline::FilmFirst, Pipeline::SceneFirst])]
+        {
             let exact = Exact::new(&d, PIXELS);
             let truths: Vec<_> = list.iter().map(|lamp| exact.picture_of(lamp, RAYS)).collect();
             for &pipeline in pipelines {

@@ -62,7 +62,8 @@ impl Counter {
         let mut bounds = [DVec2::splat(-1.3 * self.rear_radius_mm), DVec2::splat(1.3 * self.rear_radius_mm)];
         for side in [SEARCH, SEARCH, COUNT] {
             let size = bounds[1] - bounds[0];
-            let place = |i: i32, j: i32| bounds[0] + size * (DVec2::new(f64::from(i), f64::from(j)) + 0.5) / f64::from(side);
+            let place =
+                |i: i32, j: i32| bounds[0] + size * (DVec2::new(f64::from(i), f64::from(j)) + 0.5) / f64::from(side);
             let (mut sum, mut low, mut high) = (0.0, DVec2::INFINITY, DVec2::NEG_INFINITY);
             for (i, j) in (0..side).flat_map(|i| (0..side).map(move |j| (i, j))) {
                 let at = place(i, j);
@@ -191,7 +192,10 @@ fn pictures_of_a_white_world_fall_off_as_counted() {
                 let noise = error2.sqrt() / expected;
                 println!("{name} {pipeline:?} {x} {y}: {expected:.4} {:+.4} ± {noise:.4}", found / expected - 1.0);
                 // Half a per cent, and the noise.
-                assert!((found / expected - 1.0).abs() < 5e-3 + 3.0 * noise, "{name} {pipeline:?} {x} {y}: {found} {expected}");
+                assert!(
+                    (found / expected - 1.0).abs() < 5e-3 + 3.0 * noise,
+                    "{name} {pipeline:?} {x} {y}: {found} {expected}"
+                );
                 assert!(noise < 8e-3, "{name} {pipeline:?}: {noise}");
             }
         }

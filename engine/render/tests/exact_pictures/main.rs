@@ -4,6 +4,7 @@
 mod bokeh;
 mod colour;
 mod exact;
+mod flat;
 mod hinge;
 mod illumination;
 mod noise;
