@@ -90,7 +90,7 @@ fn blocks(pixels: &[[f32; 4]]) -> Vec<[f64; 3]> {
 const LENSES: [(&str, f64, f64); 7] = [
     ("wide-angle-smith-f3.4.lens", 60.0, 0.0),
     ("double-gauss-f1.35.lens", 36.0, 0.0),
-    ("laikin-fisheye-170.lens", 24.0, 0.0),
+    ("laikin-fisheye-170.lens", 11.0, 0.0),
     ("reflex-nikkor-500-f8.lens", 36.0, 0.0),
     ("eye-navarro.lens", 12.0, 0.0),
     ("anamorphic-2x-double-gauss.lens", 22.0, 0.0),
