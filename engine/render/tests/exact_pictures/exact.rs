@@ -1,8 +1,9 @@
-//! The picture of a lamp by exact rays: from places all over the lamp to places all over the front of the lens, each ray
-//! followed to the film and counted in the pixel where it arrives. It knows no pupil map, no camera and no pipeline.
+//! The picture of a lamp by exact rays: from places all over the lamp to places all over the front of the lens, each
+//! ray followed to the film and counted in the pixel where it arrives. It knows no pupil map, no camera and no
+//! pipeline.
 //!
-//! Light is flux: a ray stands for its part of the lamp's area, times the cosine there, times its solid angle. A pixel's value is
-//! its flux over its area, over what the middle of the film gets from a world of radiance one.
+//! Light is flux: a ray stands for its part of the lamp's area, times the cosine there, times its solid angle. A
+//! pixel's value is its flux over its area, over what the middle of the film gets from a world of radiance one.
 
 use crate::studio::{D_LINE_NM, Lamp};
 use glam::{DVec2, DVec3};
@@ -119,8 +120,8 @@ impl Exact {
         at * self.mm_per_unit + DVec3::new(0.0, 0.0, self.pupil_z_mm)
     }
 
-    /// Where a ray behind the lens arrives: pixels from the lower left corner of the picture, which is the film turned by
-    /// half a turn.
+    /// Where a ray behind the lens arrives: pixels from the lower left corner of the picture, which is the film turned
+    /// by half a turn.
     fn arrive(&self, ray: &Ray) -> Option<DVec2> {
         let at = DVec2::from(self.film.frame().meet(ray)?);
         Some((DVec2::splat(0.5) - at / self.picture_mm) * self.pixels_f64())

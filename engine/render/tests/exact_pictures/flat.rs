@@ -121,8 +121,8 @@ struct Scores {
     edges: f64,
 }
 
-/// Sharp lenses, glasses that blur over many pixels or spread each wavelength elsewhere, a fisheye, a turned film, a retina;
-/// pictures of whole tiles, and of tiles cut to a few pixels; filters narrow and wide.
+/// Sharp lenses, glasses that blur over many pixels or spread each wavelength elsewhere, a fisheye, a turned film, a
+/// retina; pictures of whole tiles, and of tiles cut to a few pixels; filters narrow and wide.
 #[test]
 fn a_uniform_world_is_flat() {
     let stage = white_world();

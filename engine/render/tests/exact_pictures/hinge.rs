@@ -13,8 +13,8 @@ const PIXELS: [u32; 2] = [96, 64];
 
 /// The plane of sharp focus, camera space in Blender units: a point and a normal.
 ///
-/// It goes through the hinge, the line in which the object focal plane meets the plane parallel to the film through the object
-/// principal point (Merklinger 1992), and through the point of the axis that is focused on.
+/// It goes through the hinge, the line in which the object focal plane meets the plane parallel to the film through the
+/// object principal point (Merklinger 1992), and through the point of the axis that is focused on.
 fn hinge_plane(exact: &Exact, d: &CameraDescription) -> [DVec3; 2] {
     let info = Paraxial::new(&exact.system, d.wavelength_nm.unwrap());
     let distance_mm = 1000.0 * d.focus_distance.unwrap();
@@ -64,8 +64,8 @@ fn lamps_on_the_hinges_plane_are_sharp_in_the_picture() {
         let exact = Exact::new(&d, PIXELS);
         let [axis, normal] = hinge_plane(&exact, &d);
         let info = lens_info(&d, PIXELS[0], PIXELS[1]).unwrap();
-        // Along the ways of four picture points, as a pinhole sees them: lamps on the plane, and where it would be for the
-        // opposite turn.
+        // Along the ways of four picture points, as a pinhole sees them: lamps on the plane, and where it would be for
+        // the opposite turn.
         let ways = [[0.22, 0.3], [-0.22, 0.3], [0.22, -0.3], [-0.22, -0.3]].map(|[x, y]| {
             let film = DVec2::new(x * info.picture_width_mm, y * info.picture_height_mm);
             (film / info.viewport_focal_length_mm).extend(-1.0)
@@ -77,7 +77,7 @@ fn lamps_on_the_hinges_plane_are_sharp_in_the_picture() {
             let half_side = info.picture_width_mm / f64::from(PIXELS[0]) / info.viewport_focal_length_mm * depth;
             Lamp { at: way * depth, half_side }
         };
-        let e = Exposure { pixels: PIXELS, pipeline: Pipeline::FilmFirst, samples: 32 };
+        let e = Exposure { pixels: PIXELS, pipeline: Pipeline::FilmFirst, samples: 20 };
         let measure = |normal: DVec3| {
             let list = ways.map(|way| lamp(way, normal));
             let found = photographs(&lamps(&list), &d, &e);
@@ -88,8 +88,8 @@ fn lamps_on_the_hinges_plane_are_sharp_in_the_picture() {
         };
         let (sharp, blurred) = (measure(normal), measure(opposite));
         println!("{:?}: {sharp:.2?} {blurred:.2?}", d.lens_path.file_stem());
-        // A square of two pixels has a spread of 0.82, its pixels of 0.41: a sharp one 0.92, a little more where it looks larger or
-        // the lens is not perfect.
+        // A square of two pixels has a spread of 0.82, its pixels of 0.41: a sharp one 0.92, a little more where it
+        // looks larger or the lens is not perfect.
         for [found, exact] in sharp {
             assert!(found < 1.5, "{:?}: {sharp:?}", d.lens_path);
             assert!((found - exact.hypot(0.41)).abs() < 0.15, "{:?}: {sharp:?}", d.lens_path);

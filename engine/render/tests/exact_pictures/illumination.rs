@@ -1,5 +1,5 @@
-//! How bright a uniform world is from the middle of the film to its corner: closed forms where there are some, else exact rays
-//! counted.
+//! How bright a uniform world is from the middle of the film to its corner: closed forms where there are some, else
+//! exact rays counted.
 
 use crate::noise::photographs;
 use crate::studio::{D_LINE_NM, Exposure, in_three, lens, white_world};
@@ -92,8 +92,8 @@ fn by_camera(camera: &Camera, p: Vec2) -> f64 {
     (0..n).map(|i| white(point(i))).sum::<f64>() / f64::from(n)
 }
 
-/// A lens whose stop stands behind it in air: the film sees a lit disc and nothing else. Its light at the height h is known
-/// (the view factor of a disc), and falls off as cos⁴ where the disc is small.
+/// A lens whose stop stands behind it in air: the film sees a lit disc and nothing else. Its light at the height h is
+/// known (the view factor of a disc), and falls off as cos⁴ where the disc is small.
 #[test]
 fn behind_a_rear_stop_light_falls_off_by_the_closed_form() {
     let text = "#radius thickness glass diameter conic isstop\n\
@@ -124,8 +124,8 @@ fn behind_a_rear_stop_light_falls_off_by_the_closed_form() {
     }
 }
 
-/// From the middle to the corner, for a wide angle, telephoto, double Gauss, fisheye, mirror lens, a retina and a film that is
-/// turned.
+/// From the middle to the corner, for a wide angle, telephoto, double Gauss, fisheye, mirror lens, a retina and a film
+/// that is turned.
 #[test]
 fn vignetting_is_that_of_counted_rays() {
     let film = |name: &str, width: f64, f_number: Option<f64>| CameraDescription {
@@ -181,9 +181,9 @@ fn pictures_of_a_white_world_fall_off_as_counted() {
             points.map(light).iter().sum::<f64>() / 4.0 / axis
         });
         for (pipeline, d, samples) in [
-            (Pipeline::FilmFirst, d.clone(), 1024),
-            (Pipeline::SceneFirst, d.clone(), 8192),
-            (Pipeline::Hero, in_three(&d), 1024),
+            (Pipeline::FilmFirst, d.clone(), 512),
+            (Pipeline::SceneFirst, d.clone(), 6144),
+            (Pipeline::Hero, in_three(&d), 512),
         ] {
             let mean = photographs(&stage, &d, &Exposure { pixels: PIXELS, pipeline, samples });
             for ([x, y], expected) in places.into_iter().zip(expected) {
@@ -196,7 +196,7 @@ fn pictures_of_a_white_world_fall_off_as_counted() {
                     (found / expected - 1.0).abs() < 5e-3 + 3.0 * noise,
                     "{name} {pipeline:?} {x} {y}: {found} {expected}"
                 );
-                assert!(noise < 8e-3, "{name} {pipeline:?}: {noise}");
+                assert!(noise < 1e-2, "{name} {pipeline:?}: {noise}");
             }
         }
     }

@@ -81,8 +81,8 @@ impl Mean {
                 compared.push(Pixel { truth: truth_value, truth_error2, value, error2 });
             }
         }
-        // Few hits tell a pixel's own variance badly. It is in proportion to that of the truth, whose rays weigh as much as the
-        // camera's; all pixels together tell by what factor.
+        // Few hits tell a pixel's own variance badly. It is in proportion to that of the truth, whose rays weigh as
+        // much as the camera's; all pixels together tell by what factor.
         let sum = |of: fn(&Pixel) -> f64| compared.iter().map(of).sum::<f64>();
         let factor = sum(|p| p.error2) / sum(|p| p.truth_error2);
         let score2 = |p: &Pixel| (p.value - p.truth).powi(2) / ((factor + 1.0) * p.truth_error2);
@@ -100,8 +100,8 @@ impl Mean {
 }
 
 impl Fit {
-    /// The standard deviation of chi2 is the root of 2 / pixels, 0.1 to 0.2. The light's own noise is known roughly; the
-    /// truth's is 0.2 %.
+    /// The standard deviation of chi2 is the root of 2 / pixels, 0.1 to 0.2. The light's own noise is known roughly;
+    /// the truth's is 0.2 %.
     fn is_good(&self) -> bool {
         self.pixels >= 12
             && self.chi2 < 1.0 + 5.0 * (2.0 / self.pixels as f64).sqrt()

@@ -36,7 +36,8 @@ fn close_up(d: &CameraDescription, field_deg: f64) -> (CameraDescription, Lamp) 
 
 #[test]
 fn spots_of_far_points_have_the_shapes_of_exact_rays() {
-    // Coma and astigmatism; spherical aberration and field curvature; a spot cut by rims; a mirror lens's coma; a retina.
+    // Coma and astigmatism; spherical aberration and field curvature; a spot cut by rims; a mirror lens's coma; a
+    // retina.
     let cases = [
         ("wide-angle-smith-f3.4", 22.0),
         ("biconvex-50mm", 5.0),

@@ -15,8 +15,8 @@ use std::time::Duration;
 /// Yellow helium line, nm.
 pub(crate) const D_LINE_NM: f64 = 587.5618;
 
-/// A lens of the cabinet at the origin, looking along -z, wide open and focused at infinity, before a film of 36 x 24 mm, in
-/// the light of the d line.
+/// A lens of the cabinet at the origin, looking along -z, wide open and focused at infinity, before a film of 36 x 24
+/// mm, in the light of the d line.
 pub(crate) fn lens(name: &str) -> CameraDescription {
     CameraDescription {
         object_name: "Camera".into(),
