@@ -20,11 +20,18 @@ _REMEMBERED = 64
 _answers: dict[tuple, dict[str, Any]] = {}
 
 
-def of_camera(camera: bpy.types.Object, scene: bpy.types.Scene) -> dict[str, Any]:
-    """The engine's `camera_info_json` as a dictionary; where there is none, only `error`, one line."""
+def of_camera(
+    camera: bpy.types.Object, scene: bpy.types.Scene, film_distance_mm: float | None = None
+) -> dict[str, Any]:
+    """The engine's `camera_info_json` as a dictionary; where there is none, only `error`, one line.
+
+    `film_distance_mm` stands instead of the camera's own focus: that which autofocus has found.
+    """
     width, height = camera_export.resolution(scene.render)
     try:
         description = camera_export.describe(camera, scene, width, height, Report())
+        if film_distance_mm is not None:
+            description.film_distance_mm = film_distance_mm
         return _ask(description, width, height)
     except (ExportError, EngineMissing) as error:
         return {"error": str(error)}

@@ -23,8 +23,9 @@ MODELS = (
     ("LENS", "Lens", "A real lens: every ray is traced through its surfaces", "", 0),
     (
         "IMAGE_BASED",
-        "Image-based (Heidrich 1997)",
-        "The lens as a table of its rays at one wavelength: all that it does but colour, at the same cost for any lens",
+        "Image-Based",
+        "The lens as a table of its rays at one wavelength (Heidrich 1997): all that it does but colour, at the same cost "
+        "for any lens",
         "",
         5,
     ),
@@ -109,6 +110,10 @@ PIPELINES = (
 
 def _changed(settings: PetzvalCamera, context: bpy.types.Context) -> None:
     viewport_camera.lens_changed(settings.id_data, context.scene)
+
+
+def _is_not_the_camera(settings: PetzvalCamera, chosen: bpy.types.Object) -> bool:
+    return chosen.data is None or chosen.data != settings.id_data
 
 
 class PetzvalCamera(bpy.types.PropertyGroup):
@@ -213,6 +218,24 @@ class PetzvalCamera(bpy.types.PropertyGroup):
         step=5,
         precision=3,
     )
+    sharp_object_1: PointerProperty(
+        name="Object 1",
+        description="The first of three objects whose origins the film can be turned to have sharp",
+        type=bpy.types.Object,
+        poll=_is_not_the_camera,
+    )
+    sharp_object_2: PointerProperty(
+        name="Object 2",
+        description="The second of three objects whose origins the film can be turned to have sharp",
+        type=bpy.types.Object,
+        poll=_is_not_the_camera,
+    )
+    sharp_object_3: PointerProperty(
+        name="Object 3",
+        description="The third of three objects whose origins the film can be turned to have sharp",
+        type=bpy.types.Object,
+        poll=_is_not_the_camera,
+    )
     film_distance: FloatProperty(
         name="Film Distance",
         description="From the last vertex of the lens to the middle of the film. Negative behind an odd number of mirrors",
@@ -298,7 +321,7 @@ class PetzvalCamera(bpy.types.PropertyGroup):
         update=_changed,
     )
     scale_from_scene: BoolProperty(
-        name="Scale of the Scene",
+        name="From the Scene",
         description="The lens has its true size: 1000 millimetres to a metre, by the scene's unit scale",
         default=True,
         update=_changed,
@@ -323,13 +346,14 @@ class PetzvalCamera(bpy.types.PropertyGroup):
         name="Spectrum", description="The wavelengths in which the picture is taken", items=SPECTRA, update=_changed
     )
     wavelength: FloatProperty(
-        name="Wavelength (nm)",
-        description="Nanometres; the picture's colours stay as they are",
+        name="Wavelength",
+        description="The one wavelength in which the lens is traced; the picture's colours stay as they are",
         default=587.5618,
         min=380.0,
         max=780.0,
         step=100,
         precision=1,
+        subtype="WAVELENGTH",
         update=_changed,
     )
     physical_exposure: BoolProperty(
