@@ -40,7 +40,8 @@ _REMEMBERED = 16
 class Finding:
     """What was found for a camera, and whether the scene is still as it was then."""
 
-    #: The engine's `autofocus_by_json`, and `object_name` of what was met; where it fails only `error`, one line.
+    #: The engine's `autofocus_by_json`, with what was met: `object_name`, and `subject_mm` from the camera along its axis.
+    #: Where it fails only `error`, one line.
     answer: dict[str, Any]
     is_current: bool
 
@@ -87,7 +88,11 @@ def find(holder: bpy.types.Object, scene: bpy.types.Scene, depsgraph: bpy.types.
         answer = json.loads(native.autofocus_by_json(camera, width, height, point, distance_to))
     except native.PetzvalError as error:
         return {"error": " ".join(str(error).split())}
-    return answer | {"object_name": met[0] if met else ""}
+    subject = answer["subject_world"]
+    if subject is None:
+        return answer | {"object_name": "", "subject_mm": None}
+    along = (holder.matrix_world.inverted_safe() @ Vector(subject)).z * holder.matrix_world.to_scale().z
+    return answer | {"object_name": met[0], "subject_mm": -along * camera.scale_mm_per_unit[2]}
 
 
 def _nearest(

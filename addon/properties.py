@@ -352,7 +352,7 @@ class PetzvalCamera(bpy.types.PropertyGroup):
         min=380.0,
         max=780.0,
         step=100,
-        precision=1,
+        precision=5,
         subtype="WAVELENGTH",
         update=_changed,
     )

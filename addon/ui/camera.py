@@ -109,10 +109,13 @@ class PETZVAL_CAMERA_PT_film(LensPart, bpy.types.Panel):
         column = layout.column(align=True)
         if settings.film_mode == "SIZE":
             film = film_formats.of_size(settings.film_width, settings.film_height)
-            row = column.split(factor=0.4)
+            # As a property's row is split, with room for the dot of its keyframes.
+            line = column.row(align=True)
+            row = line.split(factor=0.4, align=True)
             row.alignment = "RIGHT"
             row.label(text="Format")
             row.operator_menu_enum("petzval.choose_film", "film", text=film.title if film else "Choose")
+            line.label(icon="BLANK1")
             column.prop(settings, "film_width")
             column.prop(settings, "film_height")
         else:

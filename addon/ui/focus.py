@@ -8,7 +8,7 @@ import bpy
 from .. import autofocus, viewport_camera
 from ..description import OF_LENS_FILE
 from ..focus_operators import SHARP_OBJECTS
-from .camera_parts import AperturePart, LensPart, complain, fact, length_text
+from .camera_parts import AperturePart, LensPart, complain, fact, focus_text
 from .mixin import columns
 
 
@@ -61,17 +61,12 @@ def _autofocus(context, layout) -> None:
     elif "error" in found.answer:
         complain(context, facts, found.answer["error"])
     else:
-        fact(facts, "Finds", _subject(found.answer))
+        fact(facts, "Finds", found.answer["object_name"] or "nothing")
+        fact(facts, "At", focus_text(found.answer["subject_mm"]))
+        # By exact rays: aberrations move the sharpest film from where first order has it.
+        fact(facts, "As Focus Distance", focus_text(found.answer["focus_scale_mm"]))
         fact(facts, "Spot", f"{found.answer['rms_spot_mm']:.3f} mm")
     layout.operator("petzval.focus_here")
-
-
-def _subject(found: dict) -> str:
-    distance_mm = found["focus_scale_mm"]
-    if found["subject_world"] is None or distance_mm is None:
-        return "nothing: infinity"
-    distance = length_text(distance_mm) if distance_mm > 0.0 else "beyond infinity"
-    return f"{found['object_name']}, {distance}"
 
 
 class PETZVAL_CAMERA_PT_sharp(LensPart, bpy.types.Panel):

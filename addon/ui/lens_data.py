@@ -8,7 +8,7 @@ from math import degrees
 import bpy
 
 from .. import autofocus, lens_info, viewport_camera
-from .camera_parts import LensPart, complain, fact, length_text, lines_of
+from .camera_parts import LensPart, complain, fact, focus_text, lines_of
 
 #: Rows that the focus decides.
 _OF_FOCUS = {"Film Distance", "Focused At", "Magnification"}
@@ -58,16 +58,9 @@ def _facts(info: dict) -> list[tuple[str, str]]:
         ("F-Number", f"f/{info['f_number']:.2f}" + (", its widest" if info["f_number_was_clamped"] else "")),
         ("Widest", f"f/{info['widest_f_number']:.2f}"),
         ("Film Distance", number("film_distance_mm", "{:.3f} mm")),
-        ("Focused At", _focus(info["focus_scale_mm"])),
+        ("Focused At", focus_text(info["focus_scale_mm"])),
         ("Magnification", number("magnification", "{:.4f}")),
         ("Field of View", f"{angle('fov_horizontal_rad')} x {angle('fov_vertical_rad')}"),
         ("Diagonal", angle("fov_diagonal_rad")),
         ("Picture", f"{info['picture_width_mm']:.2f} x {info['picture_height_mm']:.2f} mm"),
     ]
-
-
-def _focus(distance_mm: float | None) -> str:
-    if distance_mm is None:
-        return "infinity"
-    # The film stands before the focal plane.
-    return length_text(distance_mm) if distance_mm > 0.0 else "beyond infinity"
