@@ -114,6 +114,9 @@ def _nearest(
 def for_panel(holder: bpy.types.Object, scene: bpy.types.Scene, view_layer: bpy.types.ViewLayer) -> Finding | None:
     """What is known of the camera; has it looked at soon where that is nothing or out of date."""
     kept = _kept.get(_key(holder, scene))
+    if bpy.app.is_job_running("RENDER"):
+        # As for the lens's data: nothing is asked meanwhile.
+        return None if kept is None else Finding(kept.answer, is_current=False)
     is_current = kept is not None and kept.revision == _lookout.revision and kept.asked == _asked(holder, scene)
     if not is_current:
         library = holder.library.filepath if holder.library else None

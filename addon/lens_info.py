@@ -18,6 +18,7 @@ from .native import EngineMissing, engine
 _REMEMBERED = 64
 
 _answers: dict[tuple, dict[str, Any]] = {}
+_shown: dict[tuple[str, str], dict[str, Any]] = {}
 
 
 def of_camera(
@@ -35,6 +36,22 @@ def of_camera(
         return _ask(description, width, height)
     except (ExportError, EngineMissing) as error:
         return {"error": str(error)}
+
+
+def for_panel(
+    camera: bpy.types.Object, scene: bpy.types.Scene, film_distance_mm: float | None = None
+) -> dict[str, Any]:
+    """`of_camera`; while a render runs, what was last shown.
+
+    Where a panel lets go of Python's lock, to look for a file or to ask the engine, and a render ends just then in its own
+    thread, Blender takes everybody's right to change the scene for good.
+    """
+    key = (scene.name, camera.name_full)
+    if key not in _shown or not bpy.app.is_job_running("RENDER"):
+        while len(_shown) >= _REMEMBERED:
+            del _shown[next(iter(_shown))]
+        _shown[key] = of_camera(camera, scene, film_distance_mm)
+    return _shown[key]
 
 
 def _ask(description: CameraDescription, width: int, height: int) -> dict[str, Any]:
@@ -57,3 +74,4 @@ def _ask(description: CameraDescription, width: int, height: int) -> dict[str, A
 def forget() -> None:
     """Drops what is remembered."""
     _answers.clear()
+    _shown.clear()

@@ -22,6 +22,7 @@ FOLDER, ADDON = Path(sys.argv[-2]), sys.argv[-1]
 LOOK_SECONDS = 0.01
 seen = {}
 progress = []
+drawn_s = {}
 
 
 def part(name):
@@ -41,12 +42,22 @@ def set_preferences():
 
 
 def open_panels():
-    """Every panel of the add-on unfolded."""
+    """Every panel of the add-on unfolded, and how long each takes to draw written down."""
     for module in (part("ui.camera"), part("ui.render")):
         module.unregister()
         for cls in module.CLASSES:
             cls.bl_options = set(getattr(cls, "bl_options", ())) - {"DEFAULT_CLOSED"}
+            cls.draw = timed(cls.bl_label, cls.draw)
         module.register()
+
+
+def timed(name, draw):
+    def drawing(self, context):
+        began = time.perf_counter()
+        draw(self, context)
+        drawn_s.setdefault(name, []).append(time.perf_counter() - began)
+
+    return drawing
 
 
 def make_scene():
@@ -165,6 +176,38 @@ def escape_after(seconds):
     )
 
 
+def focus_panel(own):
+    """The timer finds what autofocus would; three points turn the film, and undo turns it back."""
+    autofocus = part("autofocus")
+    autofocus.forget()
+    drawn_s.clear()
+    own.focus_mode = "AUTO"
+    context = bpy.context
+    asked = context.scene.camera, context.scene, context.view_layer
+    yield lambda: getattr(autofocus.for_panel(*asked), "is_current", False), 20.0
+    yield 1.0
+    seen["autofocus"] = autofocus.for_panel(*asked).answer
+    seen["drawn_s"] = drawn_s
+    picture("panel-autofocus")
+    own.focus_mode = "CAMERA"
+    balls = [one for one in bpy.context.scene.objects if one.type == "MESH" and one.location.z > 0.0]
+    own.sharp_object_1, own.sharp_object_2, own.sharp_object_3 = balls[0], balls[2], balls[3]
+    balls[2].location.z += 0.5
+    bpy.context.view_layer.update()
+    window = bpy.context.window_manager.windows[0]
+    with bpy.context.temp_override(window=window, screen=window.screen, area=areas("PROPERTIES")[0]):
+        bpy.ops.ed.undo_push(message="before")
+        bpy.ops.petzval.sharp_points("EXEC_DEFAULT", True)
+    yield 1.0
+    seen["turned"] = [own.tilt, own.swing, own.focus_mode]
+    picture("panel-sharp")
+    with bpy.context.temp_override(window=window, screen=window.screen, area=areas("PROPERTIES")[0]):
+        bpy.ops.ed.undo()
+    yield 0.5
+    own = bpy.context.scene.camera.data.petzval
+    seen["turned_back"] = [own.tilt, own.swing, own.focus_mode]
+
+
 def steps():
     """Yields after each step the seconds to wait, or a condition with the seconds that it may take."""
     make_scene()
@@ -191,6 +234,9 @@ def steps():
     yield 1.0
     picture("panel-missing")
     own.lens_file = "double-gauss-f2-tronnier.lens"
+    yield from focus_panel(own)
+    # Undo has made it anew.
+    own = bpy.context.scene.camera.data.petzval
 
     # To the end.
     scene = bpy.context.scene

@@ -25,7 +25,7 @@ class PETZVAL_CAMERA_PT_info(LensPart, bpy.types.Panel):
             return
         found = autofocus.for_panel(holder, context.scene, context.view_layer) if _looks(camera) else None
         film_distance_mm = None if found is None else found.answer.get("film_distance_mm")
-        info = lens_info.of_camera(holder, context.scene, film_distance_mm)
+        info = lens_info.for_panel(holder, context.scene, film_distance_mm)
         if "error" in info:
             complain(context, self.layout, info["error"])
             return
