@@ -17,6 +17,7 @@ import bpy
 from bpy.app.handlers import persistent
 from mathutils import Vector
 
+from . import redraw
 from .description import Report
 from .export import aperture_mask
 from .export import camera as camera_export
@@ -114,7 +115,7 @@ def _nearest(
 def for_panel(holder: bpy.types.Object, scene: bpy.types.Scene, view_layer: bpy.types.ViewLayer) -> Finding | None:
     """What is known of the camera; has it looked at soon where that is nothing or out of date."""
     kept = _kept.get(_key(holder, scene))
-    if bpy.app.is_job_running("RENDER"):
+    if redraw.is_rendering():
         # As for the lens's data: nothing is asked meanwhile.
         return None if kept is None else Finding(kept.answer, is_current=False)
     is_current = kept is not None and kept.revision == _lookout.revision and kept.asked == _asked(holder, scene)
@@ -167,10 +168,7 @@ def _look_at(scene_name: str, layer_name: str, holder_name: tuple[str, str | Non
         del _kept[next(iter(_kept))]
     _kept[_key(holder, scene)] = _Kept(find(holder, scene, depsgraph), _asked(holder, scene), _lookout.revision)
     _lookout.quiet_s = max(_QUIET_S, _QUIET_FOR_SLOW * (time.monotonic() - began))
-    for window in bpy.context.window_manager.windows:
-        for area in window.screen.areas:
-            if area.type == "PROPERTIES":
-                area.tag_redraw()
+    redraw.properties()
 
 
 @persistent

@@ -9,6 +9,7 @@ from typing import Any
 
 import bpy
 
+from . import redraw
 from .description import CameraDescription, Report
 from .export import camera as camera_export
 from .export.errors import ExportError
@@ -43,11 +44,12 @@ def for_panel(
 ) -> dict[str, Any]:
     """`of_camera`; while a render runs, what was last shown.
 
+    Blender keeps in one place, for all threads, whether Python may change the scene, and sets it back after each call.
     Where a panel lets go of Python's lock, to look for a file or to ask the engine, and a render ends just then in its own
-    thread, Blender takes everybody's right to change the scene for good.
+    thread, it can stay forbidden.
     """
     key = (scene.name, camera.name_full)
-    if key not in _shown or not bpy.app.is_job_running("RENDER"):
+    if key not in _shown or not redraw.is_rendering():
         while len(_shown) >= _REMEMBERED:
             del _shown[next(iter(_shown))]
         _shown[key] = of_camera(camera, scene, film_distance_mm)

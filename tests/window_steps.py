@@ -176,6 +176,28 @@ def escape_after(seconds):
     )
 
 
+def failing_render(info):
+    """A render without a lens: what Blender tells its user, as its Info editor lists it."""
+    yield writable, 10.0
+    bpy.context.scene.camera.data.petzval.lens_file = "no-such.lens"
+    try:
+        start_render()
+    except RuntimeError as error:
+        # Where Blender ends the operator at once, it tells its caller.
+        seen["error_told"] = str(error)
+    yield 2.0
+    picture("error")
+    seen["rendering_after_error"] = rendering()
+    info.type = "INFO"
+    yield 0.5
+    window = bpy.context.window_manager.windows[0]
+    with bpy.context.temp_override(window=window, screen=window.screen, area=info, region=info.regions[-1]):
+        info.spaces.active.show_report_error = True
+        bpy.ops.info.select_all(action="SELECT")
+        bpy.ops.info.report_copy()
+    seen["told"] = bpy.context.window_manager.clipboard
+
+
 def focus_panel(own):
     """The timer finds what autofocus would; three points turn the film, and undo turns it back."""
     autofocus = part("autofocus")
@@ -206,6 +228,8 @@ def focus_panel(own):
     yield 0.5
     own = bpy.context.scene.camera.data.petzval
     seen["turned_back"] = [own.tilt, own.swing, own.focus_mode]
+    # Back onto the floor for the render.
+    own.sharp_object_2.location.z -= 0.5
 
 
 def steps():
@@ -267,27 +291,12 @@ def steps():
     seen["stopped"] = part("statistics").last(scene.name).stopped
     seen["stopped_samples"] = part("statistics").last(scene.name).stats["samples"]
 
-    # What goes wrong is said.
-    yield writable, 10.0
-    own.lens_file = "no-such.lens"
-    try:
-        start_render()
-    except RuntimeError as error:
-        # Where Blender ends the operator at once, it tells its caller.
-        seen["error_told"] = str(error)
-    yield 2.0
-    picture("error")
-    seen["rendering_after_error"] = rendering()
-    # What Blender has told its user, as its Info editor lists it.
-    info = areas("PROPERTIES")[0]
-    info.type = "INFO"
-    yield 0.5
-    window = bpy.context.window_manager.windows[0]
-    with bpy.context.temp_override(window=window, screen=window.screen, area=info, region=info.regions[-1]):
-        info.spaces.active.show_report_error = True
-        bpy.ops.info.select_all(action="SELECT")
-        bpy.ops.info.report_copy()
-    seen["told"] = bpy.context.window_manager.clipboard
+    # What goes wrong is said. Blender itself loses a report that comes just when its operator ends: then once more.
+    info = areas("OUTLINER")[0]
+    for _ in range(3):
+        yield from failing_render(info)
+        if "no-such.lens" in seen["told"] + seen.get("error_told", ""):
+            break
 
 
 # Before the window is drawn for the first time: the splash would be there already.
