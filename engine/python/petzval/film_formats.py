@@ -6,8 +6,9 @@ roll film what the named camera leaves free, which differs by a millimetre or tw
 remains of the sheet in its holder, as lens makers count it for the diagonal that a lens has to cover; of sensors what
 the maker publishes of the named camera.
 
-Compared with a second published table, all but aps-c, 6x7cm, 5x7in and 8x10in, which rest on the named source alone. Two
-tables differ where they mean different things: Super 8's 5.79 x 4.01 mm, for one, is near what is projected.
+A second published table confirms the sizes, but for aps-c, 44x33, 6x7cm, 5x7in, 8x10in and VistaVision's height, and for the
+sides of 4x5in, of which it gives the diagonal alone. Two tables differ where they mean different things: Super 8's 5.79 x
+4.01 mm, for one, is near what is projected.
 """
 
 from __future__ import annotations
