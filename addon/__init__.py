@@ -5,10 +5,10 @@ from __future__ import annotations
 
 import sys
 
-from . import engine, native, operators, properties, ui, viewport_camera
+from . import autofocus, engine, focus_operators, native, operators, properties, redraw, ui, viewport_camera
 
 # What is used stands before what uses it.
-PARTS = (properties, viewport_camera, operators, engine, ui)
+PARTS = (properties, redraw, viewport_camera, autofocus, operators, focus_operators, engine, ui)
 
 
 def register() -> None:

@@ -9,6 +9,7 @@ from typing import Any
 
 import bpy
 
+from . import redraw
 from .description import CameraDescription, Report
 from .export import camera as camera_export
 from .export.errors import ExportError
@@ -18,16 +19,41 @@ from .native import EngineMissing, engine
 _REMEMBERED = 64
 
 _answers: dict[tuple, dict[str, Any]] = {}
+_shown: dict[tuple[str, str], dict[str, Any]] = {}
 
 
-def of_camera(camera: bpy.types.Object, scene: bpy.types.Scene) -> dict[str, Any]:
-    """The engine's `camera_info_json` as a dictionary; where there is none, only `error`, one line."""
+def of_camera(
+    camera: bpy.types.Object, scene: bpy.types.Scene, film_distance_mm: float | None = None
+) -> dict[str, Any]:
+    """The engine's `camera_info_json` as a dictionary; where there is none, only `error`, one line.
+
+    `film_distance_mm` stands instead of the camera's own focus: that which autofocus has found.
+    """
     width, height = camera_export.resolution(scene.render)
     try:
         description = camera_export.describe(camera, scene, width, height, Report())
+        if film_distance_mm is not None:
+            description.film_distance_mm = film_distance_mm
         return _ask(description, width, height)
     except (ExportError, EngineMissing) as error:
         return {"error": str(error)}
+
+
+def for_panel(
+    camera: bpy.types.Object, scene: bpy.types.Scene, film_distance_mm: float | None = None
+) -> dict[str, Any]:
+    """`of_camera`; while a render runs, what was last shown.
+
+    Blender keeps in one place, for all threads, whether Python may change the scene, and sets it back after each call.
+    Where a panel lets go of Python's lock, to look for a file or to ask the engine, and a render ends just then in its own
+    thread, it can stay forbidden.
+    """
+    key = (scene.name, camera.name_full)
+    if key not in _shown or not redraw.is_rendering():
+        while len(_shown) >= _REMEMBERED:
+            del _shown[next(iter(_shown))]
+        _shown[key] = of_camera(camera, scene, film_distance_mm)
+    return _shown[key]
 
 
 def _ask(description: CameraDescription, width: int, height: int) -> dict[str, Any]:
@@ -50,3 +76,4 @@ def _ask(description: CameraDescription, width: int, height: int) -> dict[str, A
 def forget() -> None:
     """Drops what is remembered."""
     _answers.clear()
+    _shown.clear()

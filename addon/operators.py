@@ -26,7 +26,7 @@ def _film_items(_operator: bpy.types.Operator, _context: bpy.types.Context) -> l
     return _film_list
 
 
-def _camera(context: bpy.types.Context) -> bpy.types.Camera | None:
+def shown_camera(context: bpy.types.Context) -> bpy.types.Camera | None:
     """The camera that is shown in the properties editor, else the scene's."""
     shown = getattr(context, "camera", None)
     if shown is not None:
@@ -47,14 +47,14 @@ class PETZVAL_OT_choose_lens(bpy.types.Operator):
 
     @classmethod
     def poll(cls, context):
-        return _camera(context) is not None
+        return shown_camera(context) is not None
 
     def invoke(self, context, _event):
         context.window_manager.invoke_search_popup(self)
         return {"RUNNING_MODAL"}
 
     def execute(self, context):
-        _camera(context).petzval.lens_file = self.lens
+        shown_camera(context).petzval.lens_file = self.lens
         return {"FINISHED"}
 
 
@@ -69,11 +69,11 @@ class PETZVAL_OT_choose_film(bpy.types.Operator):
 
     @classmethod
     def poll(cls, context):
-        camera = _camera(context)
+        camera = shown_camera(context)
         return camera is not None and not camera.library
 
     def execute(self, context):
-        settings = _camera(context).petzval
+        settings = shown_camera(context).petzval
         settings.film_mode = "SIZE"
         settings.film_width, settings.film_height = film_formats.size_mm(self.film)
         return {"FINISHED"}
@@ -88,11 +88,11 @@ class PETZVAL_OT_match_viewport(bpy.types.Operator):
 
     @classmethod
     def poll(cls, context):
-        camera = _camera(context)
+        camera = shown_camera(context)
         return camera is not None and not camera.library and camera.petzval.model in OF_LENS_FILE
 
     def execute(self, context):
-        camera = _camera(context)
+        camera = shown_camera(context)
         holder = viewport_camera.camera_object(camera, context.scene)
         if holder is None:
             self.report({"ERROR"}, f"Camera '{camera.name}' is not in this scene: link an object with it")

@@ -17,98 +17,25 @@ from bpy.props import (
 )
 
 from . import viewport_camera
-
-# The numbers are those in saved files.
-MODELS = (
-    ("LENS", "Lens", "A real lens: every ray is traced through its surfaces", "", 0),
-    (
-        "IMAGE_BASED",
-        "Image-based (Heidrich 1997)",
-        "The lens as a table of its rays at one wavelength: all that it does but colour, at the same cost for any lens",
-        "",
-        5,
-    ),
-    ("PARAXIAL", "Paraxial", "The lens to first order: no aberrations and no vignetting, but colours apart", "", 3),
-    ("THICK", "Thick Lens", "The lens's principal planes and pupils: perfect images, the right size and blur", "", 4),
-    ("THIN", "Thin Lens", "Depth of field without aberrations, framed by Blender's own focal length", "", 1),
-    ("PINHOLE", "Pinhole", "Everything sharp, framed by Blender's own focal length", "", 2),
-)
-FOCAL_MODES = (
-    ("PUBLISHED", "As Published", "The lens at the size in which it was published"),
-    ("LENGTH", "Focal Length", "The whole lens scaled to a focal length"),
-    ("SCALE", "Scale", "The whole lens scaled by a factor"),
-)
-FOCUS_MODES = (
-    ("CAMERA", "Object or Distance", "The camera's own depth of field settings: its focus object, else its distance"),
-    ("INFINITY", "Infinity", "What is infinitely far is sharp"),
-    ("FILM", "Film Distance", "The film stands at a distance behind the lens; what is sharp follows"),
-    (
-        "AUTO",
-        "Autofocus",
-        "What is seen at a point of the picture, when it is rendered: the smallest spot of exact rays",
-    ),
-)
-ANCHORS = (
-    (
-        "ENTRANCE_PUPIL",
-        "Entrance Pupil",
-        "The no-parallax point: the camera view frames the same picture at all depths",
-    ),
-    ("FRONT_VERTEX", "Front Vertex", "The middle of the front glass"),
-    ("FILM", "Film", "The film stays and the lens moves; distances are those on the scale of a lens barrel"),
-)
-FOCUS_RELATIONS = (
-    ("EXACT", "Exact", "The lens's own conjugates, from the camera's place on"),
-    ("THIN", "Thin Lens", "1/U + 1/V = 1/f, the distances counted from the principal planes"),
-)
-FILM_MODES = (
-    ("SENSOR", "Camera Sensor", "The camera's own sensor size and fit"),
-    ("SIZE", "Film Size", "A film of its own size; the picture is the largest part of it with the picture's shape"),
-)
-
-SPECTRA = (
-    ("VISIBLE", "Visible Light", "Light of all visible wavelengths, each bent as the glass bends it", "", 0),
-    (
-        "THREE",
-        "Three Wavelengths",
-        "One wavelength for each of red, green and blue: fringes come in three steps",
-        "",
-        1,
-    ),
-    ("SINGLE", "One Wavelength", "The picture keeps its colours and shows the lens without its dispersion", "", 2),
-)
-INTEGRATORS = (
-    ("PATH", "Path Tracing", "Light is looked for from the camera", "", 0),
-    (
-        "BIDIRECTIONAL",
-        "Bidirectional",
-        "From the lights, too: for caustics and small lamps. Needs the real lens, with one scale for all axes",
-        "",
-        1,
-    ),
-)
-PIPELINES = (
-    ("AUTO", "Automatic", "Hero where the glass parts the colours, else from the film", "", 0),
-    ("FILM", "From the Film", "Each path starts on the film, in one wavelength", "", 1),
-    (
-        "SCENE",
-        "From the Scene",
-        "Each path starts between a sharp point and the entrance pupil, for all wavelengths",
-        "",
-        3,
-    ),
-    (
-        "HERO",
-        "Hero Wavelength",
-        "One wavelength leads; its path serves seven others, which land where they must",
-        "",
-        2,
-    ),
+from .choices import (
+    ANCHORS,
+    FILM_MODES,
+    FOCAL_MODES,
+    FOCUS_MODES,
+    FOCUS_RELATIONS,
+    INTEGRATORS,
+    MODELS,
+    PIPELINES,
+    SPECTRA,
 )
 
 
 def _changed(settings: PetzvalCamera, context: bpy.types.Context) -> None:
     viewport_camera.lens_changed(settings.id_data, context.scene)
+
+
+def _is_not_the_camera(settings: PetzvalCamera, chosen: bpy.types.Object) -> bool:
+    return chosen.data is None or chosen.data != settings.id_data
 
 
 class PetzvalCamera(bpy.types.PropertyGroup):
@@ -213,6 +140,24 @@ class PetzvalCamera(bpy.types.PropertyGroup):
         step=5,
         precision=3,
     )
+    sharp_object_1: PointerProperty(
+        name="Object 1",
+        description="The first of three objects whose origins the film can be turned to have sharp",
+        type=bpy.types.Object,
+        poll=_is_not_the_camera,
+    )
+    sharp_object_2: PointerProperty(
+        name="Object 2",
+        description="The second of three objects whose origins the film can be turned to have sharp",
+        type=bpy.types.Object,
+        poll=_is_not_the_camera,
+    )
+    sharp_object_3: PointerProperty(
+        name="Object 3",
+        description="The third of three objects whose origins the film can be turned to have sharp",
+        type=bpy.types.Object,
+        poll=_is_not_the_camera,
+    )
     film_distance: FloatProperty(
         name="Film Distance",
         description="From the last vertex of the lens to the middle of the film. Negative behind an odd number of mirrors",
@@ -298,7 +243,7 @@ class PetzvalCamera(bpy.types.PropertyGroup):
         update=_changed,
     )
     scale_from_scene: BoolProperty(
-        name="Scale of the Scene",
+        name="From the Scene",
         description="The lens has its true size: 1000 millimetres to a metre, by the scene's unit scale",
         default=True,
         update=_changed,
@@ -323,13 +268,14 @@ class PetzvalCamera(bpy.types.PropertyGroup):
         name="Spectrum", description="The wavelengths in which the picture is taken", items=SPECTRA, update=_changed
     )
     wavelength: FloatProperty(
-        name="Wavelength (nm)",
-        description="Nanometres; the picture's colours stay as they are",
+        name="Wavelength",
+        description="The one wavelength in which the lens is traced; the picture's colours stay as they are",
         default=587.5618,
         min=380.0,
         max=780.0,
         step=100,
-        precision=1,
+        precision=5,
+        subtype="WAVELENGTH",
         update=_changed,
     )
     physical_exposure: BoolProperty(

@@ -17,6 +17,8 @@ from pathlib import Path
 
 import pytest
 
+from cli_render_parts import cli_render, cli_scenes  # noqa: F401 fixtures
+
 ROOT = Path(__file__).resolve().parent.parent
 
 # Set before bpy is imported: nothing of the user's Blender is read, and what bpy leaves behind lies in one folder.

@@ -337,7 +337,8 @@ def another_value(prop, now):
     if prop.type == "POINTER":
         import bpy
 
-        return bpy.data.images.new("Mask", 4, 4)
+        is_image = prop.fixed_type.identifier == "Image"
+        return bpy.data.images.new("Mask", 4, 4) if is_image else bpy.data.objects.new(prop.identifier, None)
     if prop.type == "INT":
         return now + 3
     if prop.is_array:

@@ -30,7 +30,6 @@ ROOM = {
     "6x7cm": (75.0, 61.5),
     "6x8cm": (80.0, 61.5),
     "6x9cm": (90.0, 61.5),
-    "6x12cm": (120.0, 61.5),
     "6x17cm": (175.0, 61.5),
     "4x5in": (127.0, 101.6),
     "5x7in": (177.8, 127.0),
@@ -62,6 +61,17 @@ def test_inches_in_the_source_are_the_millimetres_of_the_table():
 
 
 @pytest.mark.once
+def test_diagonals_in_the_source_are_those_of_the_table():
+    checked = 0
+    for film in film_formats.FILM_FORMATS:
+        if "diagonal" in film.source:
+            # Given to a millimetre.
+            assert hypot(film.width_mm, film.height_mm) == pytest.approx(float(film.source.split()[-2]), abs=0.6)
+            checked += 1
+    assert checked == 3
+
+
+@pytest.mark.once
 def test_names_and_sizes_lead_back_to_the_format():
     assert len(set(NAMES)) == len(NAMES)
     for film in film_formats.FILM_FORMATS:
@@ -86,7 +96,7 @@ def arguments(*words):
 
 @pytest.mark.once
 def test_the_command_takes_names_and_sizes():
-    assert arguments("--film", "Super8").film == [5.79, 4.01]
+    assert arguments("--film", "Super8").film == [6.22, 4.22]
     assert arguments("--film", "6x7cm").film == [69.5, 56.0]
     assert arguments("--film", "60x70").film == [60.0, 70.0]
     # Without a unit it is mm, though there is a film of that name in cm.

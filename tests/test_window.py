@@ -83,6 +83,28 @@ def test_nothing_complains_on_the_way(walked):
     assert not errors, said
 
 
+# A panel may only look up what is known. Half of the draws: the machine may be busy during others.
+PANEL_DRAWS_WITHIN_S = 0.01
+
+
+def test_autofocus_looks_beside_the_drawing(walked):
+    seen = walked[0]
+    found = seen["autofocus"]
+    assert found["object_name"] == "Sphere.002" and found["rms_spot_mm"] > 0.0
+    # The camera stands 9 m before the ball of radius 0.5, a little higher, at 200 mm a unit.
+    assert found["subject_mm"] == pytest.approx(200.0 * 8.6, rel=0.02)
+    for panel in ("Focus", "Lens Data"):
+        times = sorted(seen["drawn_s"][panel])
+        print(panel, "draws in", [round(1000.0 * one, 2) for one in times], "ms")
+        assert times[len(times) // 2] < PANEL_DRAWS_WITHIN_S, panel
+
+
+def test_three_sharp_points_can_be_undone(walked):
+    tilt, swing, mode = walked[0]["turned"]
+    assert mode == "FILM" and tilt and swing
+    assert walked[0]["turned_back"] == [0.0, 0.0, "CAMERA"]
+
+
 def test_a_render_goes_to_its_end(walked, saved):
     stats = walked[0]["rendered"]
     assert stats["samples"] == 48 and stats["non_finite_samples"] == 0

@@ -22,6 +22,7 @@ FOLDER, ADDON = Path(sys.argv[-2]), sys.argv[-1]
 LOOK_SECONDS = 0.01
 seen = {}
 progress = []
+drawn_s = {}
 
 
 def part(name):
@@ -41,12 +42,22 @@ def set_preferences():
 
 
 def open_panels():
-    """Every panel of the add-on unfolded."""
+    """Every panel of the add-on unfolded, and how long each takes to draw written down."""
     for module in (part("ui.camera"), part("ui.render")):
         module.unregister()
         for cls in module.CLASSES:
             cls.bl_options = set(getattr(cls, "bl_options", ())) - {"DEFAULT_CLOSED"}
+            cls.draw = timed(cls.bl_label, cls.draw)
         module.register()
+
+
+def timed(name, draw):
+    def drawing(self, context):
+        began = time.perf_counter()
+        draw(self, context)
+        drawn_s.setdefault(name, []).append(time.perf_counter() - began)
+
+    return drawing
 
 
 def make_scene():
@@ -165,6 +176,62 @@ def escape_after(seconds):
     )
 
 
+def failing_render(info):
+    """A render without a lens: what Blender tells its user, as its Info editor lists it."""
+    yield writable, 10.0
+    bpy.context.scene.camera.data.petzval.lens_file = "no-such.lens"
+    try:
+        start_render()
+    except RuntimeError as error:
+        # Where Blender ends the operator at once, it tells its caller.
+        seen["error_told"] = str(error)
+    yield 2.0
+    picture("error")
+    seen["rendering_after_error"] = rendering()
+    info.type = "INFO"
+    yield 0.5
+    window = bpy.context.window_manager.windows[0]
+    with bpy.context.temp_override(window=window, screen=window.screen, area=info, region=info.regions[-1]):
+        info.spaces.active.show_report_error = True
+        bpy.ops.info.select_all(action="SELECT")
+        bpy.ops.info.report_copy()
+    seen["told"] = bpy.context.window_manager.clipboard
+
+
+def focus_panel(own):
+    """The timer finds what autofocus would; three points turn the film, and undo turns it back."""
+    autofocus = part("autofocus")
+    autofocus.forget()
+    drawn_s.clear()
+    own.focus_mode = "AUTO"
+    context = bpy.context
+    asked = context.scene.camera, context.scene, context.view_layer
+    yield lambda: getattr(autofocus.for_panel(*asked), "is_current", False), 20.0
+    yield 1.0
+    seen["autofocus"] = autofocus.for_panel(*asked).answer
+    seen["drawn_s"] = drawn_s
+    picture("panel-autofocus")
+    own.focus_mode = "CAMERA"
+    balls = [one for one in bpy.context.scene.objects if one.type == "MESH" and one.location.z > 0.0]
+    own.sharp_object_1, own.sharp_object_2, own.sharp_object_3 = balls[0], balls[2], balls[3]
+    balls[2].location.z += 0.5
+    bpy.context.view_layer.update()
+    window = bpy.context.window_manager.windows[0]
+    with bpy.context.temp_override(window=window, screen=window.screen, area=areas("PROPERTIES")[0]):
+        bpy.ops.ed.undo_push(message="before")
+        bpy.ops.petzval.sharp_points("EXEC_DEFAULT", True)
+    yield 1.0
+    seen["turned"] = [own.tilt, own.swing, own.focus_mode]
+    picture("panel-sharp")
+    with bpy.context.temp_override(window=window, screen=window.screen, area=areas("PROPERTIES")[0]):
+        bpy.ops.ed.undo()
+    yield 0.5
+    own = bpy.context.scene.camera.data.petzval
+    seen["turned_back"] = [own.tilt, own.swing, own.focus_mode]
+    # Back onto the floor for the render.
+    own.sharp_object_2.location.z -= 0.5
+
+
 def steps():
     """Yields after each step the seconds to wait, or a condition with the seconds that it may take."""
     make_scene()
@@ -191,6 +258,9 @@ def steps():
     yield 1.0
     picture("panel-missing")
     own.lens_file = "double-gauss-f2-tronnier.lens"
+    yield from focus_panel(own)
+    # Undo has made it anew.
+    own = bpy.context.scene.camera.data.petzval
 
     # To the end.
     scene = bpy.context.scene
@@ -221,27 +291,12 @@ def steps():
     seen["stopped"] = part("statistics").last(scene.name).stopped
     seen["stopped_samples"] = part("statistics").last(scene.name).stats["samples"]
 
-    # What goes wrong is said.
-    yield writable, 10.0
-    own.lens_file = "no-such.lens"
-    try:
-        start_render()
-    except RuntimeError as error:
-        # Where Blender ends the operator at once, it tells its caller.
-        seen["error_told"] = str(error)
-    yield 2.0
-    picture("error")
-    seen["rendering_after_error"] = rendering()
-    # What Blender has told its user, as its Info editor lists it.
-    info = areas("PROPERTIES")[0]
-    info.type = "INFO"
-    yield 0.5
-    window = bpy.context.window_manager.windows[0]
-    with bpy.context.temp_override(window=window, screen=window.screen, area=info, region=info.regions[-1]):
-        info.spaces.active.show_report_error = True
-        bpy.ops.info.select_all(action="SELECT")
-        bpy.ops.info.report_copy()
-    seen["told"] = bpy.context.window_manager.clipboard
+    # What goes wrong is said. Blender itself loses a report that comes just when its operator ends: then once more.
+    info = areas("OUTLINER")[0]
+    for _ in range(3):
+        yield from failing_render(info)
+        if "no-such.lens" in seen["told"] + seen.get("error_told", ""):
+            break
 
 
 # Before the window is drawn for the first time: the splash would be there already.

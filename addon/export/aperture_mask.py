@@ -23,7 +23,11 @@ def read(camera: bpy.types.Camera) -> ApertureMask | None:
     image = camera.petzval.aperture_mask
     if image is None or camera.petzval.model == "PINHOLE":
         return None
-    image = image.original
+    return of_image(image.original)
+
+
+def of_image(image: bpy.types.Image) -> ApertureMask:
+    """An image as a mask. Raises `ExportError`."""
     width, height = image.size
     if width == 0 or height == 0 or image.channels == 0:
         path = bpy.path.abspath(image.filepath, library=image.library) or "no file"

@@ -3,44 +3,20 @@
 
 from __future__ import annotations
 
-from math import degrees
-
 import bpy
 
-from .. import film_formats, lens_info, viewport_camera
+from .. import film_formats
 from ..description import OF_LENS_FILE
-from .mixin import PetzvalPanel, columns
+from .camera_parts import AperturePart, CameraPanel, LensPart
+from .focus import PETZVAL_CAMERA_PT_focus, PETZVAL_CAMERA_PT_sharp
+from .lens_data import PETZVAL_CAMERA_PT_info
+from .mixin import columns
+
+#: Models that have one wavelength, whichever spectrum is chosen.
+ONE_WAVELENGTH = ("THICK", "IMAGE_BASED")
 
 
-class _CameraPanel(PetzvalPanel):
-    bl_context = "data"
-
-    @classmethod
-    def poll(cls, context):
-        return super().poll(context) and context.camera is not None
-
-
-class _LensPart(_CameraPanel):
-    """A part that only a real lens has."""
-
-    bl_parent_id = "PETZVAL_CAMERA_PT_lens"
-
-    @classmethod
-    def poll(cls, context):
-        return super().poll(context) and context.camera.petzval.model in OF_LENS_FILE
-
-
-class _AperturePart(_CameraPanel):
-    """A part that a thin lens has too."""
-
-    bl_parent_id = "PETZVAL_CAMERA_PT_lens"
-
-    @classmethod
-    def poll(cls, context):
-        return super().poll(context) and context.camera.petzval.model != "PINHOLE"
-
-
-class PETZVAL_CAMERA_PT_lens(_CameraPanel, bpy.types.Panel):
+class PETZVAL_CAMERA_PT_lens(CameraPanel, bpy.types.Panel):
     bl_label = "Lens"
 
     def draw(self, context):
@@ -50,6 +26,10 @@ class PETZVAL_CAMERA_PT_lens(_CameraPanel, bpy.types.Panel):
         layout.prop(settings, "model")
         if settings.model not in OF_LENS_FILE:
             layout.prop(camera, "lens")
+            _blenders_film(layout, camera)
+            column = layout.column(align=True)
+            column.prop(camera, "shift_x", text="Shift X")
+            column.prop(camera, "shift_y", text="Y")
             return
         row = layout.row(align=True)
         row.prop(settings, "lens_file")
@@ -59,79 +39,19 @@ class PETZVAL_CAMERA_PT_lens(_CameraPanel, bpy.types.Panel):
             layout.prop(settings, "focal_length")
         elif settings.focal_mode == "SCALE":
             layout.prop(settings, "focal_scale")
-        layout.prop(settings, "spectrum")
+        row = layout.row()
+        row.active = settings.model not in ONE_WAVELENGTH or settings.spectrum == "SINGLE"
+        row.prop(settings, "spectrum")
         if settings.spectrum == "SINGLE":
             layout.prop(settings, "wavelength")
 
 
-class PETZVAL_CAMERA_PT_info(_LensPart, bpy.types.Panel):
-    bl_label = "Lens Data"
-
-    def draw(self, context):
-        holder = viewport_camera.camera_object(context.camera, context.scene)
-        if holder is None:
-            self.layout.label(text="This camera is not in the scene", icon="INFO")
-            return
-        info = lens_info.of_camera(holder, context.scene)
-        if "error" in info:
-            _complain(self.layout, info["error"], _characters(context))
-            return
-        column = self.layout.column(align=True)
-        column.label(text=f"{info['lens_name']}, {info['surfaces']} surfaces")
-        for name, text in _facts(info):
-            row = column.split(factor=0.45)
-            row.alignment = "RIGHT"
-            row.label(text=name)
-            row.label(text=text)
+def _blenders_film(layout, camera: bpy.types.Camera) -> None:
+    layout.prop(camera, "sensor_fit")
+    layout.prop(camera, "sensor_height" if camera.sensor_fit == "VERTICAL" else "sensor_width", text="Size")
 
 
-# Of an unscaled interface: what a character of a label takes in the mean, and what icon and margins take of a line.
-_CHARACTER_PX, _MARGIN_PX = 7, 60
-
-
-def _characters(context) -> int:
-    """About how many characters the panel shows in a line."""
-    width = context.region.width / context.preferences.system.ui_scale
-    return max(int((width - _MARGIN_PX) / _CHARACTER_PX), 16)
-
-
-def _complain(layout, text: str, line_characters: int) -> None:
-    """The engine's complaint in red, broken where it must be."""
-    column = layout.column(align=True)
-    column.alert = True
-    line, icon = "", "ERROR"
-    for word in text.split():
-        if line and len(line) + len(word) >= line_characters:
-            column.label(text=line, icon=icon)
-            line, icon = "", "BLANK1"
-        line = f"{line} {word}".strip()
-    column.label(text=line, icon=icon)
-
-
-def _facts(info: dict) -> list[tuple[str, str]]:
-    """Name and value of each row."""
-
-    def number(key: str, form: str) -> str:
-        value = info[key]
-        return "infinite" if value is None else form.format(value)
-
-    def angle(key: str) -> str:
-        value = info[key]
-        return "beyond the lens" if value is None else f"{degrees(value):.1f}°"
-
-    return [
-        ("Focal Length", number("efl_mm", "{:.2f} mm")),
-        ("F-Number", f"f/{info['f_number']:.2f}, widest f/{info['widest_f_number']:.2f}"),
-        ("Film Distance", number("film_distance_mm", "{:.3f} mm")),
-        ("Focused At", number("focus_scale_mm", "{:.0f} mm")),
-        ("Magnification", number("magnification", "{:.4f}")),
-        ("Field of View", f"{angle('fov_horizontal_rad')} x {angle('fov_vertical_rad')}"),
-        ("Diagonal", angle("fov_diagonal_rad")),
-        ("Picture", f"{info['picture_width_mm']:.2f} x {info['picture_height_mm']:.2f} mm"),
-    ]
-
-
-class PETZVAL_CAMERA_PT_aperture(_AperturePart, bpy.types.Panel):
+class PETZVAL_CAMERA_PT_aperture(AperturePart, bpy.types.Panel):
     bl_label = "Aperture"
 
     def draw(self, context):
@@ -147,13 +67,22 @@ class PETZVAL_CAMERA_PT_aperture(_AperturePart, bpy.types.Panel):
         elif settings.model == "THIN":
             layout.prop(camera.dof, "aperture_fstop")
         column = layout.column(align=True)
-        column.prop(settings, "blades")
-        column.prop(settings, "blade_rotation")
-        column.prop(settings, "blade_curvature")
+        has_mask = settings.aperture_mask is not None
+        blades = settings.blades
+        if settings.model == "THIN" and blades == 0:
+            blades = camera.dof.aperture_blades
+        for name, matters in (
+            ("blades", not has_mask),
+            ("blade_rotation", has_mask or blades >= 3),
+            ("blade_curvature", not has_mask and blades >= 3),
+        ):
+            row = column.row(align=True)
+            row.active = matters
+            row.prop(settings, name)
         column.template_ID(settings, "aperture_mask", open="image.open", text="Mask")
 
 
-class PETZVAL_CAMERA_PT_exposure(_AperturePart, bpy.types.Panel):
+class PETZVAL_CAMERA_PT_exposure(AperturePart, bpy.types.Panel):
     bl_label = "Physical Exposure"
     bl_options = {"DEFAULT_CLOSED"}
 
@@ -166,34 +95,10 @@ class PETZVAL_CAMERA_PT_exposure(_AperturePart, bpy.types.Panel):
         layout.active = settings.physical_exposure
         layout.prop(settings, "shutter")
         layout.prop(settings, "iso")
-        layout.prop(settings, "lumens_per_watt")
+        layout.prop(settings, "lumens_per_watt", text="Lumens / Watt")
 
 
-class PETZVAL_CAMERA_PT_focus(_AperturePart, bpy.types.Panel):
-    bl_label = "Focus"
-
-    def draw(self, context):
-        layout = columns(self)
-        camera = context.camera
-        settings, dof = camera.petzval, camera.dof
-        layout.prop(settings, "focus_mode")
-        if settings.model in OF_LENS_FILE:
-            layout.prop(settings, "anchor")
-            layout.prop(settings, "focus_relation")
-        if settings.focus_mode == "FILM":
-            layout.prop(settings, "film_distance")
-        elif settings.focus_mode == "AUTO":
-            layout.prop(settings, "autofocus_point")
-        elif settings.focus_mode == "CAMERA":
-            layout.prop(dof, "focus_object", text="Object")
-            if dof.focus_object is not None and dof.focus_object.type == "ARMATURE":
-                layout.prop_search(dof, "focus_subtarget", dof.focus_object.data, "bones", text="Bone")
-            row = layout.row()
-            row.active = dof.focus_object is None
-            row.prop(dof, "focus_distance", text="Distance")
-
-
-class PETZVAL_CAMERA_PT_film(_LensPart, bpy.types.Panel):
+class PETZVAL_CAMERA_PT_film(LensPart, bpy.types.Panel):
     bl_label = "Film & Movements"
 
     def draw(self, context):
@@ -204,12 +109,17 @@ class PETZVAL_CAMERA_PT_film(_LensPart, bpy.types.Panel):
         column = layout.column(align=True)
         if settings.film_mode == "SIZE":
             film = film_formats.of_size(settings.film_width, settings.film_height)
-            column.operator_menu_enum("petzval.choose_film", "film", text=film.title if film else "Formats")
+            # As a property's row is split, with room for the dot of its keyframes.
+            line = column.row(align=True)
+            row = line.split(factor=0.4, align=True)
+            row.alignment = "RIGHT"
+            row.label(text="Format")
+            row.operator_menu_enum("petzval.choose_film", "film", text=film.title if film else "Choose")
+            line.label(icon="BLANK1")
             column.prop(settings, "film_width")
             column.prop(settings, "film_height")
         else:
-            column.prop(camera, "sensor_fit")
-            column.prop(camera, "sensor_height" if camera.sensor_fit == "VERTICAL" else "sensor_width", text="Size")
+            _blenders_film(column, camera)
         column = layout.column(align=True)
         column.prop(settings, "tilt")
         column.prop(settings, "swing")
@@ -217,10 +127,12 @@ class PETZVAL_CAMERA_PT_film(_LensPart, bpy.types.Panel):
         column.prop(settings, "shift_x")
         column.prop(settings, "shift_y")
         layout.prop(settings, "match_viewport")
-        layout.operator("petzval.match_viewport")
+        row = layout.row()
+        row.active = not (settings.match_viewport and settings.in_step)
+        row.operator("petzval.match_viewport")
 
 
-class PETZVAL_CAMERA_PT_scale(_AperturePart, bpy.types.Panel):
+class PETZVAL_CAMERA_PT_scale(AperturePart, bpy.types.Panel):
     bl_label = "Scale"
     bl_options = {"DEFAULT_CLOSED"}
 
@@ -232,9 +144,10 @@ class PETZVAL_CAMERA_PT_scale(_AperturePart, bpy.types.Panel):
         column.enabled = not settings.scale_from_scene
         column.prop(settings, "scale_locked")
         if settings.scale_locked:
-            column.prop(settings, "scale", index=0, text="Millimetres a Unit")
+            column.prop(settings, "scale", index=0, text="mm per Unit")
         else:
-            column.prop(settings, "scale")
+            for index, text in enumerate(("mm per Unit X", "Y", "Z")):
+                column.prop(settings, "scale", index=index, text=text)
 
 
 CLASSES = (
@@ -243,6 +156,7 @@ CLASSES = (
     PETZVAL_CAMERA_PT_aperture,
     PETZVAL_CAMERA_PT_exposure,
     PETZVAL_CAMERA_PT_focus,
+    PETZVAL_CAMERA_PT_sharp,
     PETZVAL_CAMERA_PT_film,
     PETZVAL_CAMERA_PT_scale,
 )

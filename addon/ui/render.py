@@ -35,7 +35,7 @@ class PETZVAL_RENDER_PT_sampling_advanced(_RenderPanel, bpy.types.Panel):
         layout = columns(self)
         settings = context.scene.petzval
         layout.prop(settings, "seed")
-        layout.prop(settings, "sample_offset", text="Offset")
+        layout.prop(settings, "sample_offset", text="Sample Offset")
 
 
 class PETZVAL_RENDER_PT_light_paths(_RenderPanel, bpy.types.Panel):
@@ -44,10 +44,20 @@ class PETZVAL_RENDER_PT_light_paths(_RenderPanel, bpy.types.Panel):
 
     def draw(self, context):
         layout = columns(self)
-        layout.prop(context.scene.petzval, "integrator")
-        layout.prop(context.scene.petzval, "pipeline")
-        layout.prop(context.scene.petzval, "max_bounces", text="Bounces")
-        layout.prop(context.scene.petzval, "clamp_indirect")
+        settings = context.scene.petzval
+        holder = context.scene.camera
+        is_lens = holder is not None and holder.type == "CAMERA" and holder.data.petzval.model == "LENS"
+        is_path = settings.integrator == "PATH"
+        layout.prop(settings, "integrator")
+        if not is_path and holder is not None and not is_lens:
+            layout.label(text="The camera's model must be Lens", icon="ERROR")
+        row = layout.row()
+        row.active = is_path and is_lens
+        row.prop(settings, "pipeline")
+        layout.prop(settings, "max_bounces", text="Bounces")
+        row = layout.row()
+        row.active = is_path
+        row.prop(settings, "clamp_indirect")
 
 
 class PETZVAL_RENDER_PT_film(_RenderPanel, bpy.types.Panel):

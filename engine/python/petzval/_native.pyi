@@ -6,7 +6,7 @@ World space and all lengths without a unit in their name are in Blender units. A
 Every error is a subclass of `PetzvalError`; its message is one line: what, where, what to do.
 """
 
-from collections.abc import Sequence
+from collections.abc import Callable, Sequence
 from typing import Any, Protocol
 
 import numpy as np
@@ -34,12 +34,17 @@ class Lens:
         scale: float | None = None,
         focal_length_mm: float | None = None,
         f_number: float | None = None,
+        blades: int = 0,
+        blade_curvature: float = 0.0,
+        blade_rotation_rad: float = 0.0,
+        aperture_mask: ApertureMask | None = None,
         focus_distance_mm: float | None = None,
     ) -> str:
         """The object of `petzval lens info --json`. `focus_distance_mm` is measured along the axis from the
         entrance pupil's centre to the plane of sharp focus; None or inf is infinity.
 
-        Beside what its keys say: `film_z_mm` and `total_track_mm` are those of the film in force; `seidel` and
+        `f_number` counts the circle that holds the opening, `f_number_by_area` a round one of the opening's area
+        `stop_area_mm2`. Beside what its keys say: `film_z_mm` and `total_track_mm` are those of the film in force; `seidel` and
         `chromatic` are sums of `seidel_by_surface` and `chromatic_by_surface` (mm) for a chief ray at
         `seidel_field_deg`; field angles are measured from the axis before the lens, at the present opening:
         up to `vignetting_free_field_deg` no rim but the stop's cuts any of the beam, at
@@ -55,6 +60,10 @@ class Lens:
         scale: float | None = None,
         focal_length_mm: float | None = None,
         f_number: float | None = None,
+        blades: int = 0,
+        blade_curvature: float = 0.0,
+        blade_rotation_rad: float = 0.0,
+        aperture_mask: ApertureMask | None = None,
     ) -> str:
         """The input and output of `petzval lens trace`; `precision` is "f64" or "f32"."""
 
@@ -115,6 +124,16 @@ def autofocus_json(scene: Scene, camera: CameraDescription, width: int, height: 
     rays: film_distance_mm, focus_scale_mm (the focus distance that says the same; null: infinity), moves_groups (groups
     inside of the lens have moved, not the film: only the distance says so), tilt_rad, swing_rad, rms_spot_mm, subject_world (null: nothing is there, the focus is at infinity). The camera's own focus
     does not count."""
+
+def autofocus_by_json(
+    camera: CameraDescription,
+    width: int,
+    height: int,
+    point: tuple[float, float],
+    distance_to: Callable[[tuple[float, float, float], tuple[float, float, float]], float | None],
+) -> str:
+    """The same where the caller's rays find what there is: `distance_to(origin, direction)` in world space, the direction
+    a unit vector; None: nothing is there. Called a few times, in the caller's thread; what it raises comes back."""
 
 def sharp_points_json(
     camera: CameraDescription, width: int, height: int, points_world: Sequence[tuple[float, float, float]]

@@ -1,8 +1,14 @@
 # SPDX-License-Identifier: GPL-3.0-or-later
 """Real films and sensors: the image area that a camera exposes, in mm, the wider side first.
 
-Of cinema film it is the camera's aperture by the SMPTE standard of its gauge, given there in inches; of roll and sheet
-film it is what the named camera or the usual holder leaves free, which differs by a millimetre or two between makers.
+Of cinema film it is the camera's aperture by the SMPTE standard of its gauge, not the smaller part that is projected; of
+roll film what the named camera leaves free, which differs by a millimetre or two between makers; of sheet film what
+remains of the sheet in its holder, as lens makers count it for the diagonal that a lens has to cover; of sensors what
+the maker publishes of the named camera.
+
+A second published table confirms the sizes, but for aps-c, 44x33, 6x7cm, 5x7in, 8x10in and VistaVision's height, and for the
+sides of 4x5in, of which it gives the diagonal alone. Two tables differ where they mean different things: Super 8's 5.79 x
+4.01 mm, for one, is near what is projected.
 """
 
 from __future__ import annotations
@@ -23,12 +29,12 @@ class FilmFormat:
 
 
 FILM_FORMATS = (
-    FilmFormat("super8", "Super 8", 5.79, 4.01, "SMPTE ST 157, 0.228 x 0.158 in"),
+    FilmFormat("super8", "Super 8", 6.22, 4.22, "SMPTE ST 157, 0.245 x 0.166 in"),
     FilmFormat("16mm", "16 mm", 10.26, 7.49, "SMPTE ST 7, 0.404 x 0.295 in"),
-    FilmFormat("super16", "Super 16", 12.52, 7.41, "SMPTE ST 201, ISO 5768"),
+    FilmFormat("super16", "Super 16", 12.35, 7.42, "SMPTE ST 201, 0.486 x 0.292 in"),
     FilmFormat("micro-four-thirds", "Micro Four Thirds", 17.3, 13.0, "Four Thirds standard"),
     FilmFormat("academy35", "Academy 35 mm", 21.95, 16.0, "SMPTE ST 59, 0.864 x 0.630 in"),
-    FilmFormat("aps-c-canon", "APS-C (Canon)", 22.3, 14.9, "Canon EOS 7D, specification"),
+    FilmFormat("aps-c-canon", "APS-C (Canon)", 22.3, 14.9, "Canon EOS 77D, specification"),
     FilmFormat("aps-c", "APS-C", 23.5, 15.6, "Fujifilm X-T3, Sony ILCE-6400, specifications"),
     FilmFormat("half-frame", "Half Frame", 24.0, 18.0, "ISO 1007, two frames for one"),
     FilmFormat("super35", "Super 35 (Full Aperture)", 24.89, 18.66, "SMPTE ST 59, 0.980 x 0.735 in"),
@@ -43,11 +49,10 @@ FILM_FORMATS = (
     FilmFormat("6x7cm", "6 x 7 cm", 69.5, 56.0, "Mamiya RB67, manual"),
     FilmFormat("6x8cm", "6 x 8 cm", 76.0, 56.0, "Fujifilm GX680, manual"),
     FilmFormat("6x9cm", "6 x 9 cm", 84.0, 56.0, "ISO 732"),
-    FilmFormat("6x12cm", "6 x 12 cm", 112.0, 56.0, "Horseman SW612, manual"),
     FilmFormat("6x17cm", "6 x 17 cm", 168.0, 56.0, "Fujifilm GX617, manual"),
-    FilmFormat("4x5in", "4 x 5 in", 120.0, 96.0, "sheet film holders, as lens makers count coverage"),
-    FilmFormat("5x7in", "5 x 7 in", 170.0, 120.0, "sheet film holders, as lens makers count coverage"),
-    FilmFormat("8x10in", "8 x 10 in", 245.0, 194.0, "sheet film holders, as lens makers count coverage"),
+    FilmFormat("4x5in", "4 x 5 in", 120.0, 96.0, "Schneider-Kreuznach, diagonal 154 mm"),
+    FilmFormat("5x7in", "5 x 7 in", 170.0, 120.0, "Schneider-Kreuznach, diagonal 208 mm"),
+    FilmFormat("8x10in", "8 x 10 in", 245.0, 194.0, "Schneider-Kreuznach, diagonal 312 mm"),
 )
 
 

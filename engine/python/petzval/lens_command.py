@@ -6,6 +6,9 @@ from __future__ import annotations
 import argparse
 import json
 import math
+import os
+import sys
+from pathlib import Path
 from typing import Any
 
 from .errors import CommandError, complain
@@ -44,6 +47,56 @@ def add_parser(subparsers: argparse._SubParsersAction) -> None:
 def _add_setting(parser: argparse.ArgumentParser) -> None:
     parser.add_argument("--focal-length", type=_number, metavar="MM", help="scale the lens to this focal length")
     parser.add_argument("--f-number", type=_number, metavar="N", help="stop the diaphragm down to this f-number")
+    parser.add_argument("--blades", type=_count, metavar="N", help="blades of the diaphragm, 3 to 24; 0 is round")
+    parser.add_argument(
+        "--blade-curvature", type=_number, metavar="C", help="of the blades' edges: 0 straight, 1 round"
+    )
+    parser.add_argument("--blade-rotation", type=_number, metavar="DEG", help="turn of the diaphragm about the axis")
+    parser.add_argument("--aperture-mask", metavar="FILE", help="a square picture of the opening, instead of blades")
+    parser.set_defaults(usage_error=parser.error)
+
+
+def _setting(arguments: argparse.Namespace) -> dict[str, Any]:
+    """What `_add_setting` asked for, as the engine takes it."""
+    if arguments.aperture_mask and arguments.blades:
+        arguments.usage_error("--aperture-mask stands instead of --blades: leave out the one or the other")
+    rotation = arguments.blade_rotation
+    return _given(
+        focal_length_mm=arguments.focal_length,
+        f_number=arguments.f_number,
+        blades=arguments.blades,
+        blade_curvature=arguments.blade_curvature,
+        blade_rotation_rad=None if rotation is None else math.radians(rotation),
+        aperture_mask=_mask(arguments.aperture_mask) if arguments.aperture_mask else None,
+    )
+
+
+def _mask(path: str) -> Any:
+    """The picture of an opening, read by Blender as `petzval render` reads it."""
+    if not Path(path).is_file():
+        raise CommandError(f"no such picture: {path}: change --aperture-mask")
+    _keep_own_voice()
+    try:
+        import bpy  # noqa: F401
+    except ImportError as error:
+        raise CommandError(f"no Blender in this Python to read {path}: {error}: pip install bpy") from None
+    from .places import load_addon
+
+    export = load_addon().export
+    try:
+        return export.aperture_mask.of_image(export.aperture_mask.load(str(Path(path).absolute())))
+    except (RuntimeError, export.errors.ExportError) as error:
+        raise CommandError(f"cannot read {path}: {' '.join(str(error).split())}: give a square picture") from None
+
+
+def _keep_own_voice() -> None:
+    """From here on stdout and stderr are Python's alone: what Blender's own code says must not stand in the answer."""
+    nowhere = os.open(os.devnull, os.O_WRONLY)
+    for name, number in (("stdout", 1), ("stderr", 2)):
+        getattr(sys, name).flush()
+        setattr(sys, name, os.fdopen(os.dup(number), "w", encoding="utf-8", errors="replace"))
+        os.dup2(nowhere, number)
+    os.close(nowhere)
 
 
 def _given(**options: Any) -> dict[str, Any]:
@@ -62,6 +115,13 @@ def _number(text: str) -> float:
     return value
 
 
+def _count(text: str) -> int:
+    value = int(text)
+    if value != 0 and not 3 <= value <= 24:
+        raise argparse.ArgumentTypeError(f"a diaphragm has 3 to 24 blades, or 0 for a round one: {text}")
+    return value
+
+
 def _distance(text: str) -> float:
     value = float(text)
     if math.isnan(value):
@@ -72,6 +132,7 @@ def _distance(text: str) -> float:
 # argparse names the type in its message: "invalid number value: 'x'".
 _number.__name__ = "number"
 _distance.__name__ = "distance"
+_count.__name__ = "number"
 
 
 def _load(name_or_path: str) -> Any:
@@ -96,13 +157,8 @@ def _check(arguments: argparse.Namespace) -> int:
 
 
 def _info(arguments: argparse.Namespace) -> int:
-    options = _given(
-        wavelength_nm=arguments.wavelength,
-        focal_length_mm=arguments.focal_length,
-        f_number=arguments.f_number,
-        focus_distance_mm=arguments.focus_distance,
-    )
-    answer = _load(arguments.lens).info_json(**options)
+    options = _given(wavelength_nm=arguments.wavelength, focus_distance_mm=arguments.focus_distance)
+    answer = _load(arguments.lens).info_json(**options, **_setting(arguments))
     print(answer if arguments.json else _table(json.loads(answer)))
     return 0
 
@@ -112,7 +168,7 @@ def _trace(arguments: argparse.Namespace) -> int:
     side = question.get("from", "scene")
     if side not in ("scene", "film"):
         raise CommandError(f'unknown "from": {arguments.rays}: {json.dumps(side)}: give "scene" or "film"')
-    options = _given(focal_length_mm=arguments.focal_length, f_number=arguments.f_number)
+    options = _setting(arguments)
     lens = _load(arguments.lens)
     answer = lens.trace_json(text, from_film=side == "film", precision=arguments.precision, **options)
     print(answer if arguments.json else _ray_lines(json.loads(answer)["rays"]))
@@ -126,7 +182,9 @@ _ROWS = (
     ("wavelength_nm", "wavelength", "nm", ""),
     ("efl_mm", "focal length", "mm", "infinite"),
     ("f_number", "f-number", "", "none"),
+    ("f_number_by_area", "f-number, round and as large", "", "none"),
     ("stop_diameter_mm", "diaphragm's diameter", "mm", ""),
+    ("stop_area_mm2", "diaphragm's area", "mm2", ""),
     ("bfd_mm", "back focal distance, from the last vertex", "mm", "infinite"),
     ("ffd_mm", "front focal distance, from the first vertex", "mm", "infinite"),
     ("object_focal_plane_mm", "object focal plane, z", "mm", "infinite"),

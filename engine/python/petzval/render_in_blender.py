@@ -144,17 +144,12 @@ def _apply(scene: Any, o: dict, addon: Any, found: dict) -> str | None:
 
 def _apply_sharp(scene: Any, points: list[list[float]], addon: Any, found: dict) -> str | None:
     """Turns the film so that three points of the world are sharp; the error, if any."""
-    export, native = addon.export, addon.native.engine()
-    width, height = export.camera.resolution(scene.render)
-    own = scene.camera.data.petzval
     try:
-        camera = export.camera.describe(scene.camera, scene, width, height, addon.description.Report())
-        film = json.loads(native.sharp_points_json(camera, width, height, [tuple(p) for p in points]))
-    except (export.errors.ExportError, native.PetzvalError) as error:
+        film = addon.sharp_points.solve(scene.camera, scene, points)
+    except (addon.export.errors.ExportError, addon.native.engine().PetzvalError) as error:
         return str(error)
     found["sharp"] = film
-    own.tilt, own.swing = film["tilt_rad"], film["swing_rad"]
-    own.focus_mode, own.film_distance = "FILM", film["film_distance_mm"]
+    addon.sharp_points.apply(scene.camera.data, film)
     tilt, swing = math.degrees(film["tilt_rad"]), math.degrees(film["swing_rad"])
     print(f"Petzval: film turned by {tilt:.3f} (tilt) and {swing:.3f} degrees (swing) for the three sharp points")
     return None

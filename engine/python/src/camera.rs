@@ -24,17 +24,18 @@ impl From<Matrix4> for DMat4 {
 
 /// A square grey picture: eight bits a value, rows from below.
 #[derive(FromPyObject)]
-struct PyApertureMask {
+pub(crate) struct PyApertureMask {
     name: String,
     side: usize,
     values: Vec<u8>,
 }
 
 impl PyApertureMask {
-    fn read(&self, camera: &str) -> Result<Arc<ApertureMask>, Error> {
+    /// `whose` names what has the mask, for messages.
+    pub(crate) fn read(&self, whose: &str) -> Result<Arc<ApertureMask>, Error> {
         let values: Vec<f32> = self.values.iter().map(|&value| f32::from(value) / 255.0).collect();
         let mask = ApertureMask::new(self.side, &values);
-        mask.map(Arc::new).map_err(|e| bad_camera(format!("camera '{camera}', image '{}': {e}", self.name)))
+        mask.map(Arc::new).map_err(|e| bad_camera(format!("{whose}, image '{}': {e}", self.name)))
     }
 }
 
@@ -98,7 +99,7 @@ impl TryFrom<PyCamera> for CameraDescription {
             }
         };
         let aperture_mask = match &c.aperture_mask {
-            Some(mask) => Some(mask.read(&c.object_name)?),
+            Some(mask) => Some(mask.read(&format!("camera '{}'", c.object_name))?),
             None => None,
         };
         let anchor = match c.anchor.as_str() {

@@ -10,7 +10,12 @@ where
     F: FnOnce() -> T + Send,
     T: Send,
 {
-    py.detach(|| catch_unwind(AssertUnwindSafe(work))).map_err(|panic| {
+    py.detach(|| here(work))
+}
+
+/// Runs `work`, short or with calls of Python in it, without letting go of the lock.
+pub(crate) fn here<T>(work: impl FnOnce() -> T) -> Result<T, Error> {
+    catch_unwind(AssertUnwindSafe(work)).map_err(|panic| {
         let text = panic
             .downcast_ref::<String>()
             .cloned()

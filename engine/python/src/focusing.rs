@@ -1,15 +1,16 @@
 //! Focus found by the engine: the settings that put it there.
 
 use crate::camera::PyCamera;
-use crate::doorway::away;
+use crate::doorway::{away, here};
 use crate::error::Error;
 use crate::scene::Scene;
 use glam::{DVec3, Vec2};
-use petzval_render::accel::RayKind;
+use petzval_render::accel::{Ray, RayKind};
 use petzval_render::camera::CameraDescription;
 use petzval_render::camera::autofocus::{Focused, on_picture_point, on_three_points};
 use pyo3::prelude::*;
 use serde_json::json;
+use std::cell::RefCell;
 
 /// Focuses on what a picture point sees.
 #[pyfunction]
@@ -29,6 +30,38 @@ pub(crate) fn autofocus_json(
         on_picture_point(&description, [width, height], from_middle, nearest)
     })??;
     Ok(text(&found))
+}
+
+/// The same where the caller's own rays find what there is: `distance_to(origin, direction)` gets a world ray of unit
+/// direction and gives the distance to what it meets, or None. The caller's lock is held: a panel asks so, for one point.
+#[pyfunction]
+pub(crate) fn autofocus_by_json(
+    camera: PyCamera,
+    width: u32,
+    height: u32,
+    point: (f32, f32),
+    distance_to: &Bound<'_, PyAny>,
+) -> Result<String, Error> {
+    let description: CameraDescription = camera.try_into()?;
+    let from_middle = Vec2::new(point.0, point.1) - 0.5;
+    // Rays of the engine count from the camera's place.
+    let place = description.matrix_world.w_axis.truncate();
+    let complaint = RefCell::new(None);
+    let nearest = |ray: &Ray| -> Option<f32> {
+        let origin = ray.origin.as_dvec3() + place;
+        let answer = distance_to
+            .call1((<(f64, f64, f64)>::from(origin), <(f64, f64, f64)>::from(ray.direction.as_dvec3())))
+            .and_then(|distance| distance.extract());
+        answer.unwrap_or_else(|error| {
+            complaint.borrow_mut().get_or_insert(error);
+            None
+        })
+    };
+    let found = here(|| on_picture_point(&description, [width, height], from_middle, nearest))?;
+    match complaint.into_inner() {
+        Some(error) => Err(error.into()),
+        None => Ok(text(&found?)),
+    }
 }
 
 /// Turns and places the film so that three points of the world are sharp.

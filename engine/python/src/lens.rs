@@ -1,5 +1,6 @@
 //! Lens files for `petzval lens`.
 
+use crate::camera::PyApertureMask;
 use crate::doorway::away;
 use crate::error::{Error, refused};
 use glam::DVec3;
@@ -17,6 +18,7 @@ use petzval_optics::vignetting::Vignetting;
 use pyo3::prelude::*;
 use serde_json::{Value, json};
 use std::collections::HashMap;
+use std::f64::consts::PI;
 use std::path::Path;
 
 /// A checked lens prescription.
@@ -43,7 +45,7 @@ impl Lens {
     }
 
     #[pyo3(signature = (*, wavelength_nm = 587.5618, scale = None, focal_length_mm = None, f_number = None,
-        focus_distance_mm = None))]
+        blades = 0, blade_curvature = 0.0, blade_rotation_rad = 0.0, aperture_mask = None, focus_distance_mm = None))]
     #[allow(clippy::too_many_arguments)]
     fn info_json(
         &self,
@@ -52,10 +54,21 @@ impl Lens {
         scale: Option<f64>,
         focal_length_mm: Option<f64>,
         f_number: Option<f64>,
+        blades: u32,
+        blade_curvature: f64,
+        blade_rotation_rad: f64,
+        aperture_mask: Option<PyApertureMask>,
         focus_distance_mm: Option<f64>,
     ) -> Result<String, Error> {
         check_wavelength(wavelength_nm)?;
-        let system = self.system(scale, focal_length_mm, f_number)?;
+        let settings = SystemSettings {
+            focal_length: focal_length(scale, focal_length_mm),
+            f_number,
+            blades,
+            blade_rotation_rad,
+            blade_curvature,
+        };
+        let system = self.system(&settings, aperture_mask)?;
         let finite_distance_mm = focus_distance_mm.filter(|d| *d != f64::INFINITY);
         let focus = match finite_distance_mm {
             Some(distance) => Focus::at_distance(&system, wavelength_nm, distance)?,
@@ -92,6 +105,8 @@ impl Lens {
             "f_number": p.f_number,
             "working_f_number": focus.working_f_number,
             "stop_diameter_mm": p.stop_diameter_mm,
+            "stop_area_mm2": system.diaphragm().area_mm2(),
+            "f_number_by_area": p.f_number.map(|n| n * rounded(&system)),
             "focus_distance_mm": finite_distance_mm,
             "object_plane_mm": focus.object_plane_mm,
             "magnification": focus.magnification,
@@ -114,7 +129,7 @@ impl Lens {
     }
 
     #[pyo3(signature = (rays_json, *, from_film = false, precision = "f64", scale = None, focal_length_mm = None,
-        f_number = None))]
+        f_number = None, blades = 0, blade_curvature = 0.0, blade_rotation_rad = 0.0, aperture_mask = None))]
     #[allow(clippy::too_many_arguments)]
     fn trace_json(
         &self,
@@ -125,13 +140,24 @@ impl Lens {
         scale: Option<f64>,
         focal_length_mm: Option<f64>,
         f_number: Option<f64>,
+        blades: u32,
+        blade_curvature: f64,
+        blade_rotation_rad: f64,
+        aperture_mask: Option<PyApertureMask>,
     ) -> Result<String, Error> {
         let trace = match precision {
             "f64" => trace_all::<f64>,
             "f32" => trace_all::<f32>,
             _ => return Err(refused(format!("precision {precision}: there is no such; give f64 or f32"))),
         };
-        let system = self.system(scale, focal_length_mm, f_number)?;
+        let settings = SystemSettings {
+            focal_length: focal_length(scale, focal_length_mm),
+            f_number,
+            blades,
+            blade_rotation_rad,
+            blade_curvature,
+        };
+        let system = self.system(&settings, aperture_mask)?;
         let document: Value =
             serde_json::from_str(rays_json).map_err(|e| refused(format!("the rays are not JSON: {e}")))?;
         let rays = document["rays"]
@@ -147,15 +173,30 @@ impl Lens {
 }
 
 impl Lens {
-    fn system(&self, scale: Option<f64>, focal_mm: Option<f64>, f_number: Option<f64>) -> Result<System, Error> {
-        let focal_length = match (focal_mm, scale) {
-            (Some(mm), _) => FocalLength::Millimetres(mm),
-            (None, Some(s)) => FocalLength::Scale(s),
-            (None, None) => FocalLength::AsPublished,
-        };
-        let settings = SystemSettings { focal_length, f_number, ..SystemSettings::default() };
-        Ok(System::new(&self.prescription, &settings)?)
+    fn system(&self, settings: &SystemSettings, mask: Option<PyApertureMask>) -> Result<System, Error> {
+        let system = System::new(&self.prescription, settings)?;
+        match mask {
+            Some(mask) => {
+                let shape = mask.read(&format!("lens '{}'", system.name()))?;
+                Ok(system.with_aperture_mask(shape, settings.blade_rotation_rad)?)
+            }
+            None => Ok(system),
+        }
     }
+}
+
+fn focal_length(scale: Option<f64>, focal_mm: Option<f64>) -> FocalLength {
+    match (focal_mm, scale) {
+        (Some(mm), _) => FocalLength::Millimetres(mm),
+        (None, Some(s)) => FocalLength::Scale(s),
+        (None, None) => FocalLength::AsPublished,
+    }
+}
+
+/// How much wider in radius than a round opening of the diaphragm's own area is the circle that holds it.
+fn rounded(system: &System) -> f64 {
+    let diaphragm = system.diaphragm();
+    diaphragm.radius_mm() * (PI / diaphragm.area_mm2()).sqrt()
 }
 
 fn check_wavelength(nm: f64) -> Result<(), Error> {

@@ -24,6 +24,7 @@ fn _native(m: &Bound<'_, PyModule>) -> PyResult<()> {
     m.add_class::<job::Job>()?;
     m.add_function(wrap_pyfunction!(camera::camera_info_json, m)?)?;
     m.add_function(wrap_pyfunction!(focusing::autofocus_json, m)?)?;
+    m.add_function(wrap_pyfunction!(focusing::autofocus_by_json, m)?)?;
     m.add_function(wrap_pyfunction!(focusing::sharp_points_json, m)?)?;
     m.add_function(wrap_pyfunction!(surface::trace_surfaces_json, m)?)?;
     Ok(())

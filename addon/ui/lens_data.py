@@ -1,0 +1,66 @@
+# SPDX-License-Identifier: GPL-3.0-or-later
+"""The camera's Lens Data panel: what the lens does as it is set, in the engine's numbers."""
+
+from __future__ import annotations
+
+from math import degrees
+
+import bpy
+
+from .. import autofocus, lens_info, viewport_camera
+from .camera_parts import LensPart, complain, fact, focus_text, lines_of
+
+#: Rows that the focus decides.
+_OF_FOCUS = {"Film Distance", "Focused At", "Magnification"}
+
+
+class PETZVAL_CAMERA_PT_info(LensPart, bpy.types.Panel):
+    bl_label = "Lens Data"
+
+    def draw(self, context):
+        camera = context.camera
+        holder = viewport_camera.camera_object(camera, context.scene)
+        if holder is None:
+            self.layout.label(text="This camera is not in the scene", icon="INFO")
+            return
+        found = autofocus.for_panel(holder, context.scene, context.view_layer) if _looks(camera) else None
+        film_distance_mm = None if found is None else found.answer.get("film_distance_mm")
+        info = lens_info.for_panel(holder, context.scene, film_distance_mm)
+        if "error" in info:
+            complain(context, self.layout, info["error"])
+            return
+        column = self.layout.column(align=True)
+        for line in lines_of(context, info["lens_name"]):
+            column.label(text=line)
+        is_open = _looks(camera) and film_distance_mm is None
+        for name, text in _facts(info):
+            fact(column, name, "by autofocus" if is_open and name in _OF_FOCUS else text)
+
+
+def _looks(camera: bpy.types.Camera) -> bool:
+    return camera.petzval.focus_mode == "AUTO"
+
+
+def _facts(info: dict) -> list[tuple[str, str]]:
+    """Name and value of each row."""
+
+    def number(key: str, form: str) -> str:
+        value = info[key]
+        return "infinite" if value is None else form.format(value)
+
+    def angle(key: str) -> str:
+        value = info[key]
+        return "beyond the lens" if value is None else f"{degrees(value):.1f}°"
+
+    return [
+        ("Surfaces", f"{info['surfaces']}"),
+        ("Focal Length", number("efl_mm", "{:.2f} mm")),
+        ("F-Number", f"f/{info['f_number']:.2f}" + (", its widest" if info["f_number_was_clamped"] else "")),
+        ("Widest", f"f/{info['widest_f_number']:.2f}"),
+        ("Film Distance", number("film_distance_mm", "{:.3f} mm")),
+        ("Focused At", focus_text(info["focus_scale_mm"])),
+        ("Magnification", number("magnification", "{:.4f}")),
+        ("Field of View", f"{angle('fov_horizontal_rad')} x {angle('fov_vertical_rad')}"),
+        ("Diagonal", angle("fov_diagonal_rad")),
+        ("Picture", f"{info['picture_width_mm']:.2f} x {info['picture_height_mm']:.2f} mm"),
+    ]
