@@ -123,6 +123,15 @@ class CameraDescription:
     exposure: tuple[float, float, float] | None = None
 
 
+def focused(camera: CameraDescription, found: dict) -> dict:
+    """The settings that give `camera` the focus that the engine found: by its film, or by groups inside of the lens."""
+    if not found["moves_groups"]:
+        return {"film_distance_mm": found["film_distance_mm"]}
+    far = found["focus_scale_mm"]
+    distance = None if far is None else far / camera.scale_mm_per_unit[2]
+    return {"focus_distance": distance, "focus_point_world": None, "film_distance_mm": None}
+
+
 @dataclass
 class SettingsDescription:
     width: int

@@ -13,7 +13,7 @@ import bpy
 import numpy as np
 
 from . import export, loop, passes, statistics, tiles
-from .description import CameraDescription, Report, SettingsDescription
+from .description import CameraDescription, Report, SettingsDescription, focused
 from .export import aperture_mask
 from .export import camera as camera_export
 from .export.errors import ExportError
@@ -136,7 +136,7 @@ class _Photograph:
         self._tell("Preparing the lens", 0.0)
         if camera.autofocus is not None:
             self._focus(native, scene, camera, width, height)
-            moving = [dataclasses.replace(then, **self._found()) for then in moving]
+            moving = [dataclasses.replace(then, **focused(then, self.focus)) for then in moving]
         job = loop.stoppable(lambda: native.Job(scene, camera, settings, moving), self._stop_asked)
         stopped = loop.follow(job, stop_asked=self._stop_asked, show=self._show, tell=self._progress)
         self._progress(job.progress() if stopped else 1.0, job.samples_done())
@@ -174,17 +174,8 @@ class _Photograph:
             lambda: native.autofocus_json(scene, camera, width, height, camera.autofocus), self._stop_asked
         )
         self.focus = json.loads(found)
-        far = self.focus["focus_scale_mm"]
-        self.focus["focus_distance"] = None if far is None else far / camera.scale_mm_per_unit[2]
-        for name, value in self._found().items():
+        for name, value in focused(camera, self.focus).items():
             setattr(camera, name, value)
-
-    def _found(self) -> dict:
-        """The settings of a camera with the focus that was found: by its film, or by groups inside of the lens."""
-        if self.focus["moves_groups"]:
-            distance = self.focus["focus_distance"]
-            return {"focus_distance": distance, "focus_point_world": None, "film_distance_mm": None}
-        return {"film_distance_mm": self.focus["film_distance_mm"]}
 
     def _settings(self, width: int, height: int) -> SettingsDescription:
         own, render = self.scene.petzval, self.scene.render

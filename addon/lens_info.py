@@ -3,6 +3,7 @@
 
 from __future__ import annotations
 
+import dataclasses
 import json
 import os
 from typing import Any
@@ -10,7 +11,7 @@ from typing import Any
 import bpy
 
 from . import redraw
-from .description import CameraDescription, Report
+from .description import CameraDescription, Report, focused
 from .export import camera as camera_export
 from .export.errors import ExportError
 from .native import EngineMissing, engine
@@ -22,26 +23,22 @@ _answers: dict[tuple, dict[str, Any]] = {}
 _shown: dict[tuple[str, str], dict[str, Any]] = {}
 
 
-def of_camera(
-    camera: bpy.types.Object, scene: bpy.types.Scene, film_distance_mm: float | None = None
-) -> dict[str, Any]:
+def of_camera(camera: bpy.types.Object, scene: bpy.types.Scene, found: dict[str, Any] | None = None) -> dict[str, Any]:
     """The engine's `camera_info_json` as a dictionary; where there is none, only `error`, one line.
 
-    `film_distance_mm` stands instead of the camera's own focus: that which autofocus has found.
+    `found` stands instead of the camera's own focus: that which autofocus has found.
     """
     width, height = camera_export.resolution(scene.render)
     try:
         description = camera_export.describe(camera, scene, width, height, Report())
-        if film_distance_mm is not None:
-            description.film_distance_mm = film_distance_mm
+        if found is not None:
+            description = dataclasses.replace(description, **focused(description, found))
         return _ask(description, width, height)
     except (ExportError, EngineMissing) as error:
         return {"error": str(error)}
 
 
-def for_panel(
-    camera: bpy.types.Object, scene: bpy.types.Scene, film_distance_mm: float | None = None
-) -> dict[str, Any]:
+def for_panel(camera: bpy.types.Object, scene: bpy.types.Scene, found: dict[str, Any] | None = None) -> dict[str, Any]:
     """`of_camera`; while a render runs, what was last shown.
 
     Blender keeps in one place, for all threads, whether Python may change the scene, and sets it back after each call.
@@ -52,7 +49,7 @@ def for_panel(
     if key not in _shown or not redraw.is_rendering():
         while len(_shown) >= _REMEMBERED:
             del _shown[next(iter(_shown))]
-        _shown[key] = of_camera(camera, scene, film_distance_mm)
+        _shown[key] = of_camera(camera, scene, found)
     return _shown[key]
 
 

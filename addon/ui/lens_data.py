@@ -24,15 +24,15 @@ class PETZVAL_CAMERA_PT_info(LensPart, bpy.types.Panel):
             self.layout.label(text="This camera is not in the scene", icon="INFO")
             return
         found = autofocus.for_panel(holder, context.scene, context.view_layer) if _looks(camera) else None
-        film_distance_mm = None if found is None else found.answer.get("film_distance_mm")
-        info = lens_info.for_panel(holder, context.scene, film_distance_mm)
+        answer = None if found is None or "error" in found.answer else found.answer
+        info = lens_info.for_panel(holder, context.scene, answer)
         if "error" in info:
             complain(context, self.layout, info["error"])
             return
         column = self.layout.column(align=True)
         for line in lines_of(context, info["lens_name"]):
             column.label(text=line)
-        is_open = _looks(camera) and film_distance_mm is None
+        is_open = _looks(camera) and answer is None
         for name, text in _facts(info):
             fact(column, name, "by autofocus" if is_open and name in _OF_FOCUS else text)
 
@@ -52,9 +52,12 @@ def _facts(info: dict) -> list[tuple[str, str]]:
         value = info[key]
         return "beyond the lens" if value is None else f"{degrees(value):.1f}°"
 
+    zoom = info["zoom_range_mm"]
     return [
         ("Surfaces", f"{info['surfaces']}"),
         ("Focal Length", number("efl_mm", "{:.2f} mm")),
+        *([("Zoom", f"{zoom[0]:.1f} to {zoom[1]:.1f} mm")] if zoom else []),
+        *([("Focused By", "groups inside")] if info["focuses_inside"] else []),
         ("F-Number", f"f/{info['f_number']:.2f}" + (", its widest" if info["f_number_was_clamped"] else "")),
         ("Widest", f"f/{info['widest_f_number']:.2f}"),
         ("Film Distance", number("film_distance_mm", "{:.3f} mm")),
