@@ -10,6 +10,7 @@ mod focal_surface;
 pub mod from_scene;
 pub mod gaussian;
 pub mod image_based;
+pub mod imaging;
 pub mod packet;
 pub mod pinhole;
 pub mod real_lens;
