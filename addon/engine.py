@@ -115,9 +115,7 @@ class _Photograph:
         self.report = Report()
         self.window = _region(self.scene.render)
         layer = depsgraph.view_layer_eval
-        # Blender's rule: what is blurred as it moves has no one way to go.
-        blurred = self.scene.render.use_motion_blur
-        self.data_passes = [one for one in passes.wanted(layer) if not (blurred and one.engine_name == "VECTOR")]
+        self.data_passes = passes.wanted(layer)
         self.mattes, self.matte_levels = passes.wanted_mattes(layer), passes.matte_levels(layer)
         self.focus: dict | None = None
 
@@ -182,7 +180,8 @@ class _Photograph:
         self, camera: CameraDescription, width: int, height: int
     ) -> tuple[tuple[CameraDescription, CameraDescription] | None, Motion | None]:
         """The camera and everything else a frame before and a frame after, where the Vector pass asks for it."""
-        if not any(one.engine_name == "VECTOR" for one in self.data_passes):
+        # Blender's rule: with motion blur the pass is all zero.
+        if self.scene.render.use_motion_blur or not any(one.engine_name == "VECTOR" for one in self.data_passes):
             return None, None
         now, subframe = self.scene.frame_current, self.scene.frame_subframe
 

@@ -10,7 +10,8 @@ use super::thin::Thin;
 use super::{CameraDescription, CameraError, Model};
 use crate::accel::Ray;
 use crate::spectrum::FilmSpectrum;
-use glam::{DMat3, DVec2, DVec3};
+use glam::{DMat3, DQuat, DVec2, DVec3};
+use petzval_optics::entrance_map::EntranceMap;
 use petzval_optics::gaussian::GaussianLens;
 use petzval_optics::paraxial::Paraxial;
 use petzval_optics::trace::{Ray as LensRay, Tracer};
@@ -36,7 +37,7 @@ impl Seen {
 }
 
 /// A point of the pupil, so that cameras with different lenses can have the same: from the pupil's middle, its radius
-/// being one.
+/// being one, in axes that turn with the pupil.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct PupilPoint(DVec3);
 
@@ -59,9 +60,20 @@ struct LensEye {
     spectrum: FilmSpectrum,
     /// By wavelength of the film.
     lines: Vec<Line>,
-    /// The entrance pupil's middle and radius, lens space.
-    pupil: DVec3,
+    /// The entrance pupil's middle near the axis and its radius, lens space, mm.
+    pupil_middle: DVec3,
     pupil_radius: f64,
+    /// How the pupil moves with the direction, where rays are traced.
+    entrance: Option<EntranceMap>,
+}
+
+/// The entrance pupil as something sees it: a fisheye's turns and comes to meet it.
+struct Pupil {
+    middle: DVec3,
+    /// To what sees it.
+    towards: DVec3,
+    /// From the axis' direction there, the shortest way.
+    turn: DQuat,
 }
 
 enum Line {
@@ -100,27 +112,35 @@ impl Imaging {
         Ok(Self { place: d.position() - origin, eye })
     }
 
-    /// The point of the pupil through which a camera ray goes: that of the ray which is nearest to the pupil's middle. For
-    /// ordinary lenses it lies in the pupil's plane, but for the plane's slant to the ray; a fisheye's pupil turns round
-    /// to meet the ray.
-    pub fn through(&self, ray: &Ray) -> PupilPoint {
-        let (origin, direction) = (ray.origin.as_dvec3() - self.place, ray.direction.as_dvec3());
+    /// The point of the pupil through which a camera ray sees something.
+    pub fn through(&self, ray: &Ray, seen: Seen) -> PupilPoint {
+        let origin = ray.origin.as_dvec3() - self.place;
         PupilPoint(match &self.eye {
             Eye::Pinhole(_) => DVec3::ZERO,
             Eye::Thin(lens) => lens.axes().transpose() * origin / lens.radius(),
             Eye::Lens(lens) => {
-                let from = lens.mount.to_lens(origin) - lens.pupil;
-                let along = lens.direction(direction);
-                (from - along * from.dot(along)) / lens.pupil_radius
+                let pupil = lens.pupil(self.relative(seen));
+                let from = lens.mount.to_lens(origin) - pupil.middle;
+                let along = lens.direction(ray.direction.as_dvec3());
+                let met = from - along * (from.dot(pupil.towards) / along.dot(pupil.towards));
+                pupil.turn.inverse() * met / lens.pupil_radius
             }
         })
+    }
+
+    fn relative(&self, seen: Seen) -> Seen {
+        match seen {
+            Seen::Point(p) => Seen::Point(p - self.place),
+            other => other,
+        }
     }
 
     /// The picture point of what is seen through a point of the pupil by the light that `u_wavelength` chooses; `None`
     /// where it is lost.
     pub fn picture_point(&self, seen: Seen, through: PupilPoint, u_wavelength: f32) -> Option<DVec2> {
+        let seen = self.relative(seen);
         let along = |axes: &DMat3, start: DVec3| match seen {
-            Seen::Point(p) => axes.transpose() * (p - self.place) - start,
+            Seen::Point(p) => axes.transpose() * p - start,
             Seen::Direction(d) => axes.transpose() * d,
         };
         match &self.eye {
@@ -130,10 +150,11 @@ impl Imaging {
                 lens.place(start, along(lens.axes(), start))
             }
             Eye::Lens(lens) => {
-                let target = lens.pupil + through.0 * lens.pupil_radius;
+                let pupil = lens.pupil(seen);
+                let target = pupil.middle + pupil.turn * through.0 * lens.pupil_radius;
                 let (origin, direction) = match seen {
                     Seen::Point(p) => {
-                        let from = lens.mount.to_lens(p - self.place);
+                        let from = lens.mount.to_lens(p);
                         (from, (target - from).normalize())
                     }
                     Seen::Direction(d) => (target, -lens.direction(d)),
@@ -171,7 +192,20 @@ impl LensEye {
             (Some(z), Some(diameter)) if diameter > 0.0 => (z, diameter),
             _ => (0.0, 2.0 * system.surfaces()[0].semi_diameter_mm),
         };
-        Ok(Self { mount, spectrum, lines, pupil: DVec3::new(0.0, 0.0, z), pupil_radius: 0.5 * diameter })
+        let (pupil_middle, pupil_radius) = (DVec3::new(0.0, 0.0, z), 0.5 * diameter);
+        let entrance = order.is_none().then(|| EntranceMap::new(&[system.at_wavelength(D_LINE_NM)], &system));
+        Ok(Self { mount, spectrum, lines, pupil_middle, pupil_radius, entrance })
+    }
+
+    /// The pupil as something sees it that lies, in render space, as seen from the camera.
+    fn pupil(&self, seen: Seen) -> Pupil {
+        let near_axis = self.entrance.as_ref().map_or(self.pupil_middle, EntranceMap::middle);
+        let towards = match seen {
+            Seen::Point(p) => (self.mount.to_lens(p) - near_axis).normalize_or(DVec3::NEG_Z),
+            Seen::Direction(d) => self.direction(d),
+        };
+        let middle = self.entrance.as_ref().map_or(near_axis, |map| map.centre(towards));
+        Pupil { middle, towards, turn: DQuat::from_rotation_arc(DVec3::NEG_Z, towards) }
     }
 
     /// A direction of render space in lens space.

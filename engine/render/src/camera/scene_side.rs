@@ -43,12 +43,19 @@ pub struct SceneNumbers {
     pub pixels: [f32; 2],
 }
 
+impl SceneNumbers {
+    /// The ray is one of those that are spread over more than the picture: it has nothing to do with its pixel.
+    pub fn is_astray(&self) -> bool {
+        self.beyond < DEFENSIVE_SHARE
+    }
+}
+
 impl RealLens {
     /// A ray for pixel (x, y) that is chosen in the scene, with what all wavelengths of a set make of it; `None` where it
     /// is lost at all of them.
     pub fn lead_from_scene(&self, pixel: [u32; 2], u: &SceneNumbers, raster: &Raster) -> Option<Led> {
         let side = self.scene_side();
-        let place = if u.beyond < DEFENSIVE_SHARE {
+        let place = if u.is_astray() {
             (Vec2::from(u.place) - 0.5) * (1.0 + 2.0 * BEYOND)
         } else {
             raster.place(pixel[0], pixel[1], u.place)

@@ -205,8 +205,17 @@ impl Sample<'_> {
 
     /// What the sample's ray, of the wavelength that `u_wavelength` chose, is for the pixel that it belongs to.
     fn note(&mut self, found: &PathResult, ray: &crate::accel::Ray, u_wavelength: f32) {
+        self.note_alpha(found);
+        self.note_surface(found, ray, u_wavelength);
+    }
+
+    fn note_alpha(&mut self, found: &PathResult) {
         let alpha = if self.shot.limits.hide_sky && !found.hit { 0.0 } else { 1.0 };
         self.light.add_alpha(self.x, self.y, alpha);
+    }
+
+    /// What surface the sample's ray found for the pixel that it belongs to.
+    fn note_surface(&mut self, found: &PathResult, ray: &crate::accel::Ray, u_wavelength: f32) {
         self.light.add_data(self.x, self.y, found.first);
         if let Some(motion) = self.shot.motion {
             let vector = motion.vector(&self.shot.stage.scene, ray, u_wavelength, found.first.as_ref());

@@ -36,11 +36,11 @@ impl Motion {
         u_wavelength: f32,
         first: Option<&FirstSurface>,
     ) -> Option<[f32; 4]> {
-        let through = self.now.through(ray);
         let now = match first {
             Some(surface) => Seen::Point(surface.position.as_dvec3()),
             None => Seen::Direction(ray.direction.as_dvec3()),
         };
+        let through = self.now.through(ray, now);
         let here = self.now.picture_point(now, through, u_wavelength)?;
         let way = |frame: usize| {
             let then = first.and_then(|surface| moved(scene, surface, frame)).map_or(now, Seen::Point);
