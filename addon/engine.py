@@ -142,9 +142,8 @@ class _Photograph:
         self._tell("Preparing the lens", 0.0)
         if camera.autofocus is not None:
             self._focus(native, scene, camera, width, height)
-            focused = {"film_distance_mm": camera.film_distance_mm}
-            moving = [dataclasses.replace(then, **focused) for then in moving]
-            neighbours = neighbours and tuple(dataclasses.replace(then, **focused) for then in neighbours)
+            moving = [dataclasses.replace(then, **self._found()) for then in moving]
+            neighbours = neighbours and tuple(dataclasses.replace(then, **self._found()) for then in neighbours)
         mattes = [one.engine_name for one in self.mattes]
         beside = {"mattes": mattes, "matte_levels": self.matte_levels, "neighbours": neighbours}
         job = loop.stoppable(lambda: native.Job(scene, camera, settings, moving, **beside), self._stop_asked)
@@ -207,7 +206,17 @@ class _Photograph:
             lambda: native.autofocus_json(scene, camera, width, height, camera.autofocus), self._stop_asked
         )
         self.focus = json.loads(found)
-        camera.film_distance_mm = self.focus["film_distance_mm"]
+        far = self.focus["focus_scale_mm"]
+        self.focus["focus_distance"] = None if far is None else far / camera.scale_mm_per_unit[2]
+        for name, value in self._found().items():
+            setattr(camera, name, value)
+
+    def _found(self) -> dict:
+        """The settings of a camera with the focus that was found: by its film, or by groups inside of the lens."""
+        if self.focus["moves_groups"]:
+            distance = self.focus["focus_distance"]
+            return {"focus_distance": distance, "focus_point_world": None, "film_distance_mm": None}
+        return {"film_distance_mm": self.focus["film_distance_mm"]}
 
     def _settings(self, width: int, height: int) -> SettingsDescription:
         own, render = self.scene.petzval, self.scene.render

@@ -73,6 +73,25 @@ def test_autofocus_looks_where_it_is_told(focus, anchor):
     assert stats["autofocus"]["subject_world"] is None
 
 
+def test_a_zoom_focuses_by_its_groups(focus):
+    lens = ("--lens", "zoom-nikon-57-143-f2.8", "--anchor", "front-vertex", "--spectrum", 587.56)
+    done, stats = focus(*lens, "--focal-length", 100, "--f-number", 11, "--autofocus", "0.5,0.5")
+    assert done.returncode == 0, done.stderr
+    found = stats["autofocus"]
+    assert found["moves_groups"]
+    # Counted from the front, which stands in the camera; spherical aberration takes its part.
+    assert found["focus_scale_mm"] == pytest.approx(5000.0, rel=0.01)
+    zoom = ROOT / "lenses/zoom-nikon-57-143-f2.8.lens"
+    far = native.camera(zoom, focal_length_mm=100.0, focus_distance=None, wavelength_nm=587.56)
+    far = native.info(far, 48, 32)
+    # Blender keeps the wavelength in single precision.
+    assert found["film_distance_mm"] == pytest.approx(far["film_distance_mm"], abs=1e-6)
+    assert far["zoom_range_mm"] == [57.21, 143.08] and far["focuses_inside"]
+    for options, word in ((("--focal-length", 200), "57.2 to 143.1"), (("--focus-distance", 0.5), "too close")):
+        done, _ = focus(*lens, *options)
+        assert done.returncode == 1 and word in done.stderr, done.stderr
+
+
 def test_three_points_turn_the_film_as_scheimpflug_says(focus):
     """Object plane, lens and film meet in a line: here 2.5 m below the axis, for the plane is y = 5 + 2 z."""
     # Equally far from the axis as the lens sees them, so that field curvature moves all three alike.

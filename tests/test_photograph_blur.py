@@ -9,17 +9,11 @@ from math import radians, sqrt
 import numpy as np
 import pytest
 
-from photograph.chart import Studio, spots
+from photograph.chart import FILTER_VARIANCE, Studio, spots
 from photograph.truth import Camera, Spot
 
 DOUBLE_GAUSS = "double-gauss-f2-tronnier"
 FOCAL_MM, FOCUS = 50.0, 2.0
-#: Variance in pixels of the charts' pixel filter, a Blackman-Harris window that ends two pixels from its middle.
-_AT = np.linspace(-2.0, 2.0, 4001)
-_WINDOW = sum(
-    part * np.cos(np.pi * order * _AT / 2.0) for order, part in enumerate((0.35875, 0.48829, 0.14128, 0.01168))
-)
-FILTER_VARIANCE = float((_WINDOW * _AT**2).sum() / _WINDOW.sum())
 
 
 class Lamp:

@@ -15,6 +15,12 @@ import numpy as np
 from . import native, truth
 
 LENSES = Path(__file__).resolve().parent.parent.parent / "lenses"
+#: Variance in pixels of the charts' pixel filter, a Blackman-Harris window that ends two pixels from its middle.
+_AT = np.linspace(-2.0, 2.0, 4001)
+_WINDOW = sum(
+    part * np.cos(np.pi * order * _AT / 2.0) for order, part in enumerate((0.35875, 0.48829, 0.14128, 0.01168))
+)
+FILTER_VARIANCE = float((_WINDOW * _AT**2).sum() / _WINDOW.sum())
 
 
 def read_exr(bpy, path: Path) -> np.ndarray:

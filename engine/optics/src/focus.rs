@@ -3,6 +3,7 @@
 //! Conjugates are the exact paraxial ones. Distances to the scene are measured along the axis from the centre of the
 //! entrance pupil, positive in front of the lens; [`Focusing`] knows of other ways to count them.
 
+mod groups;
 mod scale;
 
 use glam::{DMat3, DVec2, DVec3};
@@ -13,6 +14,7 @@ use crate::paraxial::Paraxial;
 use crate::system::System;
 use crate::trace::Ray;
 
+pub use groups::{Focused, GroupsError};
 pub use scale::{Anchor, Focusing, Relation};
 
 /// Why no film plane makes a distance sharp.

@@ -1,9 +1,13 @@
 //! A lens as it was published: one row a surface, checked, each row with its place in the file.
 
+pub mod moving;
+
 use thiserror::Error;
 
 use crate::glass::Medium;
 use crate::surface::{Pose, Section, Shape};
+
+use moving::MovingGaps;
 
 /// What follows a surface.
 #[derive(Clone, Debug, PartialEq)]
@@ -168,6 +172,8 @@ pub struct Prescription {
     pub metadata: Metadata,
     /// Radius of curvature of the film (a retina) in mm, signed as a surface's; `None`: plane.
     pub film_radius_mm: Option<f64>,
+    /// Gaps that change with zoom and focus, if any do; the surfaces have them as in the first position.
+    pub moving: Option<MovingGaps>,
     /// The file it was read from, as it was named.
     pub source_file: String,
 }
@@ -210,6 +216,18 @@ impl SurfaceRow {
 }
 
 impl Prescription {
+    /// The lens with its moving groups at a zoom (nominal focal length, mm) and a travel of the focus, as
+    /// [`MovingGaps::gaps_mm`] has them; from then on they stand still.
+    pub fn at_position(&self, zoom_mm: f64, travel: f64) -> Self {
+        let mut fixed = self.clone();
+        if let Some(moving) = fixed.moving.take() {
+            for (&surface, gap_mm) in moving.surfaces().iter().zip(moving.gaps_mm(zoom_mm, travel)) {
+                fixed.surfaces[surface].thickness_mm = gap_mm;
+            }
+        }
+        fixed
+    }
+
     /// Says what is wrong with the lens; readers of files call it last.
     pub fn check(&self) -> Result<(), PrescriptionError> {
         if self.surfaces.is_empty() {

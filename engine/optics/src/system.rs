@@ -1,5 +1,7 @@
 //! A lens placed in lens space for one focal length and one opening; immutable.
 
+mod groups;
+
 use std::sync::Arc;
 
 use thiserror::Error;
@@ -18,7 +20,7 @@ pub enum FocalLength {
     AsPublished,
     /// The lens file times this factor.
     Scale(f64),
-    /// So that the focal length at d, n′ / power, has this size in mm.
+    /// So that the focal length at d, n′ / power, has this size in mm: a zoom lens is zoomed to it, another is scaled.
     Millimetres(f64),
 }
 
@@ -57,6 +59,18 @@ pub enum SystemError {
     /// The lens does not focus parallel light, so no focal length or f-number can be asked of it.
     #[error("the lens has no focal length (its power is 0); scale it by a factor and leave the f-number to it")]
     Afocal,
+    /// A zoom does not reach the focal length.
+    #[error(
+        "the lens zooms from {from_mm:.1} to {to_mm:.1} mm, and {asked_mm} mm were asked for; stay within, or scale the lens"
+    )]
+    BeyondZoom {
+        /// Asked for.
+        asked_mm: f64,
+        /// The shortest.
+        from_mm: f64,
+        /// The longest.
+        to_mm: f64,
+    },
 }
 
 /// Powers below this part of 1/track are rounding.
@@ -117,8 +131,11 @@ impl System {
     /// Scales the prescription and closes its diaphragm.
     ///
     /// An f-number smaller than the clear aperture of the stop allows is clamped to the widest one:
-    /// [`Self::f_number_was_clamped`] says so.
+    /// [`Self::f_number_was_clamped`] says so. Groups that move stand where infinity is sharp.
     pub fn new(prescription: &Prescription, settings: &SystemSettings) -> Result<Self, SystemError> {
+        if let Some(moving) = &prescription.moving {
+            return Self::with_groups(prescription, moving, settings, 0.0);
+        }
         prescription.check()?;
         check_settings(settings)?;
         let published = place(prescription, 1.0);

@@ -119,7 +119,7 @@ fn every_shipped_lens_reads_and_names_its_source() {
             count += 1;
         }
     }
-    assert_eq!(count, 41);
+    assert_eq!(count, 42);
 }
 
 #[test]

@@ -107,12 +107,13 @@ def camera_info_json(camera: CameraDescription, width: int, height: int) -> str:
     the camera's anchor and relation count it), magnification, fov_horizontal_rad,
     fov_vertical_rad, fov_diagonal_rad, picture_width_mm, picture_height_mm (the used part of the film),
     viewport_focal_length_mm with viewport_sensor_width_mm and viewport_shift (a Blender camera that frames the same picture),
-    entrance_pupil_diameter_mm, lens_name, surfaces."""
+    entrance_pupil_diameter_mm, lens_name, surfaces, zoom_range_mm (null: no zoom lens), focuses_inside (groups inside of
+    the lens focus it, not the film)."""
 
 def autofocus_json(scene: Scene, camera: CameraDescription, width: int, height: int, point: tuple[float, float]) -> str:
     """The focus on what a picture point sees, (0, 0) lower left to (1, 1) upper right, by the smallest spot of exact
-    rays: film_distance_mm, focus_scale_mm (the focus distance that says the same; null: infinity), tilt_rad,
-    swing_rad, rms_spot_mm, subject_world (null: nothing is there, the focus is at infinity). The camera's own focus
+    rays: film_distance_mm, focus_scale_mm (the focus distance that says the same; null: infinity), moves_groups (groups
+    inside of the lens have moved, not the film: only the distance says so), tilt_rad, swing_rad, rms_spot_mm, subject_world (null: nothing is there, the focus is at infinity). The camera's own focus
     does not count."""
 
 def sharp_points_json(

@@ -186,6 +186,8 @@ pub(crate) fn camera_info_json(py: Python<'_>, camera: PyCamera, width: u32, hei
         "viewport_sensor_width_mm": i.picture_width_mm,
         "viewport_shift": i.viewport_shift,
         "entrance_pupil_diameter_mm": i.entrance_pupil_diameter_mm,
+        "zoom_range_mm": i.zoom_range_mm,
+        "focuses_inside": i.focuses_inside,
     })
     .to_string())
 }

@@ -52,6 +52,7 @@ fn text(found: &Focused) -> String {
         "focus_scale_mm": found.focus_scale_mm,
         "tilt_rad": found.tilt_rad,
         "swing_rad": found.swing_rad,
+        "moves_groups": found.moves_groups,
         "rms_spot_mm": found.rms_spot_mm,
         "subject_world": found.subject_world.map(|p| p.to_array()),
     })

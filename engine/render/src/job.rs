@@ -4,6 +4,7 @@
 //! them, so that the same seed gives the same bits for any number of threads.
 
 use crate::camera::Camera;
+use crate::camera::real_lens::RealLens;
 use crate::film::cryptomatte::{MatteLayer, Mattes};
 use crate::film::data::{DataPass, DataSums, FARTHEST, VectorSums};
 use crate::film::{Film, Keep, TilePixels};
@@ -391,6 +392,9 @@ impl Shared {
             seed: s.seed,
             motion: self.motion.as_ref(),
         };
+        if self.pipeline == Pipeline::SceneFirst {
+            self.cameras.iter().filter_map(Camera::traced_lens).for_each(RealLens::prepare_for_scene_first);
+        }
         let stopped = || self.stop.load(Ordering::Relaxed);
         let tiles = self.film.tile_count();
         loop {

@@ -22,8 +22,21 @@
 //!
 //! An element moves as one by a line of the header, surfaces counted from 0, about the vertex of its first:
 //! `# element: 2-3 decenter_x=0.05 tilt_y=0.1`.
+//!
+//! Gaps that change when the lens is zoomed, or focused by groups inside, are named in the header by the surfaces before
+//! them, counted from 0, and given for each position that is known: nominal focal length, distance of what is sharp from
+//! the first vertex, gaps. A prime leaves `zoom` out; `focus=inf` may be left out. The rows hold any one of them.
+//!
+//! ```text
+//! # moving: 4 9
+//! # position: zoom=35 focus=inf 1.9 36.9
+//! # position: zoom=35 focus=900 4.4 36.9
+//! # position: zoom=70 focus=inf 48.7 1.5
+//! # position: zoom=70 focus=900 51.2 1.5
+//! ```
 
 mod columns;
+mod moving;
 
 use std::fmt;
 use std::path::Path;
@@ -31,8 +44,11 @@ use std::path::Path;
 use thiserror::Error;
 
 use crate::glass::{Catalogue, GlassError};
+use crate::prescription::moving::MovingError;
 use crate::prescription::{Behind, Column, Metadata, Place, Prescription, PrescriptionError, SurfaceRow};
 use crate::surface::{Conic, Shape};
+
+use moving::MovingLines;
 
 use columns::{ElementLine, Misalignment, OBSTRUCTION, POSE, RADIUS_X, element, power};
 
@@ -90,6 +106,17 @@ pub enum Problem {
         /// The last surface of the lens.
         surfaces: usize,
     },
+    /// A line about moving gaps cannot be understood.
+    #[error(
+        "'{0}' is no list of surfaces; write the numbers of those before the gaps that move, counted from 0: 4 9 12"
+    )]
+    Moving(String),
+    /// A line about a position of the groups cannot be understood.
+    #[error("'{0}' is no position; write zoom and focus in mm, then the gaps: zoom=35 focus=inf 1.9 36.9")]
+    Position(String),
+    /// Gaps and positions do not fit together.
+    #[error(transparent)]
+    MovingGaps(#[from] MovingError),
     /// Not a finite number.
     #[error("{what} '{found}' is not a finite number; write one, as in 12.5")]
     NotANumber {
@@ -207,6 +234,7 @@ struct Reader<'a> {
     /// Names of the columns after the usual ones.
     extra: Vec<String>,
     elements: Vec<ElementLine>,
+    moving: MovingLines,
     rows: Vec<SurfaceRow>,
     /// Index, line and column of the stop.
     stop: Option<(usize, usize)>,
@@ -224,6 +252,7 @@ impl<'a> Reader<'a> {
             catalogue,
             extra: Vec::new(),
             elements: Vec::new(),
+            moving: MovingLines::default(),
             rows: Vec::new(),
             stop: None,
             first_flag: Place { line: 1, column: 1 },
@@ -288,6 +317,8 @@ impl<'a> Reader<'a> {
                 let element = element(value, Place { line, column });
                 self.elements.push(element.ok_or_else(|| place(Problem::Element(value.to_owned())))?);
             }
+            "moving" => self.moving.surfaces(value, Place { line, column }).map_err(place)?,
+            "position" => self.moving.position(value, Place { line, column }).map_err(place)?,
             "film_radius" => self.film_radius_mm = Some(number(value).map_err(place)?),
             "film" => {
                 let (width, height) = value.split_once('x').unwrap_or((value, value));
@@ -415,14 +446,21 @@ impl<'a> Reader<'a> {
         let Some((stop, _)) = self.stop else {
             return self.fail(self.first_flag.line, self.first_flag.column, Problem::NoStop);
         };
-        Ok(Prescription {
+        let gaps = self.moving.gaps(self.rows.len());
+        let moving = gaps.map_err(|(place, error)| at(self.file, place.line, place.column, error.into()))?;
+        let prescription = Prescription {
             name: self.name.unwrap_or_else(|| stem(self.file)),
             surfaces: self.rows,
             stop,
             metadata: self.metadata,
             film_radius_mm: self.film_radius_mm,
+            moving,
             source_file: self.file.to_owned(),
-        })
+        };
+        // Groups stand where the first position has them.
+        let published = prescription.moving.as_ref().map(|moving| moving.first_zoom_mm());
+        let surfaces = published.map(|zoom_mm| prescription.at_position(zoom_mm, 0.0).surfaces);
+        Ok(Prescription { surfaces: surfaces.unwrap_or_else(|| prescription.surfaces.clone()), ..prescription })
     }
 }
 

@@ -197,6 +197,7 @@ fn without_rims(system: &System) -> Option<System> {
         stop: system.stop(),
         metadata: Metadata::default(),
         film_radius_mm: None,
+        moving: None,
         source_file: String::new(),
     };
     System::new(&prescription, &SystemSettings::default()).ok()

@@ -1,6 +1,7 @@
 //! Focus found instead of set: on what a point of the picture sees, or on three points of the world at once.
 
-use super::real_lens::{D_LINE_NM, Mount};
+use super::mount::Mount;
+use super::setup::D_LINE_NM;
 use super::{CameraDescription, CameraError, Model};
 use crate::accel::Ray;
 use glam::{DVec3, Vec2};
@@ -19,6 +20,8 @@ const LOOKS: usize = 4;
 const MOST_STEPS: usize = 100;
 /// Part of the film's place that is no step.
 const SETTLED: f64 = 1e-9;
+/// Steps for moving groups to settle: a secant needs four or five.
+const MOST_SECANTS: usize = 30;
 /// Infinity for a lens of first order, mm.
 const FAR_MM: f64 = 1e12;
 
@@ -34,6 +37,8 @@ pub struct Focused {
     pub tilt_rad: f64,
     /// Turn of the film about its vertical axis.
     pub swing_rad: f64,
+    /// Groups inside of the lens have moved, not the film: only the focus distance says so.
+    pub moves_groups: bool,
     /// Root mean square radius of the spot on the film, the largest of three.
     pub rms_spot_mm: f64,
     /// What is sharp; `None` if it is infinitely far.
@@ -66,7 +71,12 @@ pub fn on_picture_point(
                 Seen::Point(point) => Some(point + d.position()),
                 Seen::Sky(_) => None,
             };
-            return Ok(Focused { subject_world, ..finder.found(rms_spot_mm) });
+            let found = if finder.mount.info.focuses_inside {
+                finder.by_groups(seen, [width, height])?
+            } else {
+                finder.found(rms_spot_mm)
+            };
+            return Ok(Focused { subject_world, ..found });
         }
         if step < LOOKS {
             seen = finder.look(p, &tracer, &map, &distance_to)?;
@@ -135,11 +145,15 @@ impl<'a> Finder<'a> {
             CameraDescription { focus_distance: None, focus_point_world: None, film_distance_mm: None, ..d.clone() };
         let (mount, system) = Mount::new(&far, d.axes()?, width, height)?;
         let line_nm = d.wavelength_nm.unwrap_or(D_LINE_NM);
-        let auto = match d.wavelength_nm {
-            None if system.is_dispersive() => Autofocus::new(&system, &PHOTOPIC),
-            _ => Autofocus::new(&system, &[(line_nm, 1.0)]),
-        };
+        let auto = Self::autofocus(d, &system);
         Ok(Self { d, mount, system, auto, line_nm })
+    }
+
+    fn autofocus(d: &CameraDescription, system: &System) -> Autofocus {
+        match d.wavelength_nm {
+            None if system.is_dispersive() => Autofocus::new(system, &PHOTOPIC),
+            nm => Autofocus::new(system, &[(nm.unwrap_or(D_LINE_NM), 1.0)]),
+        }
     }
 
     /// What a picture point sees from the present film, by the mean of its rays.
@@ -220,9 +234,47 @@ impl<'a> Finder<'a> {
             focus_scale_mm: scale.is_finite().then_some(scale),
             tilt_rad: film.tilt_rad,
             swing_rad: film.swing_rad,
+            moves_groups: false,
             rms_spot_mm,
             subject_world: None,
         }
+    }
+
+    /// The focus at which the groups of the lens make what is seen sharpest on the film, where that stands: a secant over
+    /// the nearness, from infinity and from what is seen itself.
+    fn by_groups(&self, seen: Seen, [width, height]: [u32; 2]) -> Result<Focused, CameraError> {
+        let per_unit = self.d.scale_mm_per_unit.z;
+        let at = |nearness_per_mm: f64| -> Result<(Finder<'a>, f64, f64), CameraError> {
+            let near = CameraDescription {
+                focus_distance: (nearness_per_mm > 0.0).then(|| (nearness_per_mm * per_unit).recip()),
+                focus_point_world: None,
+                film_distance_mm: None,
+                ..self.d.clone()
+            };
+            let (mount, system) = Mount::new(&near, self.d.axes()?, width, height)?;
+            let auto = Finder::autofocus(self.d, &system);
+            let finder = Finder { d: self.d, mount, system, auto, line_nm: self.line_nm };
+            let (film, rms_spot_mm) = finder.sharpest(seen)?;
+            let behind = film.z_mm - finder.mount.film.z_mm;
+            Ok((finder, behind, rms_spot_mm))
+        };
+        let (mut finder, mut error, mut rms_spot_mm) = at(0.0)?;
+        if let Seen::Point(point) = seen {
+            let (mut before, mut then) = (0.0, error);
+            let depth_mm = -self.mount.axes().z_axis.dot(point) * per_unit;
+            let mut now = depth_mm.max(1.0).recip();
+            for _ in 0..MOST_SECANTS {
+                (finder, error, rms_spot_mm) = at(now)?;
+                let step = error * (now - before) / (error - then);
+                if !step.is_finite() || error.abs() < SETTLED * finder.mount.film.z_mm.abs().max(1.0) {
+                    break;
+                }
+                (before, then) = (now, error);
+                // Not beyond infinity, and not at once to where the lens cannot follow.
+                now = (now - step).clamp(0.5 * now, 2.0 * now);
+            }
+        }
+        Ok(Focused { moves_groups: true, ..finder.found(rms_spot_mm) })
     }
 }
 

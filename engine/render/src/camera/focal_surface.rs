@@ -5,7 +5,7 @@
 //! the chief rays say at what angle from the axis the lens sees a point there, by its distance from the axis; and in that
 //! direction the surface lies at the distance that is focused on: a plane, far off the axis a ball.
 
-use super::real_lens::Mount;
+use super::mount::Mount;
 use glam::{DVec2, DVec3, Vec2};
 use petzval_optics::paraxial::Paraxial;
 use petzval_optics::pupil_map::PupilMap;

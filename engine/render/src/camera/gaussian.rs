@@ -5,7 +5,9 @@
 //! cos(film) cos³ du² is the projected solid angle. As for a real lens, it is divided by what the middle of the film gets
 //! from a uniform world of radiance one through that opening.
 
-use super::real_lens::{LensInfo, Mount, dark, film_spectrum};
+use super::mount::Mount;
+use super::real_lens::{dark, film_spectrum};
+use super::setup::LensInfo;
 use super::{CameraDescription, CameraError, CameraRay};
 use crate::spectrum::FilmSpectrum;
 use glam::{DMat3, DVec2, DVec3, Vec2};

@@ -8,7 +8,9 @@
 //!
 //! Points of the pupil are chosen and weighted as for the real lens.
 
-use super::real_lens::{LensInfo, Mount, dark};
+use super::mount::Mount;
+use super::real_lens::dark;
+use super::setup::LensInfo;
 use super::{CameraDescription, CameraError, CameraRay};
 use glam::{DMat3, Mat3, Vec2};
 use petzval_optics::focus::FilmPoint;

@@ -4,8 +4,10 @@
 //! which no rays are asked, so that nothing has to be prepared for choosing them well.
 
 use super::gaussian::Order;
+use super::mount::Mount;
 use super::pinhole::Pinhole;
-use super::real_lens::{D_LINE_NM, Mount, film_spectrum};
+use super::real_lens::film_spectrum;
+use super::setup::D_LINE_NM;
 use super::thin::Thin;
 use super::{CameraDescription, CameraError, Model};
 use crate::accel::Ray;

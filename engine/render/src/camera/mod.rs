@@ -11,10 +11,12 @@ pub mod from_scene;
 pub mod gaussian;
 pub mod image_based;
 pub mod imaging;
+mod mount;
 pub mod packet;
 pub mod pinhole;
 pub mod real_lens;
 pub mod scene_side;
+pub mod setup;
 pub mod thin;
 
 use crate::Rgb;
@@ -29,7 +31,8 @@ use petzval_optics::focus::{FocusError, Focusing};
 use petzval_optics::formats::lens::LensFileError;
 use petzval_optics::system::SystemError;
 use pinhole::Pinhole;
-use real_lens::{LensInfo, RealLens};
+use real_lens::RealLens;
+use setup::LensInfo;
 use std::path::PathBuf;
 use std::sync::Arc;
 use thin::Thin;
@@ -343,7 +346,7 @@ impl Camera {
 /// As [`Camera::new`].
 pub fn lens_info(d: &CameraDescription, width: u32, height: u32) -> Result<LensInfo, CameraError> {
     d.check(width, height)?;
-    real_lens::Setup::new(d, width, height).map(|setup| setup.info)
+    setup::Setup::new(d, width, height).map(|setup| setup.info)
 }
 
 #[cfg(test)]

@@ -51,6 +51,11 @@ impl SceneNumbers {
 }
 
 impl RealLens {
+    /// What every ray from the scene needs, made ahead, once for all threads.
+    pub fn prepare_for_scene_first(&self) {
+        self.scene_side();
+    }
+
     /// A ray for pixel (x, y) that is chosen in the scene, with what all wavelengths of a set make of it; `None` where it
     /// is lost at all of them.
     pub fn lead_from_scene(&self, pixel: [u32; 2], u: &SceneNumbers, raster: &Raster) -> Option<Led> {

@@ -256,3 +256,29 @@ pub(crate) fn small_square() -> Arc<Stage> {
     room.light(lamp(LampKind::Sun { half_angle_rad: 0.0 }, 100.0), place([0.0; 3], [0.0; 3], 1.0));
     room.finish()
 }
+
+/// Glowing triangles of several colours before and behind the plane of focus, in a grey glowing world: nothing is lit,
+/// all is seen.
+pub(crate) fn triangles() -> Arc<Stage> {
+    let triangle = MeshDescription {
+        name: "triangle".into(),
+        positions: vec![Vec3::new(-1.0, -1.0, 0.0), Vec3::new(1.0, -1.0, 0.0), Vec3::new(0.0, 1.0, 0.0)],
+        triangles: vec![[0, 1, 2]],
+        ..Default::default()
+    };
+    let colours = [[2.0, 2.0, 2.0], [3.0, 0.2, 0.1], [0.1, 2.0, 0.3], [0.2, 0.3, 4.0]];
+    let mut room = Room { builder: SceneBuilder::new() };
+    for i in 0..24 {
+        let part = |factor: f64| (f64::from(i) * factor).fract();
+        let depth = 1.0 + 5.0 * part(0.57);
+        let at = [2.0 * (part(0.618) - 0.5) * depth, 1.5 * (part(0.755) - 0.5) * depth, -depth];
+        let glow = Material {
+            emission_color: Input::Constant(Rgb::from(colours[i as usize % 4])),
+            emission_strength: 1.0,
+            ..plain(0.0, 0.0, 0.0)
+        };
+        room.put(triangle.clone(), glow, place(at, [0.0; 3], 0.25));
+    }
+    room.builder.set_world(World { color: Rgb::splat(0.5), ..Default::default() }).unwrap();
+    room.finish()
+}

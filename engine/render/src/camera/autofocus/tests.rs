@@ -165,3 +165,32 @@ fn what_cannot_be_focused_says_why() {
     let nowhere = on_three_points(&d, PIXELS, [DVec3::NAN, DVec3::X, DVec3::Y]);
     assert!(text(nowhere).contains("not finite"));
 }
+
+/// A lens that focuses inside: its groups move, the film stays, and a change of the distance either way blurs.
+#[test]
+fn groups_move_to_what_a_picture_point_sees() {
+    let zoom = with_lens("zoom-nikon-57-143-f2.8.lens", 24.0, 16.0, 0.0);
+    for (p, mm) in [(Vec2::ZERO, 100.0), (Vec2::new(0.3, -0.2), 60.0)] {
+        let d = CameraDescription {
+            focal_length_mm: Some(mm),
+            wavelength_nm: Some(D_LINE_NM),
+            focusing: Focusing { anchor: Anchor::FrontVertex, relation: Relation::Exact },
+            ..zoom.clone()
+        };
+        let found = on_picture_point(&d, PIXELS, p, wall(&d, 3.0, 0.4)).unwrap();
+        assert!(found.moves_groups);
+        let subject = found.subject_world.unwrap();
+        let at = |nearer: f64| {
+            let metres = found.focus_scale_mm.unwrap() * 1e-3 / nearer;
+            CameraDescription { focus_distance: Some(metres), ..d.clone() }
+        };
+        let place = |d: &CameraDescription| lens_info(d, PIXELS[0], PIXELS[1]).unwrap();
+        let far = CameraDescription { focus_distance: None, ..d.clone() };
+        assert!((place(&at(1.0)).film_distance_mm - place(&far).film_distance_mm).abs() < 1e-9);
+        assert!((found.film_distance_mm - place(&far).film_distance_mm).abs() < 1e-9);
+        let step = 0.04;
+        let [low, here, high] = [1.0 - step, 1.0, 1.0 + step].map(|nearer| blur(&at(nearer), p, subject));
+        let off = 0.5 * step * (low - high) / (low - 2.0 * here + high);
+        assert!(off.abs() < 0.003, "{p} {mm}: {off}, {low} {here} {high}");
+    }
+}

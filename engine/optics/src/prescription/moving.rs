@@ -1,0 +1,254 @@
+//! Lenses that move inside: gaps that change when the lens is zoomed, or focused by some of its groups.
+//!
+//! Published tables give the gaps at some positions. Between them each gap follows a smooth curve that never turns where
+//! the table does not (Fritsch and Butland 1984): over the logarithm of the focal length from zoom position to zoom
+//! position, and over the nearness, one over the distance, from one focus to the next.
+
+use thiserror::Error;
+
+/// The gaps at one position of the groups.
+#[derive(Clone, Debug, PartialEq)]
+pub struct Position {
+    /// Nominal focal length, mm; `None` for a lens that does not zoom.
+    pub zoom_mm: Option<f64>,
+    /// Distance of what is sharp, from the first vertex, mm; may be infinite.
+    pub focus_mm: f64,
+    /// By moving gap, mm.
+    pub gaps_mm: Vec<f64>,
+}
+
+/// Why gaps and positions do not fit together.
+#[derive(Clone, Debug, PartialEq, Error)]
+pub enum MovingError {
+    /// A gap stands behind no surface, or twice.
+    #[error(
+        "surface {surface} has no gap of its own to move, or is named twice; name surfaces from 0 to {last}, each once"
+    )]
+    Surface {
+        /// As named.
+        surface: usize,
+        /// The last surface of the lens.
+        last: usize,
+    },
+    /// Too many or too few gaps.
+    #[error("{found} gaps where {expected} move; give one for each surface that the line 'moving' names")]
+    Gaps {
+        /// In this position.
+        found: usize,
+        /// Moving ones.
+        expected: usize,
+    },
+    /// Some positions have a zoom, others not.
+    #[error("some positions have a zoom and others not; give it in all or in none")]
+    ZoomMissing,
+    /// A zoom has no position at infinity.
+    #[error("no position has focus=inf at this zoom; give one for each zoom, to count the others from")]
+    NoInfinity,
+    /// The same position again.
+    #[error("this zoom and focus were given before; take one out")]
+    Twice,
+    /// One of the lines `moving` and `position` without the other.
+    #[error(
+        "gaps that move need both lines, '# moving: SURFACES' and '# position: zoom=MM focus=MM GAPS'; add the other"
+    )]
+    Incomplete,
+}
+
+/// Gaps at one zoom.
+#[derive(Clone, Debug, PartialEq)]
+struct Zoom {
+    mm: f64,
+    /// One over the distances, from 0.
+    nearness_per_mm: Vec<f64>,
+    /// By distance, then by gap.
+    gaps_mm: Vec<Vec<f64>>,
+}
+
+/// The gaps of a lens that move, by zoom and focus.
+#[derive(Clone, Debug, PartialEq)]
+pub struct MovingGaps {
+    surfaces: Vec<usize>,
+    zooms_in: bool,
+    first_zoom_mm: f64,
+    /// By rising focal length.
+    zooms: Vec<Zoom>,
+}
+
+impl MovingGaps {
+    /// Of the gaps behind `surfaces`, at each position; the first is the one the lens is published in.
+    ///
+    /// # Errors
+    /// [`MovingError`], with the number of the position that it is about.
+    pub fn new(
+        surfaces: Vec<usize>,
+        positions: &[Position],
+        count: usize,
+    ) -> Result<Self, (Option<usize>, MovingError)> {
+        for (i, &surface) in surfaces.iter().enumerate() {
+            if surface >= count || surfaces[..i].contains(&surface) {
+                return Err((None, MovingError::Surface { surface, last: count.saturating_sub(1) }));
+            }
+        }
+        let Some(first) = positions.first().filter(|_| !surfaces.is_empty()) else {
+            return Err((None, MovingError::Incomplete));
+        };
+        // A prime is a zoom with one place.
+        let zoom = |p: &Position| p.zoom_mm.unwrap_or(1.0);
+        let mut order: Vec<usize> = (0..positions.len()).collect();
+        order.sort_by(|&a, &b| {
+            let (a, b) = (&positions[a], &positions[b]);
+            zoom(a).total_cmp(&zoom(b)).then(b.focus_mm.total_cmp(&a.focus_mm))
+        });
+        let mut zooms: Vec<Zoom> = Vec::new();
+        for i in order {
+            let p = &positions[i];
+            let fail = |error| Err((Some(i), error));
+            if p.gaps_mm.len() != surfaces.len() {
+                return fail(MovingError::Gaps { found: p.gaps_mm.len(), expected: surfaces.len() });
+            }
+            if p.zoom_mm.is_some() != first.zoom_mm.is_some() {
+                return fail(MovingError::ZoomMissing);
+            }
+            let nearness = p.focus_mm.recip();
+            match zooms.last_mut().filter(|last| last.mm == zoom(p)) {
+                Some(last) if last.nearness_per_mm.contains(&nearness) => return fail(MovingError::Twice),
+                Some(last) => {
+                    last.nearness_per_mm.push(nearness);
+                    last.gaps_mm.push(p.gaps_mm.clone());
+                }
+                None if nearness != 0.0 => return fail(MovingError::NoInfinity),
+                None => {
+                    let gaps_mm = vec![p.gaps_mm.clone()];
+                    zooms.push(Zoom { mm: zoom(p), nearness_per_mm: vec![0.0], gaps_mm });
+                }
+            }
+        }
+        Ok(Self { surfaces, zooms_in: zooms.len() > 1, first_zoom_mm: zoom(first), zooms })
+    }
+
+    /// Nominal focal lengths of the shortest and the longest zoom, mm; `None` if the lens does not zoom.
+    pub fn zoom_range_mm(&self) -> Option<[f64; 2]> {
+        self.zooms_in.then(|| [self.zooms[0].mm, self.zooms[self.zooms.len() - 1].mm])
+    }
+
+    /// Whether groups inside move to focus the lens at every zoom: else the film or the whole lens does.
+    pub fn focuses(&self) -> bool {
+        self.zooms.iter().all(|zoom| zoom.nearness_per_mm.len() > 1)
+    }
+
+    /// The surfaces before the gaps that move.
+    pub fn surfaces(&self) -> &[usize] {
+        &self.surfaces
+    }
+
+    /// The zoom that the lens is published in, mm; 1 if it does not zoom.
+    pub fn first_zoom_mm(&self) -> f64 {
+        self.first_zoom_mm
+    }
+
+    /// The gaps at a zoom and a travel of the focus: 0 at infinity, 1 at the nearest distance of the table. Somewhat
+    /// beyond both they go on straight.
+    pub fn gaps_mm(&self, zoom_mm: f64, travel: f64) -> Vec<f64> {
+        let at_zoom = |zoom: &Zoom, gap: usize| {
+            let nearest = zoom.nearness_per_mm[zoom.nearness_per_mm.len() - 1];
+            let values: Vec<f64> = zoom.gaps_mm.iter().map(|gaps| gaps[gap]).collect();
+            smooth(&zoom.nearness_per_mm, &values, travel * nearest)
+        };
+        let places: Vec<f64> = self.zooms.iter().map(|zoom| zoom.mm.ln()).collect();
+        let gap = |gap: usize| {
+            let values: Vec<f64> = self.zooms.iter().map(|zoom| at_zoom(zoom, gap)).collect();
+            smooth(&places, &values, zoom_mm.ln())
+        };
+        (0..self.surfaces.len()).map(gap).collect()
+    }
+}
+
+/// A smooth curve through the points (x, y), x rising, that rises and falls only where they do; straight beyond them.
+fn smooth(x: &[f64], y: &[f64], at: f64) -> f64 {
+    let last = x.len() - 1;
+    if last == 0 {
+        return y[0];
+    }
+    let rise = |i: usize| (y[i + 1] - y[i]) / (x[i + 1] - x[i]);
+    let slope = |i: usize| {
+        if i == 0 || i == last {
+            return rise(i.min(last - 1));
+        }
+        let (a, b) = (rise(i - 1), rise(i));
+        // A harmonic mean, weighted by the lengths on both sides.
+        let (before, after) = (x[i] - x[i - 1], x[i + 1] - x[i]);
+        let (wa, wb) = (2.0 * after + before, after + 2.0 * before);
+        if a * b > 0.0 { (wa + wb) / (wa / a + wb / b) } else { 0.0 }
+    };
+    if at <= x[0] {
+        return y[0] + slope(0) * (at - x[0]);
+    }
+    if at >= x[last] {
+        return y[last] + slope(last) * (at - x[last]);
+    }
+    let i = x.partition_point(|&x| x <= at).clamp(1, last) - 1;
+    let h = x[i + 1] - x[i];
+    let t = (at - x[i]) / h;
+    let (a, b, da, db) = (y[i], y[i + 1], slope(i) * h, slope(i + 1) * h);
+    let (c2, c3) = (3.0 * (b - a) - 2.0 * da - db, da + db - 2.0 * (b - a));
+    a + t * (da + t * (c2 + t * c3))
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    fn position(zoom_mm: Option<f64>, focus_mm: f64, gaps_mm: &[f64]) -> Position {
+        Position { zoom_mm, focus_mm, gaps_mm: gaps_mm.to_vec() }
+    }
+
+    #[test]
+    fn the_table_is_kept_and_nothing_overshoots() {
+        let inf = f64::INFINITY;
+        let positions = [
+            position(Some(50.0), inf, &[1.0, 9.0]),
+            position(Some(20.0), 500.0, &[8.0, 3.0]),
+            position(Some(20.0), inf, &[7.0, 2.0]),
+            position(Some(50.0), 1000.0, &[1.5, 9.5]),
+            position(Some(50.0), 2000.0, &[1.5, 9.1]),
+        ];
+        let moving = MovingGaps::new(vec![3, 7], &positions, 8).unwrap();
+        assert_eq!(moving.zoom_range_mm(), Some([20.0, 50.0]));
+        assert_eq!(moving.first_zoom_mm(), 50.0);
+        assert!(moving.focuses());
+        let close = |found: Vec<f64>, expected: [f64; 2]| {
+            assert!(found.iter().zip(expected).all(|(a, b)| (a - b).abs() < 1e-12), "{found:?} {expected:?}");
+        };
+        close(moving.gaps_mm(20.0, 0.0), [7.0, 2.0]);
+        close(moving.gaps_mm(20.0, 1.0), [8.0, 3.0]);
+        close(moving.gaps_mm(50.0, 0.5), [1.5, 9.1]);
+        close(moving.gaps_mm(50.0, 1.0), [1.5, 9.5]);
+        let mut last = moving.gaps_mm(20.0, 0.0);
+        for i in 1..=100 {
+            let now = moving.gaps_mm(20.0 + 0.3 * f64::from(i), 0.0);
+            assert!(now[0] < last[0] && now[1] > last[1], "{i}: {last:?} {now:?}");
+            last = now;
+        }
+        // Where the table stands still, so does the gap.
+        for i in 50..=100 {
+            assert!((moving.gaps_mm(50.0, f64::from(i) / 100.0)[0] - 1.5).abs() < 1e-12);
+        }
+    }
+
+    #[test]
+    fn tables_that_do_not_fit_are_named() {
+        let inf = f64::INFINITY;
+        let new =
+            |surfaces: &[usize], positions: &[Position]| MovingGaps::new(surfaces.to_vec(), positions, 5).unwrap_err();
+        let one = position(None, inf, &[1.0]);
+        assert_eq!(new(&[5], std::slice::from_ref(&one)), (None, MovingError::Surface { surface: 5, last: 4 }));
+        assert_eq!(new(&[2, 2], std::slice::from_ref(&one)), (None, MovingError::Surface { surface: 2, last: 4 }));
+        assert_eq!(new(&[2], &[]), (None, MovingError::Incomplete));
+        assert_eq!(new(&[], std::slice::from_ref(&one)), (None, MovingError::Incomplete));
+        let gaps = MovingError::Gaps { found: 1, expected: 2 };
+        assert_eq!(new(&[2, 3], std::slice::from_ref(&one)), (Some(0), gaps));
+        assert_eq!(new(&[2], &[one.clone(), position(Some(3.0), inf, &[1.0])]), (Some(1), MovingError::ZoomMissing));
+        assert_eq!(new(&[2], &[one.clone(), one.clone()]), (Some(1), MovingError::Twice));
+        assert_eq!(new(&[2], &[position(None, 100.0, &[1.0])]), (Some(0), MovingError::NoInfinity));
+    }
+}

@@ -1,0 +1,86 @@
+//! The lens and its film in the world: from picture to film, from lens space to render space, and back.
+
+use super::setup::{LensInfo, Setup};
+use super::{CameraDescription, CameraError};
+use crate::accel::Ray;
+use glam::{DMat3, DVec3, Vec2};
+use petzval_optics::focus::{FilmFrame, FilmPlane, FilmPoint};
+use petzval_optics::system::System;
+use petzval_optics::trace::Ray as LensRay;
+
+/// A film behind a lens, and where both stand.
+pub(super) struct Mount {
+    pub(super) info: LensInfo,
+    pub(super) film: FilmPlane,
+    pub(super) frame: FilmFrame,
+    /// Lens space to render space.
+    axes: DMat3,
+    origin_z_mm: f64,
+    per_unit: DVec3,
+}
+
+impl Mount {
+    /// With the lens that was set up for it.
+    pub(super) fn new(
+        d: &CameraDescription,
+        axes: DMat3,
+        width: u32,
+        height: u32,
+    ) -> Result<(Self, System), CameraError> {
+        let Setup { info, system, film, origin_z_mm } = Setup::new(d, width, height)?;
+        let frame = film.frame();
+        Ok((Self { info, film, frame, axes, origin_z_mm, per_unit: d.scale_mm_per_unit }, system))
+    }
+
+    pub(super) fn axes(&self) -> &DMat3 {
+        &self.axes
+    }
+
+    /// The film point of a picture point, lens space: the picture on the film is turned by half a turn.
+    #[inline]
+    pub(super) fn film_at(&self, p: Vec2) -> FilmPoint {
+        self.frame.at(-p.x as f64 * self.info.picture_width_mm, -p.y as f64 * self.info.picture_height_mm)
+    }
+
+    /// The picture point where a ray from the lens meets the film.
+    #[inline]
+    pub(super) fn picture_point(&self, ray: &LensRay) -> Option<Vec2> {
+        let [u, v] = self.frame.meet(ray)?;
+        Some(Vec2::new((-u / self.info.picture_width_mm) as f32, (-v / self.info.picture_height_mm) as f32))
+    }
+
+    /// Millimetres of lens space in a unit of render space; `None` if they differ between the axes.
+    pub(super) fn scale(&self) -> Option<f64> {
+        let s = self.per_unit;
+        (s.x == s.y && s.y == s.z).then_some(s.x)
+    }
+
+    /// A direction of render space in lens space, where all axes have one scale.
+    pub(super) fn direction_to_lens(&self, d: DVec3) -> DVec3 {
+        (self.axes.transpose() * d).normalize()
+    }
+
+    /// The same, back.
+    pub(super) fn direction_to_render(&self, d: DVec3) -> DVec3 {
+        (self.axes * d).normalize()
+    }
+
+    /// A ray in front of the lens, from lens space to render space: camera space has the lens's axes, with the anchor of
+    /// the focus as origin.
+    pub(super) fn to_render(&self, ray: &LensRay) -> Ray {
+        let origin = (ray.origin - DVec3::new(0.0, 0.0, self.origin_z_mm)) / self.per_unit;
+        let direction = (ray.direction / self.per_unit).normalize();
+        Ray::new((self.axes * origin).as_vec3a(), (self.axes * direction).as_vec3a())
+    }
+
+    /// A point of render space in lens space.
+    pub(super) fn to_lens(&self, point: DVec3) -> DVec3 {
+        self.axes.transpose() * point * self.per_unit + DVec3::new(0.0, 0.0, self.origin_z_mm)
+    }
+
+    /// Puts another film behind the lens, and another point of the axis at the camera's origin. Of `info` nothing changes
+    /// but by [`Setup::new`].
+    pub(super) fn refocus(&mut self, film: FilmPlane, origin_z_mm: f64) {
+        (self.film, self.frame, self.origin_z_mm) = (film, film.frame(), origin_z_mm);
+    }
+}

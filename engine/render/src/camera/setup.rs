@@ -1,0 +1,234 @@
+//! A lens set, focused and put before its film: what a panel says of it, and what a camera is made of.
+
+use super::{CameraDescription, CameraError};
+use glam::DVec3;
+use petzval_optics::focus::{self, FilmPlane, FocusError, Focusing, GroupsError, Relation};
+use petzval_optics::formats::lens;
+use petzval_optics::glass::Catalogue;
+use petzval_optics::paraxial::Paraxial;
+use petzval_optics::prescription::Prescription;
+use petzval_optics::prescription::moving::MovingGaps;
+use petzval_optics::system::{FocalLength, System, SystemError, SystemSettings};
+use petzval_optics::trace::{Ray as LensRay, Tracer};
+
+/// Yellow helium line, where lenses are focused and measured, nm.
+pub(super) const D_LINE_NM: f64 = 587.5618;
+
+/// What a lens does in a camera: for panels, reports, and a viewport that frames the same picture.
+#[derive(Clone, Debug)]
+pub struct LensInfo {
+    /// From the lens file.
+    pub lens_name: String,
+    /// Surfaces, the diaphragm among them.
+    pub surfaces: usize,
+    /// At the d line, mm; `None` for an afocal lens.
+    pub efl_mm: Option<f64>,
+    /// Last vertex to image focal point, mm.
+    pub bfd_mm: Option<f64>,
+    /// In force.
+    pub f_number: f64,
+    /// What the clear apertures allow.
+    pub widest_f_number: f64,
+    /// The f-number asked for is wider than that.
+    pub f_number_was_clamped: bool,
+    /// Film's middle in lens space, mm.
+    pub film_z_mm: f64,
+    /// Film's middle from the last vertex, mm.
+    pub film_distance_mm: f64,
+    /// From the entrance pupil to what is sharp, mm; `None` is infinity.
+    pub focus_distance_mm: Option<f64>,
+    /// The same as the camera counts it: the focus distance that it would have to be set to.
+    pub focus_scale_mm: Option<f64>,
+    /// Image over object height; negative is upside down on the film.
+    pub magnification: f64,
+    /// Whole angles that the picture sees, by exact rays; `None` where they are lost.
+    pub fov_horizontal_rad: Option<f64>,
+    /// As before.
+    pub fov_vertical_rad: Option<f64>,
+    /// As before.
+    pub fov_diagonal_rad: Option<f64>,
+    /// The part of the film that the picture takes, mm.
+    pub picture_width_mm: f64,
+    /// As before.
+    pub picture_height_mm: f64,
+    /// A pinhole of this focal length over that width frames the same picture, mm.
+    pub viewport_focal_length_mm: f64,
+    /// Blender's shift of that pinhole, in units of the picture's larger side.
+    pub viewport_shift: [f64; 2],
+    /// mm.
+    pub entrance_pupil_diameter_mm: Option<f64>,
+    /// Focal lengths that a zoom lens is made for, mm.
+    pub zoom_range_mm: Option<[f64; 2]>,
+    /// Groups inside of the lens move to focus it, not the film.
+    pub focuses_inside: bool,
+}
+
+/// A lens set, focused and put before its film: all that a panel needs.
+pub(super) struct Setup {
+    pub(super) info: LensInfo,
+    pub(super) system: System,
+    pub(super) film: FilmPlane,
+    /// The point of the axis that stands at the camera's origin.
+    pub(super) origin_z_mm: f64,
+}
+
+impl Setup {
+    pub(super) fn new(d: &CameraDescription, width: u32, height: u32) -> Result<Self, CameraError> {
+        if let Some(nm) = d.wavelength_nm.filter(|nm| !(100.0..=20_000.0).contains(nm)) {
+            return Err(d.error(format!("the wavelength is {nm} nm; visible light is 380 to 780 nm")));
+        }
+        let prescription = lens::read(&d.lens_path, Catalogue::shipped())?;
+        let name = prescription.name.clone();
+        let wrong = |source: SystemError| CameraError::System { lens: name.clone(), source };
+        let focal_length = match (d.focal_length_mm, d.focal_scale) {
+            (Some(mm), _) => FocalLength::Millimetres(mm),
+            (None, Some(scale)) => FocalLength::Scale(scale),
+            (None, None) => FocalLength::AsPublished,
+        };
+        let settings = SystemSettings {
+            focal_length,
+            f_number: d.f_number,
+            blades: d.blades,
+            blade_rotation_rad: d.blade_rotation_rad,
+            blade_curvature: d.blade_curvature,
+        };
+        let line = d.wavelength_nm.unwrap_or(D_LINE_NM);
+        let (mut system, film_z_mm) = focused(d, &prescription, &settings, line)?;
+        if let Some(mask) = &d.aperture_mask {
+            system = system.with_aperture_mask(mask.clone(), d.blade_rotation_rad).map_err(wrong)?;
+        }
+        // The lens moved to the right is the film moved to the left.
+        let shift_mm = d.shift_mm.map(|s| -s);
+        let curvature_per_mm = system.film_radius_mm().map_or(0.0, f64::recip);
+        let film =
+            FilmPlane { z_mm: film_z_mm, tilt_rad: d.tilt_rad, swing_rad: d.swing_rad, shift_mm, curvature_per_mm };
+        let paraxial = Paraxial::new(&system, line);
+        let origin_z_mm = d.focusing.origin_z_mm(&system, line, film_z_mm);
+
+        // The largest part of the film with the picture's shape.
+        let aspect = width as f64 / height as f64;
+        let picture_width_mm = d.film_width_mm.min(d.film_height_mm * aspect);
+        let picture_height_mm = picture_width_mm / aspect;
+
+        let corners =
+            [-0.5, 0.5].map(|x| [-0.5, 0.5].map(|y| film.reaches(x * picture_width_mm, y * picture_height_mm)));
+        if !corners.into_iter().flatten().all(|reaches| reaches) {
+            let radius = system.film_radius_mm().unwrap_or(0.0).abs();
+            return Err(d.error(format!(
+                "a film of {picture_width_mm:.1} x {picture_height_mm:.1} mm is larger than the retina of radius {radius:.1} mm; make it smaller"
+            )));
+        }
+
+        let distance = focus::focus_distance_for_film_mm(&system, line, film_z_mm);
+        let magnification = focus::magnification(&system, line, film_z_mm);
+        let efl = paraxial.efl_mm;
+        let scale = d.focusing.distance_mm(&system, line, film_z_mm);
+        // A pinhole at the camera's origin that frames the plane that is sharp; from the entrance pupil, all others too.
+        let pupil_z_mm = paraxial.entrance_pupil.z_mm.unwrap_or(0.0);
+        let viewport_focal_length_mm = if distance.is_finite() && magnification != 0.0 {
+            (magnification * (distance + origin_z_mm - pupil_z_mm)).abs()
+        } else {
+            efl.map_or(50.0, f64::abs)
+        };
+        let chief = ChiefRays { tracer: system.at_wavelength(line), film, exit_z_mm: paraxial.exit_pupil.z_mm };
+        let (hw, hh) = (0.5 * picture_width_mm, 0.5 * picture_height_mm);
+        let info = LensInfo {
+            lens_name: system.name().to_owned(),
+            surfaces: system.surface_count(),
+            efl_mm: efl,
+            bfd_mm: paraxial.bfd_mm,
+            f_number: system.f_number(),
+            widest_f_number: system.widest_f_number(),
+            f_number_was_clamped: system.f_number_was_clamped(),
+            film_z_mm,
+            film_distance_mm: film_z_mm - system.last_vertex_z_mm(),
+            focus_distance_mm: distance.is_finite().then_some(distance),
+            focus_scale_mm: scale.is_finite().then_some(scale),
+            magnification,
+            fov_horizontal_rad: chief.angle_between([-hw, 0.0], [hw, 0.0]),
+            fov_vertical_rad: chief.angle_between([0.0, -hh], [0.0, hh]),
+            fov_diagonal_rad: chief.angle_between([-hw, -hh], [hw, hh]),
+            picture_width_mm,
+            picture_height_mm,
+            viewport_focal_length_mm,
+            viewport_shift: d.shift_mm.map(|s| s / picture_width_mm.max(picture_height_mm)),
+            entrance_pupil_diameter_mm: paraxial.entrance_pupil.diameter_mm,
+            zoom_range_mm: prescription.moving.as_ref().and_then(MovingGaps::zoom_range_mm),
+            focuses_inside: prescription.moving.as_ref().is_some_and(MovingGaps::focuses),
+        };
+        Ok(Self { info, system, film, origin_z_mm })
+    }
+}
+
+/// The lens, and where the film's middle is to stand, lens space. Groups that focus move instead of the film, but where
+/// its place was asked for.
+fn focused(
+    d: &CameraDescription,
+    prescription: &Prescription,
+    settings: &SystemSettings,
+    line_nm: f64,
+) -> Result<(System, f64), CameraError> {
+    let system_error = |source| CameraError::System { lens: prescription.name.clone(), source };
+    if d.film_distance_mm.is_none() && prescription.moving.as_ref().is_some_and(MovingGaps::focuses) {
+        let (focusing, distance_mm) = d.focus_request()?;
+        let done = focusing.by_groups(prescription, settings, line_nm, distance_mm).map_err(|error| match error {
+            GroupsError::System(source) => system_error(source),
+            GroupsError::Focus(source) => CameraError::Focus { camera: d.object_name.clone(), source },
+        })?;
+        return Ok((done.system, done.film_z_mm));
+    }
+    let system = System::new(prescription, settings).map_err(system_error)?;
+    let film_z_mm = film_z(d, &system, line_nm)?;
+    Ok((system, film_z_mm))
+}
+
+/// Where the film's middle is to stand, lens space.
+fn film_z(d: &CameraDescription, system: &System, line_nm: f64) -> Result<f64, CameraError> {
+    let wrong = |source: FocusError| CameraError::Focus { camera: d.object_name.clone(), source };
+    if let Some(distance) = d.film_distance_mm {
+        if !(distance.is_finite() && distance * system.light_direction_at_film() > 0.0) {
+            return Err(d.error(format!("the film distance is {distance} mm; the film must stand behind the lens")));
+        }
+        return Ok(system.last_vertex_z_mm() + distance);
+    }
+    let (focusing, distance_mm) = d.focus_request()?;
+    focusing.film_z_mm(system, line_nm, distance_mm).map_err(wrong)
+}
+
+impl CameraDescription {
+    /// What distance is to be sharp, mm, and how it is meant.
+    fn focus_request(&self) -> Result<(Focusing, f64), CameraError> {
+        let distance_mm = self.focus_depth()?.map_or(f64::INFINITY, |units| units * self.scale_mm_per_unit.z);
+        // A point of the world is to be sharp, whichever relation numbers follow.
+        let relation = if self.focus_point_world.is_some() { Relation::Exact } else { self.focusing.relation };
+        Ok((Focusing { relation, ..self.focusing }, distance_mm))
+    }
+}
+
+/// Rays from film points through the middle of the exit pupil.
+struct ChiefRays {
+    tracer: Tracer,
+    film: FilmPlane,
+    exit_z_mm: Option<f64>,
+}
+
+impl ChiefRays {
+    /// The angle between the scene directions of two film points.
+    fn angle_between(&self, a: [f64; 2], b: [f64; 2]) -> Option<f64> {
+        let direction = |[u, v]: [f64; 2]| {
+            let p = self.film.point(u, v);
+            let through = match self.exit_z_mm {
+                Some(z) => DVec3::new(0.0, 0.0, z) - p,
+                None => DVec3::NEG_Z,
+            };
+            // An exit pupil behind the film is looked at backwards.
+            let d = through.normalize_or(DVec3::NEG_Z);
+            let d = if d.dot(self.film.normal()) < 0.0 { -d } else { d };
+            self.tracer.from_film(LensRay { origin: p, direction: d }).ok().map(|r| r.direction)
+        };
+        let (a, b) = (direction(a)?, direction(b)?);
+        let angle = a.cross(b).length().atan2(a.dot(b));
+        // Fisheyes: more than half a turn when both look backwards.
+        Some(if a.z > 0.0 && b.z > 0.0 { std::f64::consts::TAU - angle } else { angle })
+    }
+}

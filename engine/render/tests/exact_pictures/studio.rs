@@ -1,0 +1,130 @@
+//! A dark room with lamps, and the camera before it.
+
+use glam::{DMat4, DVec3, Vec3};
+use petzval_render::Rgb;
+use petzval_render::camera::{Camera, CameraDescription, Model, Spectrum};
+use petzval_render::integrator::{Integrator, Stage};
+use petzval_render::job::{Job, Settings};
+use petzval_render::pipeline::Pipeline;
+use petzval_render::scene::material::{Input, Material};
+use petzval_render::scene::{SceneBuilder, mesh::MeshDescription, world::World};
+use std::path::Path;
+use std::sync::Arc;
+use std::time::Duration;
+
+/// Yellow helium line, nm.
+pub(crate) const D_LINE_NM: f64 = 587.5618;
+
+/// A lens of the cabinet at the origin, looking along -z, wide open and focused at infinity, before a film of 36 x 24
+/// mm, in the light of the d line.
+pub(crate) fn lens(name: &str) -> CameraDescription {
+    CameraDescription {
+        object_name: "Camera".into(),
+        model: Model::Lens,
+        matrix_world: DMat4::IDENTITY,
+        pinhole_focal_length_mm: 50.0,
+        pinhole_film_width_mm: 36.0,
+        pinhole_shift: [0.0, 0.0],
+        lens_path: Path::new(env!("CARGO_MANIFEST_DIR")).join(format!("../../lenses/{name}.lens")),
+        focal_length_mm: None,
+        focal_scale: None,
+        f_number: None,
+        blades: 0,
+        blade_rotation_rad: 0.0,
+        blade_curvature: 0.0,
+        aperture_mask: None,
+        focusing: Default::default(),
+        focus_distance: None,
+        focus_point_world: None,
+        film_distance_mm: None,
+        film_width_mm: 36.0,
+        film_height_mm: 24.0,
+        tilt_rad: 0.0,
+        swing_rad: 0.0,
+        shift_mm: [0.0, 0.0],
+        scale_mm_per_unit: DVec3::splat(1000.0),
+        wavelength_nm: Some(D_LINE_NM),
+        spectrum: Spectrum::Visible,
+        exposure: None,
+    }
+}
+
+/// The same in three wavelengths, one for each channel.
+pub(crate) fn in_three(d: &CameraDescription) -> CameraDescription {
+    CameraDescription { wavelength_nm: None, spectrum: Spectrum::Three, ..d.clone() }
+}
+
+/// A square that glows with radiance one, upright before the camera.
+#[derive(Clone, Copy, Debug)]
+pub(crate) struct Lamp {
+    /// Camera space, Blender units.
+    pub(crate) at: DVec3,
+    /// Half of its side, Blender units.
+    pub(crate) half_side: f64,
+}
+
+/// Lamps in the dark.
+pub(crate) fn lamps(list: &[Lamp]) -> Arc<Stage> {
+    let corners = [[-1.0, -1.0, 0.0], [1.0, -1.0, 0.0], [1.0, 1.0, 0.0], [-1.0, 1.0, 0.0]];
+    let square = MeshDescription {
+        name: "lamp".into(),
+        positions: corners.map(Vec3::from).to_vec(),
+        triangles: vec![[0, 1, 2], [0, 2, 3]],
+        ..Default::default()
+    };
+    let glow = Material {
+        base_color: Input::Constant(Rgb::ZERO),
+        specular: false,
+        emission_strength: 1.0,
+        ..Material::default_grey()
+    };
+    let mut builder = SceneBuilder::new();
+    let mesh = builder.add_mesh(square).unwrap();
+    let material = builder.add_material(glow).unwrap();
+    for lamp in list {
+        let place = DMat4::from_translation(lamp.at) * DMat4::from_scale(DVec3::splat(lamp.half_side));
+        builder.add_instance("lamp", mesh, place, &[material], true, true).unwrap();
+    }
+    Arc::new(Stage::new(builder.build(DVec3::ZERO)))
+}
+
+/// A world of radiance one and nothing else.
+pub(crate) fn white_world() -> Arc<Stage> {
+    let mut builder = SceneBuilder::new();
+    builder.set_world(World { color: Rgb::ONE, ..Default::default() }).unwrap();
+    Arc::new(Stage::new(builder.build(DVec3::ZERO)))
+}
+
+/// How a picture is taken. Pixels are squares without overlap, so that no filter is between them and the truth.
+#[derive(Clone, Copy, Debug)]
+pub(crate) struct Exposure {
+    pub(crate) pixels: [u32; 2],
+    pub(crate) pipeline: Pipeline,
+    pub(crate) samples: u32,
+}
+
+/// One photograph: colours, rows from below.
+pub(crate) fn shoot(stage: &Arc<Stage>, d: &CameraDescription, e: &Exposure, seed: u32) -> Vec<[f64; 3]> {
+    let [width, height] = e.pixels;
+    let settings = Settings {
+        width,
+        height,
+        samples: e.samples,
+        seed,
+        sample_offset: 0,
+        threads: 2,
+        max_bounces: 0,
+        clamp_indirect: 0.0,
+        filter_width_px: 0.0,
+        transparent_film: false,
+        pipeline: e.pipeline,
+        with_data: false,
+        integrator: Integrator::Path,
+    };
+    let job = Job::start(stage.clone(), Camera::new(d, width, height).unwrap(), settings).unwrap();
+    assert!(job.wait(Duration::from_secs(300)));
+    assert_eq!(job.pipeline(), e.pipeline);
+    let done = job.statistics();
+    assert!(done.failure.is_none() && done.counts.non_finite == 0, "{done:?}");
+    job.film().picture().iter().map(|p| [p[0], p[1], p[2]].map(f64::from)).collect()
+}
