@@ -8,6 +8,7 @@ import math
 
 import numpy as np
 import pytest
+
 from test_addon_engine import exr_channels
 
 LAYERS = ("Object", "Material", "Asset")

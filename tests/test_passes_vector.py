@@ -7,6 +7,7 @@ import math
 
 import numpy as np
 import pytest
+
 from test_passes_cryptomatte import mattes, photograph
 
 FRAMES = ((0, 0.0), (1, 0.02), (2, 0.05))
