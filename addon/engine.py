@@ -17,6 +17,7 @@ from .description import CameraDescription, Report, SettingsDescription, focused
 from .export import aperture_mask
 from .export import camera as camera_export
 from .export.errors import ExportError
+from .export.motion import Frame, Motion
 from .native import EngineMissing, engine
 
 #: The one name of the engine.
@@ -44,7 +45,9 @@ class PetzvalRenderEngine(bpy.types.RenderEngine):
     # There is no __init__: Blender's own takes whatever arguments its version has.
 
     def update_render_passes(self, scene=None, renderlayer=None):
-        for one in (passes.COMBINED, *passes.wanted(renderlayer)):
+        levels = passes.matte_levels(renderlayer)
+        mattes = (one for layer in passes.wanted_mattes(renderlayer) for one in passes.of_matte(layer, levels))
+        for one in (passes.COMBINED, *passes.wanted(renderlayer), *mattes):
             self.register_pass(scene, renderlayer, one.name, one.channels, one.channel_names, one.kind)
 
     def render(self, depsgraph):
@@ -111,7 +114,9 @@ class _Photograph:
         self.scene = depsgraph.scene_eval
         self.report = Report()
         self.window = _region(self.scene.render)
-        self.data_passes = passes.wanted(depsgraph.view_layer_eval)
+        layer = depsgraph.view_layer_eval
+        self.data_passes = passes.wanted(layer)
+        self.mattes, self.matte_levels = passes.wanted_mattes(layer), passes.matte_levels(layer)
         self.focus: dict | None = None
 
     def take(self) -> None:
@@ -123,8 +128,9 @@ class _Photograph:
         camera.aperture_mask = aperture_mask.read(self.scene.camera.data)
         settings = self._settings(width, height)
         moving = self._over_the_shutter(camera, width, height)
+        neighbours, motion = self._beside(camera, width, height)
         builder = native.SceneBuilder()
-        export.send_scene(self.depsgraph, builder, self.report, self._check_stop)
+        export.send_scene(self.depsgraph, builder, self.report, self._check_stop, motion)
         self.report.warnings += builder.warnings()
         sync_seconds = time.perf_counter() - began
         for warning in self.report.warnings:
@@ -137,7 +143,12 @@ class _Photograph:
         if camera.autofocus is not None:
             self._focus(native, scene, camera, width, height)
             moving = [dataclasses.replace(then, **focused(then, self.focus)) for then in moving]
-        job = loop.stoppable(lambda: native.Job(scene, camera, settings, moving), self._stop_asked)
+            neighbours = neighbours and tuple(
+                dataclasses.replace(then, **focused(then, self.focus)) for then in neighbours
+            )
+        mattes = [one.engine_name for one in self.mattes]
+        beside = {"mattes": mattes, "matte_levels": self.matte_levels, "neighbours": neighbours}
+        job = loop.stoppable(lambda: native.Job(scene, camera, settings, moving, **beside), self._stop_asked)
         stopped = loop.follow(job, stop_asked=self._stop_asked, show=self._show, tell=self._progress)
         self._progress(job.progress() if stopped else 1.0, job.samples_done())
         self._show_all(job)
@@ -154,8 +165,7 @@ class _Photograph:
 
         def at(part: float) -> CameraDescription:
             frame = math.floor(begin + part * shutter)
-            self.host.frame_set(frame, begin + part * shutter - frame)
-            self.scene = self.depsgraph.scene_eval
+            self._frame_set(frame, begin + part * shutter - frame)
             then = camera_export.describe(self.scene.camera, self.scene, width, height, self.report)
             # The camera's own way through the world is not blurred yet; the report says so.
             return dataclasses.replace(then, matrix_world=camera.matrix_world, aperture_mask=camera.aperture_mask)
@@ -165,8 +175,32 @@ class _Photograph:
                 return []
             return [at((step + 0.5) / _SHUTTER_STEPS) for step in range(_SHUTTER_STEPS)]
         finally:
-            self.host.frame_set(now, subframe)
-            self.scene = self.depsgraph.scene_eval
+            self._frame_set(now, subframe)
+
+    def _beside(
+        self, camera: CameraDescription, width: int, height: int
+    ) -> tuple[tuple[CameraDescription, CameraDescription] | None, Motion | None]:
+        """The camera and everything else a frame before and a frame after, where the Vector pass asks for it."""
+        # Blender's rule: with motion blur the pass is all zero.
+        if self.scene.render.use_motion_blur or not any(one.engine_name == "VECTOR" for one in self.data_passes):
+            return None, None
+        now, subframe = self.scene.frame_current, self.scene.frame_subframe
+
+        def at(frame: int) -> tuple[CameraDescription, Frame]:
+            self._check_stop()
+            self._frame_set(frame, subframe)
+            then = camera_export.describe(self.scene.camera, self.scene, width, height, self.report)
+            return dataclasses.replace(then, aperture_mask=camera.aperture_mask), Frame.read(self.depsgraph)
+
+        try:
+            (first, before), (last, after) = at(now - 1), at(now + 1)
+        finally:
+            self._frame_set(now, subframe)
+        return (first, last), Motion(before, after, self.report)
+
+    def _frame_set(self, frame: int, subframe: float) -> None:
+        self.host.frame_set(frame, subframe)
+        self.scene = self.depsgraph.scene_eval
 
     def _focus(self, native, scene, camera, width: int, height: int) -> None:
         """Puts the film where what the autofocus point sees is sharpest."""
@@ -199,6 +233,10 @@ class _Photograph:
         """The finished picture with its passes of data, at once: a result without a pass would blacken it."""
         pictures = {passes.COMBINED.name: job.image()}
         pictures |= {one.name: job.data(one.engine_name) for one in self.data_passes}
+        for layer in self.mattes:
+            channels = job.matte(layer.engine_name)
+            for i, one in enumerate(passes.of_matte(layer, self.matte_levels)):
+                pictures[one.name] = channels[..., 4 * i : 4 * i + 4]
         result = self.host.begin_result(
             0, 0, self.window.width, self.window.height, layer=self.depsgraph.view_layer_eval.name
         )
@@ -207,6 +245,15 @@ class _Photograph:
                 part = tiles.clipped(tiles.Tile(0, 0, pictures[one.name]), self.window)
                 one.rect.foreach_set(tiles.flat(part))
         self.host.end_result(result)
+        self._name_mattes(job)
+
+    def _name_mattes(self, job) -> None:
+        """Says in the picture's metadata what the mattes' numbers stand for."""
+        whole = self.host.get_result()
+        for layer in self.mattes:
+            name = f"{self.depsgraph.view_layer_eval.name}.{layer.name}"
+            for key, value in job.matte_metadata(layer.engine_name, name):
+                whole.stamp_data_add_field(key, value)
 
     def _show(self, finished: list[tiles.Tile]) -> None:
         inside = (tiles.clipped(tile, self.window) for tile in finished)

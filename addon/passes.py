@@ -25,7 +25,31 @@ DATA = (
     Pass("Depth", 1, "Z", "VALUE", "use_pass_z", "DEPTH"),
     Pass("Position", 3, "XYZ", "VECTOR", "use_pass_position", "POSITION"),
     Pass("Normal", 3, "XYZ", "VECTOR", "use_pass_normal", "NORMAL"),
+    Pass("Vector", 4, "XYZW", "VECTOR", "use_pass_vector", "VECTOR"),
 )
+
+
+#: Layers of Cryptomatte; each fills one pass for two levels.
+MATTES = (
+    Pass("CryptoObject", 4, "RGBA", "COLOR", "use_pass_cryptomatte_object", "OBJECT"),
+    Pass("CryptoMaterial", 4, "RGBA", "COLOR", "use_pass_cryptomatte_material", "MATERIAL"),
+    Pass("CryptoAsset", 4, "RGBA", "COLOR", "use_pass_cryptomatte_asset", "ASSET"),
+)
+
+
+def wanted_mattes(view_layer: object) -> tuple[Pass, ...]:
+    """The layers of Cryptomatte that a view layer asks for."""
+    return tuple(one for one in MATTES if getattr(view_layer, one.switch, False))
+
+
+def matte_levels(view_layer: object) -> int:
+    """How many names a pixel of a matte holds."""
+    return view_layer.pass_cryptomatte_depth
+
+
+def of_matte(layer: Pass, levels: int) -> tuple[Pass, ...]:
+    """The passes of a layer of Cryptomatte."""
+    return tuple(layer._replace(name=f"{layer.name}{i:02}") for i in range((levels + 1) // 2))
 
 
 def wanted(view_layer: object) -> tuple[Pass, ...]:

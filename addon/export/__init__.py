@@ -16,15 +16,22 @@ from . import world
 from .image import Images
 from .instances import Stage
 from .material import Materials
+from .motion import Motion
 
 
-def send_scene(depsgraph: bpy.types.Depsgraph, builder: Any, report: Report, check_stop: Callable[[], None]) -> None:
+def send_scene(
+    depsgraph: bpy.types.Depsgraph,
+    builder: Any,
+    report: Report,
+    check_stop: Callable[[], None],
+    motion: Motion | None = None,
+) -> None:
     """Fills a `SceneBuilder`. `check_stop` is called between objects and may raise."""
     images = Images(builder, report)
     materials = Materials(builder, images, report)
     scene = depsgraph.scene_eval
     builder.set_world(world.describe(scene.world, images, report))
-    Stage(builder, materials, images, report, check_stop).send(depsgraph)
+    Stage(builder, materials, images, report, check_stop, motion).send(depsgraph)
     if scene.render.use_motion_blur:
         report.warn(
             f"Scene '{scene.name}': motion blur is supported for the lens's settings only yet, that of objects is left out"

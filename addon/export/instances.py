@@ -13,6 +13,7 @@ from . import light, mesh
 from .camera import rows
 from .image import Images
 from .material import Materials
+from .motion import Motion
 
 #: Objects whose surface Blender can hand over as a mesh.
 WITH_SURFACE = {"MESH", "CURVE", "SURFACE", "FONT", "META"}
@@ -26,13 +27,27 @@ NOT_YET = {
 }
 
 
+def _asset(holder: bpy.types.Object) -> str:
+    """The name of an object's topmost parent, as Cycles names assets."""
+    while holder.parent is not None:
+        holder = holder.parent
+    return holder.name
+
+
 class Stage:
     """Sends the instances of a dependency graph to the engine's builder."""
 
     def __init__(
-        self, builder: Any, materials: Materials, images: Images, report: Report, check_stop: Callable[[], None]
+        self,
+        builder: Any,
+        materials: Materials,
+        images: Images,
+        report: Report,
+        check_stop: Callable[[], None],
+        motion: Motion | None = None,
     ) -> None:
         self._builder = builder
+        self._motion = motion
         self._materials = materials
         self._images = images
         self._report = report
@@ -57,7 +72,7 @@ class Stage:
                 self._report.warn(f"Object '{holder.name}': {NOT_YET[holder.type]} are not supported yet, left out")
 
     def _surface(self, holder: bpy.types.Object, place: bpy.types.DepsgraphObjectInstance) -> None:
-        index = self._mesh(holder)
+        index = self._mesh(holder, place)
         if index is None:
             return
         for flag, words in (("is_holdout", "holdout"), ("is_shadow_catcher", "shadow catcher")):
@@ -70,22 +85,25 @@ class Stage:
             [self._materials.index(slot.material) for slot in holder.material_slots],
             visible_camera=holder.visible_camera,
             visible_shadow=holder.visible_shadow,
+            asset_name=_asset(holder),
+            moved=self._motion.matrices(place) if self._motion is not None else None,
         )
 
-    def _mesh(self, holder: bpy.types.Object) -> int | None:
+    def _mesh(self, holder: bpy.types.Object, place: bpy.types.DepsgraphObjectInstance) -> int | None:
         data = holder.data
         # Curves, texts and metaballs come twice: as they are, and as the mesh that Blender has made of them.
         if not isinstance(data, bpy.types.Mesh):
             return None
         key = data.as_pointer()
         if key not in self._meshes:
-            self._meshes[key] = self._add(data.name, data)
+            self._meshes[key] = self._add(data.name, data, place)
         return self._meshes[key]
 
-    def _add(self, name: str, data: bpy.types.Mesh) -> int | None:
+    def _add(self, name: str, data: bpy.types.Mesh, place: bpy.types.DepsgraphObjectInstance) -> int | None:
         arrays = mesh.extract(data)
         if arrays is None:
             return None
+        moved = self._motion.positions(place, arrays.positions) if self._motion is not None else None
         return self._builder.add_mesh(
             name,
             arrays.positions,
@@ -93,6 +111,7 @@ class Stage:
             corner_normals=arrays.corner_normals,
             uv_maps=arrays.uv_maps or None,
             material_slots=arrays.material_slots,
+            moved_positions=moved,
         )
 
     def _warn_of_particles(self, holder: bpy.types.Object) -> None:

@@ -32,12 +32,17 @@ def extract(mesh: bpy.types.Mesh) -> MeshArrays | None:
     corners = _read(mesh.loop_triangles, "loops", (count, 3), np.int32)
     triangles = _attribute(mesh, ".corner_vert", "value", (len(mesh.loops),), np.int32).take(corners)
     return MeshArrays(
-        positions=_attribute(mesh, "position", "vector", (len(mesh.vertices), 3), np.float32),
+        positions=positions(mesh),
         triangles=triangles,
         corner_normals=_normals(mesh, corners, triangles),
         uv_maps=_uv_maps(mesh, corners),
         material_slots=_slots(mesh, count),
     )
+
+
+def positions(mesh: bpy.types.Mesh) -> np.ndarray:
+    """The vertices, (vertices, 3), object space."""
+    return _attribute(mesh, "position", "vector", (len(mesh.vertices), 3), np.float32)
 
 
 def _read(collection: bpy.types.bpy_prop_collection, name: str, shape: tuple[int, ...], kind: type) -> np.ndarray:

@@ -18,6 +18,10 @@ class PETZVAL_VIEW_LAYER_PT_passes(PetzvalPanel, bpy.types.Panel):
         column = layout.column(heading="Data")
         for one in passes.DATA:
             column.prop(context.view_layer, one.switch, text=one.name)
+        column = layout.column(heading="Cryptomatte")
+        for one in passes.MATTES:
+            column.prop(context.view_layer, one.switch, text=one.name.removeprefix("Crypto"))
+        column.prop(context.view_layer, "pass_cryptomatte_depth", text="Levels")
 
 
 CLASSES = (PETZVAL_VIEW_LAYER_PT_passes,)

@@ -164,6 +164,29 @@ impl EntranceMap {
             return None;
         }
         let towards = to / distance;
+        let (disc, [along, across]) = self.disc(towards);
+        // The ball's outline from here, on the plane through the middle: an ellipse, longest along the meridian.
+        let ball = self.front - self.middle;
+        let depth = distance - ball.dot(towards);
+        let aside = ball.dot(along).atan2(depth);
+        let half = (self.front_radius / ball.dot(along).hypot(depth)).asin();
+        if !(aside.abs() + half < 0.49 * PI) {
+            return None;
+        }
+        let [low, high] = [aside - half, aside + half].map(|angle| distance * angle.tan());
+        let (front_offset, front_radius) = (0.5 * (low + high), 0.5001 * (high - low));
+        let disc = Disc { radius: disc.radius * (1.0 + MARGIN), ..disc };
+        Some(View { distance, towards, axes: [along, across], disc, front_offset, front_radius })
+    }
+
+    /// The middle of the pupil as it is for light from a direction; `towards`, a unit vector, points there. Lens space, mm.
+    pub fn centre(&self, towards: DVec3) -> DVec3 {
+        let (disc, [along, _]) = self.disc(towards);
+        self.middle + along * disc.offset
+    }
+
+    /// The disc for light from a direction, and its axes: in the plane of the direction and the lens's axis, and across.
+    fn disc(&self, towards: DVec3) -> (Disc, [DVec3; 2]) {
         let flat = towards.truncate();
         let sin = flat.length();
         let radial = if sin > 0.0 { flat / sin } else { DVec2::X };
@@ -180,18 +203,7 @@ impl EntranceMap {
             (true, false) => a,
             _ => b,
         };
-        // The ball's outline from here, on the plane through the middle: an ellipse, longest along the meridian.
-        let ball = self.front - self.middle;
-        let depth = distance - ball.dot(towards);
-        let aside = ball.dot(along).atan2(depth);
-        let half = (self.front_radius / ball.dot(along).hypot(depth)).asin();
-        if !(aside.abs() + half < 0.49 * PI) {
-            return None;
-        }
-        let [low, high] = [aside - half, aside + half].map(|angle| distance * angle.tan());
-        let (front_offset, front_radius) = (0.5 * (low + high), 0.5001 * (high - low));
-        let disc = Disc { radius: disc.radius * (1.0 + MARGIN), ..disc };
-        Some(View { distance, towards, axes: [along, across], disc, front_offset, front_radius })
+        (disc, [along, across])
     }
 
     /// Chooses a ray from a point of the scene (lens space, mm) to the lens by two numbers in [0, 1). `None` from within

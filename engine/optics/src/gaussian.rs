@@ -64,6 +64,15 @@ impl GaussianLens {
         let [x, y] = [0, 1].map(|axis| inverse(self.whole[axis]).apply(height[axis], reduced[axis]));
         Ray { origin: DVec3::new(x[0], y[0], 0.0), direction: DVec3::new(-x[1], -y[1], -1.0).normalize() }
     }
+
+    /// The ray before the film, its origin in the last vertex plane, of a ray from the scene.
+    pub fn from_scene(&self, ray: &Ray) -> Ray {
+        let slopes = ray.direction.truncate() / ray.direction.z;
+        let height = ray.origin.truncate() - slopes * ray.origin.z;
+        let [x, y] = [0, 1].map(|axis| self.whole[axis].apply(height[axis], slopes[axis]));
+        let after = DVec3::new(x[1], y[1], self.image_index) / self.image_index;
+        Ray { origin: DVec3::new(x[0], y[0], self.last_z), direction: after.normalize() * self.image_index.signum() }
+    }
 }
 
 /// Back the same way: the determinant is 1.

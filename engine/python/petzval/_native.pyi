@@ -163,6 +163,7 @@ class SceneBuilder:
         corner_normals: npt.NDArray[np.float32] | None = None,  # (triangles, 3, 3), object space
         uv_maps: dict[str, npt.NDArray[np.float32]] | None = None,  # name -> (triangles, 3, 2)
         material_slots: npt.NDArray[np.int32] | None = None,  # (triangles,) slot of each triangle
+        moved_positions: tuple[npt.NDArray[np.float32], npt.NDArray[np.float32]] | None = None,  # a frame before, after
     ) -> int:
         """Triangles with a non-finite corner or without area are left out and counted in `warnings`."""
     def add_instance(
@@ -174,8 +175,12 @@ class SceneBuilder:
         *,
         visible_camera: bool = True,
         visible_shadow: bool = True,
+        asset_name: str | None = None,
+        moved: tuple[Sequence[Sequence[float]], Sequence[Sequence[float]]] | None = None,
     ) -> None:
-        """`materials[slot]` is a material index; slots past its end take the last; empty: the default grey."""
+        """`materials[slot]` is a material index; slots past its end take the last; empty: the default grey.
+
+        `asset_name`: the topmost parent; `moved`: `matrix_world` a frame before and a frame after."""
     def add_light(self, light: Any) -> None:
         """`light` is a LightDescription of `addon/description.py`."""
     def set_world(self, world: Any) -> None:
@@ -214,11 +219,24 @@ class Job:
         camera: CameraDescription,
         settings: SettingsDescription,
         over_the_shutter: Sequence[CameraDescription] = (),
+        *,
+        mattes: Sequence[str] = (),  # OBJECT | MATERIAL | ASSET
+        matte_levels: int = 6,
+        neighbours: tuple[CameraDescription, CameraDescription] | None = None,
     ) -> None:
-        """`over_the_shutter`: the camera at the middles of equal parts of the exposure, where it changes meanwhile."""
+        """`over_the_shutter`: the camera at the middles of equal parts of the exposure, where it changes meanwhile.
+
+        `mattes` are kept for `matte`, so many names a pixel; `neighbours`, the camera a frame before and a frame after, for
+        `data("VECTOR")`."""
     def data(self, name: str) -> npt.NDArray[np.float32]:
-        """DEPTH (one channel, along the camera's axis, 1e10 for the background), POSITION or NORMAL (world space),
-        (height, width, channels), first row at the bottom; asked for by `SettingsDescription.with_data`."""
+        """DEPTH (one channel, along the camera's axis, 1e10 for the background), POSITION or NORMAL (world space), VECTOR
+        (pixels: to where it was a frame before; from where it will be a frame after), (height, width, channels), first row
+        at the bottom; asked for by `SettingsDescription.with_data`."""
+    def matte(self, layer: str) -> npt.NDArray[np.float32]:
+        """The channels (id, coverage, id, coverage) of all passes of a layer of Cryptomatte, (height, width, 4 passes),
+        first row at the bottom."""
+    def matte_metadata(self, layer: str, name: str) -> list[tuple[str, str]]:
+        """What a file has to say of a layer that is called `name` in it: keys and values."""
     def wait(self, timeout_s: float) -> bool:
         """Waits, with the interpreter's lock free, until finished or time is up; True: finished."""
     def progress(self) -> float:  # 0..1

@@ -5,13 +5,17 @@ use crate::doorway::away;
 use crate::error::{Error, refused};
 use crate::scene::Scene;
 use numpy::{PyArray1, PyArray3, PyArrayMethods};
+use petzval_render::camera::imaging::Imaging;
 use petzval_render::camera::{Camera, CameraDescription};
+use petzval_render::film::cryptomatte::{self, MatteLayer};
 use petzval_render::film::data::DataPass;
 use petzval_render::integrator::Integrator;
-use petzval_render::job::{self as engine, Settings};
+use petzval_render::job::{self as engine, Beside, Settings};
 use petzval_render::pipeline::Pipeline;
+use petzval_render::pipeline::motion::Motion;
 use pyo3::prelude::*;
 use serde_json::json;
+use std::collections::BTreeMap;
 use std::time::Duration;
 
 #[derive(FromPyObject)]
@@ -76,22 +80,46 @@ pub(crate) struct Job {
 #[pymethods]
 impl Job {
     #[new]
-    #[pyo3(signature = (scene, camera, settings, over_the_shutter=Vec::new()))]
+    #[pyo3(signature = (
+        scene, camera, settings, over_the_shutter=Vec::new(), *, mattes=Vec::new(), matte_levels=6, neighbours=None
+    ))]
+    #[allow(clippy::too_many_arguments)]
     fn new(
         py: Python<'_>,
         scene: &Scene,
         camera: PyCamera,
         settings: PySettings,
         over_the_shutter: Vec<PyCamera>,
+        mattes: Vec<String>,
+        matte_levels: u32,
+        neighbours: Option<[PyCamera; 2]>,
     ) -> Result<Self, Error> {
-        let all = if over_the_shutter.is_empty() { vec![camera] } else { over_the_shutter };
-        let descriptions = all.into_iter().map(TryInto::try_into).collect::<Result<Vec<CameraDescription>, Error>>()?;
+        let now: CameraDescription = camera.try_into()?;
+        let descriptions = if over_the_shutter.is_empty() {
+            vec![now.clone()]
+        } else {
+            over_the_shutter.into_iter().map(TryInto::try_into).collect::<Result<Vec<CameraDescription>, Error>>()?
+        };
+        let neighbours = match neighbours {
+            Some([before, after]) => Some([before.try_into()?, after.try_into()?]),
+            None => None,
+        };
+        let mattes = mattes.iter().map(|name| matte_layer(name)).collect::<Result<Vec<_>, Error>>()?;
         let settings: Settings = settings.try_into()?;
         let stage = scene.stage.clone();
         away(py, || -> Result<Self, Error> {
             let camera = |d| Camera::new(d, settings.width, settings.height);
             let cameras = descriptions.iter().map(camera).collect::<Result<Vec<Camera>, _>>()?;
-            Ok(Self { job: engine::Job::start_moving(stage, cameras, settings)? })
+            let imaging = |d: &CameraDescription| Imaging::new(d, settings.width, settings.height, stage.scene.origin);
+            let motion = match &neighbours {
+                Some([before, after]) => {
+                    let neighbours = [imaging(before)?, imaging(after)?];
+                    Some(Motion::new(imaging(&now)?, neighbours, settings.width, settings.height))
+                }
+                None => None,
+            };
+            let beside = Beside { mattes, matte_levels, motion };
+            Ok(Self { job: engine::Job::start_with(stage, cameras, settings, beside)? })
         })?
     }
 
@@ -132,11 +160,35 @@ impl Job {
             "DEPTH" => (DataPass::Depth, 1),
             "POSITION" => (DataPass::Position, 3),
             "NORMAL" => (DataPass::Normal, 3),
-            other => return Err(refused(format!("there is no pass '{other}'; use DEPTH, POSITION or NORMAL"))),
+            "VECTOR" => (DataPass::Vector, 4),
+            other => return Err(refused(format!("there is no pass '{other}'; use DEPTH, POSITION, NORMAL or VECTOR"))),
         };
         let (width, height) = self.job.film().size();
         let flat = PyArray1::from_vec(py, away(py, || self.job.data(pass))?);
         Ok(flat.reshape([height as usize, width as usize, channels])?)
+    }
+
+    fn matte<'py>(&self, py: Python<'py>, layer: &str) -> Result<Bound<'py, PyArray3<f32>>, Error> {
+        let layer = matte_layer(layer)?;
+        let film = self.job.film();
+        let (width, height) = film.size();
+        let channels = 4 * film.mattes().passes();
+        let flat = PyArray1::from_vec(py, away(py, || self.job.matte(layer))?);
+        Ok(flat.reshape([height as usize, width as usize, channels])?)
+    }
+
+    fn matte_metadata(&self, layer: &str, name: &str) -> Result<Vec<(String, String)>, Error> {
+        let Some(names) = self.job.film().mattes().names(matte_layer(layer)?) else { return Ok(Vec::new()) };
+        let hex = |id: u32| format!("{id:08x}");
+        let manifest: BTreeMap<&String, String> = names.iter().map(|(name, &id)| (name, hex(id))).collect();
+        let key = &hex(cryptomatte::id(name))[..7];
+        let said = [
+            ("name", name.to_owned()),
+            ("hash", "MurmurHash3_32".to_owned()),
+            ("conversion", "uint32_to_float32".to_owned()),
+            ("manifest", json!(manifest).to_string()),
+        ];
+        Ok(said.into_iter().map(|(what, value)| (format!("cryptomatte/{key}/{what}"), value)).collect())
     }
 
     fn stop(&self) {
@@ -174,6 +226,15 @@ impl Job {
             "failure": s.failure,
         })
         .to_string()
+    }
+}
+
+fn matte_layer(name: &str) -> Result<MatteLayer, Error> {
+    match name {
+        "OBJECT" => Ok(MatteLayer::Object),
+        "MATERIAL" => Ok(MatteLayer::Material),
+        "ASSET" => Ok(MatteLayer::Asset),
+        other => Err(refused(format!("there are no mattes of '{other}'; use OBJECT, MATERIAL or ASSET"))),
     }
 }
 

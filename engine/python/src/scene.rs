@@ -61,7 +61,7 @@ impl SceneBuilder {
         Ok(self.builder.add_material(material.try_into()?)?)
     }
 
-    #[pyo3(signature = (name, positions, triangles, *, corner_normals = None, uv_maps = None, material_slots = None))]
+    #[pyo3(signature = (name, positions, triangles, *, corner_normals = None, uv_maps = None, material_slots = None, moved_positions = None))]
     #[allow(clippy::too_many_arguments)]
     fn add_mesh(
         &mut self,
@@ -72,6 +72,7 @@ impl SceneBuilder {
         corner_normals: Option<PyReadonlyArray3<'_, f32>>,
         uv_maps: Option<&Bound<'_, PyDict>>,
         material_slots: Option<numpy::PyReadonlyArray1<'_, i32>>,
+        moved_positions: Option<[PyReadonlyArray2<'_, f32>; 2]>,
     ) -> Result<usize, Error> {
         let bad = |what: &str| bad_scene(format!("mesh '{name}': {what}"));
         let positions = vec3s(positions.as_slice().map_err(|_| bad("positions are not contiguous"))?);
@@ -109,6 +110,15 @@ impl SceneBuilder {
             }
             None => None,
         };
+        let moved_positions = match &moved_positions {
+            Some(both) => {
+                let read = |a: &PyReadonlyArray2<'_, f32>| {
+                    a.as_slice().map(vec3s).map_err(|_| bad("moved positions are not contiguous"))
+                };
+                Some([read(&both[0])?, read(&both[1])?])
+            }
+            None => None,
+        };
         let description = MeshDescription {
             name: name.to_owned(),
             positions,
@@ -116,12 +126,17 @@ impl SceneBuilder {
             corner_normals,
             uv_maps: maps,
             material_slots,
+            moved_positions,
         };
         let builder = &mut self.builder;
         Ok(away(py, || builder.add_mesh(description))??)
     }
 
-    #[pyo3(signature = (object_name, mesh, matrix_world, materials, *, visible_camera = true, visible_shadow = true))]
+    #[pyo3(signature = (
+        object_name, mesh, matrix_world, materials, *, visible_camera = true, visible_shadow = true, asset_name = None,
+        moved = None
+    ))]
+    #[allow(clippy::too_many_arguments)]
     fn add_instance(
         &mut self,
         object_name: &str,
@@ -130,8 +145,10 @@ impl SceneBuilder {
         materials: Vec<usize>,
         visible_camera: bool,
         visible_shadow: bool,
+        asset_name: Option<&str>,
+        moved: Option<[Matrix4; 2]>,
     ) -> Result<(), Error> {
-        self.builder.add_instance(
+        let instance = self.builder.add_instance(
             object_name,
             mesh,
             matrix_world.into(),
@@ -139,6 +156,13 @@ impl SceneBuilder {
             visible_camera,
             visible_shadow,
         )?;
+        let Some(instance) = instance else { return Ok(()) };
+        if let Some(name) = asset_name {
+            self.builder.set_asset(instance, name);
+        }
+        if let Some(moved) = moved {
+            self.builder.set_moved(instance, moved.map(Into::into))?;
+        }
         Ok(())
     }
 

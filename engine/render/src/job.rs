@@ -5,9 +5,11 @@
 
 use crate::camera::Camera;
 use crate::camera::real_lens::RealLens;
-use crate::film::data::{DataPass, DataSums, FARTHEST};
-use crate::film::{Film, TilePixels};
+use crate::film::cryptomatte::{MatteLayer, Mattes};
+use crate::film::data::{DataPass, DataSums, FARTHEST, VectorSums};
+use crate::film::{Film, Keep, TilePixels};
 use crate::integrator::{Integrator, Stage, bidirectional::Techniques, path::Limits};
+use crate::pipeline::motion::Motion;
 use crate::pipeline::{Counts, Pipeline, Shot, render_tile};
 use crate::sampler::{raster::Raster, warp::PixelFilter};
 use std::panic::{AssertUnwindSafe, catch_unwind};
@@ -135,6 +137,17 @@ impl Settings {
     }
 }
 
+/// What a render shall find beside the picture and [`Settings::with_data`].
+#[derive(Default)]
+pub struct Beside {
+    /// For [`Job::matte`].
+    pub mattes: Vec<MatteLayer>,
+    /// Names that a pixel of a matte holds.
+    pub matte_levels: u32,
+    /// For [`DataPass::Vector`].
+    pub motion: Option<Motion>,
+}
+
 /// What a render did.
 #[derive(Clone, Debug)]
 pub struct Statistics {
@@ -157,6 +170,7 @@ struct Shared {
     settings: Settings,
     pipeline: Pipeline,
     raster: Raster,
+    motion: Option<Motion>,
     film: Film,
     /// First sample and count of each pass.
     passes: Vec<(u32, u32)>,
@@ -191,6 +205,19 @@ impl Job {
     /// # Errors
     /// [`SettingsError`], also if there is no camera.
     pub fn start_moving(stage: Arc<Stage>, cameras: Vec<Camera>, settings: Settings) -> Result<Self, SettingsError> {
+        Self::start_with(stage, cameras, settings, Beside::default())
+    }
+
+    /// The same with more to be found.
+    ///
+    /// # Errors
+    /// [`SettingsError`].
+    pub fn start_with(
+        stage: Arc<Stage>,
+        cameras: Vec<Camera>,
+        settings: Settings,
+        beside: Beside,
+    ) -> Result<Self, SettingsError> {
         settings.check()?;
         let first = cameras.first().ok_or(SettingsError::Camera)?;
         settings.check_integrator(first)?;
@@ -200,9 +227,12 @@ impl Job {
         let pipeline = asked.with(first);
         let spreads = is_bidirectional || pipeline != Pipeline::FilmFirst;
         let (width, height) = (settings.width, settings.height);
+        let mattes = Mattes::new(&stage.scene, &beside.mattes, beside.matte_levels);
+        let keep = Keep { surfaces: settings.with_data, vectors: beside.motion.is_some(), mattes };
         let shared = Arc::new(Shared {
             raster: Raster::new(width, height, PixelFilter::new(settings.filter_width_px)),
-            film: Film::new(width, height, spreads, settings.with_data),
+            film: Film::keeping(width, height, spreads, keep),
+            motion: beside.motion,
             pipeline,
             passes: passes(settings.samples),
             stage,
@@ -266,8 +296,14 @@ impl Job {
             DataPass::Position => {
                 surfaces.flat_map(|s| s.map_or([0.0; 3], |(position, _)| (position + origin).to_array())).collect()
             }
+            DataPass::Vector => self.shared.film.vectors().iter().flat_map(VectorSums::mean).collect(),
             DataPass::Normal => surfaces.flat_map(|s| s.map_or([0.0; 3], |(_, normal)| normal.to_array())).collect(),
         }
+    }
+
+    /// A layer of mattes as it is now: the channels of all its passes pixel by pixel, rows from below.
+    pub fn matte(&self, layer: MatteLayer) -> Vec<f32> {
+        self.shared.film.matte(layer)
     }
 
     /// The tiles that changed since the last call.
@@ -354,6 +390,7 @@ impl Shared {
                 hide_sky: s.transparent_film,
             },
             seed: s.seed,
+            motion: self.motion.as_ref(),
         };
         if self.pipeline == Pipeline::SceneFirst {
             self.cameras.iter().filter_map(Camera::traced_lens).for_each(RealLens::prepare_for_scene_first);

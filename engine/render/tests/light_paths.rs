@@ -96,6 +96,7 @@ fn light_alone(stage: &Stage, d: &CameraDescription, samples: u32, seed: u32, ma
         raster: &raster,
         limits,
         seed,
+        motion: None,
     };
     let film = Film::new(WIDTH, HEIGHT, true, false);
     for tile in 0..film.tile_count() {

@@ -10,6 +10,7 @@ mod focal_surface;
 pub mod from_scene;
 pub mod gaussian;
 pub mod image_based;
+pub mod imaging;
 mod mount;
 pub mod packet;
 pub mod pinhole;

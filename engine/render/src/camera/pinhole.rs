@@ -2,7 +2,7 @@
 
 use super::{CameraDescription, CameraRay};
 use crate::accel::Ray;
-use glam::{DMat3, DVec3, Mat3, Vec2, Vec3A};
+use glam::{DMat3, DVec2, DVec3, Mat3, Vec2, Vec3A};
 
 /// A perspective camera.
 pub struct Pinhole {
@@ -35,6 +35,12 @@ impl Pinhole {
         let x = p.x as f64 * self.width + self.centre[0];
         let y = p.y as f64 * self.height + self.centre[1];
         DVec3::new(x, y, -1.0)
+    }
+
+    /// The picture point of what lies in a direction, camera space; `None` behind.
+    pub(super) fn place(&self, d: DVec3) -> Option<DVec2> {
+        let [x, y] = [d.x, d.y].map(|across| across / -d.z);
+        (d.z < 0.0).then(|| DVec2::new((x - self.centre[0]) / self.width, (y - self.centre[1]) / self.height))
     }
 
     pub(super) fn axes(&self) -> &DMat3 {

@@ -43,6 +43,13 @@ pub struct SceneNumbers {
     pub pixels: [f32; 2],
 }
 
+impl SceneNumbers {
+    /// The ray is one of those that are spread over more than the picture: it has nothing to do with its pixel.
+    pub fn is_astray(&self) -> bool {
+        self.beyond < DEFENSIVE_SHARE
+    }
+}
+
 impl RealLens {
     /// What every ray from the scene needs, made ahead, once for all threads.
     pub fn prepare_for_scene_first(&self) {
@@ -53,7 +60,7 @@ impl RealLens {
     /// is lost at all of them.
     pub fn lead_from_scene(&self, pixel: [u32; 2], u: &SceneNumbers, raster: &Raster) -> Option<Led> {
         let side = self.scene_side();
-        let place = if u.beyond < DEFENSIVE_SHARE {
+        let place = if u.is_astray() {
             (Vec2::from(u.place) - 0.5) * (1.0 + 2.0 * BEYOND)
         } else {
             raster.place(pixel[0], pixel[1], u.place)

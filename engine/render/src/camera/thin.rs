@@ -3,7 +3,7 @@
 use super::pinhole::Pinhole;
 use super::{CameraDescription, CameraError, CameraRay};
 use crate::accel::Ray;
-use glam::{DMat3, DVec3, Mat3, Vec2};
+use glam::{DMat3, DVec2, DVec3, Mat3, Vec2};
 use petzval_optics::diaphragm::Diaphragm;
 use std::f64::consts::FRAC_PI_4;
 
@@ -40,6 +40,17 @@ impl Thin {
             // The irradiance behind a lens without aberration, focused far away.
             brightness: d.brightness(FRAC_PI_4 / (f_number * f_number)) as f32,
         })
+    }
+
+    /// Radius of the opening, Blender units.
+    pub(super) fn radius(&self) -> f64 {
+        self.diaphragm.radius_mm() / self.mm_per_unit
+    }
+
+    /// The picture point of what is seen along `d` from the point `start` of the opening, camera space; `None` behind.
+    pub(super) fn place(&self, start: DVec3, d: DVec3) -> Option<DVec2> {
+        let along = if self.focus.is_finite() { start + d * (self.focus / -d.z) } else { d };
+        (d.z < 0.0).then(|| self.pinhole.place(along)).flatten()
     }
 
     pub(super) fn axes(&self) -> &DMat3 {

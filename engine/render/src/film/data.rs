@@ -6,7 +6,7 @@
 //! scene-first, the ray that the pixel started. Where less than half of the rays meet anything the pixel is background.
 
 use crate::integrator::path::FirstSurface;
-use glam::Vec3;
+use glam::{Vec3, Vec4};
 
 /// Sums of one pixel.
 #[derive(Clone, Copy, Debug, Default, PartialEq)]
@@ -46,6 +46,33 @@ impl DataSums {
     }
 }
 
+/// Sums of the ways over the picture of what one pixel sees.
+#[derive(Clone, Copy, Debug, Default, PartialEq)]
+pub struct VectorSums {
+    /// Rays whose way is known.
+    rays: f32,
+    sum: Vec4,
+}
+
+impl VectorSums {
+    /// Adds a ray's.
+    #[inline]
+    pub fn add(&mut self, vector: [f32; 4]) {
+        self.rays += 1.0;
+        self.sum += Vec4::from(vector);
+    }
+
+    pub(super) fn join(&mut self, other: &Self) {
+        self.rays += other.rays;
+        self.sum += other.sum;
+    }
+
+    /// The mean way; zero if none is known.
+    pub fn mean(&self) -> [f32; 4] {
+        (self.sum / self.rays.max(1.0)).to_array()
+    }
+}
+
 /// A pass of data.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub enum DataPass {
@@ -55,6 +82,9 @@ pub enum DataPass {
     Position,
     /// World space, towards the camera; 0 for the background. Three channels.
     Normal,
+    /// From the picture's place of what a pixel sees to where it was a frame before, and from where it will be a frame
+    /// after; pixels, right and up. Four channels.
+    Vector,
 }
 
 /// What stands for the background's depth.
@@ -67,7 +97,14 @@ mod tests {
 
     #[test]
     fn the_background_is_where_most_rays_meet_nothing() {
-        let surface = FirstSurface { position: Vec3A::new(1.0, 2.0, -3.0), normal: Vec3A::Z };
+        let surface = FirstSurface {
+            position: Vec3A::new(1.0, 2.0, -3.0),
+            normal: Vec3A::Z,
+            instance: 0,
+            triangle: 0,
+            material: 0,
+            barycentric: [0.0; 2],
+        };
         let mut sums = DataSums::default();
         assert_eq!(sums.mean(), None);
         sums.add(Some(surface));

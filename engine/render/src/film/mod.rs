@@ -6,12 +6,14 @@
 //!
 //! Pixel (0, 0) is the lower left corner of the picture.
 
+pub mod cryptomatte;
 pub mod data;
 pub mod splats;
 
 use crate::Rgb;
 use crate::integrator::path::FirstSurface;
-use data::DataSums;
+use cryptomatte::{MatteLayer, MatteNotes, MatteSums, Mattes};
+use data::{DataSums, VectorSums};
 use splats::SplatSums;
 use std::sync::{Mutex, MutexGuard, PoisonError};
 
@@ -52,6 +54,17 @@ impl TileRect {
     }
 }
 
+/// What a film keeps beside light.
+#[derive(Clone, Debug, Default)]
+pub struct Keep {
+    /// What surfaces the pixels see.
+    pub surfaces: bool,
+    /// How these move over the picture.
+    pub vectors: bool,
+    /// Which objects or materials they are.
+    pub mattes: Mattes,
+}
+
 /// Light on a part of the picture, while one thread gathers it.
 #[derive(Clone, Debug)]
 pub struct Patch {
@@ -62,13 +75,22 @@ pub struct Patch {
     far: Vec<(u32, u32, Rgb)>,
     /// By pixel, as the sums; empty if nobody asked.
     data: Vec<DataSums>,
+    /// The same.
+    vectors: Vec<VectorSums>,
+    mattes: Option<MatteNotes>,
 }
 
 impl Patch {
-    fn new(rect: TileRect, with_data: bool) -> Self {
+    fn new(rect: TileRect, keep: &Keep) -> Self {
         let pixels = (rect.width * rect.height) as usize;
-        let data = if with_data { vec![DataSums::default(); pixels] } else { Vec::new() };
-        Self { rect, sums: vec![[0.0; 4]; pixels], far: Vec::new(), data }
+        Self {
+            rect,
+            sums: vec![[0.0; 4]; pixels],
+            far: Vec::new(),
+            data: if keep.surfaces { vec![DataSums::default(); pixels] } else { Vec::new() },
+            vectors: if keep.vectors { vec![VectorSums::default(); pixels] } else { Vec::new() },
+            mattes: (!keep.mattes.is_empty()).then(|| MatteNotes::new(pixels)),
+        }
     }
 
     /// Notes what a ray of a pixel of the tile found, if anybody asked.
@@ -77,6 +99,16 @@ impl Patch {
         let Some(i) = self.rect.index(x, y) else { return };
         if let Some(sums) = self.data.get_mut(i) {
             sums.add(found);
+        }
+        if let Some(mattes) = &mut self.mattes {
+            mattes.add(i, found.map(|surface| [surface.instance, surface.material]));
+        }
+    }
+
+    /// Notes how what a ray of a pixel of the tile found moves over the picture, if anybody asked.
+    pub fn add_vector(&mut self, x: u32, y: u32, vector: [f32; 4]) {
+        if let Some(sums) = self.rect.index(x, y).and_then(|i| self.vectors.get_mut(i)) {
+            sums.add(vector);
         }
     }
 
@@ -107,6 +139,7 @@ impl Patch {
 #[derive(Clone, Debug)]
 pub struct TileSums {
     light: Patch,
+    mattes: MatteSums,
     /// Samples of each of its pixels.
     pub samples: u32,
     /// Passes that have been added.
@@ -132,6 +165,7 @@ pub struct Film {
     /// The tiles in rows from below.
     places: Vec<usize>,
     far: SplatSums,
+    keep: Keep,
 }
 
 impl Film {
@@ -139,6 +173,11 @@ impl Film {
     /// give light to other pixels than their own.
     /// `with_data` if it shall also keep what surfaces the pixels see.
     pub fn new(width: u32, height: u32, spreads: bool, with_data: bool) -> Self {
+        Self::keeping(width, height, spreads, Keep { surfaces: with_data, ..Keep::default() })
+    }
+
+    /// The same, with all that it shall keep.
+    pub fn keeping(width: u32, height: u32, spreads: bool, keep: Keep) -> Self {
         let mut rects = Vec::new();
         for y in (0..height).step_by(TILE_SIZE as usize) {
             for x in (0..width).step_by(TILE_SIZE as usize) {
@@ -157,11 +196,12 @@ impl Film {
         order.iter().enumerate().for_each(|(tile, &place)| places[place] = tile);
         let margin = if spreads { SPREAD } else { 0 };
         let tile = |&place: &usize| {
-            let light = Patch::new(rects[place].grown(margin, width, height), with_data);
-            (rects[place], Mutex::new(TileSums { light, samples: 0, passes: 0, changed: false }))
+            let light = Patch::new(rects[place].grown(margin, width, height), &keep);
+            let mattes = MatteSums::default();
+            (rects[place], Mutex::new(TileSums { light, mattes, samples: 0, passes: 0, changed: false }))
         };
         let far = SplatSums::new(width as usize * height as usize);
-        Self { width, height, tiles: order.iter().map(tile).collect(), places, far }
+        Self { width, height, tiles: order.iter().map(tile).collect(), places, far, keep }
     }
 
     /// Columns and rows.
@@ -181,8 +221,7 @@ impl Film {
 
     /// An empty patch for the samples of a tile.
     pub fn patch(&self, tile: usize) -> Patch {
-        let tile = self.tile(tile);
-        Patch::new(tile.light.rect, !tile.light.data.is_empty())
+        Patch::new(self.tile(tile).light.rect, &self.keep)
     }
 
     /// A tile's sums, for as long as the guard lives.
@@ -204,6 +243,12 @@ impl Film {
         }
         for (sums, add) in sums.light.data.iter_mut().zip(&light.data) {
             sums.join(add);
+        }
+        for (sums, add) in sums.light.vectors.iter_mut().zip(&light.vectors) {
+            sums.join(add);
+        }
+        if let Some(notes) = &light.mattes {
+            sums.mattes.join(&self.keep.mattes, notes);
         }
         for &(x, y, radiance) in &light.far {
             self.far.add(y as usize * self.width as usize + x as usize, radiance.to_array());
@@ -242,16 +287,50 @@ impl Film {
     /// What each pixel sees, rows from below; nothing if the film was not to keep it.
     pub fn data(&self) -> Vec<DataSums> {
         let mut out = vec![DataSums::default(); self.width as usize * self.height as usize];
+        self.each_pixel(|tile, at, pixel| {
+            if let Some(sums) = tile.light.data.get(at) {
+                out[pixel] = *sums;
+            }
+        });
+        out
+    }
+
+    /// How what each pixel sees moves over the picture, rows from below.
+    pub fn vectors(&self) -> Vec<VectorSums> {
+        let mut out = vec![VectorSums::default(); self.width as usize * self.height as usize];
+        self.each_pixel(|tile, at, pixel| {
+            if let Some(sums) = tile.light.vectors.get(at) {
+                out[pixel] = *sums;
+            }
+        });
+        out
+    }
+
+    /// The mattes that are kept.
+    pub fn mattes(&self) -> &Mattes {
+        &self.keep.mattes
+    }
+
+    /// A layer of mattes: all of its passes' channels pixel by pixel, rows from below.
+    pub fn matte(&self, layer: MatteLayer) -> Vec<f32> {
+        let channels = 4 * self.keep.mattes.passes();
+        let mut out = vec![0.0; channels * self.width as usize * self.height as usize];
+        self.each_pixel(|tile, at, pixel| {
+            self.keep.mattes.write(layer, &tile.mattes, at, &mut out[channels * pixel..][..channels]);
+        });
+        out
+    }
+
+    /// Calls `what` with each pixel's tile, its place in that tile's lists, and its place in the picture.
+    fn each_pixel(&self, mut what: impl FnMut(&TileSums, usize, usize)) {
         for (i, (rect, _)) in self.tiles.iter().enumerate() {
             let tile = self.tile(i);
             for (x, y) in (0..rect.height).flat_map(|y| (0..rect.width).map(move |x| (rect.x + x, rect.y + y))) {
-                let sums = tile.light.rect.index(x, y).and_then(|at| tile.light.data.get(at));
-                if let Some(sums) = sums {
-                    out[y as usize * self.width as usize + x as usize] = *sums;
+                if let Some(at) = tile.light.rect.index(x, y) {
+                    what(&tile, at, y as usize * self.width as usize + x as usize);
                 }
             }
         }
-        out
     }
 
     /// A tile's pixels: its own light and what the tiles about it gave.

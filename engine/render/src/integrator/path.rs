@@ -42,6 +42,21 @@ pub struct FirstSurface {
     pub position: Vec3A,
     /// Unit, towards the ray's origin.
     pub normal: Vec3A,
+    /// Index of the instance.
+    pub instance: u32,
+    /// Index of the triangle in its mesh.
+    pub triangle: u32,
+    /// Index of the material.
+    pub material: u32,
+    /// Barycentric weights of the second and third corner.
+    pub barycentric: [f32; 2],
+}
+
+impl From<&SurfacePoint> for FirstSurface {
+    fn from(p: &SurfacePoint) -> Self {
+        let SurfacePoint { position, instance, triangle, material, barycentric, .. } = *p;
+        Self { position, normal: p.shading_normal, instance, triangle, material, barycentric }
+    }
 }
 
 /// How the current ray was chosen: what light it finds is weighted by this.
@@ -136,7 +151,7 @@ pub fn trace(stage: &Stage, camera_ray: Ray, limits: &Limits, sampler: &mut Path
         lamps_before(travelled + hit.t);
         result.hit = true;
         if result.first.is_none() {
-            result.first = Some(FirstSurface { position: point.position, normal: point.shading_normal });
+            result.first = Some(FirstSurface::from(&point));
         }
         let material = &scene.materials[point.material as usize];
         if material.emits() {

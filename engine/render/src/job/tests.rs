@@ -237,3 +237,57 @@ fn a_lens_that_moves_takes_the_mean_of_its_pictures() {
     }
     assert!(Job::start_moving(stage(), Vec::new(), settings(1, 1)).is_err());
 }
+
+/// Mattes and vectors: the same bits for any number of threads, and the way of a thing that moves across before a camera
+/// that stands is that of its picture.
+#[test]
+fn mattes_and_vectors_do_not_depend_on_threads() {
+    use crate::camera::imaging::Imaging;
+    use crate::film::cryptomatte::id;
+    let mut builder = SceneBuilder::new();
+    let triangle = MeshDescription {
+        name: "triangle".into(),
+        positions: vec![Vec3::new(-1.0, -1.0, 0.0), Vec3::new(1.0, -1.0, 0.0), Vec3::new(0.0, 1.0, 0.0)],
+        triangles: vec![[0, 1, 2]],
+        ..Default::default()
+    };
+    let mesh = builder.add_mesh(triangle).unwrap();
+    let at = |x: f64| DMat4::from_translation(DVec3::new(x, 0.0, -3.0));
+    for name in ["still", "moves"] {
+        let place = DMat4::from_translation(DVec3::new(0.0, if name == "still" { 0.5 } else { -0.5 }, 0.0));
+        let instance = builder.add_instance(name, mesh, place * at(0.0), &[], true, true).unwrap().unwrap();
+        if name == "moves" {
+            builder.set_moved(instance, [place * at(-0.1), place * at(0.3)]).unwrap();
+        }
+    }
+    let stage = Arc::new(Stage::new(builder.build(DVec3::ZERO)));
+    let render = |model: Model, threads: usize| {
+        let imaging = || Imaging::new(&description(model), 75, 50, DVec3::ZERO).unwrap();
+        let motion = Some(Motion::new(imaging(), [imaging(), imaging()], 75, 50));
+        let beside = Beside { mattes: vec![MatteLayer::Object, MatteLayer::Asset], matte_levels: 3, motion };
+        let job = Job::start_with(stage.clone(), vec![camera(model)], settings(37, threads), beside).unwrap();
+        assert!(job.wait(Duration::from_secs(120)));
+        let bits = |list: Vec<f32>| list.into_iter().map(f32::to_bits).collect::<Vec<u32>>();
+        [job.matte(MatteLayer::Object), job.matte(MatteLayer::Asset), job.data(DataPass::Vector)].map(bits)
+    };
+    for model in [Model::Lens, Model::Pinhole] {
+        let one = render(model, 1);
+        assert!(one == render(model, 3));
+        assert_eq!(one[0], one[1]);
+        // In the middle of the lower triangle, in focus.
+        let pixel = 17 * 75 + 37;
+        let names = &one[0][8 * pixel..][..4];
+        assert_eq!((names[0], f32::from_bits(names[1])), (id("moves"), 1.0));
+        let vector: Vec<f32> = one[2][4 * pixel..][..4].iter().map(|&bits| f32::from_bits(bits)).collect();
+        if model == Model::Pinhole {
+            let pixels_per_unit = 75.0 * 50.0 / 36.0 / 3.0;
+            let expected = [-0.1 * pixels_per_unit, 0.0, -0.3 * pixels_per_unit, 0.0];
+            // Single precision.
+            assert!(vector.iter().zip(expected).all(|(v, e)| (v - e).abs() < 1e-3), "{vector:?}");
+        } else {
+            assert!((vector[2] / vector[0] - 3.0).abs() < 0.05 && vector[0] < -1.0, "{vector:?}");
+        }
+        // The corner sees nothing, which lies still.
+        assert_eq!(one[2][..4], [0; 4]);
+    }
+}

@@ -46,5 +46,5 @@ pub(super) fn sample(lens: &RealLens, techniques: Techniques, path: &mut LightPa
     if techniques == Techniques::All {
         s.splat(lens, &led.splats, found.radiance);
     }
-    s.note(&found);
+    s.note(&found, &led.ray, u_wavelength);
 }

@@ -3,6 +3,7 @@
 pub mod bidirectional;
 pub mod film_first;
 pub mod hero;
+pub mod motion;
 pub mod scene_first;
 mod stretch;
 
@@ -17,6 +18,7 @@ use crate::integrator::path::{self, Limits, PathResult};
 use crate::sampler::{PathSampler, raster::Raster};
 use film_first::FilmFirst;
 use hero::Hero;
+use motion::Motion;
 use std::time::{Duration, Instant};
 
 /// Where samples go one by one, one in this many is timed, to know the lens' share of the time without spending any.
@@ -74,6 +76,8 @@ pub struct Shot<'a> {
     pub limits: Limits,
     /// Of all random choices.
     pub seed: u32,
+    /// Where it is asked how things move over the picture.
+    pub motion: Option<&'a Motion>,
 }
 
 impl Shot<'_> {
@@ -199,11 +203,26 @@ impl Sample<'_> {
         Some(found)
     }
 
-    /// What the sample's ray is for the pixel that it belongs to.
-    fn note(&mut self, found: &PathResult) {
+    /// What the sample's ray, of the wavelength that `u_wavelength` chose, is for the pixel that it belongs to.
+    fn note(&mut self, found: &PathResult, ray: &crate::accel::Ray, u_wavelength: f32) {
+        self.note_alpha(found);
+        self.note_surface(found, ray, u_wavelength);
+    }
+
+    fn note_alpha(&mut self, found: &PathResult) {
         let alpha = if self.shot.limits.hide_sky && !found.hit { 0.0 } else { 1.0 };
         self.light.add_alpha(self.x, self.y, alpha);
+    }
+
+    /// What surface the sample's ray found for the pixel that it belongs to.
+    fn note_surface(&mut self, found: &PathResult, ray: &crate::accel::Ray, u_wavelength: f32) {
         self.light.add_data(self.x, self.y, found.first);
+        if let Some(motion) = self.shot.motion {
+            let vector = motion.vector(&self.shot.stage.scene, ray, u_wavelength, found.first.as_ref());
+            if let Some(vector) = vector {
+                self.light.add_vector(self.x, self.y, vector);
+            }
+        }
     }
 
     /// Adds what a ray found to the pixels where it arrives.

@@ -19,6 +19,9 @@ pub(super) fn sample(lens: &RealLens, mut s: Sample<'_>) {
     let Some(led) = led else { return s.lost() };
     if let Some(found) = s.follow(led.ray, &mut sampler) {
         s.splat(lens, &led.splats, found.radiance);
-        s.note(&found);
+        s.note_alpha(&found);
+        if !numbers.is_astray() {
+            s.note_surface(&found, &led.ray, wavelength);
+        }
     }
 }

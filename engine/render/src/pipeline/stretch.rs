@@ -57,7 +57,7 @@ pub(super) fn render<L: Leads>(
                 continue;
             };
             if let Some(found) = s.follow(L::ray(lead), &mut stretch.samplers[i]) {
-                s.note(&found);
+                s.note(&found, &L::ray(lead), request.u_wavelength);
                 pipeline.add(stretch.cameras[i], request, lead, found.radiance, light);
             }
         }

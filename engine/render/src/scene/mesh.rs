@@ -18,6 +18,8 @@ pub struct MeshDescription {
     pub uv_maps: Vec<(String, Vec<[Vec2; 3]>)>,
     /// Material slot by triangle; `None` is slot 0.
     pub material_slots: Option<Vec<u32>>,
+    /// `positions` a frame before and a frame after; `None` where the mesh keeps its shape.
+    pub moved_positions: Option<[Vec<Vec3>; 2]>,
 }
 
 /// A checked mesh: every index valid, every position finite, every triangle with area.
@@ -35,6 +37,8 @@ pub struct Mesh {
     pub uv_maps: Vec<(String, Vec<[Vec2; 3]>)>,
     /// Material slot by triangle.
     pub material_slots: Option<Vec<u32>>,
+    /// `positions` a frame before and a frame after.
+    pub moved_positions: Option<[Vec<Vec3>; 2]>,
 }
 
 impl Mesh {
@@ -56,6 +60,9 @@ impl Mesh {
         }
         if let Some(slots) = &d.material_slots {
             fits(slots.len(), "material slots")?;
+        }
+        if let Some(moved) = d.moved_positions.iter().flatten().find(|moved| moved.len() != d.positions.len()) {
+            return Err(bad(format!("{} moved positions for {} vertices", moved.len(), d.positions.len())));
         }
         if u32::try_from(n).is_err() {
             return Err(bad(format!("{n} triangles are more than 2^32")));
@@ -83,6 +90,7 @@ impl Mesh {
             corner_normals: d.corner_normals,
             uv_maps: d.uv_maps,
             material_slots: d.material_slots,
+            moved_positions: d.moved_positions,
         };
         if dropped > 0 {
             mesh.keep_only(&keep);

@@ -8,7 +8,7 @@ pub mod texture;
 pub mod world;
 
 use crate::Rgb;
-use glam::{Affine3A, DMat4, DVec3, Mat3A};
+use glam::{Affine3A, DAffine3, DMat4, DVec3, Mat3A};
 use lamp::Lamp;
 use material::Material;
 use mesh::{Mesh, MeshDescription};
@@ -63,6 +63,8 @@ pub enum SceneError {
 pub struct Instance {
     /// The Blender object it comes from.
     pub object_name: String,
+    /// That object's topmost parent.
+    pub asset_name: String,
     /// Index into [`Scene::meshes`].
     pub mesh: u32,
     /// Object space to render space.
@@ -79,6 +81,8 @@ pub struct Instance {
     pub visible_camera: bool,
     /// Casts shadows.
     pub visible_shadow: bool,
+    /// Object space to render space a frame before and a frame after; `None` where it stands still.
+    pub moved: Option<Box<[DAffine3; 2]>>,
 }
 
 impl Instance {
@@ -117,6 +121,8 @@ impl Scene {
 
 struct RawInstance {
     object_name: String,
+    asset_name: Option<String>,
+    moved: Option<[DMat4; 2]>,
     mesh: usize,
     matrix: DMat4,
     materials: Vec<u32>,
@@ -184,7 +190,7 @@ impl SceneBuilder {
         Ok(self.meshes.len() - 1)
     }
 
-    /// Places a mesh. `matrix` takes object space to world space.
+    /// Places a mesh; gives the index of the instance. `matrix` takes object space to world space.
     ///
     /// # Errors
     /// [`SceneError::NoSuchPiece`], [`SceneError::BadMatrix`]. A matrix that flattens the object entirely (a
@@ -197,7 +203,7 @@ impl SceneBuilder {
         materials: &[usize],
         visible_camera: bool,
         visible_shadow: bool,
-    ) -> Result<(), SceneError> {
+    ) -> Result<Option<usize>, SceneError> {
         let missing = |kind, index, count| SceneError::NoSuchPiece { object: object_name.into(), kind, index, count };
         if mesh >= self.meshes.len() {
             return Err(missing("mesh", mesh, self.meshes.len()));
@@ -211,16 +217,36 @@ impl SceneBuilder {
         let flat = !matrix.inverse().is_finite() || matrix.determinant().abs() < 1e-30;
         if flat {
             self.warnings.push(format!("object '{object_name}': its scale is zero; left out"));
-            return Ok(());
+            return Ok(None);
         }
         self.instances.push(RawInstance {
             object_name: object_name.into(),
+            asset_name: None,
+            moved: None,
             mesh,
             matrix,
             materials: materials.iter().map(|&m| m as u32 + 1).collect(),
             visible_camera,
             visible_shadow,
         });
+        Ok(Some(self.instances.len() - 1))
+    }
+
+    /// Says whose part an instance is, other than its own.
+    pub fn set_asset(&mut self, instance: usize, name: &str) {
+        self.instances[instance].asset_name = Some(name.into());
+    }
+
+    /// Says where an instance stands a frame before and a frame after, for the pass of motion.
+    ///
+    /// # Errors
+    /// [`SceneError::BadMatrix`].
+    pub fn set_moved(&mut self, instance: usize, matrices: [DMat4; 2]) -> Result<(), SceneError> {
+        let raw = &mut self.instances[instance];
+        if !matrices.iter().all(|m| m.is_finite()) {
+            return Err(SceneError::BadMatrix { object: raw.object_name.clone() });
+        }
+        raw.moved = matrices.iter().any(|m| *m != raw.matrix).then_some(matrices);
         Ok(())
     }
 
@@ -273,8 +299,11 @@ impl SceneBuilder {
                 let linear = glam::DMat3::from_mat4(raw.matrix);
                 // Scaled by the determinant's size, so that single precision neither overflows nor vanishes.
                 let normal = linear.inverse().transpose() * linear.determinant().abs().cbrt();
+                let from_origin = |m: DMat4| DAffine3::from_mat4(DMat4::from_translation(-origin) * m);
                 Instance {
+                    asset_name: raw.asset_name.unwrap_or_else(|| raw.object_name.clone()),
                     object_name: raw.object_name,
+                    moved: raw.moved.map(|matrices| Box::new(matrices.map(from_origin))),
                     mesh: raw.mesh as u32,
                     to_render: Affine3A::from_mat4(moved.as_mat4()),
                     to_object: Affine3A::from_mat4(inverse.as_mat4()),

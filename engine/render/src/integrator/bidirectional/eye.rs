@@ -5,7 +5,7 @@ use super::weights::{Partial, squared, weight};
 use super::{CameraEnd, is_dark};
 use crate::accel::{Hit, Ray, RayKind};
 use crate::integrator::Stage;
-use crate::integrator::path::{CAMERA_SETS, Limits, PathResult, SURE_BOUNCES, opacity};
+use crate::integrator::path::{CAMERA_SETS, FirstSurface, Limits, PathResult, SURE_BOUNCES, opacity};
 use crate::lights::tree::Receiver;
 use crate::sampler::PathSampler;
 use crate::surface::SurfacePoint;
@@ -41,6 +41,9 @@ pub(super) fn trace(
             break;
         };
         result.hit = true;
+        if bounce == 0 {
+            result.first = Some(FirstSurface::from(&point));
+        }
         if material(stage, &point).emits() {
             result.radiance += limits.clamp(carried * met.surface(&point, &hit, stretch.distance), bounce);
         }

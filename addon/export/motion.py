@@ -1,0 +1,94 @@
+# SPDX-License-Identifier: GPL-3.0-or-later
+"""Where everything stands a frame before and a frame after, for the Vector pass."""
+
+from __future__ import annotations
+
+from typing import NamedTuple
+
+import bpy
+import numpy as np
+
+from ..description import Matrix4, Report
+from . import mesh
+from .camera import rows
+
+Key = tuple
+
+
+def key(place: bpy.types.DepsgraphObjectInstance) -> Key:
+    """What is the same of an instance at every frame: its object, and which of what made it."""
+    if not place.is_instance:
+        return (place.object.name_full,)
+    return place.object.name_full, place.parent.name_full, tuple(place.persistent_id)
+
+
+class Placed(NamedTuple):
+    """One instance at one frame."""
+
+    matrix: Matrix4
+    #: Of the mesh's vertices, object space; shared by all instances of a mesh. None where it cannot change its shape.
+    positions: np.ndarray | None
+
+
+class Frame(dict[Key, Placed]):
+    """Instances at one frame."""
+
+    @classmethod
+    def read(cls, depsgraph: bpy.types.Depsgraph) -> Frame:
+        """Where everything that has a surface stands in the graph's frame."""
+        found = cls()
+        known: dict[int, np.ndarray | None] = {}
+        for place in depsgraph.object_instances:
+            holder = place.object
+            data = holder.data
+            if not place.show_self or not isinstance(data, bpy.types.Mesh):
+                continue
+            pointer = data.as_pointer()
+            if pointer not in known:
+                known[pointer] = mesh.positions(data) if _may_deform(holder) else None
+            found[key(place)] = Placed(rows(place.matrix_world), known[pointer])
+        return found
+
+
+def _may_deform(holder: bpy.types.Object) -> bool:
+    """Whether the mesh can have another shape at another frame: most cannot, and need not be read."""
+    original = holder.original
+    plain = original.type == "MESH" and not original.modifiers and original.data.shape_keys is None
+    return not plain or original.data.animation_data is not None
+
+
+class Motion:
+    """What moves between two frames, for the builder."""
+
+    def __init__(self, before: Frame, after: Frame, report: Report) -> None:
+        self._frames = before, after
+        self._report = report
+
+    def matrices(self, place: bpy.types.DepsgraphObjectInstance) -> tuple[Matrix4, Matrix4] | None:
+        """Where an instance stands in the neighbouring frames; None where it does not move, or is not there in one."""
+        both = self._placed(place)
+        if both is None:
+            return None
+        now = rows(place.matrix_world)
+        return None if all(one.matrix == now for one in both) else (both[0].matrix, both[1].matrix)
+
+    def positions(
+        self, place: bpy.types.DepsgraphObjectInstance, now: np.ndarray
+    ) -> tuple[np.ndarray, np.ndarray] | None:
+        """The vertices of an instance's mesh in the neighbouring frames; None where it keeps its shape."""
+        both = self._placed(place)
+        if both is None or any(one.positions is None for one in both):
+            return None
+        moved = both[0].positions, both[1].positions
+        if any(then.shape != now.shape for then in moved):
+            name = place.object.name
+            self._report.warn(
+                f"Object '{name}': it has other vertices in the frames beside, its Vector pass leaves out how it changes"
+            )
+            return None
+        return None if all(np.array_equal(then, now) for then in moved) else moved
+
+    def _placed(self, place: bpy.types.DepsgraphObjectInstance) -> tuple[Placed, Placed] | None:
+        which = key(place)
+        before, after = (frame.get(which) for frame in self._frames)
+        return None if before is None or after is None else (before, after)

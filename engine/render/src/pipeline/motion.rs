@@ -1,0 +1,82 @@
+//! How what a ray met moves over the picture: to where it was a frame before, and from where it will be a frame after.
+//!
+//! The point that a camera ray met is taken along with the surface to the neighbouring frame, and looked at from there
+//! through the same point of the pupil, by the same light. So out of focus each ray tells the way of its own picture, and
+//! their mean is the way of the blurred one. The background lies infinitely far: only turns of the camera move it.
+
+use crate::accel::Ray;
+use crate::camera::imaging::{Imaging, Seen};
+use crate::integrator::path::FirstSurface;
+use crate::scene::{Instance, Scene};
+use glam::{DVec2, DVec3};
+
+/// Where the light from a neighbouring frame is lost in the lens, so often at most half of the way is taken instead.
+const HALVINGS: i32 = 6;
+
+/// The camera at a frame and its neighbours.
+pub struct Motion {
+    now: Imaging,
+    /// A frame before, a frame after.
+    neighbours: [Imaging; 2],
+    size_px: DVec2,
+}
+
+impl Motion {
+    /// For a picture of that many pixels.
+    pub fn new(now: Imaging, neighbours: [Imaging; 2], width: u32, height: u32) -> Self {
+        Self { now, neighbours, size_px: DVec2::new(f64::from(width), f64::from(height)) }
+    }
+
+    /// What the Vector pass of Blender holds of a camera ray that met `first`: pixels right and up from here to where
+    /// it was a frame before, and from where it will be a frame after to here. `None` where the lens loses it.
+    pub fn vector(
+        &self,
+        scene: &Scene,
+        ray: &Ray,
+        u_wavelength: f32,
+        first: Option<&FirstSurface>,
+    ) -> Option<[f32; 4]> {
+        let now = match first {
+            Some(surface) => Seen::Point(surface.position.as_dvec3()),
+            None => Seen::Direction(ray.direction.as_dvec3()),
+        };
+        let through = self.now.through(ray, now);
+        let here = self.now.picture_point(now, through, u_wavelength)?;
+        let way = |frame: usize| {
+            let then = first.and_then(|surface| moved(scene, surface, frame)).map_or(now, Seen::Point);
+            let camera = &self.neighbours[frame];
+            let place = |seen| camera.picture_point(seen, through, u_wavelength);
+            let there = place(then).or_else(|| {
+                // It leaves what the lens sees: the same way as it starts.
+                let start = place(now)?;
+                let part = |k: i32| 0.5f64.powi(k);
+                (1..=HALVINGS).find_map(|k| Some(start + (place(now.towards(then, part(k)))? - start) / part(k)))
+            })?;
+            Some((there - here) * self.size_px)
+        };
+        let (before, after) = (way(0)?, -way(1)?);
+        let vector = [before.x, before.y, after.x, after.y].map(|v| v as f32);
+        vector.iter().all(|v| v.is_finite()).then_some(vector)
+    }
+}
+
+/// Where a point of a surface is at a neighbouring frame, render space; `None` where it stands still.
+fn moved(scene: &Scene, surface: &FirstSurface, frame: usize) -> Option<DVec3> {
+    let instance = &scene.instances[surface.instance as usize];
+    let mesh = &scene.meshes[instance.mesh as usize];
+    let positions = match &mesh.moved_positions {
+        Some(moved) => &moved[frame],
+        None if instance.moved.is_none() => return None,
+        None => &mesh.positions,
+    };
+    let [u, v] = surface.barycentric.map(f64::from);
+    let [a, b, c] = mesh.triangles[surface.triangle as usize].map(|i| positions[i as usize].as_dvec3());
+    Some(placed(instance, frame, a * (1.0 - u - v) + b * u + c * v))
+}
+
+fn placed(instance: &Instance, frame: usize, local: DVec3) -> DVec3 {
+    match &instance.moved {
+        Some(matrices) => matrices[frame].transform_point3(local),
+        None => instance.to_render.transform_point3(local.as_vec3()).as_dvec3(),
+    }
+}
