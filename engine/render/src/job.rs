@@ -407,7 +407,7 @@ impl Shared {
             let Some(counts) = counts else { return };
             // The pass before may still be under way in another thread.
             while let Err(early) = self.film.add_pass(tile, pass as u32, light, count) {
-                light = early;
+                light = *early;
                 if stopped() {
                     return;
                 }

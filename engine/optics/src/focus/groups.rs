@@ -72,7 +72,7 @@ impl Focusing {
             let focused = at(travel(i))?;
             let Ok(now) = error(&focused) else { continue };
             if let Some((from, then)) = before.filter(|(_, then)| then * now <= 0.0) {
-                return Ok(bisect(&at, &error, [from, travel(i)], then)?);
+                return bisect(&at, &error, [from, travel(i)], then);
             }
             before = Some((travel(i), now));
         }

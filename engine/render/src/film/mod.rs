@@ -231,10 +231,10 @@ impl Film {
     }
 
     /// Adds pass number `pass` of a tile, of `samples` a pixel, if the passes before it are there; else gives it back.
-    pub fn add_pass(&self, tile: usize, pass: u32, light: Patch, samples: u32) -> Result<(), Patch> {
+    pub fn add_pass(&self, tile: usize, pass: u32, light: Patch, samples: u32) -> Result<(), Box<Patch>> {
         let mut sums = self.tile(tile);
         if sums.passes != pass {
-            return Err(light);
+            return Err(Box::new(light));
         }
         for (sum, add) in sums.light.sums.iter_mut().zip(&light.sums) {
             for (s, a) in sum.iter_mut().zip(add) {
