@@ -54,7 +54,8 @@ impl SpectralTracer {
     pub fn cast<R: Real>(&self) -> SpectralTracer<R> {
         let number = |numbers: &[f64]| -> Box<[R]> { numbers.iter().map(|&n| R::from_f64(n)).collect() };
         let along = |(way, tables): &(Way<f64>, Tables<f64>)| {
-            let tables: Tables<R> = tables.iter().map(|table| table.each_ref().map(|numbers| number(numbers))).collect();
+            let tables: Tables<R> =
+                tables.iter().map(|table| table.each_ref().map(|numbers| number(numbers))).collect();
             (way.map(|step| step.cast()), tables)
         };
         SpectralTracer {
