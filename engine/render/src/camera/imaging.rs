@@ -84,7 +84,7 @@ enum Line {
 }
 
 impl Line {
-    fn from_scene(&self, ray: LensRay) -> Option<LensRay> {
+    fn carry(&self, ray: LensRay) -> Option<LensRay> {
         match self {
             Self::Traced(tracer) => tracer.from_scene(ray).ok(),
             Self::Gaussian(lens) => Some(lens.from_scene(&ray)),
@@ -162,7 +162,7 @@ impl Imaging {
                     Seen::Direction(d) => (target, -lens.direction(d)),
                 };
                 let line = &lens.lines[lens.spectrum.sample(u_wavelength)];
-                lens.mount.picture_point(&line.from_scene(LensRay { origin, direction })?).map(|p| p.as_dvec2())
+                lens.mount.picture_point(&line.carry(LensRay { origin, direction })?).map(|p| p.as_dvec2())
             }
         }
     }
