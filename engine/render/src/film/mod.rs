@@ -77,7 +77,7 @@ pub struct Patch {
     data: Vec<DataSums>,
     /// The same.
     vectors: Vec<VectorSums>,
-    mattes: Option<MatteNotes>,
+    mattes: Option<Box<MatteNotes>>,
 }
 
 impl Patch {
@@ -89,7 +89,7 @@ impl Patch {
             far: Vec::new(),
             data: if keep.surfaces { vec![DataSums::default(); pixels] } else { Vec::new() },
             vectors: if keep.vectors { vec![VectorSums::default(); pixels] } else { Vec::new() },
-            mattes: (!keep.mattes.is_empty()).then(|| MatteNotes::new(pixels)),
+            mattes: (!keep.mattes.is_empty()).then(|| Box::new(MatteNotes::new(pixels))),
         }
     }
 
