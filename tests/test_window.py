@@ -110,7 +110,8 @@ def test_a_render_goes_to_its_end(walked, saved):
     assert stats["samples"] == 48 and stats["non_finite_samples"] == 0
     width, height, mean, least, greatest = saved["rendered"]
     assert (width, height) == (480, 320)
-    assert 0.05 < mean < 2.0 and least >= 0.0 and greatest < 1e3
+    # Single wavelengths lie outside of the display's colours: coloured noise and fringes may be a little below zero.
+    assert 0.05 < mean < 2.0 and least > -0.2 * greatest and greatest < 1e3
 
 
 def test_the_progress_moves(walked):
