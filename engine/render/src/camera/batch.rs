@@ -20,10 +20,10 @@ pub struct LensBatch {
 impl RealLens {
     /// For batches of this lens.
     pub fn batch(&self) -> LensBatch {
-        let packets = self.packets();
+        let lines = &self.film_lines;
         LensBatch {
-            out: packets.out.bundle(Travel::FromFilm, 1),
-            back: packets.back_in_short.bundle(Travel::FromScene, LINES),
+            out: lines.out.bundle(Travel::FromFilm, 1),
+            back: lines.back_in_short.bundle(Travel::FromScene, LINES),
             leads: Vec::new(),
             densities: Vec::new(),
         }
@@ -54,7 +54,7 @@ impl RealLens {
                 back.push(backwards(lead), set * LINES);
             }
         }
-        self.packets().back_in_short.trace(back);
+        self.film_lines.back_in_short.trace(back);
         let mut first = 0;
         led.extend(requests.iter().zip(leads.iter()).map(|(request, lead)| {
             let lead = lead.as_ref()?;
@@ -75,7 +75,7 @@ impl RealLens {
             out.push(ray, self.spectrum.sample(request.u_wavelength));
             densities.push(density);
         }
-        self.packets().out.trace(out);
+        self.film_lines.out.trace(out);
         let lead = |(i, &density): (usize, &f64)| out.result(i).ok().map(|out| Lead { out, density });
         leads.extend(densities.iter().enumerate().map(lead));
     }

@@ -187,7 +187,7 @@ mod tests {
             let height_mm = width_mm / 1.5;
             let camera = Camera::new(&tests::with_lens(file, width_mm, height_mm, tilt), 300, 200).unwrap();
             let lens = camera.traced_lens().unwrap();
-            let focal = &lens.scene_side().focal;
+            let focal = lens.focal_surface();
             let film = lens.mount.film.frame();
             let at = |u: f64, v: f64| focal.point(film.at(u, v).point, film.at(u, v).normal);
             let mut compared = 0;

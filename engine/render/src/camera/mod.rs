@@ -11,6 +11,7 @@ pub mod from_scene;
 pub mod gaussian;
 pub mod image_based;
 pub mod imaging;
+mod lines;
 mod mount;
 pub mod packet;
 pub mod pinhole;

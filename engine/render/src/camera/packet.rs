@@ -7,36 +7,9 @@
 use super::real_lens::{Lead, RealLens};
 use crate::accel::Ray;
 use crate::sampler::raster::Raster;
-use crate::spectrum::{FilmSpectrum, SET_SIZE};
+use crate::spectrum::SET_SIZE;
 use glam::{Mat3, Vec2};
-use petzval_optics::trace::{LINES, Lost, Ray as LensRay, SpectralTracer, Tracer};
-
-// A set goes through the lens in one packet.
-const _: () = assert!(SET_SIZE == LINES);
-
-/// The lens at all of the film's wavelengths.
-pub(super) struct Packets {
-    /// Line by wavelength of the film.
-    pub(super) out: SpectralTracer,
-    /// A group of lines for each set.
-    pub(super) back: SpectralTracer,
-    /// The same for whole batches: a wavelength that did not lead lands within some 1e-6 of the lens's size of its place,
-    /// far less than a pixel, in a third of the time.
-    pub(super) back_in_short: SpectralTracer<f32>,
-    size: usize,
-}
-
-impl Packets {
-    pub(super) fn new(tracers: &[Tracer], spectrum: &FilmSpectrum) -> Self {
-        let (sets, size) = (spectrum.sets(), spectrum.set_size());
-        // A small set is filled up with its last wavelength.
-        let line = |set: usize, i: usize| &tracers[set + i.min(size - 1) * sets];
-        let by_set: Vec<&Tracer> = (0..sets).flat_map(|set| (0..LINES).map(move |i| line(set, i))).collect();
-        let back = SpectralTracer::new(&by_set);
-        let out = SpectralTracer::new(&tracers.iter().collect::<Vec<_>>());
-        Self { out, back_in_short: back.cast(), back, size }
-    }
-}
+use petzval_optics::trace::{LINES, Lost, Ray as LensRay};
 
 /// Where a ray arrives at one wavelength.
 #[derive(Clone, Copy, Debug)]
@@ -111,7 +84,7 @@ impl Splats {
 impl RealLens {
     /// How many wavelengths a packet carries.
     pub fn packet_size(&self) -> usize {
-        self.packets().size
+        self.film_lines.size
     }
 
     /// What the film makes of a scene colour at its wavelength of that number.
@@ -130,7 +103,7 @@ impl RealLens {
 
     /// Carries a ray that comes from the scene, in lens space, to the film. `u` chooses the pixels.
     pub(super) fn arrivals(&self, set: usize, ray: LensRay, raster: &Raster, u: [f32; 2]) -> Arrivals {
-        let rays = self.packets().back.from_scene(ray, set * LINES);
+        let rays = self.film_lines.back.from_scene(ray, set * LINES);
         self.arrived(set, |i| rays[i], raster, u)
     }
 
@@ -144,7 +117,7 @@ impl RealLens {
         u: [f32; 2],
     ) -> Arrivals {
         let mut arrivals = [None; SET_SIZE];
-        for (i, arrival) in arrivals.iter_mut().enumerate().take(self.packets().size) {
+        for (i, arrival) in arrivals.iter_mut().enumerate().take(self.film_lines.size) {
             let Ok(ray) = ray(i) else { continue };
             let Some(place) = self.mount.picture_point(&ray) else { continue };
             *arrival = self.arrival(set + i * self.spectrum.sets(), place, raster, turned(u, i), |lens| {

@@ -4,9 +4,9 @@
 //! with the weight cos(film) cos(pupil) / distance^2; it is divided by what the middle of the film gets from a
 //! uniform world of radiance one.
 
+use super::focal_surface::FocalSurface;
+use super::lines::FilmLines;
 use super::mount::Mount;
-use super::packet::Packets;
-use super::scene_side::SceneSide;
 use super::setup::{D_LINE_NM, LensInfo};
 use super::{CameraDescription, CameraError, CameraRay, Spectrum};
 use crate::spectrum::FilmSpectrum;
@@ -43,10 +43,10 @@ pub struct RealLens {
     pub(super) lines: Vec<Line>,
     pub(super) map: PupilMap,
     map_seconds: f64,
-    packets: Packets,
+    pub(super) film_lines: FilmLines,
     system: System,
     /// Made when rays first start in the scene.
-    scene_side: OnceLock<SceneSide>,
+    focal: OnceLock<FocalSurface>,
     entrance: OnceLock<EntranceMap>,
 }
 
@@ -88,14 +88,14 @@ impl RealLens {
             return Err(dark(d, &info.lens_name));
         }
         let brightness = d.brightness(gains[middle].recip());
-        let packets = Packets::new(&tracers, &spectrum);
+        let film_lines = FilmLines::new(&tracers, &spectrum);
         let line = |(tracer, gain): (Tracer, f64)| {
             let index_squared = system.image_index(tracer.wavelength_nm()).powi(2);
             Line { tracer, gain: gain * brightness, index_squared }
         };
         let lines = tracers.into_iter().zip(gains).map(line).collect();
-        let (scene_side, entrance) = (OnceLock::new(), OnceLock::new());
-        Ok(Self { mount, spectrum, lines, map, map_seconds, packets, system, scene_side, entrance })
+        let (focal, entrance) = (OnceLock::new(), OnceLock::new());
+        Ok(Self { mount, spectrum, lines, map, map_seconds, film_lines, system, focal, entrance })
     }
 
     /// What the lens does in this camera.
@@ -153,8 +153,11 @@ impl RealLens {
     }
 
     /// For rays that start in the scene.
-    pub(super) fn scene_side(&self) -> &SceneSide {
-        self.scene_side.get_or_init(|| SceneSide::new(self, &self.system))
+    pub(super) fn focal_surface(&self) -> &FocalSurface {
+        self.focal.get_or_init(|| {
+            let middle = &self.lines[self.lines.len() / 2].tracer;
+            FocalSurface::new(&self.mount, &self.system, middle, &self.map, self.entrance().middle())
+        })
     }
 
     /// Where to aim at from the scene, for all wavelengths; made when first asked for.
@@ -166,11 +169,6 @@ impl RealLens {
             let tracers: Vec<Tracer> = picked.into_iter().map(|i| self.lines[i].tracer.clone()).collect();
             EntranceMap::new(&tracers, &self.system)
         })
-    }
-
-    /// For rays that are carried at several wavelengths.
-    pub(super) fn packets(&self) -> &Packets {
-        &self.packets
     }
 }
 

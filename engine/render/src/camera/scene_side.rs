@@ -1,32 +1,16 @@
 //! Rays that are chosen in the scene: from a point that is sharp to a point of the entrance pupil (Wu et al. 2011, section
 //! 5.3 and figure 6), and on through the lens to the film.
 
-use super::focal_surface::FocalSurface;
 use super::packet::{Led, Splats};
 use super::real_lens::RealLens;
 use crate::sampler::raster::Raster;
 use glam::Vec2;
-use petzval_optics::system::System;
 use petzval_optics::trace::Ray as LensRay;
 
 /// Part of the samples that is spread over more than the picture, for light that the lens throws into it from beyond.
 const DEFENSIVE_SHARE: f32 = 0.05;
 /// How much more, as a part of each side.
 const BEYOND: f32 = 0.15;
-
-/// The scene's side of a lens.
-pub(super) struct SceneSide {
-    pub(super) focal: FocalSurface,
-}
-
-impl SceneSide {
-    pub(super) fn new(lens: &RealLens, system: &System) -> Self {
-        let count = lens.lines.len();
-        let middle = &lens.lines[count / 2].tracer;
-        let focal = FocalSurface::new(&lens.mount, system, middle, &lens.map, lens.entrance().middle());
-        Self { focal }
-    }
-}
 
 /// Random numbers for a ray that starts in the scene.
 #[derive(Clone, Copy, Debug)]
@@ -53,13 +37,12 @@ impl SceneNumbers {
 impl RealLens {
     /// What every ray from the scene needs, made ahead, once for all threads.
     pub fn prepare_for_scene_first(&self) {
-        self.scene_side();
+        self.focal_surface();
     }
 
     /// A ray for pixel (x, y) that is chosen in the scene, with what all wavelengths of a set make of it; `None` where it
     /// is lost at all of them.
     pub fn lead_from_scene(&self, pixel: [u32; 2], u: &SceneNumbers, raster: &Raster) -> Option<Led> {
-        let side = self.scene_side();
         let place = if u.is_astray() {
             (Vec2::from(u.place) - 0.5) * (1.0 + 2.0 * BEYOND)
         } else {
@@ -70,7 +53,7 @@ impl RealLens {
         // For each pixel's area, where every pixel has one sample.
         let samples = DEFENSIVE_SHARE * spread + (1.0 - DEFENSIVE_SHARE) * raster.density(place);
         let film = self.mount.film_at(place);
-        let focal = side.focal.point(film.point, film.normal)?;
+        let focal = self.focal_surface().point(film.point, film.normal)?;
         let aim = self.entrance().sample(focal.point, u.lens.map(f64::from))?;
         // Etendue: the surface's element as the ray sees it, times the solid angle.
         let seen = aim.direction.dot(focal.area_per_film_area).abs() * film.area;
