@@ -51,7 +51,14 @@ fn stretches(raster: &Raster, mut one: impl FnMut(&[Request])) {
         let [u0, u1, u2, u3] = sampler.next_4d();
         let [u_wavelength, u4, u5, _] = sampler.next_4d();
         let place = raster.place(pixel[0], pixel[1], [u0, u1]);
-        requests.push(Request { pixel, place, u_lens: [u2, u3], u_wavelength, u_pixels: [u4, u5] });
+        requests.push(Request {
+            pixel,
+            place,
+            u_lens: [u2, u3],
+            u_wavelength,
+            u_pixels: [u4, u5],
+            ..Request::default()
+        });
         if requests.len() == 64 {
             one(&requests);
             requests.clear();

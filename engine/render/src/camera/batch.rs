@@ -97,7 +97,7 @@ mod tests {
             let mut sampler = PathSampler::new(pixel[0], pixel[1], 0, 1);
             let ([u0, u1, u2, u3], [u4, u5, u6, _]) = (sampler.next_4d(), sampler.next_4d());
             let place = raster.place(pixel[0], pixel[1], [u0, u1]);
-            Request { pixel, place, u_lens: [u2, u3], u_wavelength: u4, u_pixels: [u5, u6] }
+            Request { pixel, place, u_lens: [u2, u3], u_wavelength: u4, u_pixels: [u5, u6], ..Request::default() }
         };
         (0..1000).map(request).collect()
     }

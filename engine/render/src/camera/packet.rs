@@ -160,7 +160,7 @@ pub struct Led {
 }
 
 /// A wish for a ray through the lens.
-#[derive(Clone, Copy, Debug)]
+#[derive(Clone, Copy, Debug, Default)]
 pub struct Request {
     /// Column and row of the pixel that asks.
     pub pixel: [u32; 2],
@@ -172,6 +172,10 @@ pub struct Request {
     pub u_wavelength: f32,
     /// Choose the pixels of the wavelengths that arrive elsewhere.
     pub u_pixels: [f32; 2],
+    /// What chose the place in the pixel.
+    pub u_place: [f32; 2],
+    /// Of rays that start in the scene: whether to look beyond the picture.
+    pub u_beyond: f32,
 }
 
 impl RealLens {

@@ -1,7 +1,7 @@
 //! Rays that are chosen in the scene: from a point that is sharp to a point of the entrance pupil (Wu et al. 2011, section
 //! 5.3 and figure 6), and on through the lens to the film.
 
-use super::packet::{Led, Splats};
+use super::packet::{Led, Request, Splats};
 use super::real_lens::RealLens;
 use crate::sampler::raster::Raster;
 use glam::Vec2;
@@ -12,26 +12,10 @@ const DEFENSIVE_SHARE: f32 = 0.05;
 /// How much more, as a part of each side.
 const BEYOND: f32 = 0.15;
 
-/// Random numbers for a ray that starts in the scene.
-#[derive(Clone, Copy, Debug)]
-pub struct SceneNumbers {
-    /// The place in the pixel.
-    pub place: [f32; 2],
-    /// The point of the pupil.
-    pub lens: [f32; 2],
-    /// The set of wavelengths.
-    pub wavelength: f32,
-    /// Whether to look beyond the picture.
-    pub beyond: f32,
-    /// The pixels that light lands on.
-    pub pixels: [f32; 2],
-}
-
-impl SceneNumbers {
-    /// The ray is one of those that are spread over more than the picture: it has nothing to do with its pixel.
-    pub fn is_astray(&self) -> bool {
-        self.beyond < DEFENSIVE_SHARE
-    }
+/// A ray from the scene that is asked for is one of those that are spread over more than the picture: it has nothing to
+/// do with its pixel.
+pub fn is_astray(request: &Request) -> bool {
+    request.u_beyond < DEFENSIVE_SHARE
 }
 
 impl RealLens {
@@ -40,27 +24,25 @@ impl RealLens {
         self.focal_surface();
     }
 
-    /// A ray for pixel (x, y) that is chosen in the scene, with what all wavelengths of a set make of it; `None` where it
-    /// is lost at all of them.
-    pub fn lead_from_scene(&self, pixel: [u32; 2], u: &SceneNumbers, raster: &Raster) -> Option<Led> {
-        let place = if u.is_astray() {
-            (Vec2::from(u.place) - 0.5) * (1.0 + 2.0 * BEYOND)
-        } else {
-            raster.place(pixel[0], pixel[1], u.place)
-        };
+    /// A ray for a pixel that is chosen in the scene, with what all wavelengths of a set make of it; `None` where it is lost
+    /// at all of them.
+    pub fn lead_from_scene(&self, request: &Request, raster: &Raster) -> Option<Led> {
+        let place =
+            if is_astray(request) { (Vec2::from(request.u_place) - 0.5) * (1.0 + 2.0 * BEYOND) } else { request.place };
         let is_near = place.abs().max_element() <= 0.5 + BEYOND;
         let spread = if is_near { (1.0 + 2.0 * BEYOND).powi(-2) } else { 0.0 };
         // For each pixel's area, where every pixel has one sample.
         let samples = DEFENSIVE_SHARE * spread + (1.0 - DEFENSIVE_SHARE) * raster.density(place);
         let film = self.mount.film_at(place);
         let focal = self.focal_surface().point(film.point, film.normal)?;
-        let aim = self.entrance().sample(focal.point, u.lens.map(f64::from))?;
+        let aim = self.entrance().sample(focal.point, request.u_lens.map(f64::from))?;
         // Etendue: the surface's element as the ray sees it, times the solid angle.
         let seen = aim.direction.dot(focal.area_per_film_area).abs() * film.area;
         let density = f64::from(samples) * aim.pdf_per_sr / seen;
-        let (set, _) = self.leader(u.wavelength);
+        let (set, _) = self.leader(request.u_wavelength);
         let start = self.entrance().before(focal.point, aim.direction);
-        let arrivals = self.arrivals(set, LensRay { origin: start, direction: aim.direction }, raster, u.pixels);
+        let arrivals =
+            self.arrivals(set, LensRay { origin: start, direction: aim.direction }, raster, request.u_pixels);
         let share = (density * self.packet_size() as f64).recip();
         if !(share.is_finite() && share > 0.0 && arrivals.iter().any(Option::is_some)) {
             return None;

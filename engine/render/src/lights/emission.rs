@@ -6,12 +6,13 @@
 //! densities leave out the same delta, so that their ratio is right (Veach 1997, section 10.3.5).
 
 use super::lamp::emission::on_disk;
-use super::{Emitter, Lights, Source, triangle_area};
+use super::triangle::LitTriangle;
+use super::{Emitter, Lights, Source};
 use crate::accel::{Hit, Ray, offset_origin};
 use crate::sampler::{distribution::AliasTable, warp};
-use crate::scene::{Instance, Scene};
-use crate::surface::{SurfacePoint, mesh_of};
-use crate::{Rgb, luminance, nodes};
+use crate::scene::Scene;
+use crate::surface::SurfacePoint;
+use crate::{Rgb, luminance};
 use glam::Vec3A;
 use std::f32::consts::PI;
 
@@ -59,9 +60,9 @@ impl Emission {
         let mut powers: Vec<f32> = lights
             .local
             .iter()
-            .map(|emitter| match *emitter {
-                Emitter::Triangle { power, .. } => power,
-                Emitter::Lamp(i) => lights.lamps[i as usize].emission_power(1.0),
+            .map(|emitter| match emitter {
+                Emitter::Triangle(triangle) => triangle.power,
+                Emitter::Lamp(i) => lights.lamps[*i as usize].emission_power(1.0),
             })
             .collect();
         let average = scene.world.texture.map_or(Rgb::ONE, |t| scene.textures[t as usize].average());
@@ -87,9 +88,7 @@ impl Emission {
             return Some(EmittedRay { ray, source, strength: r.strength, cos: 1.0 }).filter(EmittedRay::shines);
         }
         let emitted = match lights.local.get(index) {
-            Some(&Emitter::Triangle { instance, triangle, two_sided, .. }) => {
-                emit_triangle(scene, source, (instance, triangle), two_sided, u_place, u_direction)
-            }
+            Some(Emitter::Triangle(triangle)) => emit_triangle(scene, source, triangle, u_place, u_direction),
             _ => self.emit_world(scene, lights, source, u_place, u_direction)?,
         };
         Some(emitted).filter(EmittedRay::shines)
@@ -140,9 +139,7 @@ impl Emission {
         };
         let pdf = match (from_lamp, lights.local.get(source.0)) {
             (Some(pdf), _) => pdf,
-            (_, Some(&Emitter::Triangle { instance, triangle, .. })) => {
-                distance * distance / (emitted.cos.max(1e-6) * triangle_area(scene, instance, triangle))
-            }
+            (_, Some(Emitter::Triangle(triangle))) => distance * distance / (emitted.cos.max(1e-6) * triangle.area),
             _ => lights.sky.image_pdf(scene, -direction),
         };
         let density = self.density(scene, lights, source, -direction, distance);
@@ -160,11 +157,10 @@ impl Emission {
         }
         let density = match (lights.lamp(source), lights.local.get(source.0)) {
             (Some(lamp), _) => lamp.emission_density(distance, self.radius),
-            (_, Some(&Emitter::Triangle { instance, triangle, two_sided, .. })) => {
-                let placed = &scene.instances[instance as usize];
-                let is_front = normal(scene, placed, instance, triangle).dot(wi) < 0.0;
-                let share = if two_sided { 0.5 } else { f32::from(u8::from(is_front)) };
-                share / (PI * triangle_area(scene, instance, triangle))
+            (_, Some(Emitter::Triangle(triangle))) => {
+                let is_front = triangle.normal().dot(wi) < 0.0;
+                let share = if triangle.two_sided { 0.5 } else { f32::from(u8::from(is_front)) };
+                share / (PI * triangle.area)
             }
             _ => {
                 let per_sr = if lights.sky.has_image() { lights.sky.image_pdf(scene, wi) } else { warp::SPHERE_PDF };
@@ -212,23 +208,17 @@ impl Lights {
     }
 }
 
-fn normal(scene: &Scene, placed: &Instance, instance: u32, triangle: u32) -> Vec3A {
-    super::geometric_normal(placed, &mesh_of(scene, instance).corners(triangle))
-}
-
 /// Cosine-distributed, from the front or from both sides.
 fn emit_triangle(
     scene: &Scene,
     source: Source,
-    (instance, triangle): (u32, u32),
-    two_sided: bool,
+    triangle: &LitTriangle,
     u_place: [f32; 2],
     mut u_direction: [f32; 2],
 ) -> EmittedRay {
     let [u, v] = warp::sample_triangle(u_place);
-    let placed = &scene.instances[instance as usize];
-    let mut out = normal(scene, placed, instance, triangle);
-    if two_sided {
+    let mut out = triangle.normal();
+    if triangle.two_sided {
         u_direction[0] *= 2.0;
         if u_direction[0] >= 1.0 {
             u_direction[0] -= 1.0;
@@ -237,11 +227,9 @@ fn emit_triangle(
     }
     let local = warp::sample_cosine_hemisphere(u_direction);
     let direction = warp::to_world(&warp::frame(out), local).normalize();
-    let hit = Hit { t: 0.0, u, v, instance, triangle };
+    let hit = Hit { t: 0.0, u, v, instance: triangle.instance, triangle: triangle.triangle };
     let point = SurfacePoint::new(scene, &hit, -out);
-    let material = &scene.materials[point.material as usize];
-    let strength =
-        nodes::emission(material, scene, instance, triangle, [u, v]) * nodes::alpha(scene, instance, triangle, [u, v]);
+    let strength = triangle.radiance(scene, [u, v]);
     let origin = offset_origin(point.position, out, point.position_error);
     EmittedRay { ray: Ray::new(origin, direction), source, strength, cos: local.z }
 }

@@ -1,7 +1,7 @@
 //! Blender's point, spot, sun and area lamps, with the brightness that Cycles gives them.
 
 use super::LightSample;
-use super::tree::LightBounds;
+use super::bounds::LightBounds;
 use crate::scene::lamp::{Lamp, LampKind};
 use crate::{Rgb, luminance, sampler::warp};
 use glam::{Mat3A, Vec3A};

@@ -3,24 +3,25 @@
 //! Knows where light leaves from; knows nothing of the surfaces that it arrives at, nor whether anything stands in
 //! between.
 
+pub mod bounds;
+mod build;
 pub mod emission;
 pub mod lamp;
 pub mod sky;
 pub mod tree;
+mod triangle;
 
-use crate::nodes;
-use crate::sampler::warp;
 use crate::scene::material::{Input, Material};
 use crate::scene::mesh::Mesh;
 use crate::scene::{Scene, lamp::LampKind};
-use crate::surface::{geometric_normal, mesh_of};
 use crate::{Rgb, luminance};
+use bounds::LightBounds;
 use glam::Vec3A;
 use lamp::PreparedLamp;
 use sky::Sky;
 use std::collections::HashSet;
-use std::f32::consts::{FRAC_PI_2, PI};
-use tree::{LightBounds, LightTree, Receiver};
+use tree::{LightTree, Receiver};
+use triangle::LitTriangle;
 
 /// Light that reaches a point from one direction, if nothing stands in between.
 #[derive(Clone, Copy, Debug)]
@@ -45,7 +46,7 @@ pub struct Source(usize);
 
 #[derive(Clone, Copy, Debug)]
 enum Emitter {
-    Triangle { instance: u32, triangle: u32, two_sided: bool, power: f32 },
+    Triangle(LitTriangle),
     Lamp(u32),
 }
 
@@ -107,9 +108,9 @@ impl Lights {
         }
         let rest = ((u_choice - self.sky_chance) / (1.0 - self.sky_chance)).min(1.0 - f32::EPSILON);
         let (index, probability) = self.tree.as_ref()?.sample(to, rest)?;
-        let mut sample = match self.local[index] {
-            Emitter::Lamp(i) => self.lamps[i as usize].sample(from, u)?,
-            Emitter::Triangle { instance, triangle, .. } => sample_triangle(scene, instance, triangle, from, u)?,
+        let mut sample = match &self.local[index] {
+            Emitter::Lamp(i) => self.lamps[*i as usize].sample(from, u)?,
+            Emitter::Triangle(triangle) => triangle.sample(scene, from, u)?,
         };
         sample.pdf *= probability * (1.0 - self.sky_chance);
         Some((sample, Source(index)))
@@ -117,12 +118,11 @@ impl Lights {
 
     /// The density with which [`Lights::sample`] at `to` would have found a point on an emissive triangle:
     /// `distance` away, met at `cos` to its normal.
-    pub fn triangle_pdf(&self, scene: &Scene, to: &Receiver, hit: (u32, u32), distance: f32, cos: f32) -> f32 {
-        let (instance, triangle) = hit;
-        let index = self.emitter_of[instance as usize].get(triangle as usize).copied().unwrap_or(0);
-        let Some(tree) = self.tree.as_ref().filter(|_| index > 0) else { return 0.0 };
-        let chance = tree.probability(to, index as usize - 1) * (1.0 - self.sky_chance);
-        chance / triangle_area(scene, instance, triangle) * distance * distance / cos.max(1e-6)
+    pub fn triangle_pdf(&self, to: &Receiver, hit: (u32, u32), distance: f32, cos: f32) -> f32 {
+        let (Some(Source(index)), Some(tree)) = (self.triangle_source(hit.0, hit.1), &self.tree) else { return 0.0 };
+        let Emitter::Triangle(triangle) = &self.local[index] else { return 0.0 };
+        let chance = tree.probability(to, index) * (1.0 - self.sky_chance);
+        chance / triangle.area * distance * distance / cos.max(1e-6)
     }
 
     /// Calls `found(radiance, pdf)` for each lamp with extent that a ray from `from` along `d` meets before
@@ -206,19 +206,10 @@ fn emissive_triangles(scene: &Scene, local: &mut Vec<Emitter>, bounds: &mut Vec<
         let mut list = vec![0; mesh.triangles.len()];
         for (t, entry) in list.iter_mut().enumerate() {
             let b = brightness[instance.material(mesh.slot(t as u32)) as usize];
-            let power = b * triangle_area(scene, i as u32, t as u32) * PI * if two_sided { 2.0 } else { 1.0 };
-            if power > 0.0 {
-                let [a, b, c] = placed_corners(scene, i as u32, t as u32);
-                local.push(Emitter::Triangle { instance: i as u32, triangle: t as u32, two_sided, power });
-                bounds.push(LightBounds {
-                    min: a.min(b).min(c),
-                    max: a.max(b).max(c),
-                    power,
-                    axis: geometric_normal(instance, &mesh.corners(t as u32)),
-                    normal_spread_rad: 0.0,
-                    emission_spread_rad: FRAC_PI_2,
-                    two_sided,
-                });
+            let lit = LitTriangle::new(scene, i as u32, t as u32, b, two_sided);
+            if lit.power > 0.0 {
+                local.push(Emitter::Triangle(lit));
+                bounds.push(lit.bounds());
                 *entry = local.len() as u32;
             }
         }
@@ -254,43 +245,6 @@ fn is_closed(mesh: &Mesh) -> bool {
         }
     }
     open.is_empty()
-}
-
-fn placed_corners(scene: &Scene, instance: u32, triangle: u32) -> [Vec3A; 3] {
-    let m = &scene.instances[instance as usize].to_render;
-    mesh_of(scene, instance).corners(triangle).map(|p| m.transform_point3a(Vec3A::from(p)))
-}
-
-fn triangle_area(scene: &Scene, instance: u32, triangle: u32) -> f32 {
-    let [a, b, c] = placed_corners(scene, instance, triangle);
-    0.5 * (b - a).cross(c - a).length()
-}
-
-fn sample_triangle(scene: &Scene, instance: u32, triangle: u32, from: Vec3A, u: [f32; 2]) -> Option<LightSample> {
-    let [a, b, c] = placed_corners(scene, instance, triangle);
-    let [v, w] = warp::sample_triangle(u);
-    let to = a + (b - a) * v + (c - a) * w - from;
-    let distance2 = to.length_squared();
-    let distance = distance2.sqrt();
-    let wi = to / distance;
-    let corners = mesh_of(scene, instance).corners(triangle);
-    let cos = geometric_normal(&scene.instances[instance as usize], &corners).dot(wi).abs();
-    let area = 0.5 * (b - a).cross(c - a).length();
-    if !(cos > 1e-6 && area > 0.0 && distance > 0.0) {
-        return None;
-    }
-    let material_slot = mesh_of(scene, instance).slot(triangle);
-    let material = &scene.materials[scene.instances[instance as usize].material(material_slot) as usize];
-    let alpha = nodes::alpha(scene, instance, triangle, [v, w]);
-    Some(LightSample {
-        wi,
-        // Just short of the triangle, which must not shadow itself.
-        distance: distance * (1.0 - 1e-4),
-        radiance: nodes::emission(material, scene, instance, triangle, [v, w]) * alpha,
-        pdf: distance2 / (cos * area),
-        point_like: false,
-        cast_shadow: true,
-    })
 }
 
 #[cfg(test)]

@@ -71,7 +71,8 @@ impl Sky {
         mut found: impl FnMut(usize, Rgb, f32),
     ) {
         if !camera || scene.world.visible_camera {
-            found(0, scene.world.radiance(d, &scene.textures), self.image_pdf(scene, d) * self.chance(0));
+            let (radiance, pdf) = self.image_along(scene, d);
+            found(0, radiance, pdf * self.chance(0));
         }
         for (i, &sun) in self.suns.iter().enumerate() {
             let lamp = &lamps[sun as usize];
@@ -101,32 +102,38 @@ impl Sky {
 
     pub(super) fn sample_image(&self, scene: &Scene, u: [f32; 2]) -> Option<LightSample> {
         let (p, pdf) = self.image.as_ref()?.sample(u);
-        let local = equirectangular_to_direction(Vec2::from_array(p));
+        let uv = Vec2::from_array(p);
+        let local = equirectangular_to_direction(uv);
         let wi = (scene.world.rotation.transpose() * local).normalize();
-        let sin = local.x.hypot(local.y);
-        if sin <= 0.0 {
-            return None;
-        }
+        let pdf = per_steradian(pdf, local)?;
         Some(LightSample {
             wi,
             distance: f32::INFINITY,
-            radiance: scene.world.radiance(wi, &scene.textures),
-            pdf: pdf / (2.0 * PI * PI * sin),
+            radiance: scene.world.radiance_at(uv, &scene.textures),
+            pdf,
             point_like: false,
             cast_shadow: true,
         })
     }
 
     pub(super) fn image_pdf(&self, scene: &Scene, d: Vec3A) -> f32 {
-        let Some(table) = &self.image else { return 0.0 };
-        let local = scene.world.rotation * d;
-        let sin = local.x.hypot(local.y);
-        if sin <= 0.0 {
-            return 0.0;
-        }
-        let uv = direction_to_equirectangular(local).clamp(Vec2::ZERO, Vec2::ONE);
-        table.pdf(uv.to_array()) / (2.0 * PI * PI * sin)
+        if self.image.is_none() { 0.0 } else { self.image_along(scene, d).1 }
     }
+
+    /// The world's radiance from a direction, and the density of [`Sky::sample_image`].
+    fn image_along(&self, scene: &Scene, d: Vec3A) -> (Rgb, f32) {
+        let Some(table) = &self.image else { return (scene.world.radiance(d, &scene.textures), 0.0) };
+        let local = scene.world.rotation * d;
+        let uv = direction_to_equirectangular(local);
+        let pdf = table.pdf(uv.clamp(Vec2::ZERO, Vec2::ONE).to_array());
+        (scene.world.radiance_at(uv, &scene.textures), per_steradian(pdf, local).unwrap_or(0.0))
+    }
+}
+
+/// A density over the image as one over directions; `None` at the poles, where it has none.
+fn per_steradian(pdf: f32, local: Vec3A) -> Option<f32> {
+    let sin = (local.x * local.x + local.y * local.y).sqrt();
+    (sin > 0.0).then(|| pdf / (2.0 * PI * PI * sin))
 }
 
 /// Brightness times solid angle of the image's pixels, blocks of large images taken together. Each cell takes

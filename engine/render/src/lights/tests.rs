@@ -1,8 +1,10 @@
 //! Lamps give the light that Blender's manual and Cycles' source of truth, closed forms, say.
 
 use super::*;
+use crate::sampler::warp;
 use crate::scene::{SceneBuilder, lamp::Lamp, texture::Texture, world::World};
 use glam::{Affine3A, DMat4, DVec3};
+use std::f32::consts::PI;
 
 fn lamp(kind: LampKind) -> Lamp {
     Lamp {

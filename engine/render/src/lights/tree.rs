@@ -1,12 +1,16 @@
 //! Choosing one of many emitters by how much light it may send to a place: a tree whose nodes bound position,
 //! power and direction (Conty Estevez and Kulla 2018, "Importance Sampling of Many Lights with Adaptive Tree
-//! Splitting", without the splitting).
+//! Splitting", without the splitting), eight children a node, weighed at once in the lanes of a register.
 
+use super::bounds::LightBounds;
+use super::build::Half;
 use glam::Vec3A;
-use std::f32::consts::{FRAC_PI_2, PI};
+use wide::f32x8;
 
-/// Buckets on each axis that a split is tried at.
-const BUCKETS: usize = 12;
+/// Children of a node.
+const WIDTH: usize = 8;
+/// No node, no emitter.
+const NONE: u32 = u32::MAX;
 
 /// Where light is wanted.
 #[derive(Clone, Copy, Debug)]
@@ -17,137 +21,111 @@ pub struct Receiver {
     pub normal: Option<Vec3A>,
 }
 
-/// What is known of an emitter, or of all emitters under a node.
+/// A child of a node.
 #[derive(Clone, Copy, Debug)]
-pub struct LightBounds {
-    /// Least corner of the box.
-    pub min: Vec3A,
-    /// Greatest corner.
-    pub max: Vec3A,
-    /// Emitted power, any unit.
-    pub power: f32,
-    /// Middle of the emitters' normals.
-    pub axis: Vec3A,
-    /// Largest angle of a normal to the axis.
-    pub normal_spread_rad: f32,
-    /// Largest angle of light to its emitter's normal.
-    pub emission_spread_rad: f32,
-    /// Light also leaves backwards.
-    pub two_sided: bool,
+enum Child {
+    Nothing,
+    Node(u32),
+    Emitter(u32),
 }
 
-impl LightBounds {
-    /// The smallest bounds around both.
-    fn union(&self, other: &Self) -> Self {
-        let (axis, normal_spread_rad) =
-            join_cones((self.axis, self.normal_spread_rad), (other.axis, other.normal_spread_rad));
-        Self {
-            min: self.min.min(other.min),
-            max: self.max.max(other.max),
-            power: self.power + other.power,
-            axis,
-            normal_spread_rad,
-            emission_spread_rad: self.emission_spread_rad.max(other.emission_spread_rad),
-            two_sided: self.two_sided || other.two_sided,
-        }
-    }
+/// Up to eight parts of the scene's light, lane by lane.
+#[derive(Clone, Debug)]
+struct Node {
+    center: [f32x8; 3],
+    half_diagonal2: f32x8,
+    power: f32x8,
+    axis: [f32x8; 3],
+    cos_normal_spread: f32x8,
+    sin_normal_spread: f32x8,
+    /// A little less than it, so that rounding takes no light away.
+    cos_emission_spread: f32x8,
+    /// All bits where light also leaves backwards.
+    two_sided: f32x8,
+    children: [Child; WIDTH],
+    /// The node above, and which of its children this is.
+    parent: (u32, u32),
+}
 
-    fn center(&self) -> Vec3A {
-        0.5 * (self.min + self.max)
-    }
-
-    /// Cost of a node in a split: power times the measure of where it is and where it shines to.
-    fn cost(&self) -> f32 {
-        let d = self.max - self.min;
-        let area = 2.0 * (d.x * d.y + d.y * d.z + d.z * d.x);
-        let (o, e) = (self.normal_spread_rad, (self.normal_spread_rad + self.emission_spread_rad).min(PI));
-        // Solid angle of the cone of normals, and of the falling-off rim about it.
-        let rim = 2.0 * e * o.sin() - (o - 2.0 * e).cos() - 2.0 * o * o.sin() + o.cos();
-        let directions = 2.0 * PI * (1.0 - o.cos()) + FRAC_PI_2 * rim;
-        // A flat or single-point node still has a cost: half of its diagonal squared is its least area.
-        self.power * directions * area.max(0.5 * d.length_squared())
-    }
-
-    /// A bound, nearly, of the light that may reach a place.
-    fn importance(&self, to: &Receiver) -> f32 {
-        let center = self.center();
-        let half_diagonal2 = 0.25 * (self.max - self.min).length_squared();
-        let offset = to.position - center;
-        let d2 = offset.length_squared();
-        let away = offset.try_normalize();
-        // Angle that the box fills, seen from the place: from inside, everything.
-        let inside = d2 <= half_diagonal2;
-        let (sin_b, cos_b) = if inside {
-            (0.0, -1.0)
-        } else {
-            let sin2 = half_diagonal2 / d2;
-            (sin2.sqrt(), (1.0 - sin2).max(0.0).sqrt())
+impl Node {
+    fn new(parts: &[LightBounds], parent: (u32, u32)) -> Self {
+        let lanes = |of: &dyn Fn(&LightBounds) -> f32| {
+            let mut values = [0.0; WIDTH];
+            values.iter_mut().zip(parts).for_each(|(v, b)| *v = of(b));
+            f32x8::from(values)
         };
-        let mut importance = self.power / d2.max(half_diagonal2).max(1e-20);
-        let Some(away) = away else { return importance };
-        if !inside {
-            let mut cos_w = self.axis.dot(away).clamp(-1.0, 1.0);
-            if self.two_sided {
-                cos_w = cos_w.abs();
-            }
-            // Least angle between any normal and any direction to the place.
-            let (sin_o, cos_o) = self.normal_spread_rad.sin_cos();
-            let sin_w = (1.0 - cos_w * cos_w).max(0.0).sqrt();
-            let cos_x = cos_of_difference(sin_w, cos_w, sin_o, cos_o);
-            let sin_x = (1.0 - cos_x * cos_x).max(0.0).sqrt();
-            let cos_least = cos_of_difference(sin_x, cos_x, sin_b, cos_b);
-            if cos_least <= self.emission_spread_rad.cos() - 1e-6 {
-                return 0.0;
-            }
-            importance *= cos_least.max(0.0);
-            if let Some(n) = to.normal {
-                let cos_i = (-away).dot(n).clamp(-1.0, 1.0);
-                let sin_i = (1.0 - cos_i * cos_i).max(0.0).sqrt();
-                importance *= cos_of_difference(sin_i, cos_i, sin_b, cos_b).max(0.0);
-            }
+        Self {
+            center: [0, 1, 2].map(|i| lanes(&|b| b.center()[i])),
+            half_diagonal2: lanes(&|b| 0.25 * (b.max - b.min).length_squared()),
+            power: lanes(&|b| b.power),
+            axis: [0, 1, 2].map(|i| lanes(&|b| b.axis[i])),
+            cos_normal_spread: lanes(&|b| b.normal_spread_rad.cos()),
+            sin_normal_spread: lanes(&|b| b.normal_spread_rad.sin()),
+            cos_emission_spread: lanes(&|b| b.emission_spread_rad.cos() - 1e-6),
+            two_sided: lanes(&|b| if b.two_sided { 1.0 } else { 0.0 }).simd_gt(f32x8::splat(0.5)),
+            children: [Child::Nothing; WIDTH],
+            parent,
         }
-        importance
     }
+
+    /// For each child a bound, nearly, of the light that it may send to a place.
+    #[inline]
+    fn importances(&self, to: &Receiver) -> [f32; WIDTH] {
+        let zero = f32x8::splat(0.0);
+        let one = f32x8::splat(1.0);
+        let p = to.position;
+        let offset = [
+            f32x8::splat(p.x) - self.center[0],
+            f32x8::splat(p.y) - self.center[1],
+            f32x8::splat(p.z) - self.center[2],
+        ];
+        let d2 = dot(&offset, &offset);
+        let base = self.power / d2.fast_max(self.half_diagonal2).fast_max(f32x8::splat(1e-20));
+        // From inside the box light may come from anywhere.
+        let inside = d2.simd_le(self.half_diagonal2);
+        let inverse = one / d2.fast_max(f32x8::splat(1e-30)).sqrt();
+        let away = [offset[0] * inverse, offset[1] * inverse, offset[2] * inverse];
+        // The angle that the box fills, seen from the place.
+        let sin2_box = (self.half_diagonal2 * inverse * inverse).fast_min(one);
+        let (sin_box, cos_box) = (sin2_box.sqrt(), (one - sin2_box).sqrt());
+        // The least angle between any normal and any direction to the place.
+        let cos_axis = dot(&self.axis, &away).fast_max(-one).fast_min(one);
+        let cos_axis = self.two_sided.select(cos_axis.abs(), cos_axis);
+        let cos_x = cos_of_difference(sine(cos_axis), cos_axis, self.sin_normal_spread, self.cos_normal_spread);
+        let cos_least = cos_of_difference(sine(cos_x), cos_x, sin_box, cos_box);
+        let mut cosines = cos_least.simd_gt(self.cos_emission_spread).select(cos_least.fast_max(zero), zero);
+        if let Some(n) = to.normal {
+            let n = [f32x8::splat(-n.x), f32x8::splat(-n.y), f32x8::splat(-n.z)];
+            let cos_i = dot(&away, &n).fast_max(-one).fast_min(one);
+            cosines *= cos_of_difference(sine(cos_i), cos_i, sin_box, cos_box).fast_max(zero);
+        }
+        (base * inside.select(one, cosines)).to_array()
+    }
+}
+
+#[inline]
+fn dot(a: &[f32x8; 3], b: &[f32x8; 3]) -> f32x8 {
+    a[0] * b[0] + a[1] * b[1] + a[2] * b[2]
+}
+
+/// Of an angle up to pi.
+#[inline]
+fn sine(cosine: f32x8) -> f32x8 {
+    (f32x8::splat(1.0) - cosine * cosine).fast_max(f32x8::splat(0.0)).sqrt()
 }
 
 /// cos(max(0, a - b)) from sines and cosines.
 #[inline]
-fn cos_of_difference(sin_a: f32, cos_a: f32, sin_b: f32, cos_b: f32) -> f32 {
-    if cos_a > cos_b { 1.0 } else { cos_a * cos_b + sin_a * sin_b }
-}
-
-/// A cone around two cones.
-fn join_cones(a: (Vec3A, f32), b: (Vec3A, f32)) -> (Vec3A, f32) {
-    let (a, b) = if a.1 >= b.1 { (a, b) } else { (b, a) };
-    let between = a.0.dot(b.0).clamp(-1.0, 1.0).acos();
-    if (between + b.1).min(PI) <= a.1 {
-        return a;
-    }
-    let spread = 0.5 * (a.1 + between + b.1);
-    if spread >= PI {
-        return (a.0, PI);
-    }
-    let turn = spread - a.1;
-    let Some(side) = (b.0 - a.0 * a.0.dot(b.0)).try_normalize() else { return (a.0, PI) };
-    let (s, c) = turn.sin_cos();
-    ((a.0 * c + side * s).normalize(), spread)
-}
-
-#[derive(Clone, Copy, Debug)]
-struct Node {
-    bounds: LightBounds,
-    parent: u32,
-    /// Of an inner node, its second child (the first follows it); of a leaf, its emitter.
-    link: u32,
-    leaf: bool,
+fn cos_of_difference(sin_a: f32x8, cos_a: f32x8, sin_b: f32x8, cos_b: f32x8) -> f32x8 {
+    cos_a.simd_gt(cos_b).select(f32x8::splat(1.0), cos_a * cos_b + sin_a * sin_b)
 }
 
 /// The tree over all emitters of a scene.
 #[derive(Clone, Debug)]
 pub struct LightTree {
     nodes: Vec<Node>,
-    // By emitter, its leaf; `u32::MAX` where it emits nothing.
-    leaf_of: Vec<u32>,
+    // By emitter, its node and which child it is; `NONE` where it emits nothing.
+    place_of: Vec<(u32, u32)>,
 }
 
 impl LightTree {
@@ -157,116 +135,93 @@ impl LightTree {
         if order.is_empty() {
             return None;
         }
-        let mut tree = Self { nodes: Vec::with_capacity(2 * order.len()), leaf_of: vec![u32::MAX; emitters.len()] };
-        tree.build(emitters, &mut order, u32::MAX);
+        let (bounds, halves) = Half::new(emitters, &mut order);
+        let mut tree = Self { nodes: Vec::new(), place_of: vec![(NONE, 0); emitters.len()] };
+        tree.add(halves, bounds, (NONE, 0));
         Some(tree)
     }
 
-    /// Builds a subtree; gives the index of its root.
-    fn build(&mut self, emitters: &[LightBounds], order: &mut [u32], parent: u32) -> u32 {
+    /// Adds a part of the tree; gives the number of its root.
+    fn add(&mut self, part: Half, bounds: LightBounds, parent: (u32, u32)) -> u32 {
         let here = self.nodes.len() as u32;
-        let bounds = |i: u32| emitters[i as usize];
-        if let [only] = *order {
-            self.leaf_of[only as usize] = here;
-            self.nodes.push(Node { bounds: bounds(only), parent, link: only, leaf: true });
-            return here;
+        let (bounds, parts): (Vec<LightBounds>, Vec<Half>) = part.open(bounds, WIDTH).into_iter().unzip();
+        self.nodes.push(Node::new(&bounds, parent));
+        for (lane, (part, bounds)) in parts.into_iter().zip(bounds).enumerate() {
+            let place = (here, lane as u32);
+            self.nodes[here as usize].children[lane] = match part {
+                Half::Leaf(emitter) => {
+                    self.place_of[emitter as usize] = place;
+                    Child::Emitter(emitter)
+                }
+                inner => Child::Node(self.add(inner, bounds, place)),
+            };
         }
-        let whole = order[1..].iter().fold(bounds(order[0]), |b, &i| b.union(&bounds(i)));
-        self.nodes.push(Node { bounds: whole, parent, link: 0, leaf: false });
-        let middle = split(emitters, order);
-        let (left, right) = order.split_at_mut(middle);
-        self.build(emitters, left, here);
-        let second = self.build(emitters, right, here);
-        self.nodes[here as usize].link = second;
         here
-    }
-
-    /// Chance of going to the first child; `None` where neither may send light.
-    fn first_chance(&self, node: usize, to: &Receiver) -> Option<f32> {
-        let first = self.nodes[node + 1].bounds.importance(to);
-        let second = self.nodes[self.nodes[node].link as usize].bounds.importance(to);
-        let sum = first + second;
-        (sum > 0.0 && sum.is_finite()).then(|| first / sum)
     }
 
     /// An emitter and the probability of its choice; `None` where none may send light.
     pub fn sample(&self, to: &Receiver, mut u: f32) -> Option<(usize, f32)> {
         let mut node = 0;
         let mut probability = 1.0;
-        while !self.nodes[node].leaf {
-            let first = self.first_chance(node, to)?;
-            if u < first {
-                u /= first;
-                probability *= first;
-                node += 1;
-            } else {
-                u = (u - first) / (1.0 - first);
-                probability *= 1.0 - first;
-                node = self.nodes[node].link as usize;
+        loop {
+            let weights = self.nodes[node].importances(to);
+            let total = sum(&weights);
+            if !(total > 0.0 && total.is_finite()) {
+                return None;
             }
-            u = u.clamp(0.0, 1.0 - f32::EPSILON);
+            let mut left = u * total;
+            let mut lane = 0;
+            while lane < WIDTH - 1 && left >= weights[lane] {
+                left -= weights[lane];
+                lane += 1;
+            }
+            // Rounding may have gone past the last that has any.
+            while weights[lane] <= 0.0 {
+                lane = lane.checked_sub(1)?;
+            }
+            probability *= weights[lane] / total;
+            u = (left / weights[lane]).clamp(0.0, 1.0 - f32::EPSILON);
+            match self.nodes[node].children[lane] {
+                Child::Nothing => return None,
+                Child::Node(next) => node = next as usize,
+                Child::Emitter(emitter) => return (probability > 0.0).then_some((emitter as usize, probability)),
+            }
         }
-        (probability > 0.0).then_some((self.nodes[node].link as usize, probability))
     }
 
     /// The probability of [`LightTree::sample`] choosing an emitter.
     pub fn probability(&self, to: &Receiver, emitter: usize) -> f32 {
-        let mut node = self.leaf_of[emitter];
-        if node == u32::MAX {
+        let mut place = self.place_of[emitter];
+        if place.0 == NONE {
             return 0.0;
         }
         let mut probability = 1.0;
-        while self.nodes[node as usize].parent != u32::MAX {
-            let parent = self.nodes[node as usize].parent;
-            let Some(first) = self.first_chance(parent as usize, to) else { return 0.0 };
-            probability *= if node == parent + 1 { first } else { 1.0 - first };
-            node = parent;
+        while place.0 != NONE {
+            let node = &self.nodes[place.0 as usize];
+            let weights = node.importances(to);
+            let total = sum(&weights);
+            if !(total > 0.0 && total.is_finite()) {
+                return 0.0;
+            }
+            probability *= weights[place.1 as usize] / total;
+            place = node.parent;
         }
         probability
     }
 }
 
-/// Orders emitters so that a good split lies at the returned place, which leaves some on either side.
-fn split(emitters: &[LightBounds], order: &mut [u32]) -> usize {
-    let center = |i: u32| emitters[i as usize].center();
-    let (low, high) =
-        order.iter().fold((Vec3A::INFINITY, Vec3A::NEG_INFINITY), |(l, h), &i| (l.min(center(i)), h.max(center(i))));
-    let extent = high - low;
-    let mut best: Option<(f32, usize, usize)> = None;
-    for axis in 0..3 {
-        if extent[axis] <= 0.0 {
-            continue;
-        }
-        let mut buckets: [Option<LightBounds>; BUCKETS] = [None; BUCKETS];
-        for &i in order.iter() {
-            let b = &mut buckets[bucket(center(i)[axis], low[axis], extent[axis])];
-            *b = Some(b.map_or(emitters[i as usize], |have| have.union(&emitters[i as usize])));
-        }
-        let join =
-            |list: &[Option<LightBounds>]| list.iter().flatten().copied().reduce(|a, b| a.union(&b)).map(|b| b.cost());
-        for cut in 1..BUCKETS {
-            if let (Some(a), Some(b)) = (join(&buckets[..cut]), join(&buckets[cut..])) {
-                // Long boxes are cut across.
-                let cost = (a + b) * extent.max_element() / extent[axis];
-                if best.is_none_or(|(c, ..)| cost < c) {
-                    best = Some((cost, axis, cut));
-                }
-            }
-        }
-    }
-    let Some((_, axis, cut)) = best else { return order.len() / 2 };
-    order.sort_by_key(|&i| bucket(center(i)[axis], low[axis], extent[axis]) >= cut);
-    order.iter().take_while(|&&i| bucket(center(i)[axis], low[axis], extent[axis]) < cut).count()
-}
-
-fn bucket(x: f32, low: f32, extent: f32) -> usize {
-    (((x - low) / extent * BUCKETS as f32) as usize).min(BUCKETS - 1)
+/// In one order everywhere, so that choosing and asking agree.
+#[inline]
+fn sum(weights: &[f32; WIDTH]) -> f32 {
+    let [a, b, c, d, e, f, g, h] = *weights;
+    ((a + b) + (c + d)) + ((e + f) + (g + h))
 }
 
 #[cfg(test)]
 mod tests {
     use super::*;
     use crate::sampler::warp::sample_sphere;
+    use std::f32::consts::{FRAC_PI_2, PI};
 
     fn emitters(n: u32) -> Vec<LightBounds> {
         (0..n)

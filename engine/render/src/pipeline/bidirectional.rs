@@ -32,15 +32,14 @@ pub(super) fn sample(lens: &RealLens, techniques: Techniques, path: &mut LightPa
     let [u_wavelength, u_column, u_row, _] = sampler.next_4d();
     let place = raster.place(s.x, s.y, [u0, u1]);
     let pixel = [s.x, s.y];
-    let request = Request { pixel, place, u_lens: [u2, u3], u_wavelength, u_pixels: [u_column, u_row] };
+    let u_pixels = [u_column, u_row];
+    let request = Request { pixel, place, u_lens: [u2, u3], u_wavelength, u_pixels, ..Request::default() };
     let led = lens.lead_all(&request, raster);
     s.count_camera(led.is_none());
     let Some(led) = led else { return s.lost() };
     let camera = CameraEnd { lens, ray: led.ray, density: lens.led_density(&led) };
     let found = path.join(stage, &camera, limits, sampler);
-    s.counts.rays += u64::from(found.rays);
-    if !found.radiance.is_finite() {
-        s.counts.non_finite += 1;
+    if !s.count_path(&found) {
         return;
     }
     if techniques == Techniques::All {

@@ -19,6 +19,7 @@ use crate::sampler::{PathSampler, raster::Raster};
 use film_first::FilmFirst;
 use hero::Hero;
 use motion::Motion;
+use scene_first::SceneFirst;
 use std::time::{Duration, Instant};
 
 /// Where samples go one by one, one in this many is timed, to know the lens' share of the time without spending any.
@@ -134,15 +135,17 @@ pub fn render_tile(
     let pixels = (rect.y..rect.y + rect.height).flat_map(|y| columns.clone().map(move |x| [x, y]));
     let samples = pixels.flat_map(|pixel| (first..first + count).map(move |index| (pixel, index)));
     match (shot.light_paths, shot.pipeline) {
-        (None, Pipeline::FilmFirst) => stretch::render(FilmFirst::new(shot), shot, samples, light, stopped),
+        (Some(techniques), _) => render_light_paths(shot, techniques, samples, light, stopped),
         (None, Pipeline::Hero) => stretch::render(Hero::new(shot), shot, samples, light, stopped),
-        _ => render_one_by_one(shot, samples, light, stopped),
+        (None, Pipeline::SceneFirst) => stretch::render(SceneFirst::new(shot), shot, samples, light, stopped),
+        (None, _) => stretch::render(FilmFirst::new(shot), shot, samples, light, stopped),
     }
 }
 
-/// What the camera makes of one sample after the other.
-fn render_one_by_one(
+/// One sample after the other, with a path from the camera and one from a light.
+fn render_light_paths(
     shot: &Shot<'_>,
+    techniques: Techniques,
     samples: impl Iterator<Item = ([u32; 2], u32)>,
     light: &mut Patch,
     stopped: &dyn Fn() -> bool,
@@ -156,10 +159,7 @@ fn render_one_by_one(
         let timed = counts.camera_rays.is_multiple_of(TIMED_EVERY).then(Instant::now);
         let Some(lens) = shot.cameras[shot.camera([x, y], index)].traced_lens() else { continue };
         let one = Sample { shot, x, y, index, timed, counts: &mut counts, light };
-        match shot.light_paths {
-            Some(techniques) => bidirectional::sample(lens, techniques, &mut light_path, one),
-            None => scene_first::sample(lens, one),
-        }
+        bidirectional::sample(lens, techniques, &mut light_path, one);
         if let Some(start) = timed {
             counts.sample_time += start.elapsed();
         }
@@ -192,15 +192,12 @@ impl Sample<'_> {
         }
     }
 
-    /// Follows a ray. `None` if what it found is not finite.
-    fn follow(&mut self, ray: crate::accel::Ray, sampler: &mut PathSampler) -> Option<PathResult> {
-        let found = path::trace(self.shot.stage, ray, &self.shot.limits, sampler);
+    /// Counts a path that was followed; false if what it found is not finite.
+    fn count_path(&mut self, found: &PathResult) -> bool {
         self.counts.rays += u64::from(found.rays);
-        if !found.radiance.is_finite() {
-            self.counts.non_finite += 1;
-            return None;
-        }
-        Some(found)
+        let is_finite = found.radiance.is_finite();
+        self.counts.non_finite += u64::from(!is_finite);
+        is_finite
     }
 
     /// What the sample's ray, of the wavelength that `u_wavelength` chose, is for the pixel that it belongs to.

@@ -4,24 +4,44 @@
 //! Each pixel starts the rays that its own film point would see sharp: where a lens is sharp they land there again.
 //! Transparency is kept with the pixel that started the ray.
 
-use super::Sample;
+use super::stretch::Leads;
+use super::{Shot, add_splats};
+use crate::Rgb;
+use crate::accel::Ray;
+use crate::camera::packet::{Led, Request};
 use crate::camera::real_lens::RealLens;
-use crate::camera::scene_side::SceneNumbers;
+use crate::camera::scene_side::is_astray;
+use crate::film::Patch;
+use crate::sampler::raster::Raster;
 
-/// One sample of one pixel.
-pub(super) fn sample(lens: &RealLens, mut s: Sample<'_>) {
-    let mut sampler = s.sampler();
-    let [u0, u1, u2, u3] = sampler.next_4d();
-    let [wavelength, u_column, u_row, beyond] = sampler.next_4d();
-    let numbers = SceneNumbers { place: [u0, u1], lens: [u2, u3], wavelength, beyond, pixels: [u_column, u_row] };
-    let led = lens.lead_from_scene([s.x, s.y], &numbers, s.shot.raster);
-    s.count_camera(led.is_none());
-    let Some(led) = led else { return s.lost() };
-    if let Some(found) = s.follow(led.ray, &mut sampler) {
-        s.splat(lens, &led.splats, found.radiance);
-        s.note_alpha(&found);
-        if !numbers.is_astray() {
-            s.note_surface(&found, &led.ray, wavelength);
-        }
+/// Rays from the scene to real lenses, one by one.
+pub(super) struct SceneFirst<'a> {
+    lenses: Vec<&'a RealLens>,
+    raster: &'a Raster,
+}
+
+impl<'a> SceneFirst<'a> {
+    pub(super) fn new(shot: &Shot<'a>) -> Self {
+        Self { lenses: shot.cameras.iter().filter_map(|camera| camera.traced_lens()).collect(), raster: shot.raster }
+    }
+}
+
+impl Leads for SceneFirst<'_> {
+    type Lead = Led;
+
+    fn ask(&mut self, camera: usize, requests: &[Request], leads: &mut Vec<Option<Led>>) {
+        leads.extend(requests.iter().map(|request| self.lenses[camera].lead_from_scene(request, self.raster)));
+    }
+
+    fn ray(lead: &Led) -> Ray {
+        lead.ray
+    }
+
+    fn sees_its_pixel(&self, request: &Request) -> bool {
+        !is_astray(request)
+    }
+
+    fn add(&self, camera: usize, _: &Request, lead: &Led, radiance: Rgb, light: &mut Patch) {
+        add_splats(light, self.lenses[camera], &lead.splats, radiance);
     }
 }

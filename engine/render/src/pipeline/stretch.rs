@@ -1,15 +1,18 @@
-//! Samples in stretches: the camera does its part for all of a stretch, then each ray is followed.
+//! Samples in stretches: the camera does its part for all of a stretch, then the rays are followed together.
 
 use super::{Counts, Sample, Shot};
 use crate::Rgb;
 use crate::accel::Ray;
 use crate::camera::packet::Request;
 use crate::film::Patch;
+use crate::integrator::path::Wave;
 use crate::sampler::PathSampler;
 use std::time::Instant;
 
-/// Samples in a stretch. More fill the registers better; fewer stay in the nearest cache.
-const STRETCH: usize = 64;
+/// Samples in a stretch. More fill the registers better; fewer stay in the nearest caches.
+const STRETCH: usize = 512;
+/// Samples that a camera is asked for at a time.
+const ASKED: usize = 64;
 
 /// How a pipeline asks a camera for rays, and what it does with the light along them.
 pub(super) trait Leads {
@@ -21,6 +24,11 @@ pub(super) trait Leads {
 
     /// The ray into the scene.
     fn ray(lead: &Self::Lead) -> Ray;
+
+    /// Whether the surface that the ray meets is one that its pixel sees.
+    fn sees_its_pixel(&self, _: &Request) -> bool {
+        true
+    }
 
     /// Adds the radiance that was found.
     fn add(&self, camera: usize, request: &Request, lead: &Self::Lead, radiance: Rgb, light: &mut Patch);
@@ -36,6 +44,7 @@ pub(super) fn render<L: Leads>(
 ) -> Option<Counts> {
     let mut counts = Counts::default();
     let mut stretch = Stretch::default();
+    let mut wave = Wave::default();
     let mut leads = Vec::with_capacity(STRETCH);
     loop {
         if stopped() {
@@ -48,6 +57,14 @@ pub(super) fn render<L: Leads>(
         }
         stretch.ask(&mut pipeline, shot.cameras.len(), &mut leads);
         counts.camera_time += start.elapsed();
+        wave.clear();
+        for (lead, sampler) in leads.iter().zip(&stretch.samplers) {
+            if let Some(lead) = lead {
+                wave.start(L::ray(lead), sampler.clone());
+            }
+        }
+        wave.follow(shot.stage, &shot.limits);
+        let mut path = 0;
         for (i, (request, lead)) in stretch.requests.iter().zip(&leads).enumerate() {
             let ([x, y], index) = (request.pixel, stretch.indices[i]);
             let mut s = Sample { shot, x, y, index, timed: None, counts: &mut counts, light };
@@ -56,8 +73,13 @@ pub(super) fn render<L: Leads>(
                 s.lost();
                 continue;
             };
-            if let Some(found) = s.follow(L::ray(lead), &mut stretch.samplers[i]) {
-                s.note(&found, &L::ray(lead), request.u_wavelength);
+            let found = wave.found(path);
+            path += 1;
+            if s.count_path(&found) {
+                s.note_alpha(&found);
+                if pipeline.sees_its_pixel(request) {
+                    s.note_surface(&found, &L::ray(lead), request.u_wavelength);
+                }
                 pipeline.add(stretch.cameras[i], request, lead, found.radiance, light);
             }
         }
@@ -83,10 +105,10 @@ impl Stretch {
         for (pixel, index) in samples {
             let mut sampler = PathSampler::new(pixel[0], pixel[1], index, shot.seed);
             let [u0, u1, u2, u3] = sampler.next_4d();
-            let [u_wavelength, u_column, u_row, _] = sampler.next_4d();
+            let [u_wavelength, u_column, u_row, u_beyond] = sampler.next_4d();
             let place = shot.raster.place(pixel[0], pixel[1], [u0, u1]);
-            let u_pixels = [u_column, u_row];
-            self.requests.push(Request { pixel, place, u_lens: [u2, u3], u_wavelength, u_pixels });
+            let (u_place, u_lens, u_pixels) = ([u0, u1], [u2, u3], [u_column, u_row]);
+            self.requests.push(Request { pixel, place, u_lens, u_wavelength, u_pixels, u_place, u_beyond });
             self.indices.push(index);
             self.samplers.push(sampler);
             self.cameras.push(shot.camera(pixel, index));
@@ -97,7 +119,7 @@ impl Stretch {
     fn ask<L: Leads>(&self, pipeline: &mut L, cameras: usize, leads: &mut Vec<Option<L::Lead>>) {
         leads.clear();
         if cameras == 1 {
-            return pipeline.ask(0, &self.requests, leads);
+            return self.requests.chunks(ASKED).for_each(|requests| pipeline.ask(0, requests, leads));
         }
         leads.resize(self.requests.len(), None);
         for camera in 0..cameras {

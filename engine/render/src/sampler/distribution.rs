@@ -64,33 +64,28 @@ impl AliasTable {
     }
 }
 
-/// A density over the unit square, constant in each cell of a grid.
+/// A density over the unit square, constant in each cell of a grid, sampled by inversion: neighbouring numbers give
+/// neighbouring points, which an alias table would tear apart.
 #[derive(Clone, Debug)]
 pub struct Grid2d {
     width: usize,
     height: usize,
-    // Cumulative sums along each row, `width + 1` a row, ending in 1; and of the rows.
-    rows: Vec<f32>,
-    marginal: Vec<f32>,
+    rows: Cumulative,
+    marginal: Cumulative,
 }
 
 impl Grid2d {
     /// From `width * height` weights, rows first; `None` where none is positive.
     pub fn new(weights: &[f32], width: usize, height: usize) -> Option<Self> {
-        let mut rows = Vec::with_capacity((width + 1) * height);
-        let mut sums = Vec::with_capacity(height);
-        for row in weights.chunks_exact(width) {
-            sums.push(push_cumulative(&mut rows, row));
-        }
-        let mut marginal = Vec::with_capacity(height + 1);
-        let total = push_cumulative(&mut marginal, &sums);
-        (total > 0.0).then_some(Self { width, height, rows, marginal })
+        let (rows, sums) = Cumulative::new(weights, width);
+        let (marginal, total) = Cumulative::new(&sums, height);
+        (total[0] > 0.0).then_some(Self { width, height, rows, marginal })
     }
 
     /// A point of the unit square and its density there.
     pub fn sample(&self, u: [f32; 2]) -> ([f32; 2], f32) {
-        let (y, dy, py) = invert(&self.marginal, u[1]);
-        let (x, dx, px) = invert(self.row(y), u[0]);
+        let (y, dy, py) = self.marginal.invert(0, u[1]);
+        let (x, dx, px) = self.rows.invert(y, u[0]);
         let pdf = px * py * (self.width * self.height) as f32;
         ([(x as f32 + dx) / self.width as f32, (y as f32 + dy) / self.height as f32], pdf)
     }
@@ -99,38 +94,76 @@ impl Grid2d {
     pub fn pdf(&self, p: [f32; 2]) -> f32 {
         let x = ((p[0] * self.width as f32) as usize).min(self.width - 1);
         let y = ((p[1] * self.height as f32) as usize).min(self.height - 1);
-        let row = self.row(y);
-        (row[x + 1] - row[x]) * (self.marginal[y + 1] - self.marginal[y]) * (self.width * self.height) as f32
-    }
-
-    fn row(&self, y: usize) -> &[f32] {
-        &self.rows[y * (self.width + 1)..(y + 1) * (self.width + 1)]
+        self.rows.probability(y, x) * self.marginal.probability(0, y) * (self.width * self.height) as f32
     }
 }
 
-/// Appends the normalised cumulative sums of `weights`; gives their total.
-fn push_cumulative(out: &mut Vec<f32>, weights: &[f32]) -> f32 {
-    let total: f64 = weights.iter().map(|&w| w.max(0.0) as f64).sum();
-    let mut sum = 0.0;
-    out.push(0.0);
-    for (i, &w) in weights.iter().enumerate() {
-        sum += w.max(0.0) as f64;
-        // A row without weight is never chosen; spread it evenly to stay a distribution.
-        out.push(if total > 0.0 { (sum / total) as f32 } else { (i + 1) as f32 / weights.len() as f32 });
-    }
-    total as f32
+/// Distributions of equally many steps, one after the other, as cumulative sums that end in 1. A guide says for each
+/// of as many equal parts of the unit interval at which step to look first, so that inversion takes a step or two on
+/// average (Chen and Asau 1974).
+#[derive(Clone, Debug)]
+struct Cumulative {
+    steps: usize,
+    // `steps + 1` each.
+    sums: Vec<f32>,
+    // `steps` each.
+    guide: Vec<u32>,
 }
 
-/// The interval of a cumulative table that holds `u`: index, place within, probability.
-fn invert(cumulative: &[f32], u: f32) -> (usize, f32, f32) {
-    let last = cumulative.len() - 2;
-    let mut i = cumulative.partition_point(|&c| c <= u).saturating_sub(1).min(last);
-    while i > 0 && cumulative[i + 1] <= cumulative[i] {
-        i -= 1;
+impl Cumulative {
+    /// From `steps` weights each; also gives the total of each.
+    fn new(weights: &[f32], steps: usize) -> (Self, Vec<f32>) {
+        let count = weights.len() / steps.max(1);
+        let mut this = Self { steps, sums: Vec::with_capacity((steps + 1) * count), guide: Vec::new() };
+        this.guide.reserve(steps * count);
+        let totals = weights.chunks_exact(steps).map(|w| this.push(w)).collect();
+        (this, totals)
     }
-    let p = cumulative[i + 1] - cumulative[i];
-    let part = if p > 0.0 { ((u - cumulative[i]) / p).clamp(0.0, 1.0 - f32::EPSILON) } else { 0.5 };
-    (i, part, p)
+
+    fn push(&mut self, weights: &[f32]) -> f32 {
+        let total: f64 = weights.iter().map(|&w| w.max(0.0) as f64).sum();
+        let first = self.sums.len();
+        let mut sum = 0.0;
+        self.sums.push(0.0);
+        for (i, &w) in weights.iter().enumerate() {
+            sum += w.max(0.0) as f64;
+            // Without any weight it is never chosen; spread it evenly to stay a distribution.
+            self.sums.push(if total > 0.0 { (sum / total) as f32 } else { (i + 1) as f32 / weights.len() as f32 });
+        }
+        let sums = &self.sums[first..];
+        let mut step = 0;
+        for part in 0..self.steps {
+            let u = part as f32 / self.steps as f32;
+            while step < self.steps - 1 && sums[step + 1] <= u {
+                step += 1;
+            }
+            self.guide.push(step as u32);
+        }
+        total as f32
+    }
+
+    fn probability(&self, which: usize, step: usize) -> f32 {
+        let at = which * (self.steps + 1) + step;
+        self.sums[at + 1] - self.sums[at]
+    }
+
+    /// The step that holds `u`, the place within it, and its probability.
+    fn invert(&self, which: usize, u: f32) -> (usize, f32, f32) {
+        let sums = &self.sums[which * (self.steps + 1)..][..self.steps + 1];
+        let last = self.steps - 1;
+        let part = ((u * self.steps as f32) as usize).min(last);
+        let mut i = self.guide[which * self.steps + part] as usize;
+        while i < last && sums[i + 1] <= u {
+            i += 1;
+        }
+        // The last steps may have no weight.
+        while i > 0 && (sums[i + 1] <= sums[i] || sums[i] > u) {
+            i -= 1;
+        }
+        let p = sums[i + 1] - sums[i];
+        let part = if p > 0.0 { ((u - sums[i]) / p).clamp(0.0, 1.0 - f32::EPSILON) } else { 0.5 };
+        (i, part, p)
+    }
 }
 
 #[cfg(test)]

@@ -89,7 +89,7 @@ impl Texture {
         let i = y * self.width + x;
         match &self.pixels {
             Pixels::Floats(p) => p[i],
-            Pixels::Bytes { rgba, .. } => Vec4::from(rgba[i].map(f32::from)) / 255.0,
+            Pixels::Bytes { rgba, .. } => Vec4::from(rgba[i].map(f32::from)) * (1.0 / 255.0),
         }
     }
 
@@ -122,6 +122,16 @@ impl Texture {
                 let (fx, fy) = ((x - 0.5).floor(), (y - 0.5).floor());
                 let (ix, iy) = (fx as i64, fy as i64);
                 let (tx, ty) = (x - 0.5 - fx, y - 0.5 - fy);
+                if ix >= 0 && iy >= 0 && ix + 1 < self.width as i64 && iy + 1 < self.height as i64 {
+                    // Inside, where most lookups are, nothing needs to be folded back.
+                    let (ix, iy) = (ix as usize, iy as usize);
+                    let row = |iy: usize| {
+                        let a = self.stored(ix, iy);
+                        a + (self.stored(ix + 1, iy) - a) * tx
+                    };
+                    let (a, b) = (row(iy), row(iy + 1));
+                    return a + (b - a) * ty;
+                }
                 let row = |iy: i64| {
                     let a = self.outside(ix, iy, extension);
                     let b = self.outside(ix.saturating_add(1), iy, extension);

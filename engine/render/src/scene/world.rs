@@ -4,6 +4,7 @@ use super::texture::{Extension, Interpolation, Texture};
 use crate::Rgb;
 use glam::{Mat3A, Vec2, Vec3A, Vec4Swizzles};
 use std::f32::consts::{PI, TAU};
+use wide::f32x4;
 
 /// The world's light.
 #[derive(Clone, Debug)]
@@ -29,12 +30,15 @@ impl World {
     pub fn radiance(&self, d: Vec3A, textures: &[Texture]) -> Rgb {
         match self.texture {
             None => self.color,
-            Some(t) => {
-                let uv = direction_to_equirectangular(self.rotation * d);
-                let texel = textures[t as usize].lookup(uv, Interpolation::Linear, Extension::Repeat);
-                self.color * texel.xyz().max(Rgb::ZERO)
-            }
+            Some(_) => self.radiance_at(direction_to_equirectangular(self.rotation * d), textures),
         }
+    }
+
+    /// Radiance from a place of the image.
+    pub fn radiance_at(&self, uv: Vec2, textures: &[Texture]) -> Rgb {
+        let Some(texture) = self.texture else { return self.color };
+        let texel = textures[texture as usize].lookup(uv, Interpolation::Linear, Extension::Repeat);
+        self.color * texel.xyz().max(Rgb::ZERO)
     }
 }
 
@@ -42,18 +46,17 @@ impl World {
 /// from +x towards +y, v rises with the elevation.
 #[inline]
 pub fn direction_to_equirectangular(d: Vec3A) -> Vec2 {
-    let u = 0.5 - d.y.atan2(d.x) / TAU;
-    let v = d.z.atan2(d.x.hypot(d.y)) / PI + 0.5;
-    Vec2::new(u, v)
+    // Both angles at once, in the lanes of a register.
+    let along = (d.x * d.x + d.y * d.y).sqrt();
+    let angles = f32x4::from([d.y, d.z, 0.0, 0.0]).atan2(f32x4::from([d.x, along, 1.0, 1.0])).to_array();
+    Vec2::new(0.5 - angles[0] / TAU, angles[1] / PI + 0.5)
 }
 
 /// The inverse of [`direction_to_equirectangular`].
 #[inline]
 pub fn equirectangular_to_direction(uv: Vec2) -> Vec3A {
-    let azimuth = (0.5 - uv.x) * TAU;
-    let elevation = (uv.y - 0.5) * PI;
-    let (s, c) = elevation.sin_cos();
-    let (sa, ca) = azimuth.sin_cos();
+    let (sines, cosines) = f32x4::from([(0.5 - uv.x) * TAU, (uv.y - 0.5) * PI, 0.0, 0.0]).sin_cos();
+    let ([sa, s, ..], [ca, c, ..]) = (sines.to_array(), cosines.to_array());
     Vec3A::new(c * ca, c * sa, s)
 }
 

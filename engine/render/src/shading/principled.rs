@@ -90,6 +90,7 @@ pub struct Bsdf {
     coat_f0: Rgb,
     coat_eta: f32,
     diffuse: Rgb,
+    has_facets: bool,
     // Chance of each lobe: metal, glass, coat, diffuse.
     chance: [f32; 4],
 }
@@ -110,26 +111,39 @@ impl Bsdf {
         let cos = local.z.max(1e-4);
         let ggx = Ggx::from_roughness(values.roughness);
         let r = values.roughness;
-        // What single scattering loses is given back in proportion (Turquin 2019).
-        let single = tables.reflection.at(r, cos).max(1e-3);
-        let average = tables.reflection.average(r);
-        let restored = |fresnel_average: Rgb| -> Rgb {
-            let missing = (1.0 - single) / single;
-            let multiple = fresnel_average * average / (Rgb::ONE - fresnel_average * (1.0 - average));
-            Rgb::ONE + multiple * missing
-        };
-
         let dielectric = 1.0 - values.metallic;
         let opaque = dielectric * (1.0 - values.transmission);
-        let metal = F82Tint::new(values.base_color, material.specular_tint);
-        let metal_weight = restored(metal.average()) * values.metallic;
+        let has_coat = material.specular && opaque > 0.0;
+        // What single scattering loses is given back in proportion (Turquin 2019).
+        let lost = if values.metallic > 0.0 || has_coat {
+            let single = tables.reflection.at(r, cos).max(1e-3);
+            ((1.0 - single) / single, tables.reflection.average(r))
+        } else {
+            (0.0, 1.0)
+        };
+        let restored = |fresnel_average: Rgb| -> Rgb {
+            let (missing, average) = lost;
+            Rgb::ONE + fresnel_average * average / (Rgb::ONE - fresnel_average * (1.0 - average)) * missing
+        };
+
+        let (mut metal, mut metal_weight, mut metal_chance) = (F82Tint::default(), Rgb::ZERO, 0.0);
+        if values.metallic > 0.0 {
+            metal = F82Tint::new(values.base_color, material.specular_tint);
+            metal_weight = restored(metal.average()) * values.metallic;
+            metal_chance = luminance(metal.at(cos)) * values.metallic;
+        }
 
         let eta = if point.backfacing { 1.0 / tables.ior } else { tables.ior };
-        let kept = tables.boundary.as_ref().map_or(1.0, |b| b[usize::from(point.backfacing)].at(r, cos));
-        let glass_weight = dielectric * values.transmission / kept.max(1e-3);
+        let glass_chance = dielectric * values.transmission;
+        let (mut glass_weight, mut glass_tint) = (0.0, Rgb::ZERO);
+        if glass_chance > 0.0 {
+            let kept = tables.boundary.as_ref().map_or(1.0, |b| b[usize::from(point.backfacing)].at(r, cos));
+            glass_weight = glass_chance / kept.max(1e-3);
+            glass_tint = Rgb::from(values.base_color.to_array().map(f32::sqrt));
+        }
 
         let (mut coat_weight, mut coat_albedo) = (0.0, 0.0);
-        if material.specular && opaque > 0.0 {
+        if has_coat {
             let give_back = restored(Rgb::splat(fresnel::dielectric_average(tables.coat_eta))).x;
             coat_weight = opaque * give_back;
             let f0_tinted = luminance(material.specular_tint).min(1.0);
@@ -145,18 +159,14 @@ impl Bsdf {
             metal,
             metal_weight,
             glass_weight,
-            glass_tint: values.base_color.powf(0.5),
+            glass_tint,
             glass_reflection_tint: material.specular_tint.min(Rgb::ONE),
             coat_weight,
             coat_f0: (tables.coat_f0 * material.specular_tint).min(Rgb::ONE),
             coat_eta: tables.coat_eta,
             diffuse,
-            chance: [
-                luminance(metal.at(cos)) * values.metallic,
-                dielectric * values.transmission,
-                coat_albedo * opaque,
-                luminance(diffuse),
-            ],
+            has_facets: values.metallic > 0.0 || glass_weight > 0.0 || coat_weight > 0.0,
+            chance: [metal_chance, glass_chance, coat_albedo * opaque, luminance(diffuse)],
         };
         let total: f32 = bsdf.chance.iter().sum();
         if total > 0.0 {
@@ -192,7 +202,7 @@ impl Bsdf {
                 value += self.diffuse * (wi.z * FRAC_1_PI);
                 pdf += self.chance[3] * warp::cosine_hemisphere_pdf(wi.z);
             }
-            if !self.ggx.is_mirror() && self.wo.z > 0.0 {
+            if self.has_facets && !self.ggx.is_mirror() && self.wo.z > 0.0 {
                 let h = (self.wo + wi).normalize_or(Vec3A::Z);
                 let cos = self.wo.dot(h);
                 if cos > 0.0 {
@@ -225,7 +235,8 @@ impl Bsdf {
     }
 
     /// A direction chosen roughly in proportion to what it scatters; `None` where the light ends here.
-    pub fn sample(&self, u_lobe: f32, u: [f32; 2], u_side: f32) -> Option<BsdfSample> {
+    /// What the choice of the lobe leaves of `u_lobe` chooses between mirrored and refracted.
+    pub fn sample(&self, u_lobe: f32, u: [f32; 2]) -> Option<BsdfSample> {
         if self.wo.z <= 0.0 {
             return None;
         }
@@ -246,8 +257,7 @@ impl Bsdf {
         if cos <= 0.0 {
             return None;
         }
-        let fresnel = fresnel::dielectric(cos, self.eta);
-        let transmit = lobe == 1 && u_side >= fresnel;
+        let transmit = lobe == 1 && (u_lobe - below) / self.chance[1] >= fresnel::dielectric(cos, self.eta);
         let wi = if transmit { refract(self.wo, h, self.eta)? } else { reflect(self.wo, h) };
         if !self.ggx.is_mirror() {
             return self.finish(wi, transmit);

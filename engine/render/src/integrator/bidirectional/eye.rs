@@ -67,8 +67,7 @@ pub(super) fn trace(
                 result.radiance += limits.clamp(connect(stage, &vertex, from_light, &mut walk.rays), bounce + 1);
             }
         }
-        let [u4, ..] = walk.sampler.next_4d();
-        let Some(next) = vertex.bsdf.sample(stretch.u_lobe, [u2, u3], u4) else { break };
+        let Some(next) = vertex.bsdf.sample(stretch.u_lobe, [u2, u3]) else { break };
         carried *= next.weight;
         if bounce + 1 > SURE_BOUNCES {
             let go_on = carried.max_element().min(1.0);
@@ -132,7 +131,7 @@ impl Met<'_> {
             return radiance;
         };
         let cos = point.geometric_normal.dot(self.ray.direction).abs();
-        let pdf = lights.triangle_pdf(scene, &to, (hit.instance, hit.triangle), distance, cos);
+        let pdf = lights.triangle_pdf(&to, (hit.instance, hit.triangle), distance, cos);
         radiance * self.weight(pdf, emission.density(scene, lights, source, self.ray.direction, distance))
     }
 }

@@ -92,8 +92,7 @@ fn scatter(
     sampler: &mut PathSampler,
 ) -> Option<Scattered> {
     let [.., u2, u3] = sampler.next_4d();
-    let [u4, ..] = sampler.next_4d();
-    let next = vertex.bsdf.sample(stretch.u_lobe, [u2, u3], u4)?;
+    let next = vertex.bsdf.sample(stretch.u_lobe, [u2, u3])?;
     let d = next.wi;
     if !next.mirror {
         let (sent, back_pdf) = vertex.sent(stage, d);

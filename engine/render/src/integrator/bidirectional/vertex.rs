@@ -3,13 +3,16 @@
 use super::weights::Partial;
 use crate::accel::{Hit, Ray, RayKind, offset_origin};
 use crate::integrator::Stage;
-use crate::integrator::path::{MOST_STEPS, SETS_PER_STEP, leave, opacity};
+use crate::integrator::path::{MOST_STEPS, leave, opacity};
 use crate::nodes::{self, MaterialValues};
 use crate::sampler::PathSampler;
 use crate::shading::principled::Bsdf;
 use crate::surface::SurfacePoint;
 use crate::{Rgb, scene::material::Material};
 use glam::Vec3A;
+
+/// The sampler's sets of four numbers used at each surface.
+const SETS_PER_STEP: u32 = 3;
 
 /// Where a path scatters.
 pub(super) struct Vertex {

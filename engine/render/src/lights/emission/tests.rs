@@ -213,8 +213,8 @@ fn densities_agree_from_both_ends() {
                     }
                 });
             }
-            if let Some(&Emitter::Triangle { instance, triangle, .. }) = lights.local.get(e.source.0) {
-                let pdf = lights.triangle_pdf(&scene, &to, (instance, triangle), t, e.cos);
+            if let Some(&Emitter::Triangle(LitTriangle { instance, triangle, .. })) = lights.local.get(e.source.0) {
+                let pdf = lights.triangle_pdf(&to, (instance, triangle), t, e.cos);
                 met = Some((lights.triangle_source(instance, triangle).unwrap(), e.strength, pdf));
             }
             // A ray on a lamp's very rim may pass it.
@@ -253,7 +253,7 @@ fn densities_integrate_to_one() {
             if name == "even sky" {
                 sum += f64::from(etendue * emission.density(&scene, &lights, Source(0), -wi, 1.0));
             } else if name == "triangle" {
-                let [a, b, c] = crate::lights::placed_corners(&scene, 0, 0);
+                let [a, b, c] = crate::lights::triangle::placed_corners(&scene, 0, 0);
                 let normal = (b - a).cross(c - a);
                 let t = (a - p).dot(normal) / wi.dot(normal);
                 let q = p + wi * t;

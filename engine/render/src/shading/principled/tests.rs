@@ -69,7 +69,7 @@ fn sampled_and_uniform_albedos_agree() {
             let b = bsdf(c, wo);
             let n = 1 << 15;
             let sampled: f64 =
-                points(n, 3).filter_map(|u| b.sample(u[0], [u[1], u[2]], u[3])).map(|s| s.weight.x as f64).sum::<f64>()
+                points(n, 3).filter_map(|u| b.sample(u[0], [u[1], u[2]])).map(|s| s.weight.x as f64).sum::<f64>()
                     / n as f64;
             let m = 1 << 20;
             let uniform: f64 = points(m, 5)
@@ -93,7 +93,7 @@ fn densities_do_not_exceed_one() {
                 .map(|u| b.evaluate(warp::sample_sphere([u[0], u[1]])).1 as f64 / warp::SPHERE_PDF as f64)
                 .sum::<f64>()
                 / m as f64;
-            let kept = points(1 << 14, 3).filter(|u| b.sample(u[0], [u[1], u[2]], u[3]).is_some()).count();
+            let kept = points(1 << 14, 3).filter(|u| b.sample(u[0], [u[1], u[2]]).is_some()).count();
             let expected = kept as f64 / (1 << 14) as f64;
             assert!((total - expected).abs() < 0.02, "case {k} from {wo}: {total} {expected}");
         }
@@ -109,7 +109,7 @@ fn white_surfaces_keep_their_energy() {
             let b = bsdf(c, wo);
             let n = 1 << 14;
             let albedo =
-                points(n, 3).filter_map(|u| b.sample(u[0], [u[1], u[2]], u[3])).map(|s| s.weight.x as f64).sum::<f64>()
+                points(n, 3).filter_map(|u| b.sample(u[0], [u[1], u[2]])).map(|s| s.weight.x as f64).sum::<f64>()
                     / n as f64;
             // Sixteen-step tables; a coat is not restored where light passes it twice.
             assert!((albedo - 1.0).abs() < 0.025, "case {k} from {wo}: {albedo}");
@@ -149,7 +149,7 @@ fn smooth_glass_is_a_mirror_lobe() {
     assert!(b.is_mirror());
     let mut through = 0;
     for u in points(1000, 1) {
-        let s = b.sample(u[0], [u[1], u[2]], u[3]).unwrap();
+        let s = b.sample(u[0], [u[1], u[2]]).unwrap();
         assert!(s.mirror && (s.weight.x - 1.0).abs() < 1e-3);
         if s.transmitted {
             through += 1;
@@ -174,7 +174,7 @@ fn samples_follow_their_density() {
             let b = bsdf(c, wo);
             let mut observed = vec![0u64; ROWS * COLUMNS];
             for u in points(n, 21) {
-                if let Some(s) = b.sample(u[0], [u[1], u[2]], u[3]) {
+                if let Some(s) = b.sample(u[0], [u[1], u[2]]) {
                     let row = ((0.5 - 0.5 * s.wi.z) * ROWS as f32) as usize;
                     let turn = s.wi.y.atan2(s.wi.x) / std::f32::consts::TAU + 0.5;
                     let column = (turn * COLUMNS as f32) as usize;

@@ -1,0 +1,283 @@
+//! Paths that advance together, step by step: all rays are traced, then all that meet a surface are looked at in the
+//! order of their materials, then all shadow rays are traced. Each step does one kind of work on memory that stays in
+//! the cache. What a path finds does not depend on which others go with it.
+
+use super::{CAMERA_SETS, FirstSurface, Limits, MOST_STEPS, PathResult, SETS_PER_STEP, SURE_BOUNCES, leave, opacity};
+use crate::Rgb;
+use crate::accel::{Hit, Ray, RayKind, offset_origin};
+use crate::integrator::Stage;
+use crate::lights::{LightSample, tree::Receiver};
+use crate::nodes;
+use crate::sampler::PathSampler;
+use crate::shading::principled::Bsdf;
+use crate::surface::SurfacePoint;
+use glam::Vec3A;
+
+/// Memory for paths, used again and again.
+#[derive(Default)]
+pub struct Wave {
+    paths: Vec<Path>,
+    results: Vec<PathResult>,
+    /// Those that still go on, in the order of their numbers.
+    live: Vec<u32>,
+    hits: Vec<Option<Hit>>,
+    meetings: Vec<Meeting>,
+    shadows: Vec<Shadow>,
+}
+
+/// One path under way.
+struct Path {
+    ray: Ray,
+    throughput: Rgb,
+    chosen: Chosen,
+    bounce: u32,
+    /// Distance since the last scattering, over surfaces passed unbent: what densities by area need.
+    travelled: f32,
+    /// Where the ray was scattered.
+    start: Vec3A,
+    sampler: PathSampler,
+}
+
+/// A path at a surface that scatters it.
+struct Meeting {
+    path: u32,
+    point: SurfacePoint,
+    /// To end by chance, for the light, and for the lobe.
+    u: [f32; 3],
+}
+
+/// Light that arrives unless something stands in its way.
+struct Shadow {
+    path: u32,
+    ray: Ray,
+    light: Rgb,
+    bounce: u32,
+}
+
+/// How the current ray was chosen: what light it finds is weighted by this.
+#[derive(Clone, Copy)]
+enum Chosen {
+    /// By the camera or a mirror: no light sample competes.
+    Alone,
+    /// By a surface's scattering, with this density per steradian; and where a light sample competed.
+    WithPdf(f32, Receiver),
+}
+
+impl Chosen {
+    /// The weight of light found by this ray that a light sample finds with density `light_pdf`.
+    fn weight(self, light_pdf: f32) -> f32 {
+        match self {
+            Self::Alone => 1.0,
+            Self::WithPdf(pdf, _) => power_heuristic(pdf, light_pdf),
+        }
+    }
+
+    /// Where a light sample competed.
+    fn receiver(&self) -> Option<&Receiver> {
+        match self {
+            Self::Alone => None,
+            Self::WithPdf(_, to) => Some(to),
+        }
+    }
+}
+
+impl Wave {
+    /// Forgets all paths.
+    pub fn clear(&mut self) {
+        self.paths.clear();
+        self.results.clear();
+        self.live.clear();
+    }
+
+    /// Adds a path that begins with a ray from the camera; its number is the count of those before it.
+    pub fn start(&mut self, ray: Ray, sampler: PathSampler) {
+        self.live.push(self.paths.len() as u32);
+        self.results.push(PathResult::default());
+        self.paths.push(Path {
+            ray,
+            throughput: Rgb::ONE,
+            chosen: Chosen::Alone,
+            bounce: 0,
+            travelled: 0.0,
+            start: ray.origin,
+            sampler,
+        });
+    }
+
+    /// What a path found, once all were followed.
+    pub fn found(&self, path: usize) -> PathResult {
+        self.results[path]
+    }
+
+    /// Follows all paths to their ends.
+    pub fn follow(&mut self, stage: &Stage, limits: &Limits) {
+        for step in 0..MOST_STEPS {
+            if self.live.is_empty() {
+                return;
+            }
+            self.trace(stage);
+            self.meet(stage, limits, step);
+            self.meetings.sort_unstable_by_key(|m| (m.point.material, m.path));
+            self.scatter(stage, limits);
+            self.shadow(stage, limits);
+            self.live.sort_unstable();
+        }
+    }
+
+    /// Finds what the rays meet.
+    fn trace(&mut self, stage: &Stage) {
+        self.hits.clear();
+        for &i in &self.live {
+            let path = &self.paths[i as usize];
+            let kind = if path.bounce == 0 { RayKind::Camera } else { RayKind::Bounce };
+            self.results[i as usize].rays += 1;
+            self.hits.push(stage.accel.closest(&path.ray, kind));
+        }
+    }
+
+    /// Light that the rays found; keeps those alive that go on through a surface, and notes where others scatter.
+    fn meet(&mut self, stage: &Stage, limits: &Limits, step: u32) {
+        self.meetings.clear();
+        let live = std::mem::take(&mut self.live);
+        for (&i, hit) in live.iter().zip(&self.hits) {
+            let (path, result) = (&mut self.paths[i as usize], &mut self.results[i as usize]);
+            let Some(hit) = hit else {
+                path.lamps_before(stage, limits, f32::INFINITY, result);
+                path.sky(stage, limits, result);
+                continue;
+            };
+            path.sampler.jump_to(CAMERA_SETS + step * SETS_PER_STEP);
+            let point = SurfacePoint::new(&stage.scene, hit, path.ray.direction);
+            let [u_alpha, u_end, u_light, u_lobe] = path.sampler.next_4d();
+            if u_alpha >= opacity(&stage.scene, hit) {
+                path.travelled += hit.t;
+                let origin = offset_origin(point.position, -point.geometric_normal, point.position_error);
+                path.ray = Ray::new(origin, path.ray.direction);
+                self.live.push(i);
+                continue;
+            }
+            path.lamps_before(stage, limits, path.travelled + hit.t, result);
+            result.hit = true;
+            if result.first.is_none() {
+                result.first = Some(FirstSurface::from(&point));
+            }
+            path.emission(stage, limits, hit, &point, result);
+            if path.bounce <= limits.max_bounces {
+                self.meetings.push(Meeting { path: i, point, u: [u_end, u_light, u_lobe] });
+            }
+        }
+        if self.live.is_empty() {
+            // The larger of the two keeps its memory.
+            self.live = live;
+            self.live.clear();
+        }
+    }
+
+    /// At each surface a sample of the lights, and a direction to go on in.
+    fn scatter(&mut self, stage: &Stage, limits: &Limits) {
+        self.shadows.clear();
+        for Meeting { path: i, point, u: [u_end, u_light, u_lobe] } in &self.meetings {
+            let path = &mut self.paths[*i as usize];
+            let material = &stage.scene.materials[point.material as usize];
+            let values = nodes::evaluate(material, &stage.scene, point);
+            let tables = &stage.tables[point.material as usize];
+            let bsdf = Bsdf::new(material, &values, tables, point, -path.ray.direction);
+            let to = Receiver { position: point.position, normal: bsdf.receiving_normal() };
+            let [u0, u1, u2, u3] = path.sampler.next_4d();
+            if !bsdf.is_mirror()
+                && let Some(light) = stage.lights.sample(&stage.scene, &to, *u_light, [u0, u1])
+            {
+                let found = path.throughput * direct(&bsdf, &light);
+                if !light.cast_shadow {
+                    self.results[*i as usize].radiance += limits.clamp(found, path.bounce);
+                } else if found != Rgb::ZERO {
+                    let origin = leave(point, light.wi);
+                    let ray = Ray { origin, direction: light.wi, t_max: light.distance };
+                    self.shadows.push(Shadow { path: *i, ray, light: found, bounce: path.bounce });
+                }
+            }
+            let Some(next) = bsdf.sample(*u_lobe, [u2, u3]) else { continue };
+            path.throughput *= next.weight;
+            path.bounce += 1;
+            if path.bounce > SURE_BOUNCES {
+                let go_on = path.throughput.max_element().min(1.0);
+                if *u_end >= go_on {
+                    continue;
+                }
+                path.throughput /= go_on;
+            }
+            path.chosen = if next.mirror { Chosen::Alone } else { Chosen::WithPdf(next.pdf, to) };
+            path.travelled = 0.0;
+            path.ray = Ray::new(leave(point, next.wi), next.wi);
+            path.start = path.ray.origin;
+            self.live.push(*i);
+        }
+    }
+
+    /// Adds the light whose way is free, as far as it is.
+    fn shadow(&mut self, stage: &Stage, limits: &Limits) {
+        for Shadow { path, ray, light, bounce } in &self.shadows {
+            let result = &mut self.results[*path as usize];
+            result.rays += 1;
+            let free = stage.accel.transmittance(ray, |hit| opacity(&stage.scene, hit));
+            result.radiance += limits.clamp(*light * free, *bounce);
+        }
+    }
+}
+
+impl Path {
+    /// Adds the light of lamps that the ray meets within `t_max` of where it was scattered: from there a light sample
+    /// would have been taken, whatever surfaces it passed since.
+    fn lamps_before(&self, stage: &Stage, limits: &Limits, t_max: f32, result: &mut PathResult) {
+        let (camera, to) = (self.bounce == 0, self.chosen.receiver());
+        stage.lights.lamps_along(self.start, self.ray.direction, t_max, camera, to, |radiance, pdf| {
+            result.radiance += limits.clamp(self.throughput * radiance * self.chosen.weight(pdf), self.bounce);
+            result.hit = true;
+        });
+    }
+
+    /// Adds the light of the world and of suns.
+    fn sky(&self, stage: &Stage, limits: &Limits, result: &mut PathResult) {
+        let camera = self.bounce == 0;
+        if camera && limits.hide_sky {
+            return;
+        }
+        stage.lights.sky_along(&stage.scene, self.ray.direction, camera, |radiance, pdf| {
+            result.radiance += limits.clamp(self.throughput * radiance * self.chosen.weight(pdf), self.bounce);
+        });
+    }
+
+    /// Adds the light of the surface that the ray meets.
+    fn emission(&self, stage: &Stage, limits: &Limits, hit: &Hit, point: &SurfacePoint, result: &mut PathResult) {
+        let material = &stage.scene.materials[point.material as usize];
+        if !material.emits() {
+            return;
+        }
+        let radiance = nodes::emission(material, &stage.scene, hit.instance, hit.triangle, point.barycentric);
+        let cos = -point.geometric_normal.dot(self.ray.direction);
+        let pdf = self
+            .chosen
+            .receiver()
+            .map_or(0.0, |to| stage.lights.triangle_pdf(to, (hit.instance, hit.triangle), self.travelled + hit.t, cos));
+        result.radiance += limits.clamp(self.throughput * radiance * self.chosen.weight(pdf), self.bounce);
+    }
+}
+
+/// Light from one sample that a surface scatters along the path, if nothing stands in between.
+fn direct(bsdf: &Bsdf, light: &LightSample) -> Rgb {
+    let (value, pdf) = bsdf.evaluate(light.wi);
+    let weight = if light.point_like { 1.0 } else { power_heuristic(light.pdf, pdf) };
+    let contribution = value * light.radiance * (weight / light.pdf);
+    if contribution.is_finite() { contribution } else { Rgb::ZERO }
+}
+
+/// Weight of a sample of density `a` where another technique has density `b` (exponent 2).
+#[inline]
+fn power_heuristic(a: f32, b: f32) -> f32 {
+    if b == 0.0 {
+        return 1.0;
+    }
+    // As a ratio: squares of large densities overflow.
+    let r = b / a;
+    1.0 / (1.0 + r * r)
+}

@@ -1,0 +1,113 @@
+//! A triangle that emits, placed: what choosing a point of it needs, worked out once.
+
+use super::LightSample;
+use super::bounds::LightBounds;
+use crate::scene::{Scene, material::Input};
+use crate::surface::{geometric_normal, mesh_of};
+use crate::{Rgb, nodes, sampler::warp};
+use glam::{Vec3, Vec3A};
+use std::f32::consts::{FRAC_PI_2, PI};
+
+/// Render space.
+#[derive(Clone, Copy, Debug)]
+pub(super) struct LitTriangle {
+    /// Index of the instance.
+    pub(super) instance: u32,
+    /// Index of the triangle in its mesh.
+    pub(super) triangle: u32,
+    /// Its back is worth a light sample, too.
+    pub(super) two_sided: bool,
+    /// Emitted power, for choosing.
+    pub(super) power: f32,
+    /// Blender units squared.
+    pub(super) area: f32,
+    /// Unit, on the front.
+    normal: Vec3,
+    corner: Vec3,
+    edges: [Vec3; 2],
+    /// Where it is the same everywhere.
+    radiance: Option<Vec3>,
+}
+
+impl LitTriangle {
+    /// `brightness` is the mean radiance of its material.
+    pub(super) fn new(scene: &Scene, instance: u32, triangle: u32, brightness: f32, two_sided: bool) -> Self {
+        let [a, b, c] = placed_corners(scene, instance, triangle);
+        let area = 0.5 * (b - a).cross(c - a).length();
+        let placed = &scene.instances[instance as usize];
+        let mesh = mesh_of(scene, instance);
+        let material = &scene.materials[placed.material(mesh.slot(triangle)) as usize];
+        let is_even = matches!(material.emission_color, Input::Constant(_)) && !material.may_be_transparent();
+        Self {
+            instance,
+            triangle,
+            two_sided,
+            power: brightness * area * PI * if two_sided { 2.0 } else { 1.0 },
+            area,
+            normal: geometric_normal(placed, &mesh.corners(triangle)).into(),
+            corner: a.into(),
+            edges: [(b - a).into(), (c - a).into()],
+            radiance: is_even.then(|| nodes::emission(material, scene, instance, triangle, [0.0; 2]).into()),
+        }
+    }
+
+    /// Unit, on the front.
+    pub(super) fn normal(&self) -> Vec3A {
+        self.normal.into()
+    }
+
+    /// Where it is, and where it shines to.
+    pub(super) fn bounds(&self) -> LightBounds {
+        let corners = [self.corner, self.corner + self.edges[0], self.corner + self.edges[1]].map(Vec3A::from);
+        LightBounds {
+            min: corners[0].min(corners[1]).min(corners[2]),
+            max: corners[0].max(corners[1]).max(corners[2]),
+            power: self.power,
+            axis: self.normal(),
+            normal_spread_rad: 0.0,
+            emission_spread_rad: FRAC_PI_2,
+            two_sided: self.two_sided,
+        }
+    }
+
+    /// What leaves a point of it towards either side.
+    pub(super) fn radiance(&self, scene: &Scene, barycentric: [f32; 2]) -> Rgb {
+        if let Some(radiance) = self.radiance {
+            return radiance.into();
+        }
+        let slot = mesh_of(scene, self.instance).slot(self.triangle);
+        let material = &scene.materials[scene.instances[self.instance as usize].material(slot) as usize];
+        nodes::emission(material, scene, self.instance, self.triangle, barycentric)
+            * nodes::alpha(scene, self.instance, self.triangle, barycentric)
+    }
+
+    /// Light at `from`.
+    #[inline]
+    pub(super) fn sample(&self, scene: &Scene, from: Vec3A, u: [f32; 2]) -> Option<LightSample> {
+        let [v, w] = warp::sample_triangle(u);
+        let point = self.corner + self.edges[0] * v + self.edges[1] * w;
+        let to = Vec3A::from(point) - from;
+        let distance2 = to.length_squared();
+        let distance = distance2.sqrt();
+        let wi = to / distance;
+        let cos = self.normal().dot(wi).abs();
+        if !(cos > 1e-6 && self.area > 0.0 && distance > 0.0) {
+            return None;
+        }
+        Some(LightSample {
+            wi,
+            // Just short of the triangle, which must not shadow itself.
+            distance: distance * (1.0 - 1e-4),
+            radiance: self.radiance(scene, [v, w]),
+            pdf: distance2 / (cos * self.area),
+            point_like: false,
+            cast_shadow: true,
+        })
+    }
+}
+
+/// A triangle's corners in render space.
+pub(super) fn placed_corners(scene: &Scene, instance: u32, triangle: u32) -> [Vec3A; 3] {
+    let m = &scene.instances[instance as usize].to_render;
+    mesh_of(scene, instance).corners(triangle).map(|p| m.transform_point3a(Vec3A::from(p)))
+}
