@@ -8,13 +8,15 @@ use crate::camera::real_lens::RealLens;
 use crate::film::cryptomatte::{MatteLayer, Mattes};
 use crate::film::data::{DataPass, DataSums, FARTHEST, VectorSums};
 use crate::film::{Film, Keep, TilePixels};
-use crate::integrator::{Integrator, Stage, bidirectional::Techniques, path::Limits};
+use crate::integrator::path::{self, Limits};
+use crate::integrator::{Integrator, Stage, bidirectional::Techniques};
 use crate::pipeline::motion::Motion;
 use crate::pipeline::{Counts, Pipeline, Shot, render_tile};
-use crate::sampler::{raster::Raster, warp::PixelFilter};
+use crate::sampler::{PathSampler, raster::Raster, warp::PixelFilter};
+use glam::Vec2;
 use std::panic::{AssertUnwindSafe, catch_unwind};
 use std::sync::atomic::{AtomicBool, AtomicUsize, Ordering};
-use std::sync::{Arc, Condvar, Mutex, PoisonError};
+use std::sync::{Arc, Condvar, Mutex, OnceLock, PoisonError};
 use std::thread::JoinHandle;
 use std::time::{Duration, Instant};
 
@@ -171,6 +173,8 @@ struct Shared {
     pipeline: Pipeline,
     raster: Raster,
     motion: Option<Motion>,
+    /// What [`path::openness`] says of the picture.
+    openness: OnceLock<f32>,
     film: Film,
     /// First sample and count of each pass.
     passes: Vec<(u32, u32)>,
@@ -233,6 +237,7 @@ impl Job {
             raster: Raster::new(width, height, PixelFilter::new(settings.filter_width_px)),
             film: Film::keeping(width, height, spreads, keep),
             motion: beside.motion,
+            openness: OnceLock::new(),
             pipeline,
             passes: passes(settings.samples),
             stage,
@@ -376,6 +381,19 @@ impl Shared {
         self.ended.notify_all();
     }
 
+    /// From rays that lie evenly over the picture.
+    fn find_openness(&self) -> f32 {
+        const SIDE: u32 = 16;
+        let camera = &self.cameras[self.cameras.len() / 2];
+        let rays = (0..SIDE * SIDE).filter_map(|i| {
+            let [u0, u1, u2, u3] = PathSampler::new(i, 0, 0, 0).next_4d();
+            let (column, row) = ((i % SIDE) as f32 + u0, (i / SIDE) as f32 + u1);
+            let place = Vec2::new(column, row) / SIDE as f32 - 0.5;
+            camera.sample(place, [u2, u3], (i as f32 + 0.5) / (SIDE * SIDE) as f32).map(|found| found.ray)
+        });
+        path::openness(&self.stage, rays)
+    }
+
     fn render(&self) {
         let s = &self.settings;
         let shot = Shot {
@@ -388,6 +406,7 @@ impl Shared {
                 max_bounces: s.max_bounces,
                 clamp_indirect: if s.clamp_indirect > 0.0 { s.clamp_indirect } else { f32::INFINITY },
                 hide_sky: s.transparent_film,
+                openness: *self.openness.get_or_init(|| self.find_openness()),
             },
             seed: s.seed,
             motion: self.motion.as_ref(),

@@ -86,7 +86,7 @@ fn render(stage: &Arc<Stage>, d: &CameraDescription, s: Settings) -> Vec<[f32; 4
 fn light_alone(stage: &Stage, d: &CameraDescription, samples: u32, seed: u32, max_bounces: u32) -> Vec<[f32; 4]> {
     let camera = Camera::new(d, WIDTH, HEIGHT).unwrap();
     let raster = Raster::new(WIDTH, HEIGHT, PixelFilter::new(1.5));
-    let limits = Limits { max_bounces, clamp_indirect: f32::INFINITY, hide_sky: false };
+    let limits = Limits { max_bounces, clamp_indirect: f32::INFINITY, hide_sky: false, openness: 0.5 };
     let light_paths = Some(Techniques::LightAlone);
     let shot = Shot {
         stage,

@@ -3,8 +3,10 @@
 //!
 //! Many paths go on together: see [`Wave`].
 
+mod openness;
 mod wave;
 
+pub use openness::openness;
 pub use wave::Wave;
 
 use super::Stage;
@@ -63,7 +65,7 @@ impl From<&SurfacePoint> for FirstSurface {
     }
 }
 
-/// How far light is followed.
+/// How light is followed.
 #[derive(Clone, Copy, Debug)]
 pub struct Limits {
     /// Bounces after the first surface.
@@ -73,6 +75,8 @@ pub struct Limits {
     pub clamp_indirect: f32,
     /// The world and suns light the scene, but the camera does not see them.
     pub hide_sky: bool,
+    /// The part of the sky that is seen from a surface, on average: see [`openness`]. Only noise depends on it.
+    pub openness: f32,
 }
 
 impl Limits {

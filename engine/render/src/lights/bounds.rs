@@ -3,15 +3,6 @@
 use glam::Vec3A;
 use std::f32::consts::{FRAC_PI_2, PI};
 
-/// Where light is wanted.
-#[derive(Clone, Copy, Debug)]
-pub struct Receiver {
-    /// Render space.
-    pub position: Vec3A,
-    /// The normal of a surface that light from behind does not matter to; `None` takes light from all sides.
-    pub normal: Option<Vec3A>,
-}
-
 /// What is known of an emitter, or of all emitters under a node.
 #[derive(Clone, Copy, Debug)]
 pub struct LightBounds {

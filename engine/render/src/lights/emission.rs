@@ -195,14 +195,12 @@ impl Lights {
         Some(&self.lamps[index as usize])
     }
 
-    /// The chance with which [`Lights::sample_source`] at a place, for a receiver without normal, chooses a source.
+    /// The chance with which [`Lights::sample_source`] at [`Lights::receiver_between`] chooses a source.
     fn source_chance(&self, source: Source, at: Vec3A) -> f32 {
+        let to = self.receiver_between(at);
         match (source.0.checked_sub(self.local.len()), &self.tree) {
-            (Some(index), _) => self.sky.chance(index) * self.sky_chance,
-            (None, Some(tree)) => {
-                let to = super::Receiver { position: at, normal: None };
-                tree.probability(&to, source.0) * (1.0 - self.sky_chance)
-            }
+            (Some(index), _) => self.sky.chance(index) * to.sky_chance,
+            (None, Some(tree)) => tree.probability(&to, source.0) * (1.0 - to.sky_chance),
             (None, None) => 0.0,
         }
     }

@@ -70,10 +70,15 @@ impl PreparedLamp {
 
     /// Where the lamp is, and where it shines to; not for suns.
     pub(super) fn bounds(&self) -> LightBounds {
+        // Pi times the intensity in the brightest direction, which for a surface that emits is its power.
+        let power = match self.kind {
+            LampKind::Point { .. } | LampKind::Spot { .. } => 0.25 * self.power(),
+            _ => self.power(),
+        };
         let everywhere = |radius: f32| LightBounds {
             min: self.center - Vec3A::splat(radius),
             max: self.center + Vec3A::splat(radius),
-            power: self.power(),
+            power,
             axis: -self.axes.z_axis,
             normal_spread_rad: PI,
             emission_spread_rad: FRAC_PI_2,

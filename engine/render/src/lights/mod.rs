@@ -7,6 +7,7 @@ pub mod bounds;
 mod build;
 pub mod emission;
 pub mod lamp;
+pub mod receiver;
 pub mod sky;
 pub mod tree;
 mod triangle;
@@ -18,9 +19,11 @@ use crate::{Rgb, luminance};
 use bounds::LightBounds;
 use glam::Vec3A;
 use lamp::PreparedLamp;
+use receiver::Receiver;
 use sky::Sky;
 use std::collections::HashSet;
-use tree::{LightTree, Receiver};
+use std::f32::consts::PI;
+use tree::LightTree;
 use triangle::LitTriangle;
 
 /// Light that reaches a point from one direction, if nothing stands in between.
@@ -59,9 +62,11 @@ pub struct Lights {
     emitter_of: Vec<Vec<u32>>,
     lamps: Vec<PreparedLamp>,
     sky: Sky,
-    /// Chance of choosing the sky rather than something within the scene.
-    sky_chance: f32,
 }
+
+/// The least chance of either the sky or the lights within the scene, where there are both: what stands in the way is
+/// known on average only.
+const LEAST_CHANCE: f32 = 0.1;
 
 impl Lights {
     /// Finds the emitters of a scene.
@@ -78,13 +83,29 @@ impl Lights {
         let emitter_of = emissive_triangles(scene, &mut local, &mut bounds);
         let tree = LightTree::new(&bounds);
         let sky = Sky::new(scene, &lamps);
-        let sky_chance = match (&tree, sky.is_dark()) {
-            (None, _) => 1.0,
-            (Some(_), true) => 0.0,
-            // Nothing tells beforehand how much of the sky is seen from a place.
-            (Some(_), false) => 0.5,
+        Self { local, tree, emitter_of, lamps, sky }
+    }
+
+    /// A place that light may reach. `openness` is the part of the sky that is seen from places in this picture on
+    /// average: the sky is chosen in proportion to what it may bring, so far as nothing stands in its way.
+    pub fn receiver(&self, position: Vec3A, normal: Option<Vec3A>, openness: f32) -> Receiver {
+        let Some(tree) = &self.tree else {
+            return Receiver { position, normal, weights: [0.0; tree::WIDTH], total: 0.0, sky_chance: 1.0 };
         };
-        Self { local, tree, emitter_of, lamps, sky, sky_chance }
+        let mut to = tree.receiver(position, normal);
+        if !self.sky.is_dark() {
+            let (sky, local) = (self.sky.irradiance() * openness, to.total / PI);
+            let chance = if local > 0.0 { sky / (sky + local) } else { 1.0 };
+            let least = if local > 0.0 { LEAST_CHANCE } else { 1.0 };
+            to.sky_chance = if chance.is_finite() { chance.clamp(least, (1.0 - LEAST_CHANCE).max(least)) } else { 0.5 };
+        }
+        to
+    }
+
+    /// A place in the middle of a scene of which nothing is known, and that takes light from all sides: what light paths
+    /// and paths from the camera must agree on.
+    pub fn receiver_between(&self, position: Vec3A) -> Receiver {
+        self.receiver(position, None, 0.5)
     }
 
     /// Light at a place; `None` where none was found.
@@ -101,18 +122,19 @@ impl Lights {
         u: [f32; 2],
     ) -> Option<(LightSample, Source)> {
         let from = to.position;
-        if u_choice < self.sky_chance {
-            let (mut sample, index) = self.sky.sample(scene, &self.lamps, u_choice / self.sky_chance, u)?;
-            sample.pdf *= self.sky_chance;
+        let chance = to.sky_chance;
+        if u_choice < chance {
+            let (mut sample, index) = self.sky.sample(scene, &self.lamps, u_choice / chance, u)?;
+            sample.pdf *= chance;
             return Some((sample, self.sky_source(index)));
         }
-        let rest = ((u_choice - self.sky_chance) / (1.0 - self.sky_chance)).min(1.0 - f32::EPSILON);
+        let rest = ((u_choice - chance) / (1.0 - chance)).min(1.0 - f32::EPSILON);
         let (index, probability) = self.tree.as_ref()?.sample(to, rest)?;
         let mut sample = match &self.local[index] {
             Emitter::Lamp(i) => self.lamps[*i as usize].sample(from, u)?,
             Emitter::Triangle(triangle) => triangle.sample(scene, from, u)?,
         };
-        sample.pdf *= probability * (1.0 - self.sky_chance);
+        sample.pdf *= probability * (1.0 - chance);
         Some((sample, Source(index)))
     }
 
@@ -121,7 +143,7 @@ impl Lights {
     pub fn triangle_pdf(&self, to: &Receiver, hit: (u32, u32), distance: f32, cos: f32) -> f32 {
         let (Some(Source(index)), Some(tree)) = (self.triangle_source(hit.0, hit.1), &self.tree) else { return 0.0 };
         let Emitter::Triangle(triangle) = &self.local[index] else { return 0.0 };
-        let chance = tree.probability(to, index) * (1.0 - self.sky_chance);
+        let chance = tree.probability(to, index) * (1.0 - to.sky_chance);
         chance / triangle.area * distance * distance / cos.max(1e-6)
     }
 
@@ -159,7 +181,7 @@ impl Lights {
             }
             if let Some((radiance, pdf)) = lamp.hit(from, d, t_max) {
                 let chance = match (&self.tree, to) {
-                    (Some(tree), Some(to)) => tree.probability(to, index) * (1.0 - self.sky_chance),
+                    (Some(tree), Some(to)) => tree.probability(to, index) * (1.0 - to.sky_chance),
                     _ => 0.0,
                 };
                 found(Source(index), radiance, pdf * chance);
@@ -167,15 +189,31 @@ impl Lights {
         }
     }
 
-    /// Calls `found(radiance, pdf)` for what shines from infinity along `d`: the world, and suns with extent.
-    pub fn sky_along(&self, scene: &Scene, d: Vec3A, camera: bool, mut found: impl FnMut(Rgb, f32)) {
-        self.sky_sources_along(scene, d, camera, |_, radiance, pdf| found(radiance, pdf));
+    /// Calls `found(radiance, pdf)` for what shines from infinity along `d`: the world, and suns with extent. `to` is
+    /// where a light sample would have been taken.
+    pub fn sky_along(
+        &self,
+        scene: &Scene,
+        d: Vec3A,
+        camera: bool,
+        to: Option<&Receiver>,
+        mut found: impl FnMut(Rgb, f32),
+    ) {
+        self.sky_sources_along(scene, d, camera, to, |_, radiance, pdf| found(radiance, pdf));
     }
 
     /// The same with which of them it is.
-    pub fn sky_sources_along(&self, scene: &Scene, d: Vec3A, camera: bool, mut found: impl FnMut(Source, Rgb, f32)) {
+    pub fn sky_sources_along(
+        &self,
+        scene: &Scene,
+        d: Vec3A,
+        camera: bool,
+        to: Option<&Receiver>,
+        mut found: impl FnMut(Source, Rgb, f32),
+    ) {
+        let chance = to.map_or(0.0, |to| to.sky_chance);
         self.sky.along(scene, &self.lamps, d, camera, |index, radiance, pdf| {
-            found(self.sky_source(index), radiance, pdf * self.sky_chance);
+            found(self.sky_source(index), radiance, pdf * chance);
         });
     }
 

@@ -23,6 +23,8 @@ pub(super) struct Sky {
     suns: Vec<u32>,
     // Entry 0 is the world's image, the rest are the suns.
     choice: Option<AliasTable>,
+    /// Of a surface that faces all of it, nearly: what lights are chosen by.
+    irradiance: f32,
 }
 
 impl Sky {
@@ -36,12 +38,17 @@ impl Sky {
         };
         let mut weights = vec![if image.is_some() { world.max(1e-6) } else { 0.0 }];
         weights.extend(suns.iter().map(|&i| lamps[i as usize].power()));
-        Self { image, suns, choice: AliasTable::new(&weights) }
+        Self { image, suns, choice: AliasTable::new(&weights), irradiance: weights.iter().sum() }
     }
 
     /// Whether there is nothing to sample (a world of one colour may still shine).
     pub(super) fn is_dark(&self) -> bool {
         self.choice.is_none()
+    }
+
+    /// Light that may arrive from it, in brightness, where nothing stands in the way.
+    pub(super) fn irradiance(&self) -> f32 {
+        self.irradiance
     }
 
     /// Light from infinity and which it is: 0 the world, then the suns.

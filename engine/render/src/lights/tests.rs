@@ -26,8 +26,8 @@ fn lights(kind: LampKind) -> (Scene, Lights) {
     (scene, lights)
 }
 
-fn at(position: Vec3A) -> Receiver {
-    Receiver { position, normal: None }
+fn at(lights: &Lights, position: Vec3A) -> Receiver {
+    lights.receiver_between(position)
 }
 
 /// Irradiance on a floor at the origin that faces up, by samples.
@@ -36,7 +36,7 @@ fn irradiance(scene: &Scene, lights: &Lights) -> Rgb {
     (0..n)
         .filter_map(|i| {
             let u = sobol_burley::sample_4d(i, 0, 3);
-            let s = lights.sample(scene, &at(Vec3A::ZERO), u[0], [u[1], u[2]])?;
+            let s = lights.sample(scene, &at(lights, Vec3A::ZERO), u[0], [u[1], u[2]])?;
             Some(s.radiance * s.wi.z.max(0.0) / s.pdf)
         })
         .sum::<Rgb>()
@@ -87,10 +87,12 @@ fn densities_of_hits_are_those_of_samples() {
         for i in 0..500 {
             let u = sobol_burley::sample_4d(i, 0, 5);
             let from = Vec3A::new(0.3, -0.2, 0.0);
-            let s = lights.sample(&scene, &at(from), u[0], [u[1] * 0.98 + 0.01, u[2] * 0.98 + 0.01]).unwrap();
+            let s = lights.sample(&scene, &at(&lights, from), u[0], [u[1] * 0.98 + 0.01, u[2] * 0.98 + 0.01]).unwrap();
             let mut found = None;
-            lights.lamps_along(from, s.wi, f32::INFINITY, false, Some(&at(from)), |r, pdf| found = Some((r, pdf)));
-            lights.sky_along(&scene, s.wi, false, |r, pdf| {
+            lights.lamps_along(from, s.wi, f32::INFINITY, false, Some(&at(&lights, from)), |r, pdf| {
+                found = Some((r, pdf))
+            });
+            lights.sky_along(&scene, s.wi, false, Some(&at(&lights, from)), |r, pdf| {
                 if pdf > 0.0 {
                     found = Some((r, pdf));
                 }
@@ -168,4 +170,35 @@ fn emissive_triangles_are_sampled_by_area() {
     let term = |x: f32, y: f32| x / (1.0 + x * x).sqrt() * (y / (1.0 + x * x).sqrt()).atan();
     let expected = Rgb::new(2.0, 4.0, 6.0) * (2.0 * (term(a, b) + term(b, a)));
     assert!((found / expected - Rgb::ONE).abs().max_element() < 5e-3, "{found} {expected}");
+}
+
+/// The sky is chosen the more, the more of it is seen and the farther the lamps are; and whatever it is told of the sky,
+/// the light that it finds is the same.
+#[test]
+fn the_sky_is_chosen_by_what_it_brings() {
+    let mut builder = SceneBuilder::new();
+    let pixels: Vec<f32> = (0..16 * 8).flat_map(|i| [0.5, 0.6, 0.1 * (i % 7) as f32, 1.0]).collect();
+    let t = builder.add_texture(Texture::from_floats("sky", 16, 8, &pixels, false).unwrap());
+    builder.set_world(World { color: Rgb::ONE, texture: Some(t as u32), ..Default::default() }).unwrap();
+    let place = DMat4::from_translation(DVec3::new(0.0, 0.0, 2.0));
+    builder.add_lamp(lamp(LampKind::Point { radius: 0.1, soft: false }), place).unwrap();
+    let scene = builder.build(DVec3::ZERO);
+    let lights = Lights::new(&scene);
+    let chance = |z: f32, openness: f32| lights.receiver(Vec3A::new(0.0, 0.0, z), None, openness).sky_chance;
+    assert!(chance(1.8, 1.0) < 0.5 && chance(-20.0, 1.0) > 0.8);
+    assert!(chance(0.0, 0.01) < chance(0.0, 0.5) && chance(0.0, 0.5) < chance(0.0, 1.0));
+    assert!(chance(1.9, 0.0) >= LEAST_CHANCE && chance(-1e6, 1.0) <= 1.0 - LEAST_CHANCE);
+    let found = |openness: f32| {
+        let to = lights.receiver(Vec3A::ZERO, None, openness);
+        let n = 1 << 15;
+        let light = |i: u32| {
+            let u = sobol_burley::sample_4d(i, 0, 3);
+            let s = lights.sample(&scene, &to, u[0], [u[1], u[2]])?;
+            Some((s.radiance * s.wi.z.max(0.0) / s.pdf).as_dvec3())
+        };
+        (0..n).filter_map(light).sum::<glam::DVec3>() / f64::from(n)
+    };
+    let (little, much) = (found(0.02), found(1.0));
+    // Where a light gets few of the samples, its part of the noise of 2^15 is about a percent.
+    assert!((little / much - 1.0).abs().max_element() < 0.02, "{little} {much}");
 }

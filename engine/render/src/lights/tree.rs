@@ -4,22 +4,14 @@
 
 use super::bounds::LightBounds;
 use super::build::Half;
+use super::receiver::Receiver;
 use glam::Vec3A;
 use wide::f32x8;
 
 /// Children of a node.
-const WIDTH: usize = 8;
+pub(super) const WIDTH: usize = 8;
 /// No node, no emitter.
 const NONE: u32 = u32::MAX;
-
-/// Where light is wanted.
-#[derive(Clone, Copy, Debug)]
-pub struct Receiver {
-    /// Render space.
-    pub position: Vec3A,
-    /// The normal of a surface that light from behind does not matter to; `None` takes light from all sides.
-    pub normal: Option<Vec3A>,
-}
 
 /// A child of a node.
 #[derive(Clone, Copy, Debug)]
@@ -70,10 +62,9 @@ impl Node {
 
     /// For each child a bound, nearly, of the light that it may send to a place.
     #[inline]
-    fn importances(&self, to: &Receiver) -> [f32; WIDTH] {
+    fn importances(&self, p: Vec3A, normal: Option<Vec3A>) -> [f32; WIDTH] {
         let zero = f32x8::splat(0.0);
         let one = f32x8::splat(1.0);
-        let p = to.position;
         let offset = [
             f32x8::splat(p.x) - self.center[0],
             f32x8::splat(p.y) - self.center[1],
@@ -94,7 +85,7 @@ impl Node {
         let cos_x = cos_of_difference(sine(cos_axis), cos_axis, self.sin_normal_spread, self.cos_normal_spread);
         let cos_least = cos_of_difference(sine(cos_x), cos_x, sin_box, cos_box);
         let mut cosines = cos_least.simd_gt(self.cos_emission_spread).select(cos_least.fast_max(zero), zero);
-        if let Some(n) = to.normal {
+        if let Some(n) = normal {
             let n = [f32x8::splat(-n.x), f32x8::splat(-n.y), f32x8::splat(-n.z)];
             let cos_i = dot(&away, &n).fast_max(-one).fast_min(one);
             cosines *= cos_of_difference(sine(cos_i), cos_i, sin_box, cos_box).fast_max(zero);
@@ -159,13 +150,18 @@ impl LightTree {
         here
     }
 
+    /// A place, and what the parts under the root may send there. The sky has no chance yet.
+    pub(super) fn receiver(&self, position: Vec3A, normal: Option<Vec3A>) -> Receiver {
+        let weights = self.nodes[0].importances(position, normal);
+        Receiver { position, normal, total: sum(&weights), weights, sky_chance: 0.0 }
+    }
+
     /// An emitter and the probability of its choice; `None` where none may send light.
     pub fn sample(&self, to: &Receiver, mut u: f32) -> Option<(usize, f32)> {
         let mut node = 0;
         let mut probability = 1.0;
+        let (mut weights, mut total) = (to.weights, to.total);
         loop {
-            let weights = self.nodes[node].importances(to);
-            let total = sum(&weights);
             if !(total > 0.0 && total.is_finite()) {
                 return None;
             }
@@ -186,6 +182,8 @@ impl LightTree {
                 Child::Node(next) => node = next as usize,
                 Child::Emitter(emitter) => return (probability > 0.0).then_some((emitter as usize, probability)),
             }
+            weights = self.nodes[node].importances(to.position, to.normal);
+            total = sum(&weights);
         }
     }
 
@@ -196,17 +194,20 @@ impl LightTree {
             return 0.0;
         }
         let mut probability = 1.0;
-        while place.0 != NONE {
+        loop {
             let node = &self.nodes[place.0 as usize];
-            let weights = node.importances(to);
-            let total = sum(&weights);
+            let is_root = node.parent.0 == NONE;
+            let weights = if is_root { to.weights } else { node.importances(to.position, to.normal) };
+            let total = if is_root { to.total } else { sum(&weights) };
             if !(total > 0.0 && total.is_finite()) {
                 return 0.0;
             }
             probability *= weights[place.1 as usize] / total;
+            if is_root {
+                return probability;
+            }
             place = node.parent;
         }
-        probability
     }
 }
 
@@ -243,14 +244,12 @@ mod tests {
             .collect()
     }
 
-    fn receivers() -> impl Iterator<Item = Receiver> {
+    fn receivers(tree: &LightTree) -> impl Iterator<Item = Receiver> {
         (0..50).map(|i| {
             let u = sobol_burley::sample_4d(i, 0, 3);
             let v = sobol_burley::sample_4d(i, 0, 4);
-            Receiver {
-                position: Vec3A::new(u[0], u[1], u[2]) * 14.0 - Vec3A::splat(7.0),
-                normal: (i % 2 == 0).then(|| sample_sphere([v[0], v[1]])),
-            }
+            let position = Vec3A::new(u[0], u[1], u[2]) * 14.0 - Vec3A::splat(7.0);
+            tree.receiver(position, (i % 2 == 0).then(|| sample_sphere([v[0], v[1]])))
         })
     }
 
@@ -260,7 +259,7 @@ mod tests {
         for n in [1, 2, 3, 100] {
             let list = emitters(n);
             let Some(tree) = LightTree::new(&list) else { continue };
-            for to in receivers() {
+            for to in receivers(&tree) {
                 let p: Vec<f32> = (0..list.len()).map(|i| tree.probability(&to, i)).collect();
                 let mut counts = vec![0u64; list.len()];
                 let samples = 4000;
@@ -290,7 +289,7 @@ mod tests {
     fn nothing_that_shines_is_ruled_out() {
         let list = emitters(100);
         let tree = LightTree::new(&list).unwrap();
-        for to in receivers() {
+        for to in receivers(&tree) {
             for (i, e) in list.iter().enumerate().filter(|(_, e)| e.power > 0.0) {
                 let d = (to.position - e.center()).normalize();
                 let mut cos = e.axis.dot(d);

@@ -6,7 +6,7 @@ use super::{CameraEnd, is_dark};
 use crate::accel::{Hit, Ray, RayKind};
 use crate::integrator::Stage;
 use crate::integrator::path::{CAMERA_SETS, FirstSurface, Limits, PathResult, SURE_BOUNCES, opacity};
-use crate::lights::tree::Receiver;
+use crate::lights::receiver::Receiver;
 use crate::sampler::PathSampler;
 use crate::surface::SurfacePoint;
 use crate::{Rgb, nodes};
@@ -104,7 +104,7 @@ impl Met<'_> {
     }
 
     fn receiver(&self) -> Option<Receiver> {
-        (self.bounce > 0).then_some(Receiver { position: self.ray.origin, normal: None })
+        (self.bounce > 0).then(|| self.stage.lights.receiver_between(self.ray.origin))
     }
 
     fn lamps(&self, t_max: f32, mut found: impl FnMut(Rgb)) {
@@ -119,7 +119,8 @@ impl Met<'_> {
 
     fn sky(&self, mut found: impl FnMut(Rgb)) {
         let Stage { scene, lights, emission, .. } = self.stage;
-        lights.sky_sources_along(scene, self.ray.direction, self.bounce == 0, |source, radiance, pdf| {
+        let to = self.receiver();
+        lights.sky_sources_along(scene, self.ray.direction, self.bounce == 0, to.as_ref(), |source, radiance, pdf| {
             found(radiance * self.weight(pdf, emission.density(scene, lights, source, self.ray.direction, 1.0)));
         });
     }
@@ -139,7 +140,7 @@ impl Met<'_> {
 /// What a light sample finds at a place.
 fn direct(stage: &Stage, vertex: &Vertex, u_choice: f32, u: [f32; 2], rays: &mut u32) -> Rgb {
     let Stage { scene, lights, emission, .. } = stage;
-    let to = Receiver { position: vertex.point.position, normal: None };
+    let to = lights.receiver_between(vertex.point.position);
     let Some((light, source)) = lights.sample_source(scene, &to, u_choice, u) else { return Rgb::ZERO };
     let (value, pdf) = vertex.bsdf.evaluate(light.wi);
     let found = vertex.carried * value * light.radiance / light.pdf;

@@ -9,7 +9,7 @@ use crate::scene::{SceneBuilder, world::World};
 use glam::{Affine3A, DMat4, DVec3, Vec3, Vec3A};
 
 fn limits(max_bounces: u32) -> Limits {
-    Limits { max_bounces, clamp_indirect: f32::INFINITY, hide_sky: false }
+    Limits { max_bounces, clamp_indirect: f32::INFINITY, hide_sky: false, openness: 0.5 }
 }
 
 fn cube() -> MeshDescription {
@@ -148,4 +148,20 @@ fn clamping_leaves_what_is_seen_directly() {
     // Glow 100, seen directly; what one bounce adds comes in two parts, the second after the bounce.
     let (free, clamped) = (one(f32::INFINITY), one(1e-3));
     assert!(clamped >= 100.0 && clamped < free, "{clamped} {free}");
+}
+
+/// Inside a closed box nothing of the sky is seen; from the outside of one that stands alone, all of it.
+#[test]
+fn openness_is_what_is_seen_of_the_sky() {
+    let stage = stage(plain(0.5, 0.0), Rgb::ONE, 1.0);
+    let rays = |from: Vec3A, sign: f32| {
+        (0..200).map(move |i| {
+            let u = PathSampler::new(i, 0, 0, 1).next_4d();
+            let d = warp::sample_sphere([u[0], u[1]]);
+            Ray::new(from + d * (1.0 - sign) * 5.0, d * sign)
+        })
+    };
+    assert_eq!(openness(&stage, rays(Vec3A::new(0.1, 0.2, 0.3), 1.0)), 0.0);
+    assert_eq!(openness(&stage, rays(Vec3A::ZERO, -1.0)), 1.0);
+    assert_eq!(openness(&stage, std::iter::empty()), 0.5);
 }

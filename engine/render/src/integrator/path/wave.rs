@@ -6,7 +6,7 @@ use super::{CAMERA_SETS, FirstSurface, Limits, MOST_STEPS, PathResult, SETS_PER_
 use crate::Rgb;
 use crate::accel::{Hit, Ray, RayKind, offset_origin};
 use crate::integrator::Stage;
-use crate::lights::{LightSample, tree::Receiver};
+use crate::lights::{LightSample, receiver::Receiver};
 use crate::nodes;
 use crate::sampler::PathSampler;
 use crate::shading::principled::Bsdf;
@@ -182,7 +182,7 @@ impl Wave {
             let values = nodes::evaluate(material, &stage.scene, point);
             let tables = &stage.tables[point.material as usize];
             let bsdf = Bsdf::new(material, &values, tables, point, -path.ray.direction);
-            let to = Receiver { position: point.position, normal: bsdf.receiving_normal() };
+            let to = stage.lights.receiver(point.position, bsdf.receiving_normal(), limits.openness);
             let [u0, u1, u2, u3] = path.sampler.next_4d();
             if !bsdf.is_mirror()
                 && let Some(light) = stage.lights.sample(&stage.scene, &to, *u_light, [u0, u1])
@@ -238,11 +238,11 @@ impl Path {
 
     /// Adds the light of the world and of suns.
     fn sky(&self, stage: &Stage, limits: &Limits, result: &mut PathResult) {
-        let camera = self.bounce == 0;
+        let (camera, to) = (self.bounce == 0, self.chosen.receiver());
         if camera && limits.hide_sky {
             return;
         }
-        stage.lights.sky_along(&stage.scene, self.ray.direction, camera, |radiance, pdf| {
+        stage.lights.sky_along(&stage.scene, self.ray.direction, camera, to, |radiance, pdf| {
             result.radiance += limits.clamp(self.throughput * radiance * self.chosen.weight(pdf), self.bounce);
         });
     }

@@ -1,7 +1,6 @@
 //! Rays that leave lights bring the power that lights have, with the densities that are said of them.
 
 use super::*;
-use crate::lights::tree::Receiver;
 use crate::scene::lamp::{Lamp, LampKind};
 use crate::scene::material::{Input, Material};
 use crate::scene::mesh::MeshDescription;
@@ -143,7 +142,7 @@ fn light_paths_bring_what_light_samples_find() {
             }
             let w = sobol_burley::sample_4d(i, 0, 3);
             let p = warp::sample_sphere([w[0], w[1]]) * radius;
-            let to = Receiver { position: p, normal: None };
+            let to = lights.receiver_between(p);
             let out = p / radius;
             let area = 4.0 * PI * radius * radius;
             let mut add = |wi: Vec3A, radiance: Rgb| {
@@ -202,12 +201,12 @@ fn densities_agree_from_both_ends() {
             if light.point_like {
                 continue;
             }
-            let to = Receiver { position: p, normal: None };
+            let to = lights.receiver_between(p);
             let wi = -e.ray.direction;
             let mut met = None;
             lights.lamp_sources_along(p, wi, f32::INFINITY, false, Some(&to), |s, r, pdf| met = Some((s, r, pdf)));
             if met.is_none() && lights.local.is_empty() || name.contains("sun") {
-                lights.sky_sources_along(&scene, wi, false, |s, r, pdf| {
+                lights.sky_sources_along(&scene, wi, false, Some(&to), |s, r, pdf| {
                     if s == e.source {
                         met = Some((s, r, pdf));
                     }

@@ -1,0 +1,19 @@
+//! Where light is wanted, and what the lights' tree says of it at its root: asked once a place.
+
+use super::tree::WIDTH;
+use glam::Vec3A;
+
+/// A place that light may reach. Made by [`super::Lights::receiver`].
+#[derive(Clone, Copy, Debug)]
+pub struct Receiver {
+    /// Render space.
+    pub position: Vec3A,
+    /// The normal of a surface that light from behind does not matter to; `None` takes light from all sides.
+    pub normal: Option<Vec3A>,
+    /// What each part under the tree's root may send here.
+    pub(super) weights: [f32; WIDTH],
+    /// Their sum.
+    pub(super) total: f32,
+    /// Chance of choosing the sky rather than something within the scene.
+    pub(super) sky_chance: f32,
+}
