@@ -13,7 +13,7 @@ use crate::sampler::warp;
 use crate::scene::material::{Input, Material};
 use crate::scene::mesh::Mesh;
 use crate::scene::{Scene, lamp::LampKind};
-use crate::surface::{geometric_normal, mesh_of};
+use crate::surface::{area_vector, geometric_normal, mesh_of};
 use crate::{Rgb, luminance};
 use glam::Vec3A;
 use lamp::PreparedLamp;
@@ -262,8 +262,7 @@ fn placed_corners(scene: &Scene, instance: u32, triangle: u32) -> [Vec3A; 3] {
 }
 
 fn triangle_area(scene: &Scene, instance: u32, triangle: u32) -> f32 {
-    let [a, b, c] = placed_corners(scene, instance, triangle);
-    0.5 * (b - a).cross(c - a).length()
+    0.5 * area_vector(placed_corners(scene, instance, triangle)).length()
 }
 
 fn sample_triangle(scene: &Scene, instance: u32, triangle: u32, from: Vec3A, u: [f32; 2]) -> Option<LightSample> {
@@ -275,7 +274,7 @@ fn sample_triangle(scene: &Scene, instance: u32, triangle: u32, from: Vec3A, u: 
     let wi = to / distance;
     let corners = mesh_of(scene, instance).corners(triangle);
     let cos = geometric_normal(&scene.instances[instance as usize], &corners).dot(wi).abs();
-    let area = 0.5 * (b - a).cross(c - a).length();
+    let area = 0.5 * area_vector([a, b, c]).length();
     if !(cos > 1e-6 && area > 0.0 && distance > 0.0) {
         return None;
     }
