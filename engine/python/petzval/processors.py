@@ -6,7 +6,7 @@ makers agreed on: `_engines/LEVEL/_native.abi3.so`. Other wheels hold one engine
 need nothing of this.
 
 What the processor can do the kernel says: /proc/cpuinfo needs no other package, and leaves out what the kernel has not
-switched on, such as the wide registers. numpy knows too, but under private names that changed more than once.
+switched on, such as the wide registers. numpy knows too, but under a private name, and it would have to be loaded first.
 """
 
 from __future__ import annotations
