@@ -51,7 +51,7 @@ numerics: ## hold the lens tracer against exact numbers, and write docs/numerics
 
 clean: ## what was built; the environments and the real Blender stay
 	cargo clean
-	rm -rf dist output engine/python/petzval/_bundled engine/python/petzval/*.so
+	rm -rf dist output $(addprefix engine/python/petzval/,_bundled _engines *.so)
 
 # Found when the recipe runs: the environments may just have been made.
 PETZVAL = $(firstword $(wildcard .venv-bpy52/bin/petzval .venv-bpy45/bin/petzval) .venv-bpy52/bin/petzval)

@@ -16,7 +16,12 @@ class EngineMissing(Exception):
 def engine() -> ModuleType:
     """The compiled module. Raises `EngineMissing` where it cannot be loaded."""
     try:
-        from petzval import _native
+        from petzval.processors import ProcessorError
+
+        try:
+            from petzval import _native
+        except ProcessorError as error:
+            raise EngineMissing(f"Petzval's engine cannot be loaded: {error}") from error
     except ImportError as error:
         raise EngineMissing(f"Petzval's engine cannot be loaded ({error}); install the extension again") from error
     return _native

@@ -20,6 +20,7 @@ def test_statistics_as_promised(cli_render):
     wanted = {
         "samples": int, "camera_rays": int, "camera_rays_lost": int, "rays": int, "peak_memory_mb": number,
         "plan": list, "seed": int, "threads": int, "non_finite_samples": int,
+        "processor": str,
     }  # fmt: skip
     for key, kind in wanted.items():
         assert isinstance(stats[key], kind) and not isinstance(stats[key], bool), key

@@ -18,6 +18,8 @@ class SceneError(PetzvalError): ...
 class CameraError(PetzvalError): ...
 
 __version__: str
+PROCESSOR: str
+"""What the engine was compiled for: "x86-64-v3", or the kind of processor where there is one engine for all."""
 
 class Lens:
     """A checked lens prescription."""

@@ -17,6 +17,7 @@ from collections.abc import Sequence
 from typing import NoReturn
 
 from .errors import CommandError, complain
+from .processors import ProcessorError
 
 #: Subcommand: its module and its line in `petzval --help`.
 COMMANDS = {
@@ -58,7 +59,7 @@ def _run(argv: Sequence[str]) -> int:
     if arguments.version:
         from . import _native
 
-        print(f"petzval {_native.__version__}")
+        print(f"petzval {_native.__version__}, engine for {_native.PROCESSOR}")
         return 0
     if arguments.command is None:
         parser.error("a command is missing")
@@ -69,6 +70,9 @@ def _engine_is_missing() -> bool:
     """Says so when the compiled module cannot be loaded."""
     try:
         importlib.import_module("._native", __package__)
+    except ProcessorError as error:
+        complain(str(error))
+        return True
     except ImportError as error:
         complain(f"no compiled engine: {error}: build it (make build), or install the wheel again")
         return True

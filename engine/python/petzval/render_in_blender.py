@@ -243,8 +243,10 @@ def _apply_camera(scene: Any, data: Any, o: dict, addon: Any) -> None:
 
 
 def _write_stats(path: str, last: Any, found: dict) -> None:
-    stats = {"plan": [], **last.stats, **found, "peak_memory_mb": _peak_memory_mb(), "warnings": last.warnings,
-             "interrupted": last.stopped}  # fmt: skip
+    from petzval import _native
+
+    stats = {"plan": [], **last.stats, **found, "processor": _native.PROCESSOR, "peak_memory_mb": _peak_memory_mb(),
+             "warnings": last.warnings, "interrupted": last.stopped}  # fmt: skip
     with open(path, "w", encoding="utf-8") as out:
         json.dump(stats, out, indent=2)
         out.write("\n")

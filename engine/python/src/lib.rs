@@ -13,10 +13,24 @@ mod surface;
 
 use pyo3::prelude::*;
 
+/// What this module was compiled for: a level of x86-64 (`petzval/processors.py`), or the kind of processor.
+const PROCESSOR: &str = if cfg!(not(target_arch = "x86_64")) {
+    std::env::consts::ARCH
+} else if cfg!(all(target_feature = "avx512f", target_feature = "avx512vl")) {
+    "x86-64-v4"
+} else if cfg!(all(target_feature = "avx2", target_feature = "fma", target_feature = "bmi2")) {
+    "x86-64-v3"
+} else if cfg!(all(target_feature = "sse4.2", target_feature = "popcnt")) {
+    "x86-64-v2"
+} else {
+    "x86-64"
+};
+
 /// The compiled half of the package.
 #[pymodule]
 fn _native(m: &Bound<'_, PyModule>) -> PyResult<()> {
     m.add("__version__", env!("CARGO_PKG_VERSION"))?;
+    m.add("PROCESSOR", PROCESSOR)?;
     error::register(m)?;
     m.add_class::<lens::Lens>()?;
     m.add_class::<scene::SceneBuilder>()?;

@@ -108,10 +108,18 @@ pub fn uv(mesh: &Mesh, triangle: u32, barycentric: [f32; 2], map: Option<&str>) 
     c[0] * w0 + c[1] * w1 + c[2] * w2
 }
 
+/// Twice the area of a triangle, along its normal.
+///
+/// By numbers, not in a register of them: there glam fuses the product and the difference where it is compiled for a
+/// processor that can, and the picture would depend on that.
+pub fn area_vector([a, b, c]: [Vec3A; 3]) -> Vec3A {
+    Vec3::from(b - a).cross(Vec3::from(c - a)).into()
+}
+
 /// The unit normal of a placed triangle, on its front side.
 pub fn geometric_normal(instance: &Instance, corners: &[Vec3; 3]) -> Vec3A {
     let [a, b, c] = corners.map(|p| instance.to_render.transform_vector3a(Vec3A::from(p)));
-    let n = (b - a).cross(c - a);
+    let n = area_vector([a, b, c]);
     let n = n.try_normalize().unwrap_or_else(|| {
         // So small that its square vanishes in single precision.
         let (e, f) = ((b - a).as_dvec3(), (c - a).as_dvec3());

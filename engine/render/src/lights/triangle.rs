@@ -3,7 +3,7 @@
 use super::LightSample;
 use super::bounds::LightBounds;
 use crate::scene::{Scene, material::Input};
-use crate::surface::{geometric_normal, mesh_of};
+use crate::surface::{area_vector, geometric_normal, mesh_of};
 use crate::{Rgb, nodes, sampler::warp};
 use glam::{Vec3, Vec3A};
 use std::f32::consts::{FRAC_PI_2, PI};
@@ -33,7 +33,7 @@ impl LitTriangle {
     /// `brightness` is the mean radiance of its material.
     pub(super) fn new(scene: &Scene, instance: u32, triangle: u32, brightness: f32, two_sided: bool) -> Self {
         let [a, b, c] = placed_corners(scene, instance, triangle);
-        let area = 0.5 * (b - a).cross(c - a).length();
+        let area = 0.5 * area_vector([a, b, c]).length();
         let placed = &scene.instances[instance as usize];
         let mesh = mesh_of(scene, instance);
         let material = &scene.materials[placed.material(mesh.slot(triangle)) as usize];
