@@ -1,0 +1,63 @@
+//! What a ray costs in the tree, and what the tree costs: `cargo bench -p petzval-render --bench tree`.
+
+use criterion::{Criterion, Throughput, criterion_group, criterion_main};
+use glam::Vec3A;
+use petzval_render::accel::{Accel, Ray, RayKind, offset_origin};
+use petzval_render::sampler::warp::sample_sphere;
+use petzval_render::scene::Scene;
+use petzval_render::surface::SurfacePoint;
+use stage::Dice;
+use std::hint::black_box;
+use std::time::Duration;
+
+#[allow(dead_code, reason = "the cameras are for other benches")]
+mod stage;
+
+/// Enough that the tree's parts come from memory as they do in a render.
+const RAYS: usize = 1 << 17;
+
+/// From the pinhole through random places of the picture, in random order: 50 mm on 36 x 20.25 mm along +y.
+fn primary() -> Vec<Ray> {
+    let mut dice = Dice::new(1);
+    let mut place = |width: f32| width * (dice.roll() - 0.5) / 50.0;
+    (0..RAYS).map(|_| Ray::new(Vec3A::ZERO, Vec3A::new(place(36.0), 1.0, place(20.25)).normalize())).collect()
+}
+
+/// From where those met something, spread by the cosine.
+fn bounce(scene: &Scene, accel: &Accel, primary: &[Ray]) -> Vec<Ray> {
+    let mut dice = Dice::new(2);
+    let from = |ray: &Ray| {
+        let hit = accel.closest(ray, RayKind::Camera)?;
+        let point = SurfacePoint::new(scene, &hit, ray.direction);
+        let n = point.geometric_normal;
+        let direction = (n + sample_sphere([dice.roll(), dice.roll()])).normalize_or(n);
+        Some(Ray::new(offset_origin(point.position, n, point.position_error), direction))
+    };
+    primary.iter().filter_map(from).collect()
+}
+
+fn rays(c: &mut Criterion) {
+    let mut group = c.benchmark_group("tree");
+    group.sample_size(20).measurement_time(Duration::from_secs(5));
+    for (size, prefix) in [(stage::LARGE, ""), (stage::SMALL, "small/")] {
+        let scene = stage::scene(size);
+        let accel = Accel::new(&scene);
+        let primary = primary();
+        let bounce = bounce(&scene, &accel, &primary);
+        for (rays, name) in [(&primary, "closest/primary"), (&bounce, "closest/bounce")] {
+            group.throughput(Throughput::Elements(rays.len() as u64));
+            group.bench_function(format!("{prefix}{name}"), |b| {
+                b.iter(|| rays.iter().filter(|ray| accel.closest(black_box(ray), RayKind::Bounce).is_some()).count());
+            });
+        }
+        group.bench_function(format!("{prefix}shadow/bounce"), |b| {
+            b.iter(|| bounce.iter().map(|ray| accel.transmittance(black_box(ray), |_| 1.0)).sum::<f32>());
+        });
+        group.throughput(Throughput::Elements(scene.triangle_count() as u64));
+        group.bench_function(format!("{prefix}build"), |b| b.iter(|| Accel::new(black_box(&scene))));
+    }
+    group.finish();
+}
+
+criterion_group!(benches, rays);
+criterion_main!(benches);

@@ -1,0 +1,95 @@
+//! Boxes with the axes' directions.
+
+use glam::{Affine3A, Vec3, Vec3A, Vec4};
+
+/// A box, and what it is around: the bits of the fourth components, which mean nothing in a union.
+#[derive(Clone, Copy, Debug)]
+pub(super) struct Bounds {
+    pub(super) min: Vec4,
+    pub(super) max: Vec4,
+}
+
+impl Bounds {
+    /// Around nothing.
+    pub(super) const EMPTY: Self = Self { min: Vec4::INFINITY, max: Vec4::NEG_INFINITY };
+
+    /// How far rounding moves a ray against a triangle, as a share of their distances from the origin: six half
+    /// units in the triangle test's shear, three in the box test, four where the node is coarse; rounded up.
+    pub(super) const SLACK: f32 = 8.0 * f32::EPSILON;
+
+    /// A triangle's, grown by what rounding may lose.
+    pub(super) fn of(corners: &[Vec3; 3]) -> Self {
+        let [a, b, c] = corners.map(|p| p.extend(0.0));
+        Self { min: a.min(b).min(c), max: a.max(b).max(c) }.grown()
+    }
+
+    /// The same box, around what these two numbers name.
+    pub(super) fn naming(self, [a, b]: [u32; 2]) -> Self {
+        let [a, b] = [a, b].map(f32::from_bits);
+        Self { min: self.min.with_w(a), max: self.max.with_w(b) }
+    }
+
+    /// What it is around.
+    pub(super) fn name(&self) -> [u32; 2] {
+        [self.min.w, self.max.w].map(f32::to_bits)
+    }
+
+    /// Neither a number too large nor none.
+    pub(super) fn is_finite(&self) -> bool {
+        self.low().is_finite() && self.high().is_finite()
+    }
+
+    /// Grown by what rounding may lose at its distance from the origin.
+    fn grown(self) -> Self {
+        let reach = self.min.abs().max(self.max.abs()).truncate().max_element();
+        let grow = Vec4::splat(Self::SLACK * reach);
+        Self { min: self.min - grow, max: self.max + grow }
+    }
+
+    /// Around a moved box.
+    pub(super) fn transformed(&self, m: &Affine3A) -> Self {
+        let mut out = Self::EMPTY;
+        for i in 0..8 {
+            let pick = |axis: usize| if i >> axis & 1 == 0 { self.min[axis] } else { self.max[axis] };
+            let corner = m.transform_point3a(Vec3A::new(pick(0), pick(1), pick(2))).extend(0.0);
+            out = out.union(&Self { min: corner, max: corner });
+        }
+        // The move's own rounding is relative to what it moves by, which may be more than where it ends.
+        let shift = Vec4::splat(Self::SLACK * m.translation.abs().max_element());
+        Self { min: out.min - shift, max: out.max + shift }.grown()
+    }
+
+    #[inline(always)]
+    pub(super) fn union(&self, other: &Self) -> Self {
+        Self { min: self.min.min(other.min), max: self.max.max(other.max) }
+    }
+
+    /// With another point.
+    #[inline(always)]
+    pub(super) fn with(&self, p: Vec4) -> Self {
+        Self { min: self.min.min(p), max: self.max.max(p) }
+    }
+
+    /// Half the surface; 0 of nothing.
+    #[inline(always)]
+    pub(super) fn half_area(&self) -> f32 {
+        let d = (self.max - self.min).max(Vec4::ZERO);
+        d.x * (d.y + d.z) + d.y * d.z
+    }
+
+    /// Twice the middle.
+    #[inline(always)]
+    pub(super) fn middle(&self) -> Vec4 {
+        self.min + self.max
+    }
+
+    #[inline(always)]
+    pub(super) fn low(&self) -> Vec3A {
+        Vec3A::from_vec4(self.min)
+    }
+
+    #[inline(always)]
+    pub(super) fn high(&self) -> Vec3A {
+        Vec3A::from_vec4(self.max)
+    }
+}
