@@ -14,8 +14,9 @@ import numpy as np
 
 from . import MARK
 
-#: The LLVM variants hold the state of every path of a pass: more samples are rendered in several passes.
-SAMPLES_A_PASS = 16
+#: The LLVM variants hold the state of every path of a pass: more samples are rendered in several passes. Powers of two,
+#: as other counts would be compiled anew.
+SAMPLES_A_PASS = (16, 8, 4, 2, 1)
 
 
 def main(job: dict) -> None:
@@ -32,8 +33,9 @@ def main(job: dict) -> None:
         from . import embree
 
         return _say(**embree.measure(scene))
-    # The first picture compiles.
-    np.array(mi.render(scene, spp=1, seed=987654))
+    # The first pictures compile.
+    for count in (1, 2):
+        np.array(mi.render(scene, spp=count, seed=987654))
     for samples, seed in job["renders"]:
         before, began = resource.getrusage(resource.RUSAGE_SELF), time.perf_counter()
         picture = _render(scene, samples, seed)
@@ -60,7 +62,7 @@ def _use_threads(variant: str, threads: int) -> None:
 def _render(scene: mi.Scene, samples: int, seed: int) -> np.ndarray:
     total, done, turn = 0.0, 0, 0
     while done < samples:
-        part = min(SAMPLES_A_PASS, samples - done)
+        part = next(count for count in SAMPLES_A_PASS if count <= samples - done)
         # Passes of one picture must not share a seed with those of another.
         total = total + part * np.array(mi.render(scene, spp=part, seed=seed * 65536 + turn), dtype=np.float64)
         done, turn = done + part, turn + 1
