@@ -10,6 +10,7 @@ import matplotlib
 matplotlib.use("Agg")
 import matplotlib.pyplot as plt  # noqa: E402
 import numpy as np  # noqa: E402
+from matplotlib.ticker import NullFormatter  # noqa: E402
 
 from .noise import Convergence  # noqa: E402
 from .programs import CAMERAS, CYCLES, LLVM, NAMES, PETZVAL, SCALAR  # noqa: E402
@@ -32,6 +33,11 @@ def draw(found: dict, targets: tuple[float, ...], path: Path) -> None:
         for target in targets:
             axes.axhline(target, color="#bbbbbb", linewidth=0.8, zorder=0)
         axes.set(xscale="log", yscale="log", xlabel="CPU seconds")
+        # Whole decades, so that each axis has a number at least at its ends.
+        low, high = np.log10(axes.get_xlim())
+        axes.set_xlim(10.0 ** np.floor(low), 10.0 ** np.ceil(high))
+        axes.xaxis.set_minor_formatter(NullFormatter())
+        axes.yaxis.set_minor_formatter(NullFormatter())
         axes.set_title("exact lens" if panel[0].startswith("lens") else CAMERAS[panel[0]])
         axes.legend(frameon=False, fontsize=7)
     all_axes[0][0].set_ylabel("relMSE, trimmed")
