@@ -9,6 +9,7 @@ import sys
 import time
 from pathlib import Path
 
+import drjit as dr
 import mitsuba as mi
 import numpy as np
 
@@ -25,8 +26,9 @@ def main(job: dict) -> None:
 
     folder = Path(job["folder"])
     mitsuba_scene.write_meshes(folder)
-    _use_threads(job["program"], job["threads"])
-    before, began = resource.getrusage(resource.RUSAGE_SELF), time.perf_counter()
+    # Of the scalar variants too: one pool works for all.
+    dr.set_thread_count(job["threads"])
+    began = time.perf_counter()
     scene = mi.load_dict(mitsuba_scene.description(folder, tuple(job["size"]), job["camera"] == "thin"))
     load_s = time.perf_counter() - began
     if job["program"] == "llvm_ad_rgb" and job["camera"] == "rays":
@@ -48,15 +50,6 @@ def main(job: dict) -> None:
         user = after.ru_utime - before.ru_utime
         _say(samples=samples, seed=seed, user_s=user, wall_s=wall, peak_mb=after.ru_maxrss / 1024.0, tree_s=load_s,
              **found)  # fmt: skip
-
-
-def _use_threads(variant: str, threads: int) -> None:
-    import drjit as dr
-
-    # The calling thread of a scalar variant waits while the pool works; Dr.Jit's one count is for both.
-    dr.set_thread_count(threads)
-    if variant.startswith("scalar") and hasattr(mi, "set_thread_count"):
-        mi.set_thread_count(threads)
 
 
 def _render(scene: mi.Scene, samples: int, seed: int) -> np.ndarray:
