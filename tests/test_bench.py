@@ -73,6 +73,17 @@ def test_the_noise_of_a_known_picture_is_found():
     assert fitted.seconds_to(0.01) == pytest.approx(20 * 0.03, rel=0.02)
 
 
+def test_a_difference_is_told_from_noise():
+    dice = np.random.default_rng(2)
+    truth = np.full((200, 200, 3), 0.5)
+    halves = [[truth * bright * dice.normal(1.0, 0.03, truth.shape) for _ in range(2)] for bright in (1.05, 1.0)]
+    measured, own = noise.difference(*halves)
+    # Two pictures, each the mean of two with a variance of 0.03^2. The trimmed thousandth takes off up to 1 %; the noise
+    # of the divisor adds a hundredth to the step of 5 %, and so two to its square.
+    assert own == pytest.approx(0.5 * 0.03**2 * (1.05**2 + 1.0), rel=0.03)
+    assert measured - own == pytest.approx(0.05**2, rel=0.05)
+
+
 def test_sparks_are_left_out():
     truth = np.full((100, 100, 3), 0.5)
     sparks = truth.copy()

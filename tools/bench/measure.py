@@ -139,9 +139,7 @@ class Experiments:
                 if (camera, first) not in pixels or (camera, second) not in pixels:
                     continue
                 a, b = (_converged(pixels[camera, one]) for one in (first, second))
-                measured = noise.rel_mse(a, b)
-                # Halves differ by four times the variance of their mean.
-                own = sum(noise.rel_mse(*pixels[camera, one][-2:]) for one in (first, second)) / 4.0
+                measured, own = noise.difference(pixels[camera, first][-2:], pixels[camera, second][-2:])
                 self.found["agreement"].append(
                     {
                         "camera": camera,

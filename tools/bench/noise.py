@@ -37,6 +37,20 @@ def rel_mse(picture: np.ndarray, reference: np.ndarray, samples: int = 0, refere
     return measured / (1.0 + samples / reference_samples) if reference_samples else measured
 
 
+def difference(first: Sequence[np.ndarray], second: Sequence[np.ndarray]) -> tuple[float, float]:
+    """Trimmed relMSE of two pictures, each given in two halves, and how much of it is noise.
+
+    The noise is taken over the pixels that the error keeps, and relative to the same reference.
+    """
+    a, b = (0.5 * (halves[0].astype(np.float64) + halves[1]) for halves in (first, second))
+    errors = squared_errors(a, b)
+    # Halves differ by four times the variance of their mean.
+    variance = sum((halves[0].astype(np.float64) - halves[1]) ** 2 for halves in (first, second)) / 4.0
+    noise = (variance / (b**2 + (FLOOR * b.mean()) ** 2)).mean(-1)
+    kept = np.argsort(errors, axis=None)[: int(errors.size * (1.0 - TRIMMED))]
+    return float(errors.ravel()[kept].mean()), float(noise.ravel()[kept].mean())
+
+
 @dataclass(frozen=True)
 class Convergence:
     """Error times samples, and CPU seconds a sample (of the whole picture)."""
