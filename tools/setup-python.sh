@@ -1,7 +1,7 @@
 #!/bin/sh
 # Makes the Python environments .venv-NAME of the checkout from tools/requirements/NAME.txt; costs nothing when they are up to date.
 #
-#   tools/setup-python.sh NAME...     tools bpy52 bpy45 bpy50 bpy42
+#   tools/setup-python.sh NAME...     tools bpy52 bpy45 bpy50 bpy42 bench
 #
 # Exit 1, with one line that says what to do, if one of them cannot be made; the others are made all the same.
 set -eu
@@ -15,6 +15,7 @@ version_of() {
     bpy52) echo 3.13 ;;
     bpy45 | bpy50 | bpy42) echo 3.11 ;;
     tools) echo 3.11 3.12 3.13 3.14 ;;
+    bench) echo 3.13 3.12 3.11 ;;
     *) return 1 ;;
     esac
 }
@@ -54,7 +55,11 @@ make_one() {
     fi
     "$folder/bin/python" -m pip install --disable-pip-version-check -r "$list" >>"$log" 2>&1 ||
         { say "$name: cannot install $list: read $log"; return 1; }
-    if [ "$name" != tools ] && ! import_bpy; then
+    case $name in
+    tools | bench) needs_bpy=no ;;
+    *) needs_bpy=yes ;;
+    esac
+    if [ $needs_bpy = yes ] && ! import_bpy; then
         install_libraries >>"$log" 2>&1 || true
         import_bpy || { say "$name: bpy does not load: install $libraries, or read $log"; return 1; }
     fi

@@ -1,0 +1,28 @@
+# SPDX-License-Identifier: GPL-3.0-or-later
+"""What criterion has measured of the engine's own kernels, if those benches have been run."""
+
+from __future__ import annotations
+
+import json
+import os
+from pathlib import Path
+
+#: Groups of benches, and the command that runs each.
+GROUPS = {
+    "tree": "cargo bench -p petzval-render --bench tree",
+    "camera sample": "cargo bench -p petzval-render --bench camera",
+}
+
+
+def read(top: Path) -> dict[str, dict[str, float]]:
+    """By group and name, nanoseconds an element (the whole, where a bench has no count)."""
+    folder = Path(os.environ.get("CARGO_TARGET_DIR", top / "target")) / "criterion"
+    found: dict[str, dict[str, float]] = {}
+    for about in sorted(folder.glob("**/new/benchmark.json")):
+        bench = json.loads(about.read_text())
+        if bench["group_id"] in GROUPS:
+            middle = json.loads((about.parent / "estimates.json").read_text())["median"]["point_estimate"]
+            count = (bench.get("throughput") or {}).get("Elements", 1)
+            name = "/".join(part for part in (bench["function_id"], bench["value_str"]) if part)
+            found.setdefault(bench["group_id"], {})[name] = middle / count
+    return found
