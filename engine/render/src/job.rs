@@ -173,8 +173,8 @@ struct Shared {
     pipeline: Pipeline,
     raster: Raster,
     motion: Option<Motion>,
-    /// What [`path::openness`] says of the picture.
-    openness: OnceLock<f32>,
+    /// Found by the first thread that asks.
+    limits: OnceLock<Limits>,
     film: Film,
     /// First sample and count of each pass.
     passes: Vec<(u32, u32)>,
@@ -237,7 +237,7 @@ impl Job {
             raster: Raster::new(width, height, PixelFilter::new(settings.filter_width_px)),
             film: Film::keeping(width, height, spreads, keep),
             motion: beside.motion,
-            openness: OnceLock::new(),
+            limits: OnceLock::new(),
             pipeline,
             passes: passes(settings.samples),
             stage,
@@ -381,17 +381,26 @@ impl Shared {
         self.ended.notify_all();
     }
 
-    /// From rays that lie evenly over the picture.
-    fn find_openness(&self) -> f32 {
+    /// With what rays that lie evenly over the picture tell of it.
+    fn find_limits(&self) -> Limits {
         const SIDE: u32 = 16;
+        let s = &self.settings;
         let camera = &self.cameras[self.cameras.len() / 2];
-        let rays = (0..SIDE * SIDE).filter_map(|i| {
+        let ray = |i: u32| {
             let [u0, u1, u2, u3] = PathSampler::new(i, 0, 0, 0).next_4d();
             let (column, row) = ((i % SIDE) as f32 + u0, (i / SIDE) as f32 + u1);
             let place = Vec2::new(column, row) / SIDE as f32 - 0.5;
             camera.sample(place, [u2, u3], (i as f32 + 0.5) / (SIDE * SIDE) as f32).map(|found| found.ray)
-        });
-        path::openness(&self.stage, rays)
+        };
+        let rays: Vec<_> = (0..SIDE * SIDE).filter_map(ray).collect();
+        let limits = Limits {
+            max_bounces: s.max_bounces,
+            clamp_indirect: if s.clamp_indirect > 0.0 { s.clamp_indirect } else { f32::INFINITY },
+            hide_sky: s.transparent_film,
+            openness: path::openness(&self.stage, &rays),
+            roulette: f32::INFINITY,
+        };
+        Limits { roulette: path::roulette(&self.stage, &limits, &rays), ..limits }
     }
 
     fn render(&self) {
@@ -402,12 +411,7 @@ impl Shared {
             pipeline: self.pipeline,
             light_paths: (s.integrator == Integrator::Bidirectional).then_some(Techniques::All),
             raster: &self.raster,
-            limits: Limits {
-                max_bounces: s.max_bounces,
-                clamp_indirect: if s.clamp_indirect > 0.0 { s.clamp_indirect } else { f32::INFINITY },
-                hide_sky: s.transparent_film,
-                openness: *self.openness.get_or_init(|| self.find_openness()),
-            },
+            limits: *self.limits.get_or_init(|| self.find_limits()),
             seed: s.seed,
             motion: self.motion.as_ref(),
         };

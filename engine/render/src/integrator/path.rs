@@ -3,10 +3,10 @@
 //!
 //! Many paths go on together: see [`Wave`].
 
-mod openness;
+mod pilot;
 mod wave;
 
-pub use openness::openness;
+pub use pilot::{openness, roulette};
 pub use wave::Wave;
 
 use super::Stage;
@@ -17,7 +17,7 @@ use crate::surface::SurfacePoint;
 use crate::{Rgb, scene::Scene};
 use glam::Vec3A;
 
-/// Bounces before a path may be ended by chance.
+/// Bounces before a path of light may be ended by chance.
 pub(super) const SURE_BOUNCES: u32 = 3;
 /// Surfaces that a path may pass unbent or scatter at, in all: a bound for stacks of transparent leaves.
 pub(super) const MOST_STEPS: u32 = 512;
@@ -77,6 +77,8 @@ pub struct Limits {
     pub hide_sky: bool,
     /// The part of the sky that is seen from a surface, on average: see [`openness`]. Only noise depends on it.
     pub openness: f32,
+    /// A path from the camera goes on with a chance of its throughput times this, at most 1: see [`roulette`].
+    pub roulette: f32,
 }
 
 impl Limits {

@@ -2,7 +2,7 @@
 //! order of their materials, then all shadow rays are traced. Each step does one kind of work on memory that stays in
 //! the cache. What a path finds does not depend on which others go with it.
 
-use super::{CAMERA_SETS, FirstSurface, Limits, MOST_STEPS, PathResult, SETS_PER_STEP, SURE_BOUNCES, leave, opacity};
+use super::{CAMERA_SETS, FirstSurface, Limits, MOST_STEPS, PathResult, SETS_PER_STEP, leave, opacity};
 use crate::Rgb;
 use crate::accel::{Hit, Ray, RayKind, offset_origin};
 use crate::integrator::Stage;
@@ -22,6 +22,8 @@ pub struct Wave {
     live: Vec<u32>,
     hits: Vec<Option<Hit>>,
     meetings: Vec<Meeting>,
+    /// Material and number of the meetings, sorted.
+    order: Vec<u64>,
     shadows: Vec<Shadow>,
 }
 
@@ -35,6 +37,7 @@ struct Path {
     travelled: f32,
     /// Where the ray was scattered.
     start: Vec3A,
+    is_alive: bool,
     sampler: PathSampler,
 }
 
@@ -100,6 +103,7 @@ impl Wave {
             bounce: 0,
             travelled: 0.0,
             start: ray.origin,
+            is_alive: true,
             sampler,
         });
     }
@@ -117,10 +121,11 @@ impl Wave {
             }
             self.trace(stage);
             self.meet(stage, limits, step);
-            self.meetings.sort_unstable_by_key(|m| (m.point.material, m.path));
+            self.sort();
             self.scatter(stage, limits);
             self.shadow(stage, limits);
-            self.live.sort_unstable();
+            let paths = &self.paths;
+            self.live.retain(|&i| paths[i as usize].is_alive);
         }
     }
 
@@ -138,9 +143,9 @@ impl Wave {
     /// Light that the rays found; keeps those alive that go on through a surface, and notes where others scatter.
     fn meet(&mut self, stage: &Stage, limits: &Limits, step: u32) {
         self.meetings.clear();
-        let live = std::mem::take(&mut self.live);
-        for (&i, hit) in live.iter().zip(&self.hits) {
+        for (&i, hit) in self.live.iter().zip(&self.hits) {
             let (path, result) = (&mut self.paths[i as usize], &mut self.results[i as usize]);
+            path.is_alive = false;
             let Some(hit) = hit else {
                 path.lamps_before(stage, limits, f32::INFINITY, result);
                 path.sky(stage, limits, result);
@@ -153,7 +158,7 @@ impl Wave {
                 path.travelled += hit.t;
                 let origin = offset_origin(point.position, -point.geometric_normal, point.position_error);
                 path.ray = Ray::new(origin, path.ray.direction);
-                self.live.push(i);
+                path.is_alive = true;
                 continue;
             }
             path.lamps_before(stage, limits, path.travelled + hit.t, result);
@@ -166,17 +171,21 @@ impl Wave {
                 self.meetings.push(Meeting { path: i, point, u: [u_end, u_light, u_lobe] });
             }
         }
-        if self.live.is_empty() {
-            // The larger of the two keeps its memory.
-            self.live = live;
-            self.live.clear();
-        }
+    }
+
+    /// Brings the meetings in the order of their materials.
+    fn sort(&mut self) {
+        self.order.clear();
+        let key = |(i, m): (usize, &Meeting)| (u64::from(m.point.material) << 32) | i as u64;
+        self.order.extend(self.meetings.iter().enumerate().map(key));
+        self.order.sort_unstable();
     }
 
     /// At each surface a sample of the lights, and a direction to go on in.
     fn scatter(&mut self, stage: &Stage, limits: &Limits) {
         self.shadows.clear();
-        for Meeting { path: i, point, u: [u_end, u_light, u_lobe] } in &self.meetings {
+        for &key in &self.order {
+            let Meeting { path: i, point, u: [u_end, u_light, u_lobe] } = &self.meetings[key as u32 as usize];
             let path = &mut self.paths[*i as usize];
             let material = &stage.scene.materials[point.material as usize];
             let values = nodes::evaluate(material, &stage.scene, point);
@@ -199,8 +208,12 @@ impl Wave {
             let Some(next) = bsdf.sample(*u_lobe, [u2, u3]) else { continue };
             path.throughput *= next.weight;
             path.bounce += 1;
-            if path.bounce > SURE_BOUNCES {
-                let go_on = path.throughput.max_element().min(1.0);
+            let brightest = path.throughput.max_element();
+            if brightest <= 0.0 {
+                continue;
+            }
+            let go_on = brightest * limits.roulette;
+            if go_on < 1.0 {
                 if *u_end >= go_on {
                     continue;
                 }
@@ -210,7 +223,7 @@ impl Wave {
             path.travelled = 0.0;
             path.ray = Ray::new(leave(point, next.wi), next.wi);
             path.start = path.ray.origin;
-            self.live.push(*i);
+            path.is_alive = true;
         }
     }
 
