@@ -4,6 +4,7 @@
 //! Every random choice comes in threes: `sample_x` takes uniform numbers to a value, `x_pdf` gives its density.
 
 pub mod distribution;
+mod points;
 pub mod raster;
 pub mod warp;
 
@@ -31,7 +32,7 @@ impl PathSampler {
     pub fn next_4d(&mut self) -> [f32; 4] {
         let seed = mix(self.seed.wrapping_add(self.set.wrapping_mul(0x9e37_79b9)));
         self.set += 1;
-        sobol_burley::sample_4d(self.index, 0, seed)
+        points::sample_4d(self.index, seed)
     }
 
     /// Goes to a fixed set of dimensions, so that branches of different length before it do not shift the
