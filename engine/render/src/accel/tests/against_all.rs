@@ -57,14 +57,12 @@ fn all_hits(scene: &Scene, ray: &Ray, kind: RayKind) -> Vec<f32> {
 
 fn levels() -> Vec<Level> {
     let best = Level::new();
-    let mut levels = vec![best];
     #[cfg(target_arch = "x86_64")]
-    {
-        levels.extend(best.as_avx2().map(Level::Avx2));
-        levels.extend(best.as_sse4_2().map(Level::Sse4_2));
-        levels.extend(best.as_sse2().map(Level::Sse2));
-    }
-    levels
+    let others =
+        [best.as_avx2().map(Level::Avx2), best.as_sse4_2().map(Level::Sse4_2), best.as_sse2().map(Level::Sse2)];
+    #[cfg(not(target_arch = "x86_64"))]
+    let others: [Option<Level>; 0] = [];
+    others.into_iter().flatten().chain([best]).collect()
 }
 
 /// Numbers in [0, 1).
