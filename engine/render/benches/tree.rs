@@ -10,7 +10,6 @@ use stage::Dice;
 use std::hint::black_box;
 use std::time::Duration;
 
-#[allow(dead_code, reason = "the cameras are for other benches")]
 mod stage;
 
 /// Enough that the tree's parts come from memory as they do in a render.

@@ -126,7 +126,7 @@ impl Accel {
                 let bounds = meshes[instance.mesh as usize].bounds()?;
                 Some(bounds.transformed(&instance.to_render).naming([i, 0]))
             })
-            .filter(Bounds::is_finite)
+            .filter(Bounds::is_within_reach)
             .collect();
         let places = build(&mut boxes, 1);
         let place = |leaf: &Range<usize>| {
@@ -271,7 +271,7 @@ impl TriangleTree {
 
     /// Over boxes that name triangles, whose corners `corners` tells.
     fn new(mut items: Vec<Bounds>, corners: impl Fn([u32; 2]) -> [Vec3; 3] + Sync) -> Self {
-        items.retain(Bounds::is_finite);
+        items.retain(Bounds::is_within_reach);
         let built = build(&mut items, LANES);
         let block = |leaf: Range<usize>| {
             let mut block = Block::EMPTY;

@@ -34,9 +34,10 @@ impl Bounds {
         [self.min.w, self.max.w].map(f32::to_bits)
     }
 
-    /// Neither a number too large nor none.
-    pub(super) fn is_finite(&self) -> bool {
-        self.low().is_finite() && self.high().is_finite()
+    /// Near enough for products of three distances to be numbers of single precision.
+    pub(super) fn is_within_reach(&self) -> bool {
+        const REACH: f32 = 1e12;
+        self.low().abs().max(self.high().abs()).cmple(Vec3A::splat(REACH)).all()
     }
 
     /// Grown by what rounding may lose at its distance from the origin.
@@ -54,8 +55,11 @@ impl Bounds {
             let corner = m.transform_point3a(Vec3A::new(pick(0), pick(1), pick(2))).extend(0.0);
             out = out.union(&Self { min: corner, max: corner });
         }
-        // The move's own rounding is relative to what it moves by, which may be more than where it ends.
-        let shift = Vec4::splat(Self::SLACK * m.translation.abs().max_element());
+        // The move's own rounding is relative to what is added up, which may be more than the sum.
+        let m3 = &m.matrix3;
+        let reach = self.low().abs().max(self.high().abs()).max_element();
+        let added = (m3.x_axis.abs() + m3.y_axis.abs() + m3.z_axis.abs()) * reach + m.translation.abs();
+        let shift = Vec4::splat(Self::SLACK * added.max_element());
         Self { min: out.min - shift, max: out.max + shift }.grown()
     }
 

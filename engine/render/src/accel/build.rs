@@ -196,8 +196,7 @@ impl Bins {
         let mut out = Self { bounds: [[Bounds::EMPTY; BINS]; 3], count: [[0; BINS]; 3] };
         for item in span.items.iter() {
             let bins = grid.bins(item.middle());
-            for axis in 0..3 {
-                let bin = bins[axis];
+            for (axis, &bin) in bins[..3].iter().enumerate() {
                 out.bounds[axis][bin] = out.bounds[axis][bin].union(item);
                 out.count[axis][bin] += 1;
             }
@@ -218,15 +217,15 @@ impl Bins {
                 above[bin] = (bounds, count);
             }
             (bounds, count) = (Bounds::EMPTY, 0);
-            for bin in 1..BINS {
+            for (bin, above) in above.iter().enumerate().skip(1) {
                 bounds = bounds.union(&self.bounds[axis][bin - 1]);
                 count += self.count[axis][bin - 1];
-                if count == 0 || above[bin].1 == 0 {
+                if count == 0 || above.1 == 0 {
                     continue;
                 }
-                let cost = bounds.half_area() * leaves(count) + above[bin].0.half_area() * leaves(above[bin].1);
+                let cost = bounds.half_area() * leaves(count) + above.0.half_area() * leaves(above.1);
                 if best.as_ref().is_none_or(|best| cost < best.cost) {
-                    best = Some(Cut { axis, bin, cost, bounds: [bounds, above[bin].0] });
+                    best = Some(Cut { axis, bin, cost, bounds: [bounds, above.0] });
                 }
             }
         }

@@ -167,7 +167,7 @@ impl BoxRay {
         let direction = (direction + Vec3A::ZERO).to_array();
         let inverse = direction.map(|d| 1.0 / if d.abs() < STRAIGHT { STRAIGHT.copysign(d) } else { d });
         let slack = Bounds::SLACK * origin.abs().max_element();
-        let shifted = |by: f32| std::array::from_fn(|axis| origin[axis] + by.copysign(inverse[axis]));
+        let shifted = |by: f32| std::array::from_fn(|axis| origin[axis] + by * 1f32.copysign(inverse[axis]));
         Self {
             origin_near: shifted(slack),
             origin_far: shifted(-slack),

@@ -147,3 +147,6 @@ fn near_surfaces_are_not_skipped() {
         assert!((hit.t - gap).abs() < 3e-7, "{gap}: {}", hit.t);
     }
 }
+
+mod against_all;
+mod surfaces;
