@@ -1,6 +1,7 @@
 //! Renders the bench scene on one thread and says what a sample cost: for profilers, and for counting instructions.
 //!
-//! `cargo run --release -p petzval-render --example path_kernel -- [pinhole|thin|one|exact] [SAMPLES] [small|large] [noise]`
+//! `cargo run --release -p petzval-render --example path_kernel -- [pinhole|thin|one|exact] [SAMPLES] [WIDTHxHEIGHT]
+//! [small|large] [noise]`
 //!
 //! With `noise` it renders twice, with other random numbers, and says by how much the two differ.
 
@@ -13,25 +14,46 @@ use std::error::Error;
 use std::sync::Arc;
 use std::time::Duration;
 
-const SIZE: [u32; 2] = [480, 270];
+/// What is asked for.
+struct Wish {
+    model: Model,
+    wavelength_nm: Option<f64>,
+    samples: u32,
+    size: [u32; 2],
+    bodies: u32,
+    with_noise: bool,
+}
+
+impl Wish {
+    fn new(words: impl Iterator<Item = String>) -> Result<Self, Box<dyn Error>> {
+        let (model, wavelength_nm, bodies) = (Model::Pinhole, None, stage::SMALL);
+        let mut wish = Self { model, wavelength_nm, samples: 4, size: [480, 270], bodies, with_noise: false };
+        for word in words {
+            match word.as_str() {
+                "pinhole" => wish.model = Model::Pinhole,
+                "thin" => wish.model = Model::Thin,
+                "one" => (wish.model, wish.wavelength_nm) = (Model::Lens, Some(587.5618)),
+                "exact" => wish.model = Model::Lens,
+                "small" => wish.bodies = stage::SMALL,
+                "large" => wish.bodies = stage::LARGE,
+                "noise" => wish.with_noise = true,
+                other => match other.split_once('x') {
+                    Some((width, height)) => wish.size = [width.parse()?, height.parse()?],
+                    None => wish.samples = other.parse().map_err(|_| format!("what is '{other}'?"))?,
+                },
+            }
+        }
+        Ok(wish)
+    }
+}
 
 fn main() -> Result<(), Box<dyn Error>> {
-    let arguments: Vec<String> = std::env::args().skip(1).collect();
-    let word = |i: usize, otherwise: &str| arguments.get(i).cloned().unwrap_or_else(|| otherwise.to_owned());
-    let (model, wavelength_nm) = match word(0, "pinhole").as_str() {
-        "pinhole" => (Model::Pinhole, None),
-        "thin" => (Model::Thin, None),
-        "one" => (Model::Lens, Some(587.5618)),
-        "exact" => (Model::Lens, None),
-        other => return Err(format!("no camera '{other}': pinhole, thin, one or exact").into()),
-    };
-    let samples: u32 = word(1, "4").parse()?;
-    let bodies = if word(2, "small") == "large" { stage::LARGE } else { stage::SMALL };
+    let Wish { model, wavelength_nm, samples, size, bodies, with_noise } = Wish::new(std::env::args().skip(1))?;
     let stage = Arc::new(stage::stage(bodies));
     let render = |seed: u32| -> Result<_, Box<dyn Error>> {
         let settings = Settings {
-            width: SIZE[0],
-            height: SIZE[1],
+            width: size[0],
+            height: size[1],
             samples,
             seed,
             sample_offset: 0,
@@ -44,12 +66,12 @@ fn main() -> Result<(), Box<dyn Error>> {
             with_data: false,
             integrator: Default::default(),
         };
-        let job = Job::start(stage.clone(), stage::camera(model, wavelength_nm, SIZE), settings)?;
+        let job = Job::start(stage.clone(), stage::camera(model, wavelength_nm, size), settings)?;
         while !job.wait(Duration::from_secs(1)) {}
         Ok((job.statistics(), job.film().picture()))
     };
     let (statistics, picture) = render(1)?;
-    let count = f64::from(SIZE[0] * SIZE[1] * samples);
+    let count = f64::from(size[0] * size[1] * samples);
     let mean = picture.iter().map(|p| f64::from(p[0] + p[1] + p[2])).sum::<f64>() / (3 * picture.len()) as f64;
     println!(
         "{:.3} us a sample, {:.2} rays a sample, mean radiance {mean:.4}, stage built in {:.2} s",
@@ -57,7 +79,7 @@ fn main() -> Result<(), Box<dyn Error>> {
         statistics.counts.rays as f64 / count,
         stage.build_seconds
     );
-    if word(3, "") == "noise" {
+    if with_noise {
         let (_, other) = render(2)?;
         let noise = relative_error(&picture, &other, mean);
         println!("relMSE {noise:.5}, by samples {:.4}", noise * f64::from(samples));
