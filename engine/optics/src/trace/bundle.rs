@@ -6,6 +6,7 @@
 
 use glam::DVec3;
 
+use super::spectral::{LINES, Leaving};
 use super::step::{Action, Step};
 use super::{Failure, Lost, Ray, Tracer, Travel, Way};
 use crate::diaphragm::Diaphragm;
@@ -22,8 +23,8 @@ const BLOCK: usize = 256;
 #[derive(Clone, Debug)]
 pub struct Bundle<R = f64> {
     way: Way<R>,
-    /// x, y, z of the origins, seen from the vertex that the rays are at, then of the directions. Filled up with rays
-    /// along the axis to whole registers.
+    /// x, y, z of the origins, seen from the vertex that the rays are at, then of the directions. There may be more than
+    /// there are rays; to trace, the last register is filled up with rays along the axis.
     numbers: [Vec<R>; 6],
     lost: Vec<Option<Lost>>,
     is_traced: bool,
@@ -67,12 +68,12 @@ impl<R: Real> Bundle<R> {
 
     /// Takes all rays out, and keeps the memory.
     pub fn clear(&mut self) {
-        self.numbers.iter_mut().for_each(Vec::clear);
         self.lost.clear();
         self.is_traced = false;
     }
 
     /// Adds a ray in lens space.
+    #[inline]
     pub fn push(&mut self, ray: Ray) {
         self.push_times(ray, 1);
     }
@@ -81,12 +82,26 @@ impl<R: Real> Bundle<R> {
     #[inline]
     pub(super) fn push_times(&mut self, ray: Ray, count: usize) {
         let (p, d) = self.way.enter(ray);
-        let rays = self.lost.len();
-        for (column, number) in self.numbers.iter_mut().zip([p.x, p.y, p.z, d.x, d.y, d.z]) {
-            column.truncate(rays);
-            column.resize(rays + count, number);
+        let first = self.lost.len();
+        let rays = first + count;
+        if self.numbers[5].len() < rays {
+            self.grow(rays);
         }
-        self.lost.resize(rays + count, None);
+        let [x, y, z, dx, dy, dz] = &mut self.numbers;
+        x[first..rays].fill(p.x);
+        y[first..rays].fill(p.y);
+        z[first..rays].fill(p.z);
+        dx[first..rays].fill(d.x);
+        dy[first..rays].fill(d.y);
+        dz[first..rays].fill(d.z);
+        self.lost.resize(rays, None);
+    }
+
+    /// Makes room for so many rays, and then some.
+    #[cold]
+    fn grow(&mut self, rays: usize) {
+        let room = rays.next_power_of_two().max(BLOCK);
+        self.numbers.iter_mut().for_each(|column| column.resize(room, R::ZERO));
     }
 
     /// Marks it as traced, which is to be done once.
@@ -101,13 +116,38 @@ impl<R: Real> Bundle<R> {
     }
 
     /// What became of ray `i`: as [`Tracer::from_scene`] and [`Tracer::from_film`] say it.
+    #[inline]
     pub fn result(&self, i: usize) -> Result<Ray, Lost> {
         debug_assert!(self.is_traced, "trace the bundle first");
-        let at = |first: usize| DVec3::from_array([0, 1, 2].map(|axis| self.numbers[first + axis][i].to_f64()));
-        self.lost[i].map_or_else(|| Ok(self.way.leave(at(0), at(3))), Err)
+        if let Some(lost) = self.lost[i] {
+            return Err(lost);
+        }
+        let [x, y, z, dx, dy, dz] = &self.numbers;
+        let origin = DVec3::new(x[i].to_f64(), y[i].to_f64(), z[i].to_f64());
+        let direction = DVec3::new(dx[i].to_f64(), dy[i].to_f64(), dz[i].to_f64());
+        Ok(self.way.leave(origin, direction))
+    }
+
+    /// What became of the [`LINES`] rays from `first` on.
+    #[inline]
+    pub(super) fn leaving(&self, first: usize) -> Leaving<'_, R> {
+        debug_assert!(self.is_traced, "trace the bundle first");
+        let [x, y, z, dx, dy, dz] = &self.numbers;
+        Leaving {
+            numbers: [
+                group(x, first),
+                group(y, first),
+                group(z, first),
+                group(dx, first),
+                group(dy, first),
+                group(dz, first),
+            ],
+            lost: &self.lost[first..first + LINES],
+        }
     }
 
     /// True if ray `i` got through.
+    #[inline]
     pub fn is_through(&self, i: usize) -> bool {
         debug_assert!(self.is_traced, "trace the bundle first");
         self.lost[i].is_none()
@@ -119,27 +159,36 @@ impl<R: Real> Bundle<R> {
     }
 }
 
+#[inline]
+fn group<R>(column: &[R], first: usize) -> &[R; LINES] {
+    column[first..].first_chunk().expect("groups are added whole")
+}
+
 /// A lens's interfaces at several lines, and which of them the rays of a bundle have.
 pub(super) struct Lines<'a, R> {
     /// By step: ratios, then excesses, by line.
     pub(super) tables: &'a [[Box<[R]>; 2]],
     /// The first line of each group of rays; the others of a group have those that follow.
     pub(super) first: &'a [u32],
-    /// Rays in a group: divides [`BLOCK`].
+    /// Rays in a group: 1 or [`LINES`].
     pub(super) group: usize,
 }
 
 impl<R: Real> Lines<'_, R> {
     /// The numbers at step `step` of the rays from `ray` on.
     #[inline(always)]
-    fn fill(&self, step: usize, ray: usize, numbers: &mut [[R; BLOCK]; 2]) {
-        for (numbers, table) in numbers.iter_mut().zip(&self.tables[step]) {
-            let groups = self.first[ray / self.group..].iter();
-            if self.group == 1 {
-                groups.zip(numbers).for_each(|(&line, number)| *number = table[line as usize]);
-            } else {
-                let each = numbers.chunks_exact_mut(self.group);
-                groups.zip(each).for_each(|(&line, to)| to.copy_from_slice(&table[line as usize..][..self.group]));
+    fn fill(&self, step: usize, ray: usize, [ratios, excesses]: &mut [[R; BLOCK]; 2]) {
+        let [all_ratios, all_excesses] = &self.tables[step];
+        let first = &self.first[ray / self.group..];
+        if self.group == 1 {
+            for ((&line, ratio), excess) in first.iter().zip(ratios).zip(excesses) {
+                (*ratio, *excess) = (all_ratios[line as usize], all_excesses[line as usize]);
+            }
+        } else {
+            let (ratios, _) = ratios.as_chunks_mut::<LINES>();
+            let (excesses, _) = excesses.as_chunks_mut::<LINES>();
+            for ((&line, ratios), excesses) in first.iter().zip(ratios).zip(excesses) {
+                (*ratios, *excesses) = (*group(all_ratios, line as usize), *group(all_excesses, line as usize));
             }
         }
     }
@@ -162,14 +211,22 @@ impl<R: Real> LaneKernel<R> for Trace<'_, R> {
         let axis = [R::ZERO, R::ZERO, R::ZERO, R::ZERO, R::ZERO, self.way.steps[0].side];
         let rays = lost.len().next_multiple_of(L::WIDTH);
         for (column, number) in numbers.iter_mut().zip(axis) {
-            column.resize(rays, number);
+            // The room is a power of two: of whole registers.
+            column[lost.len()..rays].fill(number);
         }
         // Rays that only fill a register up have the numbers of those before them, or these: no interface.
         let mut at_lines = [[R::ONE; BLOCK], [R::ZERO; BLOCK]];
         for first in (0..rays).step_by(BLOCK) {
             let block = first..(first + BLOCK).min(rays);
-            let [x, y, z, dx, dy, dz] = numbers.each_mut().map(|column| &mut column[block.clone()]);
-            let mut block = Block { x, y, z, dx, dy, dz };
+            let [x, y, z, dx, dy, dz] = &mut *numbers;
+            let mut block = Block {
+                x: &mut x[block.clone()],
+                y: &mut y[block.clone()],
+                z: &mut z[block.clone()],
+                dx: &mut dx[block.clone()],
+                dy: &mut dy[block.clone()],
+                dz: &mut dz[block],
+            };
             let mut lost = Losses { lost: &mut lost[first..], surface: 0 };
             for (i, step) in self.way.steps.iter().enumerate() {
                 lost.surface = self.way.surface(i);
@@ -269,8 +326,9 @@ impl<R: Real> Block<'_, R> {
             let lanes = match interfaces {
                 None => None,
                 Some(numbers) => {
-                    let [ratio, excess] = numbers.map(|numbers| zero.load(&numbers[at..at + L::WIDTH]));
-                    Some(Interfaces { ratio, excess })
+                    let [ratios, excesses] = numbers;
+                    let lanes = at..at + L::WIDTH;
+                    Some(Interfaces { ratio: zero.load(&ratios[lanes.clone()]), excess: zero.load(&excesses[lanes]) })
                 }
             };
             let passage = step.pass(p, d, diaphragm, lanes);

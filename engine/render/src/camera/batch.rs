@@ -13,8 +13,6 @@ pub struct LensBatch {
     back: SpectralBundle<f32>,
     /// By request: the density of its choice.
     densities: Vec<f64>,
-    /// By request.
-    leads: Vec<Option<Lead>>,
 }
 
 impl RealLens {
@@ -24,7 +22,6 @@ impl RealLens {
         LensBatch {
             out: lines.out.bundle(Travel::FromFilm, 1),
             back: lines.back_in_short.bundle(Travel::FromScene, LINES),
-            leads: Vec::new(),
             densities: Vec::new(),
         }
     }
@@ -32,8 +29,8 @@ impl RealLens {
     /// [`Self::sample`] for each request, to the last bit.
     pub fn sample_batch(&self, requests: &[Request], batch: &mut LensBatch, rays: &mut Vec<Option<CameraRay>>) {
         self.lead_batch(requests, batch);
-        rays.extend(requests.iter().zip(&batch.leads).map(|(request, lead)| {
-            lead.as_ref().map(|lead| self.weighted(self.spectrum.sample(request.u_wavelength), lead))
+        rays.extend(requests.iter().enumerate().map(|(i, request)| {
+            batch.lead(i).map(|lead| self.weighted(self.spectrum.sample(request.u_wavelength), &lead))
         }));
     }
 
@@ -46,29 +43,33 @@ impl RealLens {
         led: &mut Vec<Option<Led>>,
     ) {
         self.lead_batch(requests, batch);
-        let LensBatch { back, leads, .. } = batch;
-        back.clear();
-        for (request, lead) in requests.iter().zip(leads.iter()) {
-            if let Some(lead) = lead {
+        batch.back.clear();
+        for (i, request) in requests.iter().enumerate() {
+            if let Some(lead) = batch.lead(i) {
                 let (set, _) = self.leader(request.u_wavelength);
-                back.push(backwards(lead), set * LINES);
+                batch.back.push(backwards(&lead), set * LINES);
             }
         }
-        self.film_lines.back_in_short.trace(back);
-        let mut first = 0;
-        led.extend(requests.iter().zip(leads.iter()).map(|(request, lead)| {
-            let lead = lead.as_ref()?;
-            let (set, _) = self.leader(request.u_wavelength);
-            let arrivals = self.arrived(set, |i| back.result(first + i), raster, request.u_pixels);
-            first += LINES;
-            Some(self.joined(request, lead, arrivals, raster))
+        self.film_lines.back_in_short.trace(&mut batch.back);
+        let mut group = 0;
+        led.extend(requests.iter().enumerate().map(|(i, request)| {
+            let lead = batch.lead(i)?;
+            group += 1;
+            Some(match &self.short_film {
+                Some(film) => self.joined_in_short(film, request, &lead, &batch.back.leaving(group - 1), raster),
+                None => {
+                    let (set, _) = self.leader(request.u_wavelength);
+                    let ray = |line| batch.back.result((group - 1) * LINES + line);
+                    let arrivals = self.arrived(set, ray, raster, request.u_pixels);
+                    self.joined(request, &lead, arrivals, raster)
+                }
+            })
         }));
     }
 
     fn lead_batch(&self, requests: &[Request], batch: &mut LensBatch) {
-        let LensBatch { out, leads, densities, .. } = batch;
+        let LensBatch { out, densities, .. } = batch;
         out.clear();
-        leads.clear();
         densities.clear();
         for request in requests {
             let (ray, density) = self.aim_out(request.place, request.u_lens);
@@ -76,8 +77,14 @@ impl RealLens {
             densities.push(density);
         }
         self.film_lines.out.trace(out);
-        let lead = |(i, &density): (usize, &f64)| out.result(i).ok().map(|out| Lead { out, density });
-        leads.extend(densities.iter().enumerate().map(lead));
+    }
+}
+
+impl LensBatch {
+    /// What became of request `i`.
+    #[inline]
+    fn lead(&self, i: usize) -> Option<Lead> {
+        self.out.result(i).ok().map(|out| Lead { out, density: self.densities[i] })
     }
 }
 

@@ -1,0 +1,141 @@
+//! The density of several targets at once, in single precision.
+//!
+//! Rays of one packet come from film points near each other: they nearly always share a cell of the map.
+
+use glam::{DVec2, DVec3};
+
+use super::cell::Cell;
+use super::{DEFENSIVE_SHARE, PupilMap};
+
+/// A cell where only the film point's distance from the axis counts: the numbers that most targets need.
+#[derive(Clone, Copy, Debug)]
+pub(super) struct Spot {
+    /// The outline's centre at the near end of the cell.
+    centre: [f32; 2],
+    /// From there to that at its far end.
+    way: [f32; 2],
+    /// Of the samples in the outline, per mm².
+    density: f32,
+    /// Squared radii between which every direction is inside.
+    surely: [f32; 2],
+}
+
+impl Spot {
+    pub(super) fn new(cell: &Cell, near: DVec2, far: DVec2) -> Self {
+        let [from, to] = cell.surely();
+        // Without any outline the cell's density is 0, and the whole glass takes all samples.
+        Self {
+            centre: near.as_vec2().to_array(),
+            way: (far - near).as_vec2().to_array(),
+            density: ((1.0 - DEFENSIVE_SHARE) * cell.density()) as f32,
+            surely: [from as f32, to as f32],
+        }
+    }
+}
+
+impl PupilMap {
+    /// [`Self::pdf`] of `N` targets (x and y, mm) from as many film points (x, y and z, mm).
+    #[inline]
+    pub fn pdfs<const N: usize>(&self, film: &[[f32; N]; 3], target: &[[f32; N]; 2]) -> [f32; N] {
+        if self.spots.is_empty() {
+            return self.pdfs_one_by_one(film, target);
+        }
+        let (cells_per_mm, last) = (self.radius.cells_per_unit as f32, (self.radius.cells - 1) as f32);
+        let [mut cell, mut rest, mut cosine, mut sine] = [[0.0f32; N]; 4];
+        for i in 0..N {
+            let (x, y) = (film[0][i], film[1][i]);
+            let radius = (x * x + y * y).sqrt();
+            let inverse = radius.max(f32::MIN_POSITIVE).recip();
+            (cosine[i], sine[i]) = (if radius > 0.0 { x * inverse } else { 1.0 }, y * inverse);
+            let place = radius * cells_per_mm;
+            cell[i] = place.min(last).max(0.0).trunc();
+            rest[i] = place - cell[i];
+        }
+        let mut spots = [self.spots[cell[0] as i32 as usize]; N];
+        if cell.iter().any(|&c| c != cell[0]) {
+            for i in 0..N {
+                spots[i] = self.spots[cell[i] as i32 as usize];
+            }
+        }
+        let glass_squared = (self.glass_radius * self.glass_radius) as f32;
+        let glass = [1.0, DEFENSIVE_SHARE].map(|share| (share * self.glass_density) as f32);
+        let mut densities = [0.0f32; N];
+        let mut unsure = 0u32;
+        for i in 0..N {
+            let (spot, x, y) = (&spots[i], target[0][i], target[1][i]);
+            let along = x * cosine[i] + y * sine[i] - (spot.centre[0] + spot.way[0] * rest[i]);
+            let across = y * cosine[i] - x * sine[i] - (spot.centre[1] + spot.way[1] * rest[i]);
+            let squared = along * along + across * across;
+            let is_surely = squared > spot.surely[0] && squared < spot.surely[1];
+            let anywhere = if spot.density > 0.0 { glass[1] } else { glass[0] };
+            let on_glass = if x * x + y * y <= glass_squared { anywhere } else { 0.0 };
+            densities[i] = on_glass + if is_surely { spot.density } else { 0.0 };
+            unsure |= u32::from(!is_surely && spot.density > 0.0) << i;
+        }
+        while unsure != 0 {
+            let i = unsure.trailing_zeros() as usize;
+            densities[i] = self.pdf_of(film, target, i);
+            unsure &= unsure - 1;
+        }
+        densities
+    }
+
+    fn pdfs_one_by_one<const N: usize>(&self, film: &[[f32; N]; 3], target: &[[f32; N]; 2]) -> [f32; N] {
+        std::array::from_fn(|i| self.pdf_of(film, target, i))
+    }
+
+    fn pdf_of<const N: usize>(&self, film: &[[f32; N]; 3], target: &[[f32; N]; 2], i: usize) -> f32 {
+        let at = |numbers: &[[f32; N]], axis: usize| f64::from(numbers[axis][i]);
+        let film = DVec3::new(at(film, 0), at(film, 1), at(film, 2));
+        self.pdf(film, DVec3::new(at(target, 0), at(target, 1), self.reference_z)) as f32
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::focus::FilmPlane;
+    use crate::formats::lens;
+    use crate::glass::Catalogue;
+    use crate::system::{System, SystemSettings};
+
+    /// Several at once have the densities that they have alone, for plain maps and others.
+    #[test]
+    fn together_as_alone() {
+        let folder = concat!(env!("CARGO_MANIFEST_DIR"), "/../../lenses/");
+        let prescription = lens::read(format!("{folder}double-gauss-f1.35.lens"), Catalogue::shipped()).unwrap();
+        for (blades, tilt_rad) in [(0, 0.0), (6, 0.0), (0, 0.1)] {
+            let settings = SystemSettings { blades, ..SystemSettings::default() };
+            let system = System::new(&prescription, &settings).unwrap();
+            let film = FilmPlane { tilt_rad, ..FilmPlane::upright(system.film_z_published_mm()) };
+            let map = PupilMap::new(&system.at_wavelength(550.0), &system, &film, 18.0, 12.0);
+            let (mut same, mut other, mut lit) = (0, 0, 0);
+            for round in 0..4000 {
+                let part = |i: usize, by: f64| ((round * 8 + i) as f64 * by).fract() as f32;
+                let near = [part(0, 0.618), part(0, 0.755)];
+                let place = |i: usize| {
+                    // Every other round they lie all over the film.
+                    let [u, v] = if round % 2 == 0 { near } else { [part(i, 0.618), part(i, 0.755)] };
+                    film.point(f64::from(u - 0.5) * 36.0 + i as f64 * 0.01, f64::from(v - 0.5) * 24.0).as_vec3()
+                };
+                let radius = map.glass_radius as f32;
+                let target: [[f32; 8]; 2] =
+                    [0.57, 0.83].map(|by| std::array::from_fn(|i| (part(i, by) * 2.0 - 1.0) * radius));
+                let places: [glam::Vec3; 8] = std::array::from_fn(place);
+                let films = [0, 1, 2].map(|axis| places.map(|p| p[axis]));
+                let together = map.pdfs(&films, &target);
+                for i in 0..8 {
+                    let alone = map.pdf_of(&films, &target, i);
+                    lit += usize::from(alone > 0.01);
+                    // On an edge rounding decides.
+                    if (together[i] / alone - 1.0).abs() < 1e-5 || together[i] == alone {
+                        same += 1
+                    } else {
+                        other += 1
+                    }
+                }
+            }
+            assert!(other * 3000 < same && lit > 500, "{blades} {tilt_rad}: {same} {other} {lit}");
+        }
+    }
+}
