@@ -24,6 +24,7 @@ use crate::system::System;
 use crate::trace::Tracer;
 
 use cell::Cell;
+pub use lanes::PupilSamples;
 use lanes::Spot;
 use outline::{Outline, Place, Probe};
 
@@ -274,7 +275,8 @@ impl PupilMap {
         let plane = film_point.truncate();
         let film_radius = plane.length();
         let (r, r_in) = self.radius.locate(film_radius);
-        let along = if film_radius > 0.0 { plane / film_radius } else { DVec2::X };
+        let inverse = film_radius.max(f64::MIN_POSITIVE).recip();
+        let along = if film_radius > 0.0 { plane * inverse } else { DVec2::X };
         if self.is_plain {
             let centre = self.centres[r].lerp(self.centres[r + 1], r_in);
             return Located { cell: &self.cells[r], centre, frame: along };

@@ -26,16 +26,16 @@ pub(super) struct Cell {
 
 /// What lies between two neighbouring corners.
 #[derive(Clone, Copy, Debug)]
-struct Sector {
-    corner: DVec2,
+pub(super) struct Sector {
+    pub(super) corner: DVec2,
     /// To the next corner.
-    edge: DVec2,
+    pub(super) edge: DVec2,
     /// Share of the area in the sectors before it.
     start: f64,
     /// One over its own share.
     inverse_share: f64,
     /// Where it begins, as a part of the way to its outer edge: more than 0 behind an obstruction.
-    inner: f64,
+    pub(super) inner: f64,
 }
 
 /// Entries of the guide: more find the sector at once more often and take more of the cache.
@@ -122,6 +122,15 @@ impl Cell {
     /// A point chosen evenly by two numbers in [0, 1).
     #[inline]
     pub(super) fn sample(&self, [u, v]: [f64; 2]) -> DVec2 {
+        let (sector, across) = self.sector(u);
+        let begin = sector.inner * sector.inner;
+        let out = (begin + v * (1.0 - begin)).sqrt();
+        (sector.corner + sector.edge * across) * out
+    }
+
+    /// The sector that `u` chooses, and how far along its edge.
+    #[inline]
+    pub(super) fn sector(&self, u: f64) -> (&Sector, f64) {
         let part = ((u * GUIDE as f64) as i32 as usize).min(GUIDE - 1);
         let mut i = usize::from(self.guide[part]);
         let mut sector = &self.sectors[i];
@@ -131,9 +140,7 @@ impl Cell {
             sector = &self.sectors[i];
             across = (u - sector.start) * sector.inverse_share;
         }
-        let begin = sector.inner * sector.inner;
-        let out = (begin + v * (1.0 - begin)).sqrt();
-        (sector.corner + sector.edge * across.clamp(0.0, 1.0)) * out
+        (sector, across.clamp(0.0, 1.0))
     }
 
     /// True if [`Self::sample`] can return `point`.

@@ -1,4 +1,4 @@
-//! The density of several targets at once, in single precision.
+//! Several targets at once, and the density of several, that in single precision.
 //!
 //! Rays of one packet come from film points near each other: they nearly always share a cell of the map.
 
@@ -33,7 +33,77 @@ impl Spot {
     }
 }
 
+/// Several of [`super::PupilSample`].
+#[derive(Clone, Copy, Debug)]
+pub struct PupilSamples<const N: usize> {
+    /// x and y in lens space, mm.
+    pub target: [[f64; N]; 2],
+    /// Densities with which they were chosen, per mm² of the reference plane.
+    pub pdf_per_mm2: [f64; N],
+}
+
 impl PupilMap {
+    /// [`Self::sample`] for each of `N` film points (x, y and z, mm) and two numbers for each, to the last bit.
+    #[inline]
+    pub fn samples<const N: usize>(&self, film: &[[f64; N]; 3], u: &[[f64; N]; 2]) -> PupilSamples<N> {
+        let mut all = PupilSamples { target: [[0.0; N]; 2], pdf_per_mm2: [0.0; N] };
+        const { assert!(N > 0 && N <= 64) };
+        let mut alone =
+            if self.is_plain { self.samples_on_plain_film(film, u, &mut all) } else { u64::MAX >> (64 - N) };
+        while alone != 0 {
+            let i = alone.trailing_zeros() as usize;
+            let one = self.sample(DVec3::new(film[0][i], film[1][i], film[2][i]), [u[0][i], u[1][i]]);
+            (all.target[0][i], all.target[1][i], all.pdf_per_mm2[i]) = (one.target.x, one.target.y, one.pdf_per_mm2);
+            alone &= alone - 1;
+        }
+        all
+    }
+
+    /// All but those that are returned as bits: they go anywhere on the glass.
+    #[inline]
+    fn samples_on_plain_film<const N: usize>(
+        &self,
+        film: &[[f64; N]; 3],
+        u: &[[f64; N]; 2],
+        all: &mut PupilSamples<N>,
+    ) -> u64 {
+        let [mut cosine, mut sine, mut place] = [[0.0f64; N]; 3];
+        for i in 0..N {
+            let (x, y) = (film[0][i], film[1][i]);
+            let radius = (x * x + y * y).sqrt();
+            let inverse = radius.max(f64::MIN_POSITIVE).recip();
+            (cosine[i], sine[i]) = if radius > 0.0 { (x * inverse, y * inverse) } else { (1.0, 0.0) };
+            place[i] = radius;
+        }
+        // Of the outline's centre, the point of the edge, and the sector's inner end.
+        let [mut cx, mut cy, mut ex, mut ey, mut inner, mut density] = [[0.0f64; N]; 6];
+        let mut alone = 0;
+        for i in 0..N {
+            let (r, r_in) = self.radius.locate(place[i]);
+            let cell = &self.cells[r];
+            if u[0][i] < DEFENSIVE_SHARE || cell.density() == 0.0 {
+                alone |= 1 << i;
+                continue;
+            }
+            let (sector, across) = cell.sector((u[0][i] - DEFENSIVE_SHARE) * (1.0 / (1.0 - DEFENSIVE_SHARE)));
+            let centre = self.centres[r].lerp(self.centres[r + 1], r_in);
+            let edge = sector.corner + sector.edge * across;
+            (cx[i], cy[i], ex[i], ey[i]) = (centre.x, centre.y, edge.x, edge.y);
+            (inner[i], density[i]) = (sector.inner, cell.density());
+        }
+        let glass_squared = self.glass_radius * self.glass_radius;
+        for i in 0..N {
+            let begin = inner[i] * inner[i];
+            let out = (begin + u[1][i] * (1.0 - begin)).sqrt();
+            let (x, y) = (ex[i] * out + cx[i], ey[i] * out + cy[i]);
+            let (x, y) = (cosine[i] * x - sine[i] * y, sine[i] * x + cosine[i] * y);
+            let anywhere = if x * x + y * y <= glass_squared { self.glass_density } else { 0.0 };
+            (all.target[0][i], all.target[1][i]) = (x, y);
+            all.pdf_per_mm2[i] = (1.0 - DEFENSIVE_SHARE) * density[i] + DEFENSIVE_SHARE * anywhere;
+        }
+        alone
+    }
+
     /// [`Self::pdf`] of `N` targets (x and y, mm) from as many film points (x, y and z, mm).
     #[inline]
     pub fn pdfs<const N: usize>(&self, film: &[[f32; N]; 3], target: &[[f32; N]; 2]) -> [f32; N] {
@@ -102,8 +172,8 @@ mod tests {
     /// Several at once have the densities that they have alone, for plain maps and others.
     #[test]
     fn together_as_alone() {
-        let folder = concat!(env!("CARGO_MANIFEST_DIR"), "/../../lenses/");
-        let prescription = lens::read(format!("{folder}double-gauss-f1.35.lens"), Catalogue::shipped()).unwrap();
+        let folder = std::path::Path::new(concat!(env!("CARGO_MANIFEST_DIR"), "/../../lenses"));
+        let prescription = lens::read(folder.join("double-gauss-f1.35.lens").as_path(), Catalogue::shipped()).unwrap();
         for (blades, tilt_rad) in [(0, 0.0), (6, 0.0), (0, 0.1)] {
             let settings = SystemSettings { blades, ..SystemSettings::default() };
             let system = System::new(&prescription, &settings).unwrap();
@@ -120,13 +190,20 @@ mod tests {
                 };
                 let radius = map.glass_radius as f32;
                 let target: [[f32; 8]; 2] =
-                    [0.57, 0.83].map(|by| std::array::from_fn(|i| (part(i, by) * 2.0 - 1.0) * radius));
+                    [0.5707, 0.8321].map(|by| std::array::from_fn(|i| (part(i, by) * 2.0 - 1.0) * radius));
                 let places: [glam::Vec3; 8] = std::array::from_fn(place);
                 let films = [0, 1, 2].map(|axis| places.map(|p| p[axis]));
                 let together = map.pdfs(&films, &target);
+                let wide = [0, 1, 2].map(|axis| films[axis].map(f64::from));
+                let u = [0.3137, 0.4729].map(|by| std::array::from_fn(|i| f64::from(part(i, by))));
+                let samples = map.samples(&wide, &u);
                 for i in 0..8 {
+                    let one = map.sample(DVec3::new(wide[0][i], wide[1][i], wide[2][i]), [u[0][i], u[1][i]]);
+                    let of_all = (samples.target[0][i], samples.target[1][i], samples.pdf_per_mm2[i]);
+                    assert_eq!(of_all, (one.target.x, one.target.y, one.pdf_per_mm2));
                     let alone = map.pdf_of(&films, &target, i);
-                    lit += usize::from(alone > 0.01);
+                    let film = DVec3::new(films[0][i].into(), films[1][i].into(), films[2][i].into());
+                    lit += usize::from(f64::from(alone) * map.pupil_area_mm2(film) > 0.5);
                     // On an edge rounding decides.
                     if (together[i] / alone - 1.0).abs() < 1e-5 || together[i] == alone {
                         same += 1

@@ -97,6 +97,28 @@ impl<R: Real> Bundle<R> {
         self.lost.resize(rays, None);
     }
 
+    /// Adds the first `count` of some rays in lens space: x, y, z of their origins, then of their directions.
+    #[inline]
+    pub(super) fn push_some<const N: usize>(&mut self, rays: &[[f64; N]; 6], count: usize) {
+        let first = self.lost.len();
+        let end = first + count;
+        if self.numbers[5].len() < first + N {
+            self.grow(first + N);
+        }
+        let mut near = [[R::ZERO; N]; 6];
+        for i in 0..N {
+            let at = |column: usize| rays[column][i];
+            let ray = Ray { origin: DVec3::new(at(0), at(1), at(2)), direction: DVec3::new(at(3), at(4), at(5)) };
+            let (p, d) = self.way.enter(ray);
+            (near[0][i], near[1][i], near[2][i]) = (p.x, p.y, p.z);
+            (near[3][i], near[4][i], near[5][i]) = (d.x, d.y, d.z);
+        }
+        for (column, numbers) in self.numbers.iter_mut().zip(&near) {
+            column[first..first + N].copy_from_slice(numbers);
+        }
+        self.lost.resize(end, None);
+    }
+
     /// Makes room for so many rays, and then some.
     #[cold]
     fn grow(&mut self, rays: usize) {

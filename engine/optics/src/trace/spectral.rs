@@ -168,6 +168,15 @@ impl<R: Real> SpectralBundle<R> {
         self.first.push(line as u32);
     }
 
+    /// Adds the first rays of some in lens space, as many as there are `lines`: x, y, z of their origins, then of their
+    /// directions. For bundles of one line a ray.
+    #[inline]
+    pub fn push_some<const N: usize>(&mut self, rays: &[[f64; N]; 6], lines: impl ExactSizeIterator<Item = usize>) {
+        assert!(self.group == 1 && lines.len() <= N, "each ray has one line");
+        self.rays.push_some(rays, lines.len());
+        self.first.extend(lines.map(|line| line as u32));
+    }
+
     /// What became of the group that was added as number `i`, of [`LINES`] rays.
     #[inline]
     pub fn leaving(&self, i: usize) -> Leaving<'_, R> {

@@ -5,6 +5,7 @@ use super::CameraRay;
 use super::packet::{Led, Request, backwards};
 use super::real_lens::{Lead, RealLens};
 use crate::sampler::raster::Raster;
+use glam::{DMat3, DVec3};
 use petzval_optics::trace::{LINES, SpectralBundle, Travel};
 
 /// Memory for batches of one lens.
@@ -26,7 +27,7 @@ impl RealLens {
         }
     }
 
-    /// [`Self::sample`] for each request, to the last bit.
+    /// [`Self::sample`] for each request, to the last bit (on a shifted film but for roundings).
     pub fn sample_batch(&self, requests: &[Request], batch: &mut LensBatch, rays: &mut Vec<Option<CameraRay>>) {
         self.lead_batch(requests, batch);
         rays.extend(requests.iter().enumerate().map(|(i, request)| {
@@ -71,12 +72,58 @@ impl RealLens {
         let LensBatch { out, densities, .. } = batch;
         out.clear();
         densities.clear();
-        for request in requests {
-            let (ray, density) = self.aim_out(request.place, request.u_lens);
-            out.push(ray, self.spectrum.sample(request.u_wavelength));
-            densities.push(density);
+        let line = |request: &Request| self.spectrum.sample(request.u_wavelength);
+        match self.mount.frame.flat() {
+            Some((axes, middle)) => {
+                for some in requests.chunks(LINES) {
+                    let (rays, some_densities) = self.aim_some(&axes, middle, some);
+                    out.push_some(&rays, some.iter().map(line));
+                    densities.extend_from_slice(&some_densities[..some.len()]);
+                }
+            }
+            None => {
+                for request in requests {
+                    let (ray, density) = self.aim_out(request.place, request.u_lens);
+                    out.push(ray, line(request));
+                    densities.push(density);
+                }
+            }
         }
         self.film_lines.out.trace(out);
+    }
+
+    /// [`Self::aim_out`] for at most as many requests as fill a register, from a flat film with these axes and this middle:
+    /// x, y, z of the origins, then of the directions, and the densities.
+    #[inline]
+    fn aim_some(&self, axes: &DMat3, middle: DVec3, requests: &[Request]) -> ([[f64; LINES]; 6], [f64; LINES]) {
+        let mut places = [[0.0f64; LINES]; 2];
+        let mut u = [[0.5f64; LINES]; 2];
+        for (i, request) in requests.iter().enumerate() {
+            (places[0][i], places[1][i]) = (f64::from(request.place.x), f64::from(request.place.y));
+            (u[0][i], u[1][i]) = (f64::from(request.u_lens[0]), f64::from(request.u_lens[1]));
+        }
+        let info = &self.mount.info;
+        let (right, up, away) = (axes.x_axis, axes.y_axis, axes.z_axis);
+        let mut film = [[0.0f64; LINES]; 3];
+        for i in 0..LINES {
+            let (u_mm, v_mm) = (-places[0][i] * info.picture_width_mm, -places[1][i] * info.picture_height_mm);
+            film[0][i] = middle.x + right.x * u_mm + up.x * v_mm;
+            film[1][i] = middle.y + right.y * u_mm + up.y * v_mm;
+            film[2][i] = middle.z + right.z * u_mm + up.z * v_mm;
+        }
+        let aims = self.map.samples(&film, &u);
+        let plane_z = self.map.reference_plane_z();
+        let [mut dx, mut dy, mut dz, mut density] = [[0.0f64; LINES]; 4];
+        for i in 0..LINES {
+            let (x, y, z) = (aims.target[0][i] - film[0][i], aims.target[1][i] - film[1][i], plane_z - film[2][i]);
+            let distance2 = x * x + y * y + z * z;
+            let inverse = distance2.sqrt().recip();
+            let cosines = ((away.x * x + away.y * y + away.z * z) * z).abs();
+            (dx[i], dy[i], dz[i]) = (x * inverse, y * inverse, z * inverse);
+            density[i] = aims.pdf_per_mm2[i] * distance2 * distance2 / cosines;
+        }
+        let [x, y, z] = film;
+        ([x, y, z, dx, dy, dz], density)
     }
 }
 
