@@ -51,12 +51,11 @@ pub(crate) fn turned(u: [f32; 2], i: usize) -> [f32; 2] {
 /// [`turned`] for each of several.
 #[inline]
 fn turned_many<const N: usize>(u: [f32; 2]) -> [[f32; N]; 2] {
-    let mut all = [[0.0; N]; 2];
-    for i in 0..N {
-        let [a, b] = turned(u, i);
-        (all[0][i], all[1][i]) = (a, b);
+    let [mut across, mut up] = [[0.0; N]; 2];
+    for (i, (across, up)) in across.iter_mut().zip(&mut up).enumerate() {
+        [*across, *up] = turned(u, i);
     }
-    all
+    [across, up]
 }
 
 impl Raster {
