@@ -150,7 +150,8 @@ impl Cell {
         squared > self.surely[0] && squared < self.surely[1] || self.contains_by_sector(point)
     }
 
-    fn contains_by_sector(&self, point: DVec2) -> bool {
+    /// [`Self::contains`] where the distance alone does not say it; of no cell that is dark.
+    pub(super) fn contains_by_sector(&self, point: DVec2) -> bool {
         let guess = nearly_sector(point);
         let next = |i: usize| if i + 1 < ANGLES { i + 1 } else { 0 };
         let is_before = self.sectors[guess].corner.perp_dot(point) < 0.0;

@@ -129,12 +129,13 @@ impl PupilMap {
         }
         let glass_squared = (self.glass_radius * self.glass_radius) as f32;
         let glass = [1.0, DEFENSIVE_SHARE].map(|share| (share * self.glass_density) as f32);
-        let mut densities = [0.0f32; N];
+        let [mut densities, mut alongs, mut acrosses] = [[0.0f32; N]; 3];
         let mut unsure = 0u32;
         for i in 0..N {
             let (spot, x, y) = (&spots[i], target[0][i], target[1][i]);
             let along = x * cosine[i] + y * sine[i] - (spot.centre[0] + spot.way[0] * rest[i]);
             let across = y * cosine[i] - x * sine[i] - (spot.centre[1] + spot.way[1] * rest[i]);
+            (alongs[i], acrosses[i]) = (along, across);
             let squared = along * along + across * across;
             let is_surely = squared > spot.surely[0] && squared < spot.surely[1];
             let anywhere = if spot.density > 0.0 { glass[1] } else { glass[0] };
@@ -144,7 +145,10 @@ impl PupilMap {
         }
         while unsure != 0 {
             let i = unsure.trailing_zeros() as usize;
-            densities[i] = self.pdf_of(film, target, i);
+            let cell_here = &self.cells[cell[i] as i32 as usize];
+            if cell_here.contains_by_sector(DVec2::new(alongs[i].into(), acrosses[i].into())) {
+                densities[i] += spots[i].density;
+            }
             unsure &= unsure - 1;
         }
         densities
