@@ -259,6 +259,11 @@ pub struct FilmPoint {
 }
 
 impl FilmFrame {
+    /// Right, up and away from the scene, and the point (0, 0), of a film that is flat.
+    pub fn flat(&self) -> Option<(DMat3, DVec3)> {
+        (self.curvature == 0.0).then(|| (self.axes, self.at(0.0, 0.0).point))
+    }
+
     /// The point at (u, v), mm from the middle of the picture. Beyond the end of a curved film: its edge.
     #[inline]
     pub fn at(&self, u_mm: f64, v_mm: f64) -> FilmPoint {

@@ -11,6 +11,7 @@
 //! bias.
 
 mod cell;
+mod lanes;
 mod outline;
 mod throughput;
 
@@ -23,6 +24,8 @@ use crate::system::System;
 use crate::trace::Tracer;
 
 use cell::Cell;
+pub use lanes::PupilSamples;
+use lanes::Spot;
 use outline::{Outline, Place, Probe};
 
 pub use throughput::on_axis_throughput;
@@ -46,17 +49,25 @@ pub struct PupilMap {
     reference_z: f64,
     /// Radius of the disc on the reference plane through which every ray to the rear glass passes.
     glass_radius: f64,
+    /// One over the disc's area, per mm².
+    glass_density: f64,
     radius: Axis,
     depth: Axis,
     azimuth: Axis,
     /// Turn after which the lens looks the same; 0 if any turn leaves it so.
     period: f64,
+    /// Cosine and sine of the multiples of the period.
+    frames: Vec<DVec2>,
+    /// The film stands upright and any turn leaves the lens as it is: only the distance from the axis counts.
+    is_plain: bool,
     /// The outline's centre in axes along and across the film point's meridian, by node of depth, azimuth and radius;
     /// by depth and radius if only the blades know of an azimuth.
     centres: Vec<DVec2>,
     centres_by_azimuth: bool,
     /// By depth, azimuth and radius.
     cells: Vec<Cell>,
+    /// By radius, if nothing else counts.
+    spots: Vec<Spot>,
 }
 
 /// An interval in equal cells.
@@ -78,8 +89,8 @@ impl Axis {
     #[inline]
     fn locate(&self, x: f64) -> (usize, f64) {
         let place = (x - self.start) * self.cells_per_unit;
-        // A cast takes negative numbers and NaN to 0.
-        let cell = (place as usize).min(self.cells - 1);
+        // Negative numbers and those that are none become 0, whole numbers too large for a cast the last.
+        let cell = (place.max(0.0) as i32 as usize).min(self.cells - 1);
         (cell, place - cell as f64)
     }
 
@@ -149,18 +160,28 @@ impl PupilMap {
             (true, blades) => TAU / f64::from(blades),
         };
         let reference_z = system.last_vertex_z_mm();
+        let turns = if period > 0.0 { (TAU / period).round() as u32 } else { 0 };
+        let glass_radius = glass_radius(system, farthest, near, far);
         let mut map = Self {
             reference_z,
-            glass_radius: glass_radius(system, farthest, near, far),
+            glass_radius,
+            glass_density: (PI * glass_radius * glass_radius).recip(),
             radius: Axis::new(0.0, farthest, resolution.radius),
             depth: Axis::new(near, far, resolution.depth),
             azimuth: Axis::new(0.0, period, resolution.azimuth),
             period,
+            frames: (0..turns).map(|i| DVec2::from_angle(f64::from(i) * period)).collect(),
+            is_plain: period == 0.0 && near == far,
             centres: Vec::new(),
             centres_by_azimuth: !is_symmetric,
             cells: Vec::new(),
+            spots: Vec::new(),
         };
-        map.fill(&Probe::new(tracers, reference_z, map.glass_radius));
+        map.fill(&Probe::new(tracers, reference_z, glass_radius));
+        if map.is_plain {
+            map.spots =
+                (0..map.radius.cells).map(|r| Spot::new(&map.cells[r], map.centres[r], map.centres[r + 1])).collect();
+        }
         map
     }
 
@@ -246,20 +267,32 @@ impl PupilMap {
     /// Corners of the outline for a film point, mm in lens space; none where no light arrives.
     pub fn outline_mm(&self, film_point: DVec3) -> impl Iterator<Item = DVec2> + use<'_> {
         let Located { cell, centre, frame } = self.locate(film_point);
-        cell.corners().iter().map(move |&corner| frame.rotate(corner + centre))
+        cell.corners().map(move |corner| frame.rotate(corner + centre))
     }
 
+    #[inline]
     fn locate(&self, film_point: DVec3) -> Located<'_> {
         let plane = film_point.truncate();
         let film_radius = plane.length();
         let (r, r_in) = self.radius.locate(film_radius);
-        let (z, z_in) = self.depth.locate(film_point.z);
-        let along = if film_radius > 0.0 { plane / film_radius } else { DVec2::X };
+        let inverse = film_radius.max(f64::MIN_POSITIVE).recip();
+        let along = if film_radius > 0.0 { plane * inverse } else { DVec2::X };
+        if self.is_plain {
+            let centre = self.centres[r].lerp(self.centres[r + 1], r_in);
+            return Located { cell: &self.cells[r], centre, frame: along };
+        }
+        self.locate_anywhere(film_point.z, along, r, r_in)
+    }
+
+    /// [`Self::locate`] for a film that is turned, or a pupil that knows of an azimuth.
+    #[inline(never)]
+    fn locate_anywhere(&self, film_z: f64, along: DVec2, r: usize, r_in: f64) -> Located<'_> {
+        let (z, z_in) = self.depth.locate(film_z);
         let (a, a_in, frame, meridian) = if self.period > 0.0 {
             let angle = along.y.atan2(along.x).rem_euclid(TAU);
-            let turns = (angle / self.period).floor();
-            let frame = DVec2::from_angle(turns * self.period);
-            let (a, a_in) = self.azimuth.locate(angle - turns * self.period);
+            let turns = ((angle / self.period) as usize).min(self.frames.len() - 1);
+            let frame = self.frames[turns];
+            let (a, a_in) = self.azimuth.locate(angle - turns as f64 * self.period);
             (a, a_in, frame, frame.conjugate_rotate(along))
         } else {
             (0, 0.0, along, DVec2::X)
@@ -282,37 +315,51 @@ impl PupilMap {
     }
 
     /// Chooses a point to aim at from `film_point` (lens space, mm) by two numbers in [0, 1).
-    pub fn sample(&self, film_point: DVec3, u: [f64; 2]) -> PupilSample {
+    #[inline]
+    pub fn sample(&self, film_point: DVec3, [first, second]: [f64; 2]) -> PupilSample {
         let located = self.locate(film_point);
-        let share = if located.cell.area() > 0.0 { DEFENSIVE_SHARE } else { 1.0 };
-        let [first, second] = u;
-        let flat = if first < share {
-            let (sin, cos) = (TAU * second).sin_cos();
-            DVec2::new(cos, sin) * (self.glass_radius * (first / share).sqrt())
-        } else {
-            let local = located.cell.sample([(first - share) / (1.0 - share), second]);
-            located.frame.rotate(local + located.centre)
-        };
-        let pdf_per_mm2 = self.density(&located, flat);
+        let cell = located.cell;
+        if first < DEFENSIVE_SHARE || cell.density() == 0.0 {
+            return self.sample_defensively(&located, [first, second]);
+        }
+        let local = cell.sample([(first - DEFENSIVE_SHARE) * (1.0 / (1.0 - DEFENSIVE_SHARE)), second]);
+        let flat = located.frame.rotate(local + located.centre);
+        let pdf_per_mm2 = (1.0 - DEFENSIVE_SHARE) * cell.density() + DEFENSIVE_SHARE * self.glass_density(flat);
         PupilSample { target: flat.extend(self.reference_z), pdf_per_mm2 }
     }
 
+    /// Anywhere on the glass.
+    #[cold]
+    fn sample_defensively(&self, located: &Located<'_>, [first, second]: [f64; 2]) -> PupilSample {
+        let share = if located.cell.density() > 0.0 { DEFENSIVE_SHARE } else { 1.0 };
+        let (sin, cos) = (TAU * second).sin_cos();
+        let flat = DVec2::new(cos, sin) * (self.glass_radius * (first / share).sqrt());
+        PupilSample { target: flat.extend(self.reference_z), pdf_per_mm2: self.density(located, flat) }
+    }
+
     /// The density per mm² with which [`Self::sample`] chooses `target` (its x and y count) from `film_point`.
+    #[inline]
     pub fn pdf(&self, film_point: DVec3, target: DVec3) -> f64 {
         self.density(&self.locate(film_point), target.truncate())
     }
 
+    #[inline]
     fn density(&self, located: &Located<'_>, flat: DVec2) -> f64 {
-        let area = located.cell.area();
-        let share = if area > 0.0 { DEFENSIVE_SHARE } else { 1.0 };
-        let mut density = 0.0;
-        if flat.length_squared() <= self.glass_radius * self.glass_radius {
-            density += share / (PI * self.glass_radius * self.glass_radius);
+        let cell = located.cell;
+        let anywhere = self.glass_density(flat);
+        if cell.density() == 0.0 {
+            return anywhere;
         }
-        if area > 0.0 && located.cell.contains(located.frame.conjugate_rotate(flat) - located.centre) {
-            density += (1.0 - share) / area;
-        }
-        density
+        let local = located.frame.conjugate_rotate(flat) - located.centre;
+        let inside = if cell.contains(local) { cell.density() } else { 0.0 };
+        (1.0 - DEFENSIVE_SHARE) * inside + DEFENSIVE_SHARE * anywhere
+    }
+
+    /// Of places on the whole glass, per mm².
+    #[inline]
+    fn glass_density(&self, flat: DVec2) -> f64 {
+        let squared = self.glass_radius * self.glass_radius;
+        if flat.length_squared() <= squared { self.glass_density } else { 0.0 }
     }
 }
 

@@ -18,7 +18,7 @@ use step::{Action, Step, is_far};
 
 pub use crate::surface::Failure;
 pub use bundle::Bundle;
-pub use spectral::{LINES, SpectralBundle, SpectralTracer};
+pub use spectral::{LINES, Leaving, SpectralBundle, SpectralTracer};
 
 /// A ray in lens space, mm.
 #[derive(Clone, Copy, Debug, PartialEq)]

@@ -6,6 +6,7 @@
 
 use glam::DVec3;
 
+use super::spectral::{LINES, Leaving};
 use super::step::{Action, Step};
 use super::{Failure, Lost, Ray, Tracer, Travel, Way};
 use crate::diaphragm::Diaphragm;
@@ -22,8 +23,8 @@ const BLOCK: usize = 256;
 #[derive(Clone, Debug)]
 pub struct Bundle<R = f64> {
     way: Way<R>,
-    /// x, y, z of the origins, seen from the vertex that the rays are at, then of the directions. Filled up with rays
-    /// along the axis to whole registers.
+    /// x, y, z of the origins, seen from the vertex that the rays are at, then of the directions. There may be more than
+    /// there are rays; to trace, the last register is filled up with rays along the axis.
     numbers: [Vec<R>; 6],
     lost: Vec<Option<Lost>>,
     is_traced: bool,
@@ -67,12 +68,12 @@ impl<R: Real> Bundle<R> {
 
     /// Takes all rays out, and keeps the memory.
     pub fn clear(&mut self) {
-        self.numbers.iter_mut().for_each(Vec::clear);
         self.lost.clear();
         self.is_traced = false;
     }
 
     /// Adds a ray in lens space.
+    #[inline]
     pub fn push(&mut self, ray: Ray) {
         self.push_times(ray, 1);
     }
@@ -81,12 +82,48 @@ impl<R: Real> Bundle<R> {
     #[inline]
     pub(super) fn push_times(&mut self, ray: Ray, count: usize) {
         let (p, d) = self.way.enter(ray);
-        let rays = self.lost.len();
-        for (column, number) in self.numbers.iter_mut().zip([p.x, p.y, p.z, d.x, d.y, d.z]) {
-            column.truncate(rays);
-            column.resize(rays + count, number);
+        let first = self.lost.len();
+        let rays = first + count;
+        if self.numbers[5].len() < rays {
+            self.grow(rays);
         }
-        self.lost.resize(rays + count, None);
+        let [x, y, z, dx, dy, dz] = &mut self.numbers;
+        x[first..rays].fill(p.x);
+        y[first..rays].fill(p.y);
+        z[first..rays].fill(p.z);
+        dx[first..rays].fill(d.x);
+        dy[first..rays].fill(d.y);
+        dz[first..rays].fill(d.z);
+        self.lost.resize(rays, None);
+    }
+
+    /// Adds the first `count` of some rays in lens space: x, y, z of their origins, then of their directions.
+    #[inline]
+    pub(super) fn push_some<const N: usize>(&mut self, rays: &[[f64; N]; 6], count: usize) {
+        let first = self.lost.len();
+        let end = first + count;
+        if self.numbers[5].len() < first + N {
+            self.grow(first + N);
+        }
+        let mut near = [[R::ZERO; N]; 6];
+        for i in 0..N {
+            let at = |column: usize| rays[column][i];
+            let ray = Ray { origin: DVec3::new(at(0), at(1), at(2)), direction: DVec3::new(at(3), at(4), at(5)) };
+            let (p, d) = self.way.enter(ray);
+            (near[0][i], near[1][i], near[2][i]) = (p.x, p.y, p.z);
+            (near[3][i], near[4][i], near[5][i]) = (d.x, d.y, d.z);
+        }
+        for (column, numbers) in self.numbers.iter_mut().zip(&near) {
+            column[first..first + N].copy_from_slice(numbers);
+        }
+        self.lost.resize(end, None);
+    }
+
+    /// Makes room for so many rays, and then some.
+    #[cold]
+    fn grow(&mut self, rays: usize) {
+        let room = rays.next_power_of_two().max(BLOCK);
+        self.numbers.iter_mut().for_each(|column| column.resize(room, R::ZERO));
     }
 
     /// Marks it as traced, which is to be done once.
@@ -101,13 +138,38 @@ impl<R: Real> Bundle<R> {
     }
 
     /// What became of ray `i`: as [`Tracer::from_scene`] and [`Tracer::from_film`] say it.
+    #[inline]
     pub fn result(&self, i: usize) -> Result<Ray, Lost> {
         debug_assert!(self.is_traced, "trace the bundle first");
-        let at = |first: usize| DVec3::from_array([0, 1, 2].map(|axis| self.numbers[first + axis][i].to_f64()));
-        self.lost[i].map_or_else(|| Ok(self.way.leave(at(0), at(3))), Err)
+        if let Some(lost) = self.lost[i] {
+            return Err(lost);
+        }
+        let [x, y, z, dx, dy, dz] = &self.numbers;
+        let origin = DVec3::new(x[i].to_f64(), y[i].to_f64(), z[i].to_f64());
+        let direction = DVec3::new(dx[i].to_f64(), dy[i].to_f64(), dz[i].to_f64());
+        Ok(self.way.leave(origin, direction))
+    }
+
+    /// What became of the [`LINES`] rays from `first` on.
+    #[inline]
+    pub(super) fn leaving(&self, first: usize) -> Leaving<'_, R> {
+        debug_assert!(self.is_traced, "trace the bundle first");
+        let [x, y, z, dx, dy, dz] = &self.numbers;
+        Leaving {
+            numbers: [
+                group(x, first),
+                group(y, first),
+                group(z, first),
+                group(dx, first),
+                group(dy, first),
+                group(dz, first),
+            ],
+            lost: &self.lost[first..first + LINES],
+        }
     }
 
     /// True if ray `i` got through.
+    #[inline]
     pub fn is_through(&self, i: usize) -> bool {
         debug_assert!(self.is_traced, "trace the bundle first");
         self.lost[i].is_none()
@@ -119,27 +181,36 @@ impl<R: Real> Bundle<R> {
     }
 }
 
+#[inline]
+fn group<R>(column: &[R], first: usize) -> &[R; LINES] {
+    column[first..].first_chunk().expect("groups are added whole")
+}
+
 /// A lens's interfaces at several lines, and which of them the rays of a bundle have.
 pub(super) struct Lines<'a, R> {
     /// By step: ratios, then excesses, by line.
     pub(super) tables: &'a [[Box<[R]>; 2]],
     /// The first line of each group of rays; the others of a group have those that follow.
     pub(super) first: &'a [u32],
-    /// Rays in a group: divides [`BLOCK`].
+    /// Rays in a group: 1 or [`LINES`].
     pub(super) group: usize,
 }
 
 impl<R: Real> Lines<'_, R> {
     /// The numbers at step `step` of the rays from `ray` on.
     #[inline(always)]
-    fn fill(&self, step: usize, ray: usize, numbers: &mut [[R; BLOCK]; 2]) {
-        for (numbers, table) in numbers.iter_mut().zip(&self.tables[step]) {
-            let groups = self.first[ray / self.group..].iter();
-            if self.group == 1 {
-                groups.zip(numbers).for_each(|(&line, number)| *number = table[line as usize]);
-            } else {
-                let each = numbers.chunks_exact_mut(self.group);
-                groups.zip(each).for_each(|(&line, to)| to.copy_from_slice(&table[line as usize..][..self.group]));
+    fn fill(&self, step: usize, ray: usize, [ratios, excesses]: &mut [[R; BLOCK]; 2]) {
+        let [all_ratios, all_excesses] = &self.tables[step];
+        let first = &self.first[ray / self.group..];
+        if self.group == 1 {
+            for ((&line, ratio), excess) in first.iter().zip(ratios).zip(excesses) {
+                (*ratio, *excess) = (all_ratios[line as usize], all_excesses[line as usize]);
+            }
+        } else {
+            let (ratios, _) = ratios.as_chunks_mut::<LINES>();
+            let (excesses, _) = excesses.as_chunks_mut::<LINES>();
+            for ((&line, ratios), excesses) in first.iter().zip(ratios).zip(excesses) {
+                (*ratios, *excesses) = (*group(all_ratios, line as usize), *group(all_excesses, line as usize));
             }
         }
     }
@@ -162,14 +233,22 @@ impl<R: Real> LaneKernel<R> for Trace<'_, R> {
         let axis = [R::ZERO, R::ZERO, R::ZERO, R::ZERO, R::ZERO, self.way.steps[0].side];
         let rays = lost.len().next_multiple_of(L::WIDTH);
         for (column, number) in numbers.iter_mut().zip(axis) {
-            column.resize(rays, number);
+            // The room is a power of two: of whole registers.
+            column[lost.len()..rays].fill(number);
         }
         // Rays that only fill a register up have the numbers of those before them, or these: no interface.
         let mut at_lines = [[R::ONE; BLOCK], [R::ZERO; BLOCK]];
         for first in (0..rays).step_by(BLOCK) {
             let block = first..(first + BLOCK).min(rays);
-            let [x, y, z, dx, dy, dz] = numbers.each_mut().map(|column| &mut column[block.clone()]);
-            let mut block = Block { x, y, z, dx, dy, dz };
+            let [x, y, z, dx, dy, dz] = &mut *numbers;
+            let mut block = Block {
+                x: &mut x[block.clone()],
+                y: &mut y[block.clone()],
+                z: &mut z[block.clone()],
+                dx: &mut dx[block.clone()],
+                dy: &mut dy[block.clone()],
+                dz: &mut dz[block],
+            };
             let mut lost = Losses { lost: &mut lost[first..], surface: 0 };
             for (i, step) in self.way.steps.iter().enumerate() {
                 lost.surface = self.way.surface(i);
@@ -269,8 +348,9 @@ impl<R: Real> Block<'_, R> {
             let lanes = match interfaces {
                 None => None,
                 Some(numbers) => {
-                    let [ratio, excess] = numbers.map(|numbers| zero.load(&numbers[at..at + L::WIDTH]));
-                    Some(Interfaces { ratio, excess })
+                    let [ratios, excesses] = numbers;
+                    let lanes = at..at + L::WIDTH;
+                    Some(Interfaces { ratio: zero.load(&ratios[lanes.clone()]), excess: zero.load(&excesses[lanes]) })
                 }
             };
             let passage = step.pass(p, d, diaphragm, lanes);
@@ -296,104 +376,4 @@ impl<R: Real> Block<'_, R> {
 }
 
 #[cfg(test)]
-mod tests {
-    use super::*;
-    use crate::diaphragm::ApertureMask;
-    use crate::formats::lens;
-    use crate::glass::Catalogue;
-    use crate::system::{System, SystemSettings};
-    use std::sync::Arc;
-
-    /// All kinds of instructions that this processor has.
-    fn levels() -> Vec<Level> {
-        #[allow(unused_mut)]
-        let mut levels = vec![Level::new()];
-        #[cfg(target_arch = "x86_64")]
-        {
-            levels.extend(Level::new().as_sse2().map(Level::Sse2));
-            levels.extend(Level::new().as_sse4_2().map(Level::Sse4_2));
-            levels.extend(Level::new().as_avx2().map(Level::Avx2));
-        }
-        levels
-    }
-
-    /// Rays from the film to anywhere on the rear glass, and as many from the scene.
-    fn rays(system: &System, travel: Travel, count: u32) -> impl Iterator<Item = Ray> {
-        let (glass, from, semi) = match travel {
-            Travel::FromFilm => (system.last_vertex_z_mm(), system.film_z_published_mm(), system.rear_radius_mm()),
-            Travel::FromScene => {
-                let semi = system.surfaces()[0].semi_diameter_mm;
-                (0.0, -4.0 * semi, semi)
-            }
-        };
-        (0..count).map(move |i| {
-            let at = |by: u32| f64::from(i * by % 101) / 50.0 - 1.0;
-            let origin = DVec3::new(at(17) * semi * 0.3, at(29) * semi * 0.3, from);
-            let target = DVec3::new(at(41) * semi, at(59) * semi, glass);
-            Ray { origin, direction: (target - origin).normalize() }
-        })
-    }
-
-    fn check<R: Real>(system: &System, travel: Travel) -> usize {
-        let tracer: Tracer<R> = system.at_wavelength(550.0).cast();
-        let mut passed = 0;
-        for level in levels() {
-            let mut bundle = tracer.bundle(travel);
-            // Not a whole number of registers.
-            rays(system, travel, 1003).for_each(|ray| bundle.push(ray));
-            tracer.trace_with(level, &mut bundle);
-            for (i, ray) in rays(system, travel, 1003).enumerate() {
-                let alone = match travel {
-                    Travel::FromScene => tracer.from_scene(ray),
-                    Travel::FromFilm => tracer.from_film(ray),
-                };
-                assert_eq!(bundle.result(i), alone, "{} {level:?} {travel:?} {i}", system.name());
-            }
-            passed += bundle.passed();
-        }
-        passed
-    }
-
-    /// Open in stripes of a ninth of the stop, dark in the middle.
-    fn masked(system: System) -> System {
-        let values: Vec<f32> = (0..81).map(|i| if (i % 9) % 2 == 0 && i / 9 != 4 { 1.0 } else { 0.1 }).collect();
-        system.with_aperture_mask(Arc::new(ApertureMask::new(9, &values).unwrap()), 0.3).unwrap()
-    }
-
-    #[test]
-    fn a_ray_in_a_bundle_is_the_ray_alone() {
-        let folder = concat!(env!("CARGO_MANIFEST_DIR"), "/../../tests/reference/lenses");
-        let both = [Travel::FromScene, Travel::FromFilm];
-        let mut passed = 0;
-        for entry in std::fs::read_dir(folder).unwrap() {
-            let path = entry.unwrap().path();
-            let Ok(prescription) = lens::read(&path, Catalogue::shipped()) else { continue };
-            for (blades, blade_curvature) in [(0, 0.0), (5, 0.0), (5, 0.5)] {
-                let settings = SystemSettings { blades, blade_curvature, ..SystemSettings::default() };
-                let system = System::new(&prescription, &settings).unwrap();
-                let systems = [Some(system.clone()), (blades == 0).then(|| masked(system))];
-                for (system, travel) in systems.iter().flatten().flat_map(|s| both.map(|travel| (s, travel))) {
-                    passed += check::<f64>(system, travel) + check::<f32>(system, travel);
-                }
-            }
-        }
-        assert!(passed > 50_000, "{passed}");
-    }
-
-    #[test]
-    fn a_bundle_can_be_filled_again() {
-        let text = "0 5 1.5 10 0 1";
-        let prescription = lens::parse(text, "test", Catalogue::shipped()).unwrap();
-        let tracer = System::new(&prescription, &SystemSettings::default()).unwrap().at_wavelength(550.0);
-        let mut bundle = tracer.bundle(Travel::FromScene);
-        let ray = |x: f64| Ray { origin: DVec3::new(x, 0.0, -1.0), direction: DVec3::Z };
-        tracer.trace(&mut bundle);
-        assert!(bundle.is_empty());
-        for x in [1.0, 6.0] {
-            bundle.clear();
-            bundle.push(ray(x));
-            tracer.trace(&mut bundle);
-            assert_eq!((bundle.len(), bundle.passed()), (1, usize::from(x < 5.0)));
-        }
-    }
-}
+mod tests;

@@ -39,6 +39,21 @@ pub struct SpectralBundle<R = f64> {
     group: usize,
 }
 
+/// Rays of a group where they leave the lens.
+pub struct Leaving<'a, R> {
+    /// x, y, z from the last vertex on the way, then of the directions, whose length is 1 but for roundings.
+    pub numbers: [&'a [R; LINES]; 6],
+    pub(super) lost: &'a [Option<Lost>],
+}
+
+impl<R> Leaving<'_, R> {
+    /// A bit for each that got through, the first the lowest. What the numbers of the others mean, nobody knows.
+    #[inline]
+    pub fn through(&self) -> u32 {
+        self.lost.iter().enumerate().fold(0, |bits, (i, lost)| bits | u32::from(lost.is_none()) << i)
+    }
+}
+
 impl SpectralTracer {
     /// Of the tracers of one lens: at least one.
     pub fn new(lines: &[&Tracer]) -> Self {
@@ -151,6 +166,22 @@ impl<R: Real> SpectralBundle<R> {
     pub fn push(&mut self, ray: Ray, line: usize) {
         self.rays.push_times(ray, self.group);
         self.first.push(line as u32);
+    }
+
+    /// Adds the first rays of some in lens space, as many as there are `lines`: x, y, z of their origins, then of their
+    /// directions. For bundles of one line a ray.
+    #[inline]
+    pub fn push_some<const N: usize>(&mut self, rays: &[[f64; N]; 6], lines: impl ExactSizeIterator<Item = usize>) {
+        assert!(self.group == 1 && lines.len() <= N, "each ray has one line");
+        self.rays.push_some(rays, lines.len());
+        self.first.extend(lines.map(|line| line as u32));
+    }
+
+    /// What became of the group that was added as number `i`, of [`LINES`] rays.
+    #[inline]
+    pub fn leaving(&self, i: usize) -> Leaving<'_, R> {
+        assert!(self.group == LINES, "rays of one line are read one by one");
+        self.rays.leaving(i * LINES)
     }
 
     /// What became of ray `i`.

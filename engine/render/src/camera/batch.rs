@@ -5,6 +5,7 @@ use super::CameraRay;
 use super::packet::{Led, Request, backwards};
 use super::real_lens::{Lead, RealLens};
 use crate::sampler::raster::Raster;
+use glam::{DMat3, DVec3};
 use petzval_optics::trace::{LINES, SpectralBundle, Travel};
 
 /// Memory for batches of one lens.
@@ -13,8 +14,6 @@ pub struct LensBatch {
     back: SpectralBundle<f32>,
     /// By request: the density of its choice.
     densities: Vec<f64>,
-    /// By request.
-    leads: Vec<Option<Lead>>,
 }
 
 impl RealLens {
@@ -24,16 +23,15 @@ impl RealLens {
         LensBatch {
             out: lines.out.bundle(Travel::FromFilm, 1),
             back: lines.back_in_short.bundle(Travel::FromScene, LINES),
-            leads: Vec::new(),
             densities: Vec::new(),
         }
     }
 
-    /// [`Self::sample`] for each request, to the last bit.
+    /// [`Self::sample`] for each request, to the last bit (on a shifted film but for roundings).
     pub fn sample_batch(&self, requests: &[Request], batch: &mut LensBatch, rays: &mut Vec<Option<CameraRay>>) {
         self.lead_batch(requests, batch);
-        rays.extend(requests.iter().zip(&batch.leads).map(|(request, lead)| {
-            lead.as_ref().map(|lead| self.weighted(self.spectrum.sample(request.u_wavelength), lead))
+        rays.extend(requests.iter().enumerate().map(|(i, request)| {
+            batch.lead(i).map(|lead| self.weighted(self.spectrum.sample(request.u_wavelength), &lead))
         }));
     }
 
@@ -46,38 +44,94 @@ impl RealLens {
         led: &mut Vec<Option<Led>>,
     ) {
         self.lead_batch(requests, batch);
-        let LensBatch { back, leads, .. } = batch;
-        back.clear();
-        for (request, lead) in requests.iter().zip(leads.iter()) {
-            if let Some(lead) = lead {
+        batch.back.clear();
+        for (i, request) in requests.iter().enumerate() {
+            if let Some(lead) = batch.lead(i) {
                 let (set, _) = self.leader(request.u_wavelength);
-                back.push(backwards(lead), set * LINES);
+                batch.back.push(backwards(&lead), set * LINES);
             }
         }
-        self.film_lines.back_in_short.trace(back);
-        let mut first = 0;
-        led.extend(requests.iter().zip(leads.iter()).map(|(request, lead)| {
-            let lead = lead.as_ref()?;
-            let (set, _) = self.leader(request.u_wavelength);
-            let arrivals = self.arrived(set, |i| back.result(first + i), raster, request.u_pixels);
-            first += LINES;
-            Some(self.joined(request, lead, arrivals, raster))
+        self.film_lines.back_in_short.trace(&mut batch.back);
+        let mut group = 0;
+        led.extend(requests.iter().enumerate().map(|(i, request)| {
+            let lead = batch.lead(i)?;
+            group += 1;
+            Some(match &self.short_film {
+                Some(film) => self.joined_in_short(film, request, &lead, &batch.back.leaving(group - 1), raster),
+                None => {
+                    let (set, _) = self.leader(request.u_wavelength);
+                    let ray = |line| batch.back.result((group - 1) * LINES + line);
+                    let arrivals = self.arrived(set, ray, raster, request.u_pixels);
+                    self.joined(request, &lead, arrivals, raster)
+                }
+            })
         }));
     }
 
     fn lead_batch(&self, requests: &[Request], batch: &mut LensBatch) {
-        let LensBatch { out, leads, densities, .. } = batch;
+        let LensBatch { out, densities, .. } = batch;
         out.clear();
-        leads.clear();
         densities.clear();
-        for request in requests {
-            let (ray, density) = self.aim_out(request.place, request.u_lens);
-            out.push(ray, self.spectrum.sample(request.u_wavelength));
-            densities.push(density);
+        let line = |request: &Request| self.spectrum.sample(request.u_wavelength);
+        match self.mount.frame.flat() {
+            Some((axes, middle)) => {
+                for some in requests.chunks(LINES) {
+                    let (rays, some_densities) = self.aim_some(&axes, middle, some);
+                    out.push_some(&rays, some.iter().map(line));
+                    densities.extend_from_slice(&some_densities[..some.len()]);
+                }
+            }
+            None => {
+                for request in requests {
+                    let (ray, density) = self.aim_out(request.place, request.u_lens);
+                    out.push(ray, line(request));
+                    densities.push(density);
+                }
+            }
         }
         self.film_lines.out.trace(out);
-        let lead = |(i, &density): (usize, &f64)| out.result(i).ok().map(|out| Lead { out, density });
-        leads.extend(densities.iter().enumerate().map(lead));
+    }
+
+    /// [`Self::aim_out`] for at most as many requests as fill a register, from a flat film with these axes and this middle:
+    /// x, y, z of the origins, then of the directions, and the densities.
+    #[inline]
+    fn aim_some(&self, axes: &DMat3, middle: DVec3, requests: &[Request]) -> ([[f64; LINES]; 6], [f64; LINES]) {
+        let mut places = [[0.0f64; LINES]; 2];
+        let mut u = [[0.5f64; LINES]; 2];
+        for (i, request) in requests.iter().enumerate() {
+            (places[0][i], places[1][i]) = (f64::from(request.place.x), f64::from(request.place.y));
+            (u[0][i], u[1][i]) = (f64::from(request.u_lens[0]), f64::from(request.u_lens[1]));
+        }
+        let info = &self.mount.info;
+        let (right, up, away) = (axes.x_axis, axes.y_axis, axes.z_axis);
+        let mut film = [[0.0f64; LINES]; 3];
+        for i in 0..LINES {
+            let (u_mm, v_mm) = (-places[0][i] * info.picture_width_mm, -places[1][i] * info.picture_height_mm);
+            film[0][i] = middle.x + right.x * u_mm + up.x * v_mm;
+            film[1][i] = middle.y + right.y * u_mm + up.y * v_mm;
+            film[2][i] = middle.z + right.z * u_mm + up.z * v_mm;
+        }
+        let aims = self.map.samples(&film, &u);
+        let plane_z = self.map.reference_plane_z();
+        let [mut dx, mut dy, mut dz, mut density] = [[0.0f64; LINES]; 4];
+        for i in 0..LINES {
+            let (x, y, z) = (aims.target[0][i] - film[0][i], aims.target[1][i] - film[1][i], plane_z - film[2][i]);
+            let distance2 = x * x + y * y + z * z;
+            let inverse = distance2.sqrt().recip();
+            let cosines = ((away.x * x + away.y * y + away.z * z) * z).abs();
+            (dx[i], dy[i], dz[i]) = (x * inverse, y * inverse, z * inverse);
+            density[i] = aims.pdf_per_mm2[i] * distance2 * distance2 / cosines;
+        }
+        let [x, y, z] = film;
+        ([x, y, z, dx, dy, dz], density)
+    }
+}
+
+impl LensBatch {
+    /// What became of request `i`.
+    #[inline]
+    fn lead(&self, i: usize) -> Option<Lead> {
+        self.out.result(i).ok().map(|out| Lead { out, density: self.densities[i] })
     }
 }
 

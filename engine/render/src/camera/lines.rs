@@ -1,6 +1,7 @@
 //! A lens at all wavelengths of a film, laid out for rays that each have their own.
 
-use crate::spectrum::{FilmSpectrum, SET_SIZE};
+use crate::spectrum::{FilmSpectrum, FilmWavelength, SET_SIZE};
+use glam::Vec4;
 use petzval_optics::trace::{LINES, SpectralTracer, Tracer};
 
 // A set goes through the lens in one packet.
@@ -17,6 +18,10 @@ pub(super) struct FilmLines {
     pub(super) back_in_short: SpectralTracer<f32>,
     /// Wavelengths of a set.
     pub(super) size: usize,
+    /// How many sets there are.
+    pub(super) sets: usize,
+    /// By wavelength of the film: columns of what it makes of a scene colour, the fourth number of each 0.
+    pub(super) responses: Vec<[Vec4; 3]>,
 }
 
 impl FilmLines {
@@ -27,6 +32,8 @@ impl FilmLines {
         let by_set: Vec<&Tracer> = (0..sets).flat_map(|set| (0..LINES).map(move |i| line(set, i))).collect();
         let back = SpectralTracer::new(&by_set);
         let out = SpectralTracer::new(&tracers.iter().collect::<Vec<_>>());
-        Self { out, back_in_short: back.cast(), back, size }
+        let columns = |w: &FilmWavelength| [0, 1, 2].map(|i| w.response.col(i).extend(0.0));
+        let responses = spectrum.wavelengths().iter().map(columns).collect();
+        Self { out, back_in_short: back.cast(), back, size, sets, responses }
     }
 }

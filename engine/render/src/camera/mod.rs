@@ -3,6 +3,7 @@
 //! The only place where lens millimetres meet world units. Picture coordinates are fractions of the picture's
 //! width and height from its centre, right and up as one looks at the finished picture: -1/2 to 1/2.
 
+mod arrive;
 pub mod autofocus;
 pub mod batch;
 pub mod exposure;

@@ -17,6 +17,8 @@ pub(super) struct Mount {
     axes: DMat3,
     origin_z_mm: f64,
     per_unit: DVec3,
+    /// Of vectors: lens space to render space, with its scale.
+    vectors: DMat3,
 }
 
 impl Mount {
@@ -29,7 +31,9 @@ impl Mount {
     ) -> Result<(Self, System), CameraError> {
         let Setup { info, system, film, origin_z_mm } = Setup::new(d, width, height)?;
         let frame = film.frame();
-        Ok((Self { info, film, frame, axes, origin_z_mm, per_unit: d.scale_mm_per_unit }, system))
+        let per_unit = d.scale_mm_per_unit;
+        let vectors = axes * DMat3::from_diagonal(per_unit.recip());
+        Ok((Self { info, film, frame, axes, origin_z_mm, per_unit, vectors }, system))
     }
 
     pub(super) fn axes(&self) -> &DMat3 {
@@ -50,6 +54,7 @@ impl Mount {
     }
 
     /// Millimetres of lens space in a unit of render space; `None` if they differ between the axes.
+    #[inline]
     pub(super) fn scale(&self) -> Option<f64> {
         let s = self.per_unit;
         (s.x == s.y && s.y == s.z).then_some(s.x)
@@ -67,10 +72,14 @@ impl Mount {
 
     /// A ray in front of the lens, from lens space to render space: camera space has the lens's axes, with the anchor of
     /// the focus as origin.
+    #[inline]
     pub(super) fn to_render(&self, ray: &LensRay) -> Ray {
-        let origin = (ray.origin - DVec3::new(0.0, 0.0, self.origin_z_mm)) / self.per_unit;
-        let direction = (ray.direction / self.per_unit).normalize();
-        Ray::new((self.axes * origin).as_vec3a(), (self.axes * direction).as_vec3a())
+        let origin = self.vectors * (ray.origin - DVec3::new(0.0, 0.0, self.origin_z_mm));
+        let direction = match self.scale() {
+            Some(_) => self.axes * ray.direction,
+            None => (self.vectors * ray.direction).normalize(),
+        };
+        Ray::new(origin.as_vec3a(), direction.as_vec3a())
     }
 
     /// A point of render space in lens space.

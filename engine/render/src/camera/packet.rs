@@ -5,10 +5,11 @@
 //! (Veach 1995, the balance heuristic over which of them could have led to it).
 
 use super::real_lens::{Lead, RealLens};
+use crate::Rgb;
 use crate::accel::Ray;
-use crate::sampler::raster::Raster;
+use crate::sampler::raster::{Raster, turned};
 use crate::spectrum::SET_SIZE;
-use glam::{Mat3, Vec2};
+use glam::{Mat3, Vec2, Vec4};
 use petzval_optics::trace::{LINES, Lost, Ray as LensRay};
 
 /// Where a ray arrives at one wavelength.
@@ -69,6 +70,11 @@ impl Splats {
     }
 
     #[inline]
+    pub(super) fn push_at(&mut self, [x, y]: [u32; 2], wavelength: usize, weight: f32) {
+        self.push(Splat { x, y, wavelength: wavelength as u32, weight });
+    }
+
+    #[inline]
     fn push(&mut self, splat: Splat) {
         self.list[self.count as usize] = splat;
         self.count += 1;
@@ -93,12 +99,33 @@ impl RealLens {
         self.spectrum.wavelengths()[wavelength as usize].response
     }
 
+    /// Gives `add` what radiance along a ray adds to the pixels where it arrives, neighbours in the list together if they
+    /// fall into one pixel. The fourth numbers are 0.
+    #[inline]
+    pub fn expose(&self, splats: &Splats, radiance: Rgb, mut add: impl FnMut(u32, u32, Vec4)) {
+        let [red, green, blue] = radiance.to_array();
+        let colour = |splat: &Splat| {
+            let [r, g, b] = self.film_lines.responses[splat.wavelength as usize];
+            (r * red + g * green + b * blue) * splat.weight
+        };
+        let Some((first, others)) = splats.as_slice().split_first() else { return };
+        let (mut x, mut y, mut sum) = (first.x, first.y, colour(first));
+        for splat in others {
+            if (splat.x, splat.y) != (x, y) {
+                add(x, y, sum);
+                (x, y, sum) = (splat.x, splat.y, Vec4::ZERO);
+            }
+            sum += colour(splat);
+        }
+        add(x, y, sum);
+    }
+
     /// Which wavelength leads, chosen by `u`: its set and its place in the set.
     #[inline]
     pub(super) fn leader(&self, u: f32) -> (usize, usize) {
-        let index = self.spectrum.sample(u);
-        let sets = self.spectrum.sets();
-        (index % sets, index / sets)
+        // Division of short numbers is quicker.
+        let (index, sets) = (self.spectrum.sample(u) as u32, self.film_lines.sets as u32);
+        ((index % sets) as usize, (index / sets) as usize)
     }
 
     /// Carries a ray that comes from the scene, in lens space, to the film. `u` chooses the pixels.
@@ -207,13 +234,4 @@ impl RealLens {
 #[inline]
 pub(super) fn backwards(lead: &Lead) -> LensRay {
     LensRay { origin: lead.out.origin, direction: -lead.out.direction }
-}
-
-/// Numbers for wavelength `i`, apart from those of the others.
-#[inline]
-fn turned(u: [f32; 2], i: usize) -> [f32; 2] {
-    // Multiples of two irrational numbers with small terms (the plastic constant: Roberts 2018).
-    // A cast takes the whole part off without a call.
-    let part = |x: f32| x - (x as i32) as f32;
-    [part(u[0] + 0.754_877_7 * i as f32), part(u[1] + 0.569_840_3 * i as f32)]
 }

@@ -4,6 +4,7 @@
 //! with the weight cos(film) cos(pupil) / distance^2; it is divided by what the middle of the film gets from a
 //! uniform world of radiance one.
 
+use super::arrive::ShortFilm;
 use super::focal_surface::FocalSurface;
 use super::lines::FilmLines;
 use super::mount::Mount;
@@ -44,6 +45,8 @@ pub struct RealLens {
     pub(super) map: PupilMap,
     map_seconds: f64,
     pub(super) film_lines: FilmLines,
+    /// For packets, if there are any and the film is flat.
+    pub(super) short_film: Option<ShortFilm>,
     system: System,
     /// Made when rays first start in the scene.
     focal: OnceLock<FocalSurface>,
@@ -93,9 +96,11 @@ impl RealLens {
             let index_squared = system.image_index(tracer.wavelength_nm()).powi(2);
             Line { tracer, gain: gain * brightness, index_squared }
         };
-        let lines = tracers.into_iter().zip(gains).map(line).collect();
+        let lines: Vec<Line> = tracers.into_iter().zip(gains).map(line).collect();
+        let (sets, size) = (spectrum.sets(), spectrum.set_size());
+        let short_film = ShortFilm::new(&mount, system.last_vertex_z_mm(), &lines, sets, size);
         let (focal, entrance) = (OnceLock::new(), OnceLock::new());
-        Ok(Self { mount, spectrum, lines, map, map_seconds, film_lines, system, focal, entrance })
+        Ok(Self { mount, spectrum, lines, map, map_seconds, film_lines, short_film, system, focal, entrance })
     }
 
     /// What the lens does in this camera.
@@ -134,12 +139,13 @@ impl RealLens {
     #[inline]
     pub(super) fn aim_out(&self, p: Vec2, u_lens: [f32; 2]) -> (LensRay, f64) {
         let film = self.mount.film_at(p);
-        let aim = self.map.sample(film.point, u_lens.map(f64::from));
+        let aim = self.map.sample(film.point, [f64::from(u_lens[0]), f64::from(u_lens[1])]);
         let to = aim.target - film.point;
         let distance2 = to.length_squared();
-        let direction = to / distance2.sqrt();
-        let cosines = film.normal.dot(direction).abs() * direction.z.abs();
-        (LensRay { origin: film.point, direction }, aim.pdf_per_mm2 * distance2 / cosines)
+        let direction = to * distance2.sqrt().recip();
+        // Cosines are those of `to` over its length.
+        let cosines = (film.normal.dot(to) * to.z).abs();
+        (LensRay { origin: film.point, direction }, aim.pdf_per_mm2 * distance2 * distance2 / cosines)
     }
 
     /// The density of [`Self::lead`] for the picture point `p` and a ray that comes to it from the lens.

@@ -14,6 +14,7 @@ use crate::Rgb;
 use crate::integrator::path::FirstSurface;
 use cryptomatte::{MatteLayer, MatteNotes, MatteSums, Mattes};
 use data::{DataSums, VectorSums};
+use glam::Vec4;
 use splats::SplatSums;
 use std::sync::{Mutex, MutexGuard, PoisonError};
 
@@ -115,14 +116,18 @@ impl Patch {
     /// Adds radiance to a pixel of the picture.
     #[inline]
     pub fn add(&mut self, x: u32, y: u32, radiance: Rgb) {
+        self.add_wide(x, y, radiance.extend(0.0));
+    }
+
+    /// The same for radiance with a 0 behind it.
+    #[inline]
+    pub fn add_wide(&mut self, x: u32, y: u32, radiance: Vec4) {
         match self.rect.index(x, y) {
             Some(i) => {
                 let sum = &mut self.sums[i];
-                sum[0] += radiance.x;
-                sum[1] += radiance.y;
-                sum[2] += radiance.z;
+                *sum = (Vec4::from_array(*sum) + radiance).to_array();
             }
-            None => self.far.push((x, y, radiance)),
+            None => self.far.push((x, y, radiance.truncate())),
         }
     }
 

@@ -235,9 +235,7 @@ impl Sample<'_> {
 
 /// Adds radiance along a ray to the pixels where it arrives.
 fn add_splats(light: &mut Patch, lens: &RealLens, splats: &Splats, radiance: Rgb) {
-    for splat in splats.as_slice() {
-        light.add(splat.x, splat.y, lens.response(splat.wavelength) * (radiance * splat.weight));
-    }
+    lens.expose(splats, radiance, |x, y, light_there| light.add_wide(x, y, light_there));
 }
 
 #[cfg(test)]

@@ -1,0 +1,222 @@
+//! Several targets at once, and the density of several, that in single precision.
+//!
+//! Rays of one packet come from film points near each other: they nearly always share a cell of the map.
+
+use glam::{DVec2, DVec3};
+
+use super::cell::Cell;
+use super::{DEFENSIVE_SHARE, PupilMap};
+
+/// A cell where only the film point's distance from the axis counts: the numbers that most targets need.
+#[derive(Clone, Copy, Debug)]
+pub(super) struct Spot {
+    /// The outline's centre at the near end of the cell.
+    centre: [f32; 2],
+    /// From there to that at its far end.
+    way: [f32; 2],
+    /// Of the samples in the outline, per mm².
+    density: f32,
+    /// Squared radii between which every direction is inside.
+    surely: [f32; 2],
+}
+
+impl Spot {
+    pub(super) fn new(cell: &Cell, near: DVec2, far: DVec2) -> Self {
+        let [from, to] = cell.surely();
+        // Without any outline the cell's density is 0, and the whole glass takes all samples.
+        Self {
+            centre: near.as_vec2().to_array(),
+            way: (far - near).as_vec2().to_array(),
+            density: ((1.0 - DEFENSIVE_SHARE) * cell.density()) as f32,
+            surely: [from as f32, to as f32],
+        }
+    }
+}
+
+/// Several of [`super::PupilSample`].
+#[derive(Clone, Copy, Debug)]
+pub struct PupilSamples<const N: usize> {
+    /// x and y in lens space, mm.
+    pub target: [[f64; N]; 2],
+    /// Densities with which they were chosen, per mm² of the reference plane.
+    pub pdf_per_mm2: [f64; N],
+}
+
+impl PupilMap {
+    /// [`Self::sample`] for each of `N` film points (x, y and z, mm) and two numbers for each, to the last bit.
+    #[inline]
+    pub fn samples<const N: usize>(&self, film: &[[f64; N]; 3], u: &[[f64; N]; 2]) -> PupilSamples<N> {
+        let mut all = PupilSamples { target: [[0.0; N]; 2], pdf_per_mm2: [0.0; N] };
+        const { assert!(N > 0 && N <= 64) };
+        let mut alone =
+            if self.is_plain { self.samples_on_plain_film(film, u, &mut all) } else { u64::MAX >> (64 - N) };
+        while alone != 0 {
+            let i = alone.trailing_zeros() as usize;
+            let one = self.sample(DVec3::new(film[0][i], film[1][i], film[2][i]), [u[0][i], u[1][i]]);
+            (all.target[0][i], all.target[1][i], all.pdf_per_mm2[i]) = (one.target.x, one.target.y, one.pdf_per_mm2);
+            alone &= alone - 1;
+        }
+        all
+    }
+
+    /// All but those that are returned as bits: they go anywhere on the glass.
+    #[inline]
+    fn samples_on_plain_film<const N: usize>(
+        &self,
+        film: &[[f64; N]; 3],
+        u: &[[f64; N]; 2],
+        all: &mut PupilSamples<N>,
+    ) -> u64 {
+        let [mut cosine, mut sine, mut place] = [[0.0f64; N]; 3];
+        for i in 0..N {
+            let (x, y) = (film[0][i], film[1][i]);
+            let radius = (x * x + y * y).sqrt();
+            let inverse = radius.max(f64::MIN_POSITIVE).recip();
+            (cosine[i], sine[i]) = if radius > 0.0 { (x * inverse, y * inverse) } else { (1.0, 0.0) };
+            place[i] = radius;
+        }
+        // Of the outline's centre, the point of the edge, and the sector's inner end.
+        let [mut cx, mut cy, mut ex, mut ey, mut inner, mut density] = [[0.0f64; N]; 6];
+        let mut alone = 0;
+        for i in 0..N {
+            let (r, r_in) = self.radius.locate(place[i]);
+            let cell = &self.cells[r];
+            if u[0][i] < DEFENSIVE_SHARE || cell.density() == 0.0 {
+                alone |= 1 << i;
+                continue;
+            }
+            let (sector, across) = cell.sector((u[0][i] - DEFENSIVE_SHARE) * (1.0 / (1.0 - DEFENSIVE_SHARE)));
+            let centre = self.centres[r].lerp(self.centres[r + 1], r_in);
+            let edge = sector.corner + sector.edge * across;
+            (cx[i], cy[i], ex[i], ey[i]) = (centre.x, centre.y, edge.x, edge.y);
+            (inner[i], density[i]) = (sector.inner, cell.density());
+        }
+        let glass_squared = self.glass_radius * self.glass_radius;
+        for i in 0..N {
+            let begin = inner[i] * inner[i];
+            let out = (begin + u[1][i] * (1.0 - begin)).sqrt();
+            let (x, y) = (ex[i] * out + cx[i], ey[i] * out + cy[i]);
+            let (x, y) = (cosine[i] * x - sine[i] * y, sine[i] * x + cosine[i] * y);
+            let anywhere = if x * x + y * y <= glass_squared { self.glass_density } else { 0.0 };
+            (all.target[0][i], all.target[1][i]) = (x, y);
+            all.pdf_per_mm2[i] = (1.0 - DEFENSIVE_SHARE) * density[i] + DEFENSIVE_SHARE * anywhere;
+        }
+        alone
+    }
+
+    /// [`Self::pdf`] of `N` targets (x and y, mm) from as many film points (x, y and z, mm).
+    #[inline]
+    pub fn pdfs<const N: usize>(&self, film: &[[f32; N]; 3], target: &[[f32; N]; 2]) -> [f32; N] {
+        if self.spots.is_empty() {
+            return self.pdfs_one_by_one(film, target);
+        }
+        let (cells_per_mm, last) = (self.radius.cells_per_unit as f32, (self.radius.cells - 1) as f32);
+        let [mut cell, mut rest, mut cosine, mut sine] = [[0.0f32; N]; 4];
+        for i in 0..N {
+            let (x, y) = (film[0][i], film[1][i]);
+            let radius = (x * x + y * y).sqrt();
+            let inverse = radius.max(f32::MIN_POSITIVE).recip();
+            (cosine[i], sine[i]) = (if radius > 0.0 { x * inverse } else { 1.0 }, y * inverse);
+            let place = radius * cells_per_mm;
+            cell[i] = place.min(last).max(0.0).trunc();
+            rest[i] = place - cell[i];
+        }
+        let mut spots = [self.spots[cell[0] as i32 as usize]; N];
+        if cell.iter().any(|&c| c != cell[0]) {
+            for i in 0..N {
+                spots[i] = self.spots[cell[i] as i32 as usize];
+            }
+        }
+        let glass_squared = (self.glass_radius * self.glass_radius) as f32;
+        let glass = [1.0, DEFENSIVE_SHARE].map(|share| (share * self.glass_density) as f32);
+        let [mut densities, mut alongs, mut acrosses] = [[0.0f32; N]; 3];
+        let mut unsure = 0u32;
+        for i in 0..N {
+            let (spot, x, y) = (&spots[i], target[0][i], target[1][i]);
+            let along = x * cosine[i] + y * sine[i] - (spot.centre[0] + spot.way[0] * rest[i]);
+            let across = y * cosine[i] - x * sine[i] - (spot.centre[1] + spot.way[1] * rest[i]);
+            (alongs[i], acrosses[i]) = (along, across);
+            let squared = along * along + across * across;
+            let is_surely = squared > spot.surely[0] && squared < spot.surely[1];
+            let anywhere = if spot.density > 0.0 { glass[1] } else { glass[0] };
+            let on_glass = if x * x + y * y <= glass_squared { anywhere } else { 0.0 };
+            densities[i] = on_glass + if is_surely { spot.density } else { 0.0 };
+            unsure |= u32::from(!is_surely && spot.density > 0.0) << i;
+        }
+        while unsure != 0 {
+            let i = unsure.trailing_zeros() as usize;
+            let cell_here = &self.cells[cell[i] as i32 as usize];
+            if cell_here.contains_by_sector(DVec2::new(alongs[i].into(), acrosses[i].into())) {
+                densities[i] += spots[i].density;
+            }
+            unsure &= unsure - 1;
+        }
+        densities
+    }
+
+    fn pdfs_one_by_one<const N: usize>(&self, film: &[[f32; N]; 3], target: &[[f32; N]; 2]) -> [f32; N] {
+        std::array::from_fn(|i| self.pdf_of(film, target, i))
+    }
+
+    fn pdf_of<const N: usize>(&self, film: &[[f32; N]; 3], target: &[[f32; N]; 2], i: usize) -> f32 {
+        let at = |numbers: &[[f32; N]], axis: usize| f64::from(numbers[axis][i]);
+        let film = DVec3::new(at(film, 0), at(film, 1), at(film, 2));
+        self.pdf(film, DVec3::new(at(target, 0), at(target, 1), self.reference_z)) as f32
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::focus::FilmPlane;
+    use crate::formats::lens;
+    use crate::glass::Catalogue;
+    use crate::system::{System, SystemSettings};
+
+    /// Several at once have the densities that they have alone, for plain maps and others.
+    #[test]
+    fn together_as_alone() {
+        let folder = std::path::Path::new(concat!(env!("CARGO_MANIFEST_DIR"), "/../../lenses"));
+        let prescription = lens::read(folder.join("double-gauss-f1.35.lens").as_path(), Catalogue::shipped()).unwrap();
+        for (blades, tilt_rad) in [(0, 0.0), (6, 0.0), (0, 0.1)] {
+            let settings = SystemSettings { blades, ..SystemSettings::default() };
+            let system = System::new(&prescription, &settings).unwrap();
+            let film = FilmPlane { tilt_rad, ..FilmPlane::upright(system.film_z_published_mm()) };
+            let map = PupilMap::new(&system.at_wavelength(550.0), &system, &film, 18.0, 12.0);
+            let (mut same, mut other, mut lit) = (0, 0, 0);
+            for round in 0..4000 {
+                let part = |i: usize, by: f64| ((round * 8 + i) as f64 * by).fract() as f32;
+                let near = [part(0, 0.618), part(0, 0.755)];
+                let place = |i: usize| {
+                    // Every other round they lie all over the film.
+                    let [u, v] = if round % 2 == 0 { near } else { [part(i, 0.618), part(i, 0.755)] };
+                    film.point(f64::from(u - 0.5) * 36.0 + i as f64 * 0.01, f64::from(v - 0.5) * 24.0).as_vec3()
+                };
+                let radius = map.glass_radius as f32;
+                let target: [[f32; 8]; 2] =
+                    [0.5707, 0.8321].map(|by| std::array::from_fn(|i| (part(i, by) * 2.0 - 1.0) * radius));
+                let places: [glam::Vec3; 8] = std::array::from_fn(place);
+                let films = [0, 1, 2].map(|axis| places.map(|p| p[axis]));
+                let together = map.pdfs(&films, &target);
+                let wide = [0, 1, 2].map(|axis| films[axis].map(f64::from));
+                let u = [0.3137, 0.4729].map(|by| std::array::from_fn(|i| f64::from(part(i, by))));
+                let samples = map.samples(&wide, &u);
+                for i in 0..8 {
+                    let one = map.sample(DVec3::new(wide[0][i], wide[1][i], wide[2][i]), [u[0][i], u[1][i]]);
+                    let of_all = (samples.target[0][i], samples.target[1][i], samples.pdf_per_mm2[i]);
+                    assert_eq!(of_all, (one.target.x, one.target.y, one.pdf_per_mm2));
+                    let alone = map.pdf_of(&films, &target, i);
+                    let film = DVec3::new(films[0][i].into(), films[1][i].into(), films[2][i].into());
+                    lit += usize::from(f64::from(alone) * map.pupil_area_mm2(film) > 0.5);
+                    // On an edge rounding decides.
+                    if (together[i] / alone - 1.0).abs() < 1e-5 || together[i] == alone {
+                        same += 1
+                    } else {
+                        other += 1
+                    }
+                }
+            }
+            assert!(other * 3000 < same && lit > 500, "{blades} {tilt_rad}: {same} {other} {lit}");
+        }
+    }
+}
