@@ -313,7 +313,8 @@ impl Film {
 
     /// The squared relative error of what a half of a tile has seen, for the mean over its pixels; `None` if unknown.
     pub fn squared_error(&self, tile: usize, half: usize) -> Option<f32> {
-        self.tile(tile).halves.as_ref().and_then(|halves| halves[half].squared_error())
+        let sums = self.tile(tile);
+        sums.halves.as_ref().and_then(|halves| halves[half].squared_error(half, self.rect(tile), sums.light.rect))
     }
 
     /// How many samples each pixel has, rows from below.
