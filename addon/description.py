@@ -137,6 +137,8 @@ class SettingsDescription:
     width: int
     height: int
     samples: int = 64
+    noise_threshold: float = 0.0  # relative error at which a pixel has samples enough; 0: all get the same
+    min_samples: int = 0  # before a pixel's error is first looked at; 0: 16
     seed: int = 0
     sample_offset: int = 0
     threads: int = 0

@@ -217,6 +217,8 @@ class _Photograph:
             width=width,
             height=height,
             samples=own.samples,
+            noise_threshold=own.noise_threshold if own.use_noise_threshold else 0.0,
+            min_samples=own.min_samples,
             seed=own.seed,
             sample_offset=own.sample_offset,
             threads=render.threads if render.threads_mode == "FIXED" else 0,

@@ -329,7 +329,37 @@ class PetzvalScene(bpy.types.PropertyGroup):
     """`Scene.petzval`."""
 
     samples: IntProperty(
-        name="Samples", description="Camera rays for each pixel", default=64, min=1, max=1 << 24, soft_max=4096
+        name="Samples",
+        description="Camera rays for each pixel; with a noise threshold, the most that a pixel gets",
+        default=64,
+        min=1,
+        max=1 << 24,
+        soft_max=4096,
+    )
+    use_noise_threshold: BoolProperty(
+        name="Noise Threshold",
+        description="Give each part of the picture as many samples as its noise asks for, rather than all the same",
+        default=False,
+    )
+    noise_threshold: FloatProperty(
+        name="Noise Threshold",
+        description="Error of a pixel, relative to the square root of its brightness, that is small enough: its own unit, "
+        "as in Cycles. 0.01 can hardly be seen; half as much takes up to four times the samples",
+        default=0.01,
+        min=0.0,
+        max=10.0,
+        soft_min=0.001,
+        soft_max=0.5,
+        precision=4,
+    )
+    min_samples: IntProperty(
+        name="Min Samples",
+        description="Camera rays for each pixel before its noise is first looked at; zero is 16. More find rare bright "
+        "paths more surely",
+        default=0,
+        min=0,
+        max=1 << 24,
+        soft_max=4096,
     )
     seed: IntProperty(
         name="Seed",

@@ -22,8 +22,12 @@ class LastRender:
         """For people."""
         seconds = self.stats["seconds"]
         lost = self.stats["camera_rays_lost"] / max(self.stats["camera_rays"], 1)
+        samples = f"{self.stats['samples']} samples"
+        if self.stats.get("samples_most", self.stats["samples"]) != self.stats["samples"]:
+            least, mean, most = self.stats["samples"], self.stats["samples_mean"], self.stats["samples_most"]
+            samples = f"{least} to {most} samples, {mean:.1f} in the mean"
         return [
-            f"{self.stats['lens']}, {self.stats['width']} x {self.stats['height']}, {self.stats['samples']} samples"
+            f"{self.stats['lens']}, {self.stats['width']} x {self.stats['height']}, {samples}"
             + (" (stopped)" if self.stopped else ""),
             f"sync {seconds['sync']:.2f} s, trees {seconds['bvh']:.2f} s, render {seconds['render']:.2f} s",
             f"{100.0 * lost:.2f} % of the camera rays lost in the lens",

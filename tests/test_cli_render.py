@@ -65,6 +65,26 @@ def test_seed_and_offset(blender, cli_render):
 
 
 @pytest.mark.once
+def test_as_many_samples_as_the_noise_asks_for(blender, cli_render):
+    options = ("--lens", "cooke-triplet-50mm", "--samples", 64, "--seed", 3)
+    done, out, stats = cli_render(*options, "--noise-threshold", 0.1, "--min-samples", 4)
+    assert done.returncode == 0, done.stderr
+    least, mean, most = stats["samples"], stats["samples_mean"], stats["samples_most"]
+    assert 4 <= least < mean < most <= 64
+    # Some samples serve the error alone.
+    assert mean * 48 * 32 - 1 <= stats["camera_rays"] < 64 * 48 * 32
+    adaptive = picture(out)
+    assert (adaptive == picture(cli_render(*options, "--noise-threshold", 0.1, "--min-samples", 4)[1])).all()
+    # None: as many everywhere, and the same picture to the last bit as if nothing were said.
+    _, out, stats = cli_render(*options, "--noise-threshold", 0)
+    assert stats["samples"] == stats["samples_mean"] == stats["samples_most"] == 64
+    whole = picture(out)
+    assert (whole == picture(cli_render(*options)[1])).all()
+    # The same light, to what the threshold leaves of noise: a mean over 1536 pixels.
+    assert abs(adaptive[..., :3].mean() / whole[..., :3].mean() - 1.0) < 0.02
+
+
+@pytest.mark.once
 def test_the_default_output(petzval_cli, cli_scenes, tmp_path):
     command = [sys.executable, "-m", "petzval", "render", str(cli_scenes / "scene.blend"), "--samples", "1"]
     done = subprocess.run(command, cwd=tmp_path, capture_output=True, text=True, check=False, timeout=60)

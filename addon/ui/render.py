@@ -23,7 +23,16 @@ class PETZVAL_RENDER_PT_sampling(_RenderPanel, bpy.types.Panel):
             row = layout.row()
             row.alert = True
             row.label(text=complaint, icon="ERROR")
-        layout.prop(context.scene.petzval, "samples")
+        settings = context.scene.petzval
+        heading = layout.column(heading="Noise Threshold", align=True)
+        row = heading.row(align=True)
+        row.prop(settings, "use_noise_threshold", text="")
+        part = row.row()
+        part.active = settings.use_noise_threshold
+        part.prop(settings, "noise_threshold", text="")
+        layout.prop(settings, "samples", text="Max Samples" if settings.use_noise_threshold else "Samples")
+        if settings.use_noise_threshold:
+            layout.prop(settings, "min_samples")
 
 
 class PETZVAL_RENDER_PT_sampling_advanced(_RenderPanel, bpy.types.Panel):

@@ -202,7 +202,9 @@ class Scene:
 class SettingsDescription(Protocol):
     width: int
     height: int
-    samples: int
+    samples: int  # of each pixel, at most
+    noise_threshold: float  # relative error at which a pixel has enough; 0: all get the same
+    min_samples: int  # before the error is first looked at; 0: 16
     seed: int
     sample_offset: int
     threads: int  # 0: all cores
@@ -233,7 +235,7 @@ class Job:
     def data(self, name: str) -> npt.NDArray[np.float32]:
         """DEPTH (one channel, along the camera's axis, 1e10 for the background), POSITION or NORMAL (world space), VECTOR
         (pixels: to where it was a frame before; from where it will be a frame after), (height, width, channels), first row
-        at the bottom; asked for by `SettingsDescription.with_data`."""
+        at the bottom; asked for by `SettingsDescription.with_data`. SAMPLES (one channel): how many the pixel has."""
     def matte(self, layer: str) -> npt.NDArray[np.float32]:
         """The channels (id, coverage, id, coverage) of all passes of a layer of Cryptomatte, (height, width, 4 passes),
         first row at the bottom."""
@@ -244,7 +246,7 @@ class Job:
     def progress(self) -> float:  # 0..1
         ...
     def samples_done(self) -> int:
-        """Whole samples per pixel that every pixel has."""
+        """Whole samples per pixel that every pixel has which is not to have fewer."""
     def take_tiles(self) -> list[tuple[int, int, int, int, npt.NDArray[np.float32]]]:
         """(x, y, width, height, pixels (height, width, 4) scene-linear Rec.709 RGBA, first row at the bottom)
         of every tile that changed since the last call; x, y count from the lower left corner."""
@@ -253,6 +255,6 @@ class Job:
     def stop(self) -> None:
         """Asks to stop; finished samples stay. The job ends within 0.1 s."""
     def stats_json(self) -> str:
-        """{"seconds": {"bvh", "render", "plan"}, "samples", "camera_rays", "camera_rays_lost", "rays",
+        """{"seconds": {"bvh", "render", "plan"}, "samples" (that every pixel has), "samples_mean", "samples_most", "camera_rays", "camera_rays_lost", "rays",
         "lens_share" (part of the render time spent in the lens), "non_finite_samples", "seed", "threads",
         "lens", "width", "height"}."""

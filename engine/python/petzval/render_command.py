@@ -84,7 +84,14 @@ def add_parser(subparsers: argparse._SubParsersAction) -> None:
     )
     p.add_argument("--effect", action="append", default=[], type=_effect, metavar="NAME=auto|on|off")
     p.add_argument("--quality", type=_positive, metavar="Q", help="1 is the default")
-    p.add_argument("--samples", type=_count, metavar="N", help="paths for each pixel")
+    p.add_argument("--samples", type=_count, metavar="N", help="paths for each pixel; with --noise-threshold, at most")
+    p.add_argument(
+        "--noise-threshold",
+        type=_threshold,
+        metavar="E",
+        help="stop where a pixel's error, relative to the root of its brightness, is below it: 0.01; 0: never",
+    )
+    p.add_argument("--min-samples", type=_natural, metavar="N", help="before the error is first looked at; 0: 16")
     p.add_argument("--seed", type=_natural, metavar="N")
     p.add_argument("--sample-offset", type=_natural, metavar="N", help="number of the first sample")
     p.add_argument("--resolution", type=_pixels, metavar="WxH")
@@ -164,6 +171,8 @@ def _checked(a: argparse.Namespace) -> dict:
         "pipeline": a.pipeline,
         "integrator": {"path": "PATH", "bdpt": "BIDIRECTIONAL", None: None}[a.integrator],
         "samples": a.samples,
+        "noise_threshold": a.noise_threshold,
+        "min_samples": a.min_samples,
         "seed": a.seed,
         "sample_offset": a.sample_offset,
         "resolution": a.resolution,
@@ -242,6 +251,13 @@ def _part(text: str) -> float:
     value = float(text)
     if not 0.0 <= value <= 1.0:
         raise argparse.ArgumentTypeError(f"must be from 0 to 1: {text}")
+    return value
+
+
+def _threshold(text: str) -> float:
+    value = float(text)
+    if not 0.0 <= value <= 10.0:
+        raise argparse.ArgumentTypeError(f"must be from 0 to 10: {text}")
     return value
 
 

@@ -125,9 +125,12 @@ def _apply(scene: Any, o: dict, addon: Any, found: dict) -> str | None:
         r.threads_mode = "FIXED" if o["threads"] else "AUTO"
         if o["threads"]:
             r.threads = o["threads"]
-    for name in ("samples", "seed", "sample_offset"):
+    for name in ("samples", "min_samples", "seed", "sample_offset"):
         if o[name] is not None:
             setattr(scene.petzval, name, o[name])
+    if o["noise_threshold"] is not None:
+        scene.petzval.use_noise_threshold = o["noise_threshold"] > 0.0
+        scene.petzval.noise_threshold = o["noise_threshold"] or scene.petzval.noise_threshold
     if o["pipeline"]:
         scene.petzval.pipeline = o["pipeline"].upper()
     if o["integrator"]:

@@ -23,6 +23,8 @@ struct PySettings {
     width: u32,
     height: u32,
     samples: u32,
+    noise_threshold: f32,
+    min_samples: u32,
     seed: u32,
     sample_offset: u32,
     threads: usize,
@@ -55,6 +57,8 @@ impl TryFrom<PySettings> for Settings {
             width: s.width,
             height: s.height,
             samples: s.samples,
+            noise_threshold: s.noise_threshold,
+            min_samples: s.min_samples,
             seed: s.seed,
             sample_offset: s.sample_offset,
             threads: s.threads,
@@ -134,7 +138,7 @@ impl Job {
     }
 
     fn samples_done(&self) -> u32 {
-        self.job.film().samples_everywhere()
+        self.job.samples_done()
     }
 
     fn take_tiles<'py>(&self, py: Python<'py>) -> Result<Vec<PyTile<'py>>, Error> {
@@ -161,7 +165,11 @@ impl Job {
             "POSITION" => (DataPass::Position, 3),
             "NORMAL" => (DataPass::Normal, 3),
             "VECTOR" => (DataPass::Vector, 4),
-            other => return Err(refused(format!("there is no pass '{other}'; use DEPTH, POSITION, NORMAL or VECTOR"))),
+            "SAMPLES" => (DataPass::Samples, 1),
+            other => {
+                let names = "DEPTH, POSITION, NORMAL, VECTOR or SAMPLES";
+                return Err(refused(format!("there is no pass '{other}'; use {names}")));
+            }
         };
         let (width, height) = self.job.film().size();
         let flat = PyArray1::from_vec(py, away(py, || self.job.data(pass))?);
@@ -211,6 +219,8 @@ impl Job {
         json!({
             "seconds": seconds,
             "samples": s.samples,
+            "samples_mean": s.mean_samples,
+            "samples_most": s.most_samples,
             "camera_rays": s.counts.camera_rays,
             "camera_rays_lost": s.counts.camera_rays_lost,
             "rays": s.counts.rays,

@@ -57,6 +57,8 @@ fn main() -> Result<(), Box<dyn Error>> {
             samples,
             seed,
             sample_offset: 0,
+            noise_threshold: 0.0,
+            min_samples: 0,
             threads: 1,
             max_bounces: 8,
             clamp_indirect: 0.0,

@@ -3,6 +3,9 @@
 //! The picture is refined in passes over all tiles. A tile's passes are added in order, whichever threads make
 //! them, so that the same seed gives the same bits for any number of threads.
 
+mod adaptive;
+mod settings;
+
 use crate::camera::Camera;
 use crate::camera::real_lens::RealLens;
 use crate::film::cryptomatte::{MatteLayer, Mattes};
@@ -11,9 +14,11 @@ use crate::film::{Film, Keep, TilePixels};
 use crate::integrator::path::{self, Limits};
 use crate::integrator::{Integrator, Stage, bidirectional::Techniques};
 use crate::pipeline::motion::Motion;
-use crate::pipeline::{Counts, Pipeline, Shot, render_tile};
+use crate::pipeline::{Counts, Pipeline, Shot, render_pixels, render_tile};
 use crate::sampler::{PathSampler, raster::Raster, warp::PixelFilter};
+use adaptive::Adaptive;
 use glam::Vec2;
+pub use settings::{MIN_SAMPLES, Settings, SettingsError};
 use std::panic::{AssertUnwindSafe, catch_unwind};
 use std::sync::atomic::{AtomicBool, AtomicUsize, Ordering};
 use std::sync::{Arc, Condvar, Mutex, OnceLock, PoisonError};
@@ -22,122 +27,6 @@ use std::time::{Duration, Instant};
 
 /// The most samples a pixel gets in one pass. More cost less overhead; fewer show a picture and stop sooner.
 const MOST_PER_PASS: u32 = 16;
-/// The largest picture side, so that sizes fit in memory arithmetic.
-const MOST_PIXELS: u32 = 65_536;
-
-/// Settings as they arrive.
-#[derive(Clone, Debug)]
-pub struct Settings {
-    /// Columns.
-    pub width: u32,
-    /// Rows.
-    pub height: u32,
-    /// Samples a pixel.
-    pub samples: u32,
-    /// Of all random choices.
-    pub seed: u32,
-    /// Number of the first sample: renders of one seed and disjoint ranges can be merged.
-    pub sample_offset: u32,
-    /// 0 is one a core.
-    pub threads: usize,
-    /// Bounces after the first surface.
-    pub max_bounces: u32,
-    /// Most radiance, in its brightest channel, that light after a bounce may add to a sample; 0 is no limit.
-    pub clamp_indirect: f32,
-    /// Of the Blackman-Harris filter; 0 is a box of one pixel.
-    pub filter_width_px: f32,
-    /// The world is not seen by the camera; its pixels are transparent.
-    pub transparent_film: bool,
-    /// Which way light is followed.
-    pub pipeline: Pipeline,
-    /// Keep what surfaces the pixels see, for [`Job::data`].
-    pub with_data: bool,
-    /// How it is looked for. Light paths carry a set of wavelengths, whatever the pipeline.
-    pub integrator: Integrator,
-}
-
-/// A setting out of range.
-#[derive(Debug, thiserror::Error)]
-pub enum SettingsError {
-    /// The picture's size.
-    #[error("resolution {width} x {height}: set each side from 1 to {MOST_PIXELS} pixels")]
-    Resolution {
-        /// Columns.
-        width: u32,
-        /// Rows.
-        height: u32,
-    },
-    /// No samples, or more than can be counted.
-    #[error("{samples} samples from number {offset}: set at least one, and less than 2^31 in all")]
-    Samples {
-        /// How many.
-        samples: u32,
-        /// From which.
-        offset: u32,
-    },
-    /// The limit on indirect light.
-    #[error("indirect light clamped at {0}: set a radiance, or zero for no limit")]
-    Clamp(f32),
-    /// None given.
-    #[error("no camera: give one")]
-    Camera,
-    /// The filter.
-    #[error("filter width {0} pixels: set it from 0 to 10")]
-    Filter(f32),
-    /// Light paths end in a real lens alone.
-    #[error(
-        "bidirectional path tracing photographs with the real lens, not with '{camera}': choose the lens as camera, or path tracing"
-    )]
-    NoLensForLight {
-        /// The camera in use.
-        camera: String,
-    },
-    /// Etendue is not kept between spaces that are stretched against one another.
-    #[error(
-        "light tracing needs one scale for all three axes: make the world-to-lens scales equal, or choose path tracing"
-    )]
-    UnequalScales,
-}
-
-impl Settings {
-    fn check(&self) -> Result<(), SettingsError> {
-        let side = 1..=MOST_PIXELS;
-        if !side.contains(&self.width) || !side.contains(&self.height) {
-            return Err(SettingsError::Resolution { width: self.width, height: self.height });
-        }
-        let last = self.samples.checked_add(self.sample_offset);
-        if self.samples == 0 || last.is_none_or(|n| n > i32::MAX as u32) {
-            return Err(SettingsError::Samples { samples: self.samples, offset: self.sample_offset });
-        }
-        if !(0.0..=f32::INFINITY).contains(&self.clamp_indirect) {
-            return Err(SettingsError::Clamp(self.clamp_indirect));
-        }
-        if !(0.0..=10.0).contains(&self.filter_width_px) {
-            return Err(SettingsError::Filter(self.filter_width_px));
-        }
-        Ok(())
-    }
-
-    fn check_integrator(&self, camera: &Camera) -> Result<(), SettingsError> {
-        match (self.integrator, camera) {
-            (Integrator::Path, _) => Ok(()),
-            (Integrator::Bidirectional, Camera::Lens(lens)) if lens.takes_light_paths() => {
-                lens.prepare_for_light_paths();
-                Ok(())
-            }
-            (Integrator::Bidirectional, Camera::Lens(_)) => Err(SettingsError::UnequalScales),
-            (Integrator::Bidirectional, other) => {
-                Err(SettingsError::NoLensForLight { camera: other.name().to_owned() })
-            }
-        }
-    }
-
-    /// Threads to use.
-    pub fn thread_count(&self) -> usize {
-        let cores = std::thread::available_parallelism().map_or(1, |n| n.get());
-        if self.threads == 0 { cores } else { self.threads.min(1024) }
-    }
-}
 
 /// What a render shall find beside the picture and [`Settings::with_data`].
 #[derive(Default)]
@@ -157,6 +46,10 @@ pub struct Statistics {
     pub render_seconds: f64,
     /// Samples that every pixel has.
     pub samples: u32,
+    /// The mean over the pixels.
+    pub mean_samples: f64,
+    /// Samples of the pixel that has most.
+    pub most_samples: u32,
     /// Counts over all threads.
     pub counts: Counts,
     /// Threads used.
@@ -178,6 +71,8 @@ struct Shared {
     film: Film,
     /// First sample and count of each pass.
     passes: Vec<(u32, u32)>,
+    /// Instead of them, where pixels get as many samples as they need.
+    adaptive: Option<Adaptive>,
     next: AtomicUsize,
     stop: AtomicBool,
     counts: Mutex<Counts>,
@@ -232,10 +127,13 @@ impl Job {
         let spreads = is_bidirectional || pipeline != Pipeline::FilmFirst;
         let (width, height) = (settings.width, settings.height);
         let mattes = Mattes::new(&stage.scene, &beside.mattes, beside.matte_levels);
-        let keep = Keep { surfaces: settings.with_data, vectors: beside.motion.is_some(), mattes };
+        let adapts = settings.noise_threshold > 0.0;
+        let keep = Keep { surfaces: settings.with_data, vectors: beside.motion.is_some(), mattes, halves: adapts };
+        let film = Film::keeping(width, height, spreads, keep);
         let shared = Arc::new(Shared {
             raster: Raster::new(width, height, PixelFilter::new(settings.filter_width_px)),
-            film: Film::keeping(width, height, spreads, keep),
+            adaptive: adapts.then(|| Adaptive::new(&settings, film.tile_count())),
+            film,
             motion: beside.motion,
             limits: OnceLock::new(),
             pipeline,
@@ -276,6 +174,9 @@ impl Job {
 
     /// The part of the work that is done, 0 to 1.
     pub fn progress(&self) -> f32 {
+        if let Some(adaptive) = &self.shared.adaptive {
+            return adaptive.progress();
+        }
         let total = self.shared.passes.len() * self.shared.film.tile_count();
         let taken = self.shared.next.load(Ordering::Relaxed).min(total);
         // Passes are unequal: count samples.
@@ -283,6 +184,13 @@ impl Job {
         let whole: u32 = self.shared.passes[..taken / tiles].iter().map(|p| p.1).sum();
         let part = self.shared.passes.get(taken / tiles).map_or(0.0, |p| p.1 as f32 * (taken % tiles) as f32);
         (whole as f32 + part / tiles as f32) / self.shared.settings.samples as f32
+    }
+
+    /// Samples that every pixel has which is not to have fewer.
+    pub fn samples_done(&self) -> u32 {
+        let Some(adaptive) = &self.shared.adaptive else { return self.shared.film.samples_everywhere() };
+        let pass = self.shared.next.load(Ordering::Relaxed) / self.shared.film.tile_count();
+        adaptive.passes.get(pass).map_or(self.shared.settings.samples, |pass| pass.first)
     }
 
     /// The film.
@@ -301,6 +209,7 @@ impl Job {
             DataPass::Position => {
                 surfaces.flat_map(|s| s.map_or([0.0; 3], |(position, _)| (position + origin).to_array())).collect()
             }
+            DataPass::Samples => self.shared.film.sample_counts().into_iter().map(|n| n as f32).collect(),
             DataPass::Vector => self.shared.film.vectors().iter().flat_map(VectorSums::mean).collect(),
             DataPass::Normal => surfaces.flat_map(|s| s.map_or([0.0; 3], |(_, normal)| normal.to_array())).collect(),
         }
@@ -340,9 +249,13 @@ impl Job {
     /// What was done so far.
     pub fn statistics(&self) -> Statistics {
         let ended = *lock(&self.shared.ended_at);
+        let counts = self.shared.film.sample_counts();
+        let sum: f64 = counts.iter().copied().map(f64::from).sum();
         Statistics {
             render_seconds: ended.unwrap_or_else(|| self.shared.started.elapsed()).as_secs_f64(),
             samples: self.shared.film.samples_everywhere(),
+            mean_samples: sum / counts.len() as f64,
+            most_samples: counts.iter().copied().max().unwrap_or(0),
             counts: *lock(&self.shared.counts),
             threads: self.threads.len(),
             failure: lock(&self.shared.failure).clone(),
@@ -419,6 +332,10 @@ impl Shared {
             self.cameras.iter().filter_map(Camera::traced_lens).for_each(RealLens::prepare_for_scene_first);
         }
         let stopped = || self.stop.load(Ordering::Relaxed);
+        if let Some(adaptive) = &self.adaptive {
+            while !stopped() && self.render_next(&shot, adaptive, &stopped).is_some() {}
+            return;
+        }
         let tiles = self.film.tile_count();
         loop {
             let task = self.next.fetch_add(1, Ordering::Relaxed);
@@ -438,6 +355,41 @@ impl Shared {
             }
             lock(&self.counts).add(&counts);
         }
+    }
+
+    /// The next pass of a tile whose pixels get as many samples as they need; `None` at the end, or where `stopped` said so.
+    fn render_next(&self, shot: &Shot<'_>, adaptive: &Adaptive, stopped: &dyn Fn() -> bool) -> Option<()> {
+        let (s, tiles) = (&self.settings, self.film.tile_count());
+        let task = self.next.fetch_add(1, Ordering::Relaxed);
+        let (pass, tile) = (task / tiles, task % tiles);
+        let now = *adaptive.passes.get(pass)?;
+        // What is left to do depends on the pass before, which may still be under way in another thread.
+        while self.film.tile(tile).passes != pass as u32 {
+            if stopped() {
+                return None;
+            }
+            std::thread::yield_now();
+        }
+        for half in [0, 1] {
+            let ranges = adaptive.batch(tile, half, now);
+            let mut parts = [None, None];
+            for (part, range) in parts.iter_mut().zip(ranges) {
+                let Some([first, count]) = range else { continue };
+                let mut light = self.film.patch(tile);
+                let pixels = self.film.rect(tile).pixels_of(half).map(|(x, y)| [x, y]);
+                let counts = render_pixels(shot, pixels, [s.sample_offset + first, count], &mut light, stopped)?;
+                lock(&self.counts).add(&counts);
+                *part = Some((light, count));
+            }
+            let [counted, beyond] = parts.each_ref().map(|part| part.as_ref().map(|(light, count)| (light, *count)));
+            if counted.is_some() || beyond.is_some() {
+                self.film.add_batch(tile, half, counted, beyond);
+            }
+            adaptive.count(&self.film, tile, half, counted.map_or(0, |(_, count)| count));
+        }
+        adaptive.look(&self.film, tile, now);
+        self.film.end_pass(tile);
+        Some(())
     }
 }
 

@@ -62,6 +62,8 @@ fn settings(integrator: Integrator, samples: u32, seed: u32) -> Settings {
         samples,
         seed,
         sample_offset: 0,
+        noise_threshold: 0.0,
+        min_samples: 0,
         threads: 2,
         max_bounces: 5,
         clamp_indirect: 0.0,

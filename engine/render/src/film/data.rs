@@ -85,6 +85,8 @@ pub enum DataPass {
     /// From the picture's place of what a pixel sees to where it was a frame before, and from where it will be a frame
     /// after; pixels, right and up. Four channels.
     Vector,
+    /// Samples that the pixel has. One channel.
+    Samples,
 }
 
 /// What stands for the background's depth.

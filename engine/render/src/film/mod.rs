@@ -2,12 +2,15 @@
 //!
 //! A tile keeps the light of its own samples, also what fell beyond its edge: each pixel is the sum of what the tiles
 //! about it gave, each divided by its own count of samples. So the picture is right at any moment, however far the
-//! tiles are. Light that fell farther is kept by pixel alone ([`splats`]).
+//! tiles are. Light that fell farther is kept by pixel alone ([`splats`]). Where pixels are to have different counts, tiles
+//! are smaller, and each is in two [`halves`].
 //!
 //! Pixel (0, 0) is the lower left corner of the picture.
 
 pub mod cryptomatte;
 pub mod data;
+mod gather;
+pub mod halves;
 pub mod splats;
 
 use crate::Rgb;
@@ -15,6 +18,7 @@ use crate::integrator::path::FirstSurface;
 use cryptomatte::{MatteLayer, MatteNotes, MatteSums, Mattes};
 use data::{DataSums, VectorSums};
 use glam::Vec4;
+use halves::{BLOCK_SIZE, BLOCK_SPREAD, Half, half_of};
 use splats::SplatSums;
 use std::sync::{Mutex, MutexGuard, PoisonError};
 
@@ -46,6 +50,18 @@ impl TileRect {
         Self { x, y, width: right - x, height: top - y }
     }
 
+    /// Those of its pixels that belong to a half.
+    pub fn pixels_of(self, half: usize) -> impl Iterator<Item = (u32, u32)> {
+        let pixels =
+            (self.y..self.y + self.height).flat_map(move |y| (self.x..self.x + self.width).map(move |x| (x, y)));
+        pixels.filter(move |&(x, y)| half_of(x, y) == half)
+    }
+
+    /// How many these are.
+    pub fn count_of(self, half: usize) -> u64 {
+        self.pixels_of(half).count() as u64
+    }
+
     /// Where a pixel lies in a list of the rows from below; `None` outside.
     #[inline]
     fn index(&self, x: u32, y: u32) -> Option<usize> {
@@ -64,6 +80,8 @@ pub struct Keep {
     pub vectors: bool,
     /// Which objects or materials they are.
     pub mattes: Mattes,
+    /// Counts of samples that differ, in [`halves`].
+    pub halves: bool,
 }
 
 /// Light on a part of the picture, while one thread gathers it.
@@ -74,6 +92,8 @@ pub struct Patch {
     sums: Vec<[f32; 4]>,
     /// What fell outside.
     far: Vec<(u32, u32, Rgb)>,
+    /// What may fall anywhere, wherever it was started, if that is kept for itself.
+    anywhere: Option<Vec<(u32, u32, Rgb)>>,
     /// By pixel, as the sums; empty if nobody asked.
     data: Vec<DataSums>,
     /// The same.
@@ -88,6 +108,7 @@ impl Patch {
             rect,
             sums: vec![[0.0; 4]; pixels],
             far: Vec::new(),
+            anywhere: keep.halves.then(Vec::new),
             data: if keep.surfaces { vec![DataSums::default(); pixels] } else { Vec::new() },
             vectors: if keep.vectors { vec![VectorSums::default(); pixels] } else { Vec::new() },
             mattes: (!keep.mattes.is_empty()).then(|| Box::new(MatteNotes::new(pixels))),
@@ -131,6 +152,14 @@ impl Patch {
         }
     }
 
+    /// Adds radiance that is as likely to come from any other pixel's samples.
+    pub fn add_anywhere(&mut self, x: u32, y: u32, radiance: Rgb) {
+        match &mut self.anywhere {
+            Some(list) => list.push((x, y, radiance)),
+            None => self.add(x, y, radiance),
+        }
+    }
+
     /// Adds alpha to a pixel of the tile.
     #[inline]
     pub fn add_alpha(&mut self, x: u32, y: u32, alpha: f32) {
@@ -145,7 +174,9 @@ impl Patch {
 pub struct TileSums {
     light: Patch,
     mattes: MatteSums,
-    /// Samples of each of its pixels.
+    /// The light instead, if counts of samples differ.
+    halves: Option<Box<[Half; 2]>>,
+    /// Samples of each of its pixels; the fewer, if they differ.
     pub samples: u32,
     /// Passes that have been added.
     pub passes: u32,
@@ -165,11 +196,14 @@ pub struct TilePixels {
 pub struct Film {
     width: u32,
     height: u32,
+    tile_size: u32,
     /// By distance from the centre.
     tiles: Vec<(TileRect, Mutex<TileSums>)>,
     /// The tiles in rows from below.
     places: Vec<usize>,
     far: SplatSums,
+    /// Of each half's samples.
+    anywhere: [SplatSums; 2],
     keep: Keep,
 }
 
@@ -183,12 +217,8 @@ impl Film {
 
     /// The same, with all that it shall keep.
     pub fn keeping(width: u32, height: u32, spreads: bool, keep: Keep) -> Self {
-        let mut rects = Vec::new();
-        for y in (0..height).step_by(TILE_SIZE as usize) {
-            for x in (0..width).step_by(TILE_SIZE as usize) {
-                rects.push(TileRect { x, y, width: TILE_SIZE.min(width - x), height: TILE_SIZE.min(height - y) });
-            }
-        }
+        let tile_size = if keep.halves { BLOCK_SIZE } else { TILE_SIZE };
+        let rects = cut(width, height, tile_size);
         let from_centre = |i: &usize| {
             let r = &rects[*i];
             let dx = (2 * r.x + r.width) as i64 - width as i64;
@@ -199,14 +229,23 @@ impl Film {
         order.sort_by_key(from_centre);
         let mut places = vec![0; rects.len()];
         order.iter().enumerate().for_each(|(tile, &place)| places[place] = tile);
-        let margin = if spreads { SPREAD } else { 0 };
-        let tile = |&place: &usize| {
-            let light = Patch::new(rects[place].grown(margin, width, height), &keep);
-            let mattes = MatteSums::default();
-            (rects[place], Mutex::new(TileSums { light, mattes, samples: 0, passes: 0, changed: false }))
+        let margin = match (spreads, keep.halves) {
+            (false, _) => 0,
+            (true, false) => SPREAD,
+            (true, true) => BLOCK_SPREAD,
         };
-        let far = SplatSums::new(width as usize * height as usize);
-        Self { width, height, tiles: order.iter().map(tile).collect(), places, far, keep }
+        let tile = |&place: &usize| {
+            let mut light = Patch::new(rects[place].grown(margin, width, height), &keep);
+            let halves = keep.halves.then(|| {
+                let pixels = std::mem::take(&mut light.sums).len();
+                Box::new([0, 1].map(|half| Half::new(rects[place].count_of(half) as u32, pixels)))
+            });
+            let mattes = MatteSums::default();
+            (rects[place], Mutex::new(TileSums { light, mattes, halves, samples: 0, passes: 0, changed: false }))
+        };
+        let sums = || SplatSums::new(width as usize * height as usize);
+        let tiles = order.iter().map(tile).collect();
+        Self { width, height, tile_size, tiles, places, far: sums(), anywhere: [sums(), sums()], keep }
     }
 
     /// Columns and rows.
@@ -246,15 +285,7 @@ impl Film {
                 *s += a;
             }
         }
-        for (sums, add) in sums.light.data.iter_mut().zip(&light.data) {
-            sums.join(add);
-        }
-        for (sums, add) in sums.light.vectors.iter_mut().zip(&light.vectors) {
-            sums.join(add);
-        }
-        if let Some(notes) = &light.mattes {
-            sums.mattes.join(&self.keep.mattes, notes);
-        }
+        sums.join_data(&self.keep, &light);
         for &(x, y, radiance) in &light.far {
             self.far.add(y as usize * self.width as usize + x as usize, radiance.to_array());
         }
@@ -264,29 +295,49 @@ impl Film {
         Ok(())
     }
 
-    /// Samples that every pixel has.
-    pub fn samples_everywhere(&self) -> u32 {
-        (0..self.tiles.len()).map(|i| self.tile(i).samples).min().unwrap_or(0)
+    /// Adds a batch for each pixel of a half of a tile: samples for the picture, and others behind them for the error alone,
+    /// each with how many. Batches of a tile must come in their order.
+    pub fn add_batch(&self, tile: usize, half: usize, counted: Option<(&Patch, u32)>, beyond: Option<(&Patch, u32)>) {
+        let mut sums = self.tile(tile);
+        let Some(halves) = &mut sums.halves else { return };
+        halves[half].add(counted, beyond, self.width);
+        let Some((light, _)) = counted else { return };
+        let fewer = halves.iter().filter(|h| h.pixels > 0).map(|h| h.samples).min();
+        sums.samples = fewer.unwrap_or(0);
+        sums.changed = true;
+        sums.join_data(&self.keep, light);
+        for &(x, y, radiance) in light.anywhere.iter().flatten() {
+            self.anywhere[half].add(y as usize * self.width as usize + x as usize, radiance.to_array());
+        }
     }
 
-    /// The tiles that changed since the last call.
-    pub fn take_changed(&self) -> Vec<TilePixels> {
-        let changed: Vec<usize> =
-            (0..self.tiles.len()).filter(|&i| std::mem::take(&mut self.tile(i).changed)).collect();
-        changed.into_iter().map(|i| TilePixels { rect: self.rect(i), pixels: self.means(i) }).collect()
+    /// Ends a pass of a tile whose halves have got their batches.
+    pub fn end_pass(&self, tile: usize) {
+        self.tile(tile).passes += 1;
     }
 
-    /// The whole picture as it is now, rows from below; black where nothing arrived yet.
-    pub fn picture(&self) -> Vec<[f32; 4]> {
-        let mut out = vec![[0.0; 4]; self.width as usize * self.height as usize];
-        for (i, (rect, _)) in self.tiles.iter().enumerate() {
-            let means = self.means(i);
-            for (row, line) in means.chunks_exact(rect.width as usize).enumerate() {
-                let start = (rect.y as usize + row) * self.width as usize + rect.x as usize;
-                out[start..start + line.len()].copy_from_slice(line);
+    /// The squared relative error of what a half of a tile has seen, for the mean over its pixels; `None` if unknown.
+    pub fn squared_error(&self, tile: usize, half: usize) -> Option<f32> {
+        let sums = self.tile(tile);
+        sums.halves.as_ref().and_then(|halves| halves[half].squared_error(half, self.rect(tile), sums.light.rect))
+    }
+
+    /// How many samples each pixel has, rows from below.
+    pub fn sample_counts(&self) -> Vec<u32> {
+        let mut out = vec![0; self.width as usize * self.height as usize];
+        for (i, &(rect, _)) in self.tiles.iter().enumerate() {
+            let tile = self.tile(i);
+            for (half, (x, y)) in [0, 1].into_iter().flat_map(|half| rect.pixels_of(half).map(move |at| (half, at))) {
+                let count = tile.halves.as_ref().map_or(tile.samples, |halves| halves[half].samples);
+                out[y as usize * self.width as usize + x as usize] = count;
             }
         }
         out
+    }
+
+    /// Samples that every pixel has.
+    pub fn samples_everywhere(&self) -> u32 {
+        (0..self.tiles.len()).map(|i| self.tile(i).samples).min().unwrap_or(0)
     }
 
     /// What each pixel sees, rows from below; nothing if the film was not to keep it.
@@ -337,113 +388,28 @@ impl Film {
             }
         }
     }
+}
 
-    /// A tile's pixels: its own light and what the tiles about it gave.
-    fn means(&self, tile: usize) -> Vec<[f32; 4]> {
-        let rect = self.rect(tile);
-        let mut out = vec![[0.0f32; 4]; (rect.width * rect.height) as usize];
-        let columns = self.width.div_ceil(TILE_SIZE);
-        let rows = self.height.div_ceil(TILE_SIZE);
-        let (column, row) = (rect.x / TILE_SIZE, rect.y / TILE_SIZE);
-        for j in row.saturating_sub(1)..(row + 2).min(rows) {
-            for i in column.saturating_sub(1)..(column + 2).min(columns) {
-                let from = self.tile(self.places[(j * columns + i) as usize]);
-                if from.samples > 0 {
-                    give(&from.light, 1.0 / from.samples as f32, rect, &mut out);
-                }
-            }
+impl TileSums {
+    fn join_data(&mut self, keep: &Keep, from: &Patch) {
+        for (sums, add) in self.light.data.iter_mut().zip(&from.data) {
+            sums.join(add);
         }
-        if !self.far.is_empty() {
-            let samples = self.tile(tile).samples.max(1);
-            for (i, pixel) in out.iter_mut().enumerate() {
-                let (x, y) = (rect.x as usize + i % rect.width as usize, rect.y as usize + i / rect.width as usize);
-                let sum = self.far.get(y * self.width as usize + x);
-                pixel.iter_mut().zip(sum).for_each(|(p, s)| *p += (s / f64::from(samples)) as f32);
-            }
+        for (sums, add) in self.light.vectors.iter_mut().zip(&from.vectors) {
+            sums.join(add);
         }
-        out
+        if let Some(notes) = &from.mattes {
+            self.mattes.join(&keep.mattes, notes);
+        }
     }
 }
 
-/// Adds what of a tile's light falls on `rect` to its pixels.
-fn give(light: &Patch, scale: f32, rect: TileRect, to: &mut [[f32; 4]]) {
-    let columns = light.rect.x.max(rect.x)..(light.rect.x + light.rect.width).min(rect.x + rect.width);
-    for y in light.rect.y.max(rect.y)..(light.rect.y + light.rect.height).min(rect.y + rect.height) {
-        for x in columns.clone() {
-            if let (Some(a), Some(b)) = (light.rect.index(x, y), rect.index(x, y)) {
-                to[b].iter_mut().zip(light.sums[a]).for_each(|(to, sum)| *to += sum * scale);
-            }
-        }
-    }
+/// A picture in tiles, rows from below.
+fn cut(width: u32, height: u32, size: u32) -> Vec<TileRect> {
+    let rows = (0..height).step_by(size as usize);
+    let tile = |x, y| TileRect { x, y, width: size.min(width - x), height: size.min(height - y) };
+    rows.flat_map(|y| (0..width).step_by(size as usize).map(move |x| tile(x, y))).collect()
 }
 
 #[cfg(test)]
-mod tests {
-    use super::*;
-
-    #[test]
-    fn tiles_cover_the_picture_once() {
-        for (w, h) in [(1, 1), (32, 32), (33, 31), (160, 90)] {
-            let film = Film::new(w, h, true, false);
-            let mut seen = vec![0; (w * h) as usize];
-            for i in 0..film.tile_count() {
-                let r = film.rect(i);
-                for y in r.y..r.y + r.height {
-                    for x in r.x..r.x + r.width {
-                        seen[(y * w + x) as usize] += 1;
-                    }
-                }
-            }
-            assert!(seen.iter().all(|&n| n == 1));
-        }
-    }
-
-    #[test]
-    fn means_and_changes() {
-        let film = Film::new(40, 8, false, false);
-        for green in [4.0, 0.0] {
-            let mut patch = film.patch(0);
-            let r = film.rect(0);
-            for (x, y) in (0..r.height).flat_map(|y| (0..r.width).map(move |x| (x, y))) {
-                patch.add(x, y, Rgb::new(2.0, green, 1.5 * green));
-                patch.add_alpha(x, y, 2.0);
-            }
-            assert!(film.add_pass(0, 7, patch.clone(), 2).is_err());
-            film.add_pass(0, if green > 0.0 { 0 } else { 1 }, patch, 2).unwrap();
-        }
-        let changed = film.take_changed();
-        assert_eq!(changed.len(), 1);
-        assert_eq!(changed[0].pixels[0], [1.0, 1.0, 1.5, 1.0]);
-        assert!(film.take_changed().is_empty());
-        assert_eq!(film.samples_everywhere(), 0);
-        assert_eq!(film.picture().iter().filter(|p| p[3] > 0.0).count(), 256);
-    }
-
-    /// Tiles that are at different counts of samples: light beyond an edge is divided by the count of where it came from.
-    #[test]
-    fn light_beyond_an_edge_counts_once() {
-        let film = Film::new(70, 40, true, false);
-        let mut expected = vec![0.0f32; 70 * 40];
-        for tile in 0..film.tile_count() {
-            let samples = 1 + tile as u32;
-            let (r, mut patch) = (film.rect(tile), film.patch(tile));
-            for k in 0..200u32 {
-                // Near and far places.
-                let (dx, dy) = ((k * 7919) % 90, (k * 104_729) % 31);
-                let (x, y) = ((r.x + dx).saturating_sub(40).min(69), (r.y + dy).saturating_sub(10).min(39));
-                patch.add(x, y, Rgb::splat(samples as f32));
-                if patch.rect.index(x, y).is_some() {
-                    expected[(y * 70 + x) as usize] += 1.0;
-                } else {
-                    // Divided by the receiving tile's own count.
-                    let to = (0..film.tile_count()).find(|&t| film.rect(t).index(x, y).is_some()).unwrap();
-                    expected[(y * 70 + x) as usize] += samples as f32 / (1 + to) as f32;
-                }
-            }
-            film.add_pass(tile, 0, patch, samples).unwrap();
-        }
-        for (pixel, expected) in film.picture().iter().zip(expected) {
-            assert!((pixel[0] - expected).abs() < 1e-4, "{pixel:?} {expected}");
-        }
-    }
-}
+mod tests;

@@ -14,6 +14,8 @@ fn settings(samples: u32, threads: usize) -> Settings {
         samples,
         seed: 4,
         sample_offset: 0,
+        noise_threshold: 0.0,
+        min_samples: 0,
         threads,
         max_bounces: 4,
         clamp_indirect: 0.0,

@@ -20,7 +20,7 @@ pub(super) fn sample(lens: &RealLens, techniques: Techniques, path: &mut LightPa
     let (mut non_finite, light) = (0, &mut *s.light);
     let rays = path.splat(stage, &FilmEnd { lens, raster, techniques }, limits, light_sampler, |x, y, colour| {
         if colour.is_finite() {
-            light.add(x, y, colour);
+            light.add_anywhere(x, y, colour);
         } else {
             non_finite += 1;
         }

@@ -133,6 +133,17 @@ pub fn render_tile(
 ) -> Option<Counts> {
     let columns = rect.x..rect.x + rect.width;
     let pixels = (rect.y..rect.y + rect.height).flat_map(|y| columns.clone().map(move |x| [x, y]));
+    render_pixels(shot, pixels, [first, count], light, stopped)
+}
+
+/// The same of any pixels.
+pub fn render_pixels(
+    shot: &Shot<'_>,
+    pixels: impl Iterator<Item = [u32; 2]>,
+    [first, count]: [u32; 2],
+    light: &mut Patch,
+    stopped: &dyn Fn() -> bool,
+) -> Option<Counts> {
     let samples = pixels.flat_map(|pixel| (first..first + count).map(move |index| (pixel, index)));
     match (shot.light_paths, shot.pipeline) {
         (Some(techniques), _) => render_light_paths(shot, techniques, samples, light, stopped),

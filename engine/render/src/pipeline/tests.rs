@@ -49,6 +49,8 @@ fn settings(pipeline: Pipeline, samples: u32, seed: u32) -> Settings {
         samples,
         seed,
         sample_offset: 0,
+        noise_threshold: 0.0,
+        min_samples: 0,
         threads: 0,
         max_bounces: 0,
         clamp_indirect: 0.0,

@@ -35,6 +35,8 @@ impl Field {
                 samples: if pipeline == Pipeline::SceneFirst { 32 } else { 16 },
                 seed,
                 sample_offset: 0,
+                noise_threshold: 0.0,
+                min_samples: 0,
                 threads: 2,
                 max_bounces: 0,
                 clamp_indirect: 0.0,

@@ -112,6 +112,8 @@ pub(crate) fn shoot(stage: &Arc<Stage>, d: &CameraDescription, e: &Exposure, see
         samples: e.samples,
         seed,
         sample_offset: 0,
+        noise_threshold: 0.0,
+        min_samples: 0,
         threads: 2,
         max_bounces: 0,
         clamp_indirect: 0.0,

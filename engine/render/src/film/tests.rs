@@ -1,0 +1,69 @@
+//! Tiles, sums and their means.
+
+use super::*;
+
+#[test]
+fn tiles_cover_the_picture_once() {
+    for (w, h) in [(1, 1), (32, 32), (33, 31), (160, 90)] {
+        let film = Film::new(w, h, true, false);
+        let mut seen = vec![0; (w * h) as usize];
+        for i in 0..film.tile_count() {
+            let r = film.rect(i);
+            for y in r.y..r.y + r.height {
+                for x in r.x..r.x + r.width {
+                    seen[(y * w + x) as usize] += 1;
+                }
+            }
+        }
+        assert!(seen.iter().all(|&n| n == 1));
+    }
+}
+
+#[test]
+fn means_and_changes() {
+    let film = Film::new(40, 8, false, false);
+    for green in [4.0, 0.0] {
+        let mut patch = film.patch(0);
+        let r = film.rect(0);
+        for (x, y) in (0..r.height).flat_map(|y| (0..r.width).map(move |x| (x, y))) {
+            patch.add(x, y, Rgb::new(2.0, green, 1.5 * green));
+            patch.add_alpha(x, y, 2.0);
+        }
+        assert!(film.add_pass(0, 7, patch.clone(), 2).is_err());
+        film.add_pass(0, if green > 0.0 { 0 } else { 1 }, patch, 2).unwrap();
+    }
+    let changed = film.take_changed();
+    assert_eq!(changed.len(), 1);
+    assert_eq!(changed[0].pixels[0], [1.0, 1.0, 1.5, 1.0]);
+    assert!(film.take_changed().is_empty());
+    assert_eq!(film.samples_everywhere(), 0);
+    assert_eq!(film.picture().iter().filter(|p| p[3] > 0.0).count(), 256);
+}
+
+/// Tiles that are at different counts of samples: light beyond an edge is divided by the count of where it came from.
+#[test]
+fn light_beyond_an_edge_counts_once() {
+    let film = Film::new(70, 40, true, false);
+    let mut expected = vec![0.0f32; 70 * 40];
+    for tile in 0..film.tile_count() {
+        let samples = 1 + tile as u32;
+        let (r, mut patch) = (film.rect(tile), film.patch(tile));
+        for k in 0..200u32 {
+            // Near and far places.
+            let (dx, dy) = ((k * 7919) % 90, (k * 104_729) % 31);
+            let (x, y) = ((r.x + dx).saturating_sub(40).min(69), (r.y + dy).saturating_sub(10).min(39));
+            patch.add(x, y, Rgb::splat(samples as f32));
+            if patch.rect.index(x, y).is_some() {
+                expected[(y * 70 + x) as usize] += 1.0;
+            } else {
+                // Divided by the receiving tile's own count.
+                let to = (0..film.tile_count()).find(|&t| film.rect(t).index(x, y).is_some()).unwrap();
+                expected[(y * 70 + x) as usize] += samples as f32 / (1 + to) as f32;
+            }
+        }
+        film.add_pass(tile, 0, patch, samples).unwrap();
+    }
+    for (pixel, expected) in film.picture().iter().zip(expected) {
+        assert!((pixel[0] - expected).abs() < 1e-4, "{pixel:?} {expected}");
+    }
+}

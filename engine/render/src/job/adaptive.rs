@@ -1,0 +1,139 @@
+//! As many samples for each pixel as its error asks for.
+//!
+//! A block's error is looked at when its pixels have 16, 64, 256 ... samples (four times as many each time, from what the
+//! settings say). Each half of its pixels then gets as many as the error of the *other* half asks for: those, if they are
+//! fewer than at the next look; else it goes on to that look. A half whose count is settled is sampled on, for the error
+//! alone, while the other waits for its word. So no count depends on the light that it divides: docs/design/
+//! adaptive-sampling.md says why that matters.
+
+use super::lock;
+use super::settings::{MIN_SAMPLES, Settings};
+use crate::film::Film;
+use std::sync::Mutex;
+use std::sync::atomic::{AtomicU64, Ordering};
+
+/// Samples that a pixel has at a look, in those that it had at the look before. More looks come nearer to what is needed;
+/// fewer cost less samples that only the other half's error needs.
+const BETWEEN_LOOKS: u32 = 4;
+/// Batches before the first look: their differences are what the error is known from.
+const FIRST_BATCHES: u32 = 4;
+/// Counts are rounded up to these, a whole set of the sampler's points.
+const ROUND: u32 = 4;
+
+/// Samples that all pixels take that have not enough.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub(super) struct Pass {
+    /// Number of the first.
+    pub first: u32,
+    /// How many.
+    pub count: u32,
+    /// Whether the error is looked at afterwards, and at how many samples it will be looked at next.
+    pub next_look: Option<u32>,
+}
+
+/// The plan of a block.
+#[derive(Clone, Copy, Debug)]
+struct Plan {
+    /// Samples of each half's pixels, as far as is known.
+    ends: [u32; 2],
+    /// Whether the error will be looked at again for a half.
+    open: [bool; 2],
+    /// Samples of the next look.
+    look: u32,
+}
+
+/// The plans of a render.
+pub(super) struct Adaptive {
+    pub passes: Vec<Pass>,
+    /// Squared.
+    threshold: f32,
+    most: u32,
+    plans: Vec<Mutex<Plan>>,
+    /// Samples of all pixels together that are in the picture, and that will be, as far as is known.
+    done: AtomicU64,
+    planned: AtomicU64,
+}
+
+impl Adaptive {
+    /// For a film in halves.
+    pub(super) fn new(settings: &Settings, tiles: usize) -> Self {
+        let most = settings.samples;
+        let least = if settings.min_samples == 0 { MIN_SAMPLES } else { settings.min_samples }.max(FIRST_BATCHES);
+        let has_looks = least < most;
+        let first = least.min(most);
+        let plan = Plan { ends: [first; 2], open: [has_looks; 2], look: first };
+        let pixels = u64::from(settings.width) * u64::from(settings.height);
+        Self {
+            passes: passes(least, most),
+            threshold: settings.noise_threshold * settings.noise_threshold,
+            most,
+            plans: (0..tiles).map(|_| Mutex::new(plan)).collect(),
+            done: AtomicU64::new(0),
+            planned: AtomicU64::new(pixels * u64::from(most)),
+        }
+    }
+
+    /// What a half of a tile takes in a pass, first sample and count: for the picture, and for the error alone.
+    pub(super) fn batch(&self, tile: usize, half: usize, pass: Pass) -> [Option<[u32; 2]>; 2] {
+        let plan = *lock(&self.plans[tile]);
+        let end = plan.ends[half];
+        // The other half decides by what this one sees.
+        let seen = if plan.open[1 - half] { end.max(plan.look) } else { end };
+        let (first, last) = (pass.first, pass.first + pass.count);
+        let part = |from: u32, to: u32| (from < to).then(|| [from, to - from]);
+        [part(first, last.min(end)), part(first.max(end), last.min(seen))]
+    }
+
+    /// Notes so many samples of each pixel of a half as done.
+    pub(super) fn count(&self, film: &Film, tile: usize, half: usize, samples: u32) {
+        self.done.fetch_add(u64::from(samples) * film.rect(tile).count_of(half), Ordering::Relaxed);
+    }
+
+    /// After a pass of a tile: decides how it goes on, where that is to be decided now.
+    pub(super) fn look(&self, film: &Film, tile: usize, pass: Pass) {
+        let Some(next) = pass.next_look else { return };
+        let mut plan = lock(&self.plans[tile]);
+        let errors = [0, 1].map(|half| film.squared_error(tile, half));
+        let before = *plan;
+        for half in [0, 1].into_iter().filter(|&half| before.open[half]) {
+            // A word that is missing is a picture's corner: it gets all.
+            let word = errors[1 - half].map_or(f32::INFINITY, |e| e / self.threshold * before.look as f32);
+            // No number, where light is beyond all bounds, asks for all too.
+            let enough = if word < next as f32 { (word.max(0.0).ceil() as u32).next_multiple_of(ROUND) } else { next };
+            plan.ends[half] = enough.clamp(before.look, next);
+            plan.open[half] = enough >= next && next < self.most;
+            if !plan.open[half] {
+                let saved = u64::from(self.most - plan.ends[half]) * film.rect(tile).count_of(half);
+                self.planned.fetch_sub(saved, Ordering::Relaxed);
+            }
+        }
+        plan.look = next;
+    }
+
+    /// The part of the work that is done, 0 to 1.
+    pub(super) fn progress(&self) -> f32 {
+        let planned = self.planned.load(Ordering::Relaxed).max(1);
+        (self.done.load(Ordering::Relaxed) as f64 / planned as f64) as f32
+    }
+}
+
+/// All passes: those before the first look are batches of one size.
+fn passes(least: u32, most: u32) -> Vec<Pass> {
+    let mut list = Vec::new();
+    let (mut look, mut first) = (least.min(most), 0);
+    let mut batch = least.div_ceil(FIRST_BATCHES).min(super::MOST_PER_PASS);
+    while first < most {
+        let count = batch.min(look - first);
+        first += count;
+        let is_look = first == look && look < most;
+        if is_look {
+            look = look.saturating_mul(BETWEEN_LOOKS).min(most);
+            batch = least.min(super::MOST_PER_PASS);
+        }
+        list.push(Pass { first: first - count, count, next_look: is_look.then_some(look) });
+    }
+    list
+}
+
+#[cfg(test)]
+mod tests;

@@ -1,0 +1,134 @@
+//! Settings of a render, and what is refused.
+
+use crate::camera::Camera;
+use crate::integrator::Integrator;
+use crate::pipeline::Pipeline;
+
+/// The largest picture side, so that sizes fit in memory arithmetic.
+const MOST_PIXELS: u32 = 65_536;
+/// Where nobody said how many: blocks of 64 pixels then know their error to about a tenth.
+pub const MIN_SAMPLES: u32 = 16;
+
+/// Settings as they arrive.
+#[derive(Clone, Debug)]
+pub struct Settings {
+    /// Columns.
+    pub width: u32,
+    /// Rows.
+    pub height: u32,
+    /// Samples a pixel, at most.
+    pub samples: u32,
+    /// Relative error at which a pixel has samples enough ([`crate::film::halves`] has the formula); 0 gives all the same.
+    pub noise_threshold: f32,
+    /// Samples that a pixel has when its error is first looked at; 0 is [`MIN_SAMPLES`].
+    pub min_samples: u32,
+    /// Of all random choices.
+    pub seed: u32,
+    /// Number of the first sample: renders of one seed and disjoint ranges can be merged.
+    pub sample_offset: u32,
+    /// 0 is one a core.
+    pub threads: usize,
+    /// Bounces after the first surface.
+    pub max_bounces: u32,
+    /// Most radiance, in its brightest channel, that light after a bounce may add to a sample; 0 is no limit.
+    pub clamp_indirect: f32,
+    /// Of the Blackman-Harris filter; 0 is a box of one pixel.
+    pub filter_width_px: f32,
+    /// The world is not seen by the camera; its pixels are transparent.
+    pub transparent_film: bool,
+    /// Which way light is followed.
+    pub pipeline: Pipeline,
+    /// Keep what surfaces the pixels see, for [`Job::data`].
+    pub with_data: bool,
+    /// How it is looked for. Light paths carry a set of wavelengths, whatever the pipeline.
+    pub integrator: Integrator,
+}
+
+/// A setting out of range.
+#[derive(Debug, thiserror::Error)]
+pub enum SettingsError {
+    /// The picture's size.
+    #[error("resolution {width} x {height}: set each side from 1 to {MOST_PIXELS} pixels")]
+    Resolution {
+        /// Columns.
+        width: u32,
+        /// Rows.
+        height: u32,
+    },
+    /// No samples, or more than can be counted.
+    #[error("{samples} samples from number {offset}: set at least one, and less than 2^31 in all")]
+    Samples {
+        /// How many.
+        samples: u32,
+        /// From which.
+        offset: u32,
+    },
+    /// The error that is good enough.
+    #[error("noise threshold {0}: set the relative error of a pixel, as 0.01, or zero for as many samples everywhere")]
+    Noise(f32),
+    /// The limit on indirect light.
+    #[error("indirect light clamped at {0}: set a radiance, or zero for no limit")]
+    Clamp(f32),
+    /// None given.
+    #[error("no camera: give one")]
+    Camera,
+    /// The filter.
+    #[error("filter width {0} pixels: set it from 0 to 10")]
+    Filter(f32),
+    /// Light paths end in a real lens alone.
+    #[error(
+        "bidirectional path tracing photographs with the real lens, not with '{camera}': choose the lens as camera, or path tracing"
+    )]
+    NoLensForLight {
+        /// The camera in use.
+        camera: String,
+    },
+    /// Etendue is not kept between spaces that are stretched against one another.
+    #[error(
+        "light tracing needs one scale for all three axes: make the world-to-lens scales equal, or choose path tracing"
+    )]
+    UnequalScales,
+}
+
+impl Settings {
+    pub(super) fn check(&self) -> Result<(), SettingsError> {
+        let side = 1..=MOST_PIXELS;
+        if !side.contains(&self.width) || !side.contains(&self.height) {
+            return Err(SettingsError::Resolution { width: self.width, height: self.height });
+        }
+        let last = self.samples.checked_add(self.sample_offset);
+        if self.samples == 0 || last.is_none_or(|n| n > i32::MAX as u32) {
+            return Err(SettingsError::Samples { samples: self.samples, offset: self.sample_offset });
+        }
+        if !(0.0..=f32::MAX).contains(&self.noise_threshold) {
+            return Err(SettingsError::Noise(self.noise_threshold));
+        }
+        if !(0.0..=f32::INFINITY).contains(&self.clamp_indirect) {
+            return Err(SettingsError::Clamp(self.clamp_indirect));
+        }
+        if !(0.0..=10.0).contains(&self.filter_width_px) {
+            return Err(SettingsError::Filter(self.filter_width_px));
+        }
+        Ok(())
+    }
+
+    pub(super) fn check_integrator(&self, camera: &Camera) -> Result<(), SettingsError> {
+        match (self.integrator, camera) {
+            (Integrator::Path, _) => Ok(()),
+            (Integrator::Bidirectional, Camera::Lens(lens)) if lens.takes_light_paths() => {
+                lens.prepare_for_light_paths();
+                Ok(())
+            }
+            (Integrator::Bidirectional, Camera::Lens(_)) => Err(SettingsError::UnequalScales),
+            (Integrator::Bidirectional, other) => {
+                Err(SettingsError::NoLensForLight { camera: other.name().to_owned() })
+            }
+        }
+    }
+
+    /// Threads to use.
+    pub fn thread_count(&self) -> usize {
+        let cores = std::thread::available_parallelism().map_or(1, |n| n.get());
+        if self.threads == 0 { cores } else { self.threads.min(1024) }
+    }
+}
