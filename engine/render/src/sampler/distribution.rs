@@ -152,7 +152,10 @@ impl Cumulative {
         let sums = &self.sums[which * (self.steps + 1)..][..self.steps + 1];
         let last = self.steps - 1;
         let part = ((u * self.steps as f32) as usize).min(last);
-        let mut i = self.guide[which * self.steps + part] as usize;
+        let first = (self.guide[which * self.steps + part] as usize).min(last);
+        // How many of the next two it has passed is no branch: any processor would guess it wrong half of the time.
+        let passed = usize::from(sums[first + 1] <= u) + usize::from(sums[(first + 2).min(last + 1)] <= u);
+        let mut i = (first + passed).min(last);
         while i < last && sums[i + 1] <= u {
             i += 1;
         }

@@ -8,16 +8,13 @@ use std::f32::consts::{FRAC_1_PI, FRAC_PI_4, PI, TAU};
 pub fn sample_disk(u: [f32; 2]) -> Vec2 {
     let x = 2.0 * u[0] - 1.0;
     let y = 2.0 * u[1] - 1.0;
-    if x == 0.0 && y == 0.0 {
-        return Vec2::ZERO;
-    }
-    if x.abs() > y.abs() {
-        let (sin, cos) = sin_cos_to_eighth(FRAC_PI_4 * (y / x));
-        x * Vec2::new(cos, sin)
-    } else {
-        let (sin, cos) = sin_cos_to_eighth(FRAC_PI_4 * (x / y));
-        y * Vec2::new(sin, cos)
-    }
+    // Which is larger is no branch: any processor would guess it wrong half of the time.
+    let wide = x.abs() > y.abs();
+    let (large, small) = if wide { (x, y) } else { (y, x) };
+    let ratio = if large == 0.0 { 0.0 } else { small / large };
+    let (sin, cos) = sin_cos_to_eighth(FRAC_PI_4 * ratio);
+    let (along, across) = (large * cos, large * sin);
+    if wide { Vec2::new(along, across) } else { Vec2::new(across, along) }
 }
 
 /// Sine and cosine of an angle up to an eighth of a turn, by their series: what is left out is below 3e-8.

@@ -36,8 +36,9 @@ impl Ggx {
         a2 / (PI * t * t)
     }
 
+    /// The area of facets that are hidden from `w` over that of those it sees.
     #[inline]
-    fn lambda(&self, w: Vec3A) -> f32 {
+    pub fn lambda(&self, w: Vec3A) -> f32 {
         let cos2 = w.z * w.z;
         if cos2 <= 0.0 {
             return f32::INFINITY;

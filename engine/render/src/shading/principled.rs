@@ -9,7 +9,7 @@ use crate::sampler::warp;
 use crate::scene::material::{Input, Material};
 use crate::surface::SurfacePoint;
 use crate::{Rgb, luminance};
-use glam::Vec3A;
+use glam::{Vec3A, Vec4};
 use std::f32::consts::FRAC_1_PI;
 use std::sync::Arc;
 
@@ -80,6 +80,8 @@ pub struct Bsdf {
     geometric_normal: Vec3A,
     wo: Vec3A,
     ggx: Ggx,
+    /// [`Ggx::lambda`] of `wo`, where there are facets.
+    lambda_o: f32,
     eta: f32,
     metal: F82Tint,
     metal_weight: Rgb,
@@ -150,11 +152,15 @@ impl Bsdf {
             coat_albedo = (tables.coat.at(r, cos) * give_back).min(1.0) * f0_tinted.max(0.0);
         }
         let diffuse = values.base_color * (opaque * (1.0 - coat_albedo));
-        let mut bsdf = Self {
+        let has_facets = values.metallic > 0.0 || glass_weight > 0.0 || coat_weight > 0.0;
+        let chance = Vec4::new(metal_chance, glass_chance, coat_albedo * opaque, luminance(diffuse));
+        let total = (chance.x + chance.y) + (chance.z + chance.w);
+        Self {
             frame,
             geometric_normal: point.geometric_normal,
             wo: local,
             ggx,
+            lambda_o: if has_facets { ggx.lambda(local) } else { 0.0 },
             eta,
             metal,
             metal_weight,
@@ -165,14 +171,9 @@ impl Bsdf {
             coat_f0: (tables.coat_f0 * material.specular_tint).min(Rgb::ONE),
             coat_eta: tables.coat_eta,
             diffuse,
-            has_facets: values.metallic > 0.0 || glass_weight > 0.0 || coat_weight > 0.0,
-            chance: [metal_chance, glass_chance, coat_albedo * opaque, luminance(diffuse)],
-        };
-        let total: f32 = bsdf.chance.iter().sum();
-        if total > 0.0 {
-            bsdf.chance = bsdf.chance.map(|c| c / total);
+            has_facets,
+            chance: if total > 0.0 { (chance / total).to_array() } else { [0.0; 4] },
         }
-        bsdf
     }
 
     /// The normal that scattering is about, where light from behind it does not matter; `None` where light may
@@ -207,13 +208,9 @@ impl Bsdf {
                 let cos = self.wo.dot(h);
                 if cos > 0.0 {
                     let facets = self.ggx.density(h) / (4.0 * self.wo.z);
-                    let fresnel = fresnel::dielectric(cos, self.eta);
-                    let reflected = self.metal.at(cos) * self.metal_weight
-                        + self.glass_reflection_tint * (self.glass_weight * fresnel)
-                        + self.coat_fresnel(cos) * self.coat_weight;
-                    value += reflected * (facets * self.ggx.masking_shadowing(self.wo, wi));
-                    let reflects = self.chance[0] + self.chance[2] + self.chance[1] * fresnel;
-                    pdf += reflects * facets * self.ggx.masking(self.wo);
+                    let (reflected, reflects) = self.reflected(cos);
+                    value += reflected * (facets / (1.0 + self.lambda_o + self.ggx.lambda(wi)));
+                    pdf += reflects * facets / (1.0 + self.lambda_o);
                 }
             }
         } else if !above && wi.z < 0.0 && self.chance[1] > 0.0 && !self.ggx.is_mirror() && self.wo.z > 0.0 {
@@ -225,9 +222,10 @@ impl Bsdf {
                     let fresnel = fresnel::dielectric(co, self.eta);
                     let jacobian = -ci / (ci + co / self.eta).powi(2);
                     let facets = self.ggx.density(h) * co / self.wo.z * jacobian;
-                    let shadow = self.ggx.masking_shadowing(self.wo, wi);
-                    value += self.glass_tint * (self.glass_weight * (1.0 - fresnel) * facets * shadow);
-                    pdf += self.chance[1] * (1.0 - fresnel) * facets * self.ggx.masking(self.wo);
+                    let through = (1.0 - fresnel) * facets;
+                    value +=
+                        self.glass_tint * (self.glass_weight * through / (1.0 + self.lambda_o + self.ggx.lambda(wi)));
+                    pdf += self.chance[1] * through / (1.0 + self.lambda_o);
                 }
             }
         }
@@ -250,7 +248,8 @@ impl Bsdf {
             return None;
         }
         if lobe == 3 {
-            return self.finish(warp::sample_cosine_hemisphere(u), false);
+            let wi = warp::sample_cosine_hemisphere(u);
+            return if self.has_facets { self.finish(wi, false) } else { self.finish_lambert(wi) };
         }
         let h = self.ggx.sample_visible(self.wo, u);
         let cos = self.wo.dot(h);
@@ -278,17 +277,34 @@ impl Bsdf {
     /// [`Bsdf::sample`] chooses it. For paths from the light, which know both ends of a mirror before they look at it
     /// from the camera's side.
     pub fn mirror(&self, transmitted: bool) -> (Rgb, f32) {
-        let fresnel = fresnel::dielectric(self.wo.z, self.eta);
         if self.wo.z <= 0.0 || !self.ggx.is_mirror() {
             (Rgb::ZERO, 0.0)
         } else if transmitted {
+            let fresnel = fresnel::dielectric(self.wo.z, self.eta);
             (self.glass_tint * (self.glass_weight * (1.0 - fresnel)), self.chance[1] * (1.0 - fresnel))
         } else {
-            let value = self.metal.at(self.wo.z) * self.metal_weight
-                + self.glass_reflection_tint * (self.glass_weight * fresnel)
-                + self.coat_fresnel(self.wo.z) * self.coat_weight;
-            (value, self.chance[0] + self.chance[2] + self.chance[1] * fresnel)
+            self.reflected(self.wo.z)
         }
+    }
+
+    /// What a facet met at that cosine reflects in all lobes, and the chance of reflecting there. A material seldom has
+    /// all lobes.
+    #[inline]
+    fn reflected(&self, cos: f32) -> (Rgb, f32) {
+        let mut value = Rgb::ZERO;
+        let mut chance = self.chance[0] + self.chance[2];
+        if self.metal_weight != Rgb::ZERO {
+            value += self.metal.at(cos) * self.metal_weight;
+        }
+        if self.glass_weight > 0.0 {
+            let fresnel = fresnel::dielectric(cos, self.eta);
+            value += self.glass_reflection_tint * (self.glass_weight * fresnel);
+            chance += self.chance[1] * fresnel;
+        }
+        if self.coat_weight > 0.0 {
+            value += self.coat_fresnel(cos) * self.coat_weight;
+        }
+        (value, chance)
     }
 
     /// The index of refraction beyond the surface over that on the side of `wo`.
@@ -317,6 +333,14 @@ impl Bsdf {
             mirror: false,
             transmitted: !above,
         })
+    }
+
+    /// The same where the surface is diffuse and nothing else: density and value are one but for the colour.
+    fn finish_lambert(&self, wi: Vec3A) -> Option<BsdfSample> {
+        let world = warp::to_world(&self.frame, wi).normalize();
+        let seen = wi.z > 0.0 && self.geometric_normal.dot(world) > 0.0;
+        let pdf = warp::cosine_hemisphere_pdf(wi.z);
+        seen.then_some(BsdfSample { wi: world, weight: self.diffuse, pdf, mirror: false, transmitted: false })
     }
 
     #[inline]

@@ -22,9 +22,15 @@ pub struct Wave {
     live: Vec<u32>,
     hits: Vec<Option<Hit>>,
     meetings: Vec<Meeting>,
-    /// Material and number of the meetings, sorted.
-    order: Vec<u64>,
+    /// Numbers of the meetings by their materials.
+    order: Vec<u32>,
+    /// By material, how many of the meetings are on it: all 0 between steps.
+    counts: Vec<u32>,
+    /// The materials met.
+    met: Vec<u32>,
     shadows: Vec<Shadow>,
+    /// By path, whether it goes on.
+    is_alive: Vec<bool>,
 }
 
 /// One path under way.
@@ -37,7 +43,6 @@ struct Path {
     travelled: f32,
     /// Where the ray was scattered.
     start: Vec3A,
-    is_alive: bool,
     sampler: PathSampler,
 }
 
@@ -90,12 +95,14 @@ impl Wave {
         self.paths.clear();
         self.results.clear();
         self.live.clear();
+        self.is_alive.clear();
     }
 
     /// Adds a path that begins with a ray from the camera; its number is the count of those before it.
     pub fn start(&mut self, ray: Ray, sampler: PathSampler) {
         self.live.push(self.paths.len() as u32);
         self.results.push(PathResult::default());
+        self.is_alive.push(true);
         self.paths.push(Path {
             ray,
             throughput: Rgb::ONE,
@@ -103,7 +110,6 @@ impl Wave {
             bounce: 0,
             travelled: 0.0,
             start: ray.origin,
-            is_alive: true,
             sampler,
         });
     }
@@ -121,11 +127,11 @@ impl Wave {
             }
             self.trace(stage);
             self.meet(stage, limits, step);
-            self.sort();
+            self.sort(stage);
             self.scatter(stage, limits);
             self.shadow(stage, limits);
-            let paths = &self.paths;
-            self.live.retain(|&i| paths[i as usize].is_alive);
+            let is_alive = &self.is_alive;
+            self.live.retain(|&i| is_alive[i as usize]);
         }
     }
 
@@ -145,7 +151,7 @@ impl Wave {
         self.meetings.clear();
         for (&i, hit) in self.live.iter().zip(&self.hits) {
             let (path, result) = (&mut self.paths[i as usize], &mut self.results[i as usize]);
-            path.is_alive = false;
+            self.is_alive[i as usize] = false;
             let Some(hit) = hit else {
                 path.lamps_before(stage, limits, f32::INFINITY, result);
                 path.sky(stage, limits, result);
@@ -158,7 +164,7 @@ impl Wave {
                 path.travelled += hit.t;
                 let origin = offset_origin(point.position, -point.geometric_normal, point.position_error);
                 path.ray = Ray::new(origin, path.ray.direction);
-                path.is_alive = true;
+                self.is_alive[i as usize] = true;
                 continue;
             }
             path.lamps_before(stage, limits, path.travelled + hit.t, result);
@@ -173,19 +179,39 @@ impl Wave {
         }
     }
 
-    /// Brings the meetings in the order of their materials.
-    fn sort(&mut self) {
+    /// Brings the meetings in the order of their materials, first met first.
+    fn sort(&mut self, stage: &Stage) {
+        self.counts.resize(stage.scene.materials.len(), 0);
+        self.met.clear();
+        for meeting in &self.meetings {
+            let count = &mut self.counts[meeting.point.material as usize];
+            if *count == 0 {
+                self.met.push(meeting.point.material);
+            }
+            *count += 1;
+        }
+        // From here on, where in the order the next on this material goes.
+        let mut next = 0;
+        for &material in &self.met {
+            next += std::mem::replace(&mut self.counts[material as usize], next);
+        }
         self.order.clear();
-        let key = |(i, m): (usize, &Meeting)| (u64::from(m.point.material) << 32) | i as u64;
-        self.order.extend(self.meetings.iter().enumerate().map(key));
-        self.order.sort_unstable();
+        self.order.resize(self.meetings.len(), 0);
+        for (i, meeting) in self.meetings.iter().enumerate() {
+            let place = &mut self.counts[meeting.point.material as usize];
+            self.order[*place as usize] = i as u32;
+            *place += 1;
+        }
+        for &material in &self.met {
+            self.counts[material as usize] = 0;
+        }
     }
 
     /// At each surface a sample of the lights, and a direction to go on in.
     fn scatter(&mut self, stage: &Stage, limits: &Limits) {
         self.shadows.clear();
-        for &key in &self.order {
-            let Meeting { path: i, point, u: [u_end, u_light, u_lobe] } = &self.meetings[key as u32 as usize];
+        for &number in &self.order {
+            let Meeting { path: i, point, u: [u_end, u_light, u_lobe] } = &self.meetings[number as usize];
             let path = &mut self.paths[*i as usize];
             let material = &stage.scene.materials[point.material as usize];
             let values = nodes::evaluate(material, &stage.scene, point);
@@ -223,7 +249,7 @@ impl Wave {
             path.travelled = 0.0;
             path.ray = Ray::new(leave(point, next.wi), next.wi);
             path.start = path.ray.origin;
-            path.is_alive = true;
+            self.is_alive[*i as usize] = true;
         }
     }
 
