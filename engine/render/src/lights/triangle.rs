@@ -47,7 +47,7 @@ impl LitTriangle {
             normal: geometric_normal(placed, &mesh.corners(triangle)).into(),
             corner: a.into(),
             edges: [(b - a).into(), (c - a).into()],
-            radiance: is_even.then(|| nodes::emission(material, scene, instance, triangle, [0.0; 2]).into()),
+            radiance: is_even.then(|| nodes::emission(material, scene, instance, triangle, [0.0; 2])),
         }
     }
 
@@ -73,7 +73,7 @@ impl LitTriangle {
     /// What leaves a point of it towards either side.
     pub(super) fn radiance(&self, scene: &Scene, barycentric: [f32; 2]) -> Rgb {
         if let Some(radiance) = self.radiance {
-            return radiance.into();
+            return radiance;
         }
         let slot = mesh_of(scene, self.instance).slot(self.triangle);
         let material = &scene.materials[scene.instances[self.instance as usize].material(slot) as usize];
