@@ -59,7 +59,7 @@ fn main() -> Result<(), Box<dyn Error>> {
     }
     if let Some(path) = arguments.get(3) {
         let mut file = std::fs::File::create(path)?;
-        write!(file, "P5 {} {} 255\n", size[0], size[1])?;
+        writeln!(file, "P5 {} {} 255", size[0], size[1])?;
         let grey = |n: &u32| (f64::from(*n) / f64::from(MOST) * 255.0).round() as u8;
         counts
             .chunks(size[0] as usize)
