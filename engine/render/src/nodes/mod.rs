@@ -64,6 +64,18 @@ pub fn number(input: &Input<f32>, textures: &[Texture], mesh: &Mesh, triangle: u
     }
 }
 
+/// The same at every point, if no image drives an input that decides how light scatters.
+pub fn constants(material: &Material) -> Option<MaterialValues> {
+    let value = |input: &Input<f32>| if let Input::Constant(v) = input { Some(v.clamp(0.0, 1.0)) } else { None };
+    let Input::Constant(base) = material.base_color else { return None };
+    Some(MaterialValues {
+        base_color: base.clamp(Rgb::ZERO, Rgb::ONE),
+        metallic: value(&material.metallic)?,
+        roughness: value(&material.roughness)?,
+        transmission: value(&material.transmission)?,
+    })
+}
+
 /// What decides how light scatters at a point.
 pub fn evaluate(material: &Material, scene: &Scene, point: &SurfacePoint) -> MaterialValues {
     let mesh = mesh_of(scene, point.instance);
