@@ -78,7 +78,8 @@ pub struct BsdfSample {
 pub struct Bsdf {
     frame: [Vec3A; 3],
     geometric_normal: Vec3A,
-    wo: Vec3A,
+    /// Cosine of `wo` to the normal.
+    cos_o: f32,
     eta: f32,
     diffuse: Rgb,
     // Chance of each lobe: metal, glass, coat, diffuse.
@@ -90,6 +91,8 @@ pub struct Bsdf {
 /// What lobes of facets need.
 struct Facets {
     ggx: Ggx,
+    /// In the axes of the frame.
+    wo: Vec3A,
     /// [`Ggx::lambda`] of `wo`.
     lambda_o: f32,
     metal: F82Tint,
@@ -118,14 +121,14 @@ impl Bsdf {
         let mut bsdf = Self {
             frame,
             geometric_normal: point.geometric_normal,
-            wo: warp::to_local(&frame, wo),
+            cos_o: normal.dot(wo),
             eta: if point.backfacing { 1.0 / tables.ior } else { tables.ior },
             diffuse: values.base_color,
             chance: [0.0, 0.0, 0.0, 1.0],
             facets: None,
         };
         if values.metallic > 0.0 || values.transmission > 0.0 || material.specular {
-            bsdf.add_facets(material, values, tables, point.backfacing);
+            bsdf.add_facets(material, values, tables, point.backfacing, warp::to_local(&frame, wo));
         } else if luminance(bsdf.diffuse) <= 0.0 {
             bsdf.chance = [0.0; 4];
         }
@@ -139,8 +142,9 @@ impl Bsdf {
         values: &MaterialValues,
         tables: &PrincipledTables,
         backfacing: bool,
+        wo: Vec3A,
     ) {
-        let cos = self.wo.z.max(1e-4);
+        let cos = wo.z.max(1e-4);
         let ggx = Ggx::from_roughness(values.roughness);
         let r = values.roughness;
         let dielectric = 1.0 - values.metallic;
@@ -186,7 +190,8 @@ impl Bsdf {
         self.chance = if total > 0.0 { (chance / total).to_array() } else { [0.0; 4] };
         self.facets = Some(Facets {
             ggx,
-            lambda_o: ggx.lambda(self.wo),
+            wo,
+            lambda_o: ggx.lambda(wo),
             metal,
             metal_weight,
             glass_weight,
@@ -212,8 +217,14 @@ impl Bsdf {
     /// BSDF times cosine, and the density with which [`Bsdf::sample`] chooses `wi`. Mirror lobes count nothing.
     pub fn evaluate(&self, wi: Vec3A) -> (Rgb, f32) {
         let above = self.geometric_normal.dot(wi) > 0.0;
-        let wi = warp::to_local(&self.frame, wi);
-        self.evaluate_local(wi, above)
+        if self.facets.is_some() {
+            return self.evaluate_local(warp::to_local(&self.frame, wi), above);
+        }
+        let cos = self.frame[2].dot(wi);
+        if !(above && cos > 0.0) {
+            return (Rgb::ZERO, 0.0);
+        }
+        (self.diffuse * (cos * FRAC_1_PI), self.chance[3] * warp::cosine_hemisphere_pdf(cos))
     }
 
     fn evaluate_local(&self, wi: Vec3A, above: bool) -> (Rgb, f32) {
@@ -226,10 +237,10 @@ impl Bsdf {
                 pdf += self.chance[3] * warp::cosine_hemisphere_pdf(wi.z);
             }
             if let Some(f) = self.rough_facets() {
-                let h = (self.wo + wi).normalize_or(Vec3A::Z);
-                let cos = self.wo.dot(h);
+                let h = (f.wo + wi).normalize_or(Vec3A::Z);
+                let cos = f.wo.dot(h);
                 if cos > 0.0 {
-                    let facets = f.ggx.density(h) / (4.0 * self.wo.z);
+                    let facets = f.ggx.density(h) / (4.0 * f.wo.z);
                     let (reflected, reflects) = self.reflected(f, cos);
                     value += reflected * (facets / (1.0 + f.lambda_o + f.ggx.lambda(wi)));
                     pdf += reflects * facets / (1.0 + f.lambda_o);
@@ -240,14 +251,14 @@ impl Bsdf {
             && self.chance[1] > 0.0
             && let Some(f) = self.rough_facets()
         {
-            let half = wi * self.eta + self.wo;
+            let half = wi * self.eta + f.wo;
             if let Some(h) = half.try_normalize() {
                 let h = if h.z < 0.0 { -h } else { h };
-                let (co, ci) = (self.wo.dot(h), wi.dot(h));
+                let (co, ci) = (f.wo.dot(h), wi.dot(h));
                 if co > 0.0 && ci < 0.0 {
                     let fresnel = fresnel::dielectric(co, self.eta);
                     let jacobian = -ci / (ci + co / self.eta).powi(2);
-                    let through = (1.0 - fresnel) * f.ggx.density(h) * co / self.wo.z * jacobian;
+                    let through = (1.0 - fresnel) * f.ggx.density(h) * co / f.wo.z * jacobian;
                     value += f.glass_tint * (f.glass_weight * through / (1.0 + f.lambda_o + f.ggx.lambda(wi)));
                     pdf += self.chance[1] * through / (1.0 + f.lambda_o);
                 }
@@ -259,7 +270,7 @@ impl Bsdf {
     /// A direction chosen roughly in proportion to what it scatters; `None` where the light ends here.
     /// What the choice of the lobe leaves of `u_lobe` chooses between mirrored and refracted.
     pub fn sample(&self, u_lobe: f32, u: [f32; 2]) -> Option<BsdfSample> {
-        if self.wo.z <= 0.0 {
+        if self.cos_o <= 0.0 {
             return None;
         }
         let mut lobe = 0;
@@ -276,13 +287,13 @@ impl Bsdf {
             return if self.facets.is_some() { self.finish(wi, false) } else { self.finish_lambert(wi) };
         }
         let f = self.facets.as_ref()?;
-        let h = f.ggx.sample_visible(self.wo, u);
-        let cos = self.wo.dot(h);
+        let h = f.ggx.sample_visible(f.wo, u);
+        let cos = f.wo.dot(h);
         if cos <= 0.0 {
             return None;
         }
         let transmit = lobe == 1 && (u_lobe - below) / self.chance[1] >= fresnel::dielectric(cos, self.eta);
-        let wi = if transmit { refract(self.wo, h, self.eta)? } else { reflect(self.wo, h) };
+        let wi = if transmit { refract(f.wo, h, self.eta)? } else { reflect(f.wo, h) };
         if !f.ggx.is_mirror() {
             return self.finish(wi, transmit);
         }
@@ -302,21 +313,21 @@ impl Bsdf {
     /// [`Bsdf::sample`] chooses it. For paths from the light, which know both ends of a mirror before they look at it
     /// from the camera's side.
     pub fn mirror(&self, transmitted: bool) -> (Rgb, f32) {
-        let Some(f) = self.facets.as_ref().filter(|f| self.wo.z > 0.0 && f.ggx.is_mirror()) else {
+        let Some(f) = self.facets.as_ref().filter(|f| self.cos_o > 0.0 && f.ggx.is_mirror()) else {
             return (Rgb::ZERO, 0.0);
         };
         if transmitted {
-            let through = 1.0 - fresnel::dielectric(self.wo.z, self.eta);
+            let through = 1.0 - fresnel::dielectric(self.cos_o, self.eta);
             (f.glass_tint * (f.glass_weight * through), self.chance[1] * through)
         } else {
-            self.reflected(f, self.wo.z)
+            self.reflected(f, self.cos_o)
         }
     }
 
     /// The facets where a light sample may find them.
     #[inline]
     fn rough_facets(&self) -> Option<&Facets> {
-        self.facets.as_ref().filter(|f| !f.ggx.is_mirror() && self.wo.z > 0.0)
+        self.facets.as_ref().filter(|f| !f.ggx.is_mirror() && self.cos_o > 0.0)
     }
 
     /// What a facet met at that cosine reflects in all lobes, and the chance of reflecting there. A material seldom has
