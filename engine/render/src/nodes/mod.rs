@@ -22,6 +22,17 @@ pub struct MaterialValues {
     pub transmission: f32,
 }
 
+impl MaterialValues {
+    fn within_range(base_color: Rgb, metallic: f32, roughness: f32, transmission: f32) -> Self {
+        Self {
+            base_color: base_color.clamp(Rgb::ZERO, Rgb::ONE),
+            metallic: metallic.clamp(0.0, 1.0),
+            roughness: roughness.clamp(0.0, 1.0),
+            transmission: transmission.clamp(0.0, 1.0),
+        }
+    }
+}
+
 /// What an image gives at a point of a triangle, linear RGBA.
 fn image_value(input: &ImageInput, textures: &[Texture], mesh: &Mesh, triangle: u32, barycentric: [f32; 2]) -> Vec4 {
     let uv = uv(mesh, triangle, barycentric, input.uv_map.as_deref());
@@ -64,17 +75,21 @@ pub fn number(input: &Input<f32>, textures: &[Texture], mesh: &Mesh, triangle: u
     }
 }
 
+/// The same at every point, if no image drives an input that decides how light scatters.
+pub fn constants(material: &Material) -> Option<MaterialValues> {
+    let value = |input: &Input<f32>| if let Input::Constant(v) = input { Some(*v) } else { None };
+    let Input::Constant(base) = material.base_color else { return None };
+    let (metallic, roughness) = (value(&material.metallic)?, value(&material.roughness)?);
+    Some(MaterialValues::within_range(base, metallic, roughness, value(&material.transmission)?))
+}
+
 /// What decides how light scatters at a point.
 pub fn evaluate(material: &Material, scene: &Scene, point: &SurfacePoint) -> MaterialValues {
     let mesh = mesh_of(scene, point.instance);
-    let value = |input| number(input, &scene.textures, mesh, point.triangle, point.barycentric).clamp(0.0, 1.0);
+    let value = |input| number(input, &scene.textures, mesh, point.triangle, point.barycentric);
     let base = colour(&material.base_color, &scene.textures, mesh, point.triangle, point.barycentric);
-    MaterialValues {
-        base_color: base.clamp(Rgb::ZERO, Rgb::ONE),
-        metallic: value(&material.metallic),
-        roughness: value(&material.roughness),
-        transmission: value(&material.transmission),
-    }
+    let (metallic, roughness) = (value(&material.metallic), value(&material.roughness));
+    MaterialValues::within_range(base, metallic, roughness, value(&material.transmission))
 }
 
 /// The share of light that a surface point takes part in, 0 (nothing is there) to 1.

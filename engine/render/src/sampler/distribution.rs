@@ -46,7 +46,7 @@ impl AliasTable {
     pub fn sample(&self, u: f32) -> (usize, f32, f32) {
         let n = self.bins.len();
         let x = u * n as f32;
-        let i = (x as usize).min(n - 1);
+        let i = (x as u32 as usize).min(n - 1);
         let part = (x - i as f32).clamp(0.0, 1.0 - f32::EPSILON);
         let bin = self.bins[i];
         if part < bin.keep {
@@ -92,8 +92,9 @@ impl Grid2d {
 
     /// The density at a point of the unit square.
     pub fn pdf(&self, p: [f32; 2]) -> f32 {
-        let x = ((p[0] * self.width as f32) as usize).min(self.width - 1);
-        let y = ((p[1] * self.height as f32) as usize).min(self.height - 1);
+        // By way of 32 bits, which a processor converts to in one step.
+        let x = ((p[0] * self.width as f32) as u32 as usize).min(self.width - 1);
+        let y = ((p[1] * self.height as f32) as u32 as usize).min(self.height - 1);
         self.rows.probability(y, x) * self.marginal.probability(0, y) * (self.width * self.height) as f32
     }
 }
@@ -151,7 +152,7 @@ impl Cumulative {
     fn invert(&self, which: usize, u: f32) -> (usize, f32, f32) {
         let sums = &self.sums[which * (self.steps + 1)..][..self.steps + 1];
         let last = self.steps - 1;
-        let part = ((u * self.steps as f32) as usize).min(last);
+        let part = ((u * self.steps as f32) as u32 as usize).min(last);
         let first = (self.guide[which * self.steps + part] as usize).min(last);
         // How many of the next two it has passed is no branch: any processor would guess it wrong half of the time.
         let passed = usize::from(sums[first + 1] <= u) + usize::from(sums[(first + 2).min(last + 1)] <= u);

@@ -78,7 +78,7 @@ impl AlbedoTable {
         let last = (STEPS - 1) as f32;
         let x = roughness.clamp(0.0, 1.0) * last;
         let y = cos.clamp(0.0, 1.0).sqrt() * last;
-        let (i, j) = ((x as usize).min(STEPS - 2), (y as usize).min(STEPS - 2));
+        let (i, j) = ((x as u32 as usize).min(STEPS - 2), (y as u32 as usize).min(STEPS - 2));
         let (tx, ty) = (x - i as f32, y - j as f32);
         let row = |i: usize| self.values[i][j] * (1.0 - ty) + self.values[i][j + 1] * ty;
         row(i) * (1.0 - tx) + row(i + 1) * tx

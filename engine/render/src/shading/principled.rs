@@ -78,11 +78,23 @@ pub struct BsdfSample {
 pub struct Bsdf {
     frame: [Vec3A; 3],
     geometric_normal: Vec3A,
-    wo: Vec3A,
-    ggx: Ggx,
-    /// [`Ggx::lambda`] of `wo`, where there are facets.
-    lambda_o: f32,
+    /// Cosine of `wo` to the normal.
+    cos_o: f32,
     eta: f32,
+    diffuse: Rgb,
+    // Chance of each lobe: metal, glass, coat, diffuse.
+    chance: [f32; 4],
+    /// Nothing where the surface is diffuse alone, as most are.
+    facets: Option<Facets>,
+}
+
+/// What lobes of facets need.
+struct Facets {
+    ggx: Ggx,
+    /// In the axes of the frame.
+    wo: Vec3A,
+    /// [`Ggx::lambda`] of `wo`.
+    lambda_o: f32,
     metal: F82Tint,
     metal_weight: Rgb,
     glass_weight: f32,
@@ -91,14 +103,11 @@ pub struct Bsdf {
     coat_weight: f32,
     coat_f0: Rgb,
     coat_eta: f32,
-    diffuse: Rgb,
-    has_facets: bool,
-    // Chance of each lobe: metal, glass, coat, diffuse.
-    chance: [f32; 4],
 }
 
 impl Bsdf {
     /// At a point whose inputs have been evaluated; `wo` is the unit direction to where the path came from.
+    #[inline]
     pub fn new(
         material: &Material,
         values: &MaterialValues,
@@ -109,8 +118,33 @@ impl Bsdf {
         // Smooth normals may turn away from a viewer who sees the triangle.
         let normal = if point.shading_normal.dot(wo) > 1e-4 { point.shading_normal } else { point.geometric_normal };
         let frame = warp::frame(normal);
-        let local = warp::to_local(&frame, wo);
-        let cos = local.z.max(1e-4);
+        let mut bsdf = Self {
+            frame,
+            geometric_normal: point.geometric_normal,
+            cos_o: normal.dot(wo),
+            eta: if point.backfacing { 1.0 / tables.ior } else { tables.ior },
+            diffuse: values.base_color,
+            chance: [0.0, 0.0, 0.0, 1.0],
+            facets: None,
+        };
+        if values.metallic > 0.0 || values.transmission > 0.0 || material.specular {
+            bsdf.add_facets(material, values, tables, point.backfacing, warp::to_local(&frame, wo));
+        } else if luminance(bsdf.diffuse) <= 0.0 {
+            bsdf.chance = [0.0; 4];
+        }
+        bsdf
+    }
+
+    /// Metal, glass and coat, and what they leave to the diffuse base.
+    fn add_facets(
+        &mut self,
+        material: &Material,
+        values: &MaterialValues,
+        tables: &PrincipledTables,
+        backfacing: bool,
+        wo: Vec3A,
+    ) {
+        let cos = wo.z.max(1e-4);
         let ggx = Ggx::from_roughness(values.roughness);
         let r = values.roughness;
         let dielectric = 1.0 - values.metallic;
@@ -135,11 +169,10 @@ impl Bsdf {
             metal_chance = luminance(metal.at(cos)) * values.metallic;
         }
 
-        let eta = if point.backfacing { 1.0 / tables.ior } else { tables.ior };
         let glass_chance = dielectric * values.transmission;
         let (mut glass_weight, mut glass_tint) = (0.0, Rgb::ZERO);
         if glass_chance > 0.0 {
-            let kept = tables.boundary.as_ref().map_or(1.0, |b| b[usize::from(point.backfacing)].at(r, cos));
+            let kept = tables.boundary.as_ref().map_or(1.0, |b| b[usize::from(backfacing)].at(r, cos));
             glass_weight = glass_chance / kept.max(1e-3);
             glass_tint = Rgb::from(values.base_color.to_array().map(f32::sqrt));
         }
@@ -151,17 +184,14 @@ impl Bsdf {
             let f0_tinted = luminance(material.specular_tint).min(1.0);
             coat_albedo = (tables.coat.at(r, cos) * give_back).min(1.0) * f0_tinted.max(0.0);
         }
-        let diffuse = values.base_color * (opaque * (1.0 - coat_albedo));
-        let has_facets = values.metallic > 0.0 || glass_weight > 0.0 || coat_weight > 0.0;
-        let chance = Vec4::new(metal_chance, glass_chance, coat_albedo * opaque, luminance(diffuse));
+        self.diffuse = values.base_color * (opaque * (1.0 - coat_albedo));
+        let chance = Vec4::new(metal_chance, glass_chance, coat_albedo * opaque, luminance(self.diffuse));
         let total = (chance.x + chance.y) + (chance.z + chance.w);
-        Self {
-            frame,
-            geometric_normal: point.geometric_normal,
-            wo: local,
+        self.chance = if total > 0.0 { (chance / total).to_array() } else { [0.0; 4] };
+        self.facets = Some(Facets {
             ggx,
-            lambda_o: if has_facets { ggx.lambda(local) } else { 0.0 },
-            eta,
+            wo,
+            lambda_o: ggx.lambda(wo),
             metal,
             metal_weight,
             glass_weight,
@@ -170,10 +200,7 @@ impl Bsdf {
             coat_weight,
             coat_f0: (tables.coat_f0 * material.specular_tint).min(Rgb::ONE),
             coat_eta: tables.coat_eta,
-            diffuse,
-            has_facets,
-            chance: if total > 0.0 { (chance / total).to_array() } else { [0.0; 4] },
-        }
+        });
     }
 
     /// The normal that scattering is about, where light from behind it does not matter; `None` where light may
@@ -184,14 +211,20 @@ impl Bsdf {
 
     /// Whether nothing but mirror lobes scatters here: no light sample can be of use.
     pub fn is_mirror(&self) -> bool {
-        self.ggx.is_mirror() && self.chance[3] == 0.0
+        self.chance[3] == 0.0 && self.facets.as_ref().is_none_or(|f| f.ggx.is_mirror())
     }
 
     /// BSDF times cosine, and the density with which [`Bsdf::sample`] chooses `wi`. Mirror lobes count nothing.
     pub fn evaluate(&self, wi: Vec3A) -> (Rgb, f32) {
         let above = self.geometric_normal.dot(wi) > 0.0;
-        let wi = warp::to_local(&self.frame, wi);
-        self.evaluate_local(wi, above)
+        if self.facets.is_some() {
+            return self.evaluate_local(warp::to_local(&self.frame, wi), above);
+        }
+        let cos = self.frame[2].dot(wi);
+        if !(above && cos > 0.0) {
+            return (Rgb::ZERO, 0.0);
+        }
+        (self.diffuse * (cos * FRAC_1_PI), self.chance[3] * warp::cosine_hemisphere_pdf(cos))
     }
 
     fn evaluate_local(&self, wi: Vec3A, above: bool) -> (Rgb, f32) {
@@ -203,29 +236,31 @@ impl Bsdf {
                 value += self.diffuse * (wi.z * FRAC_1_PI);
                 pdf += self.chance[3] * warp::cosine_hemisphere_pdf(wi.z);
             }
-            if self.has_facets && !self.ggx.is_mirror() && self.wo.z > 0.0 {
-                let h = (self.wo + wi).normalize_or(Vec3A::Z);
-                let cos = self.wo.dot(h);
+            if let Some(f) = self.rough_facets() {
+                let h = (f.wo + wi).normalize_or(Vec3A::Z);
+                let cos = f.wo.dot(h);
                 if cos > 0.0 {
-                    let facets = self.ggx.density(h) / (4.0 * self.wo.z);
-                    let (reflected, reflects) = self.reflected(cos);
-                    value += reflected * (facets / (1.0 + self.lambda_o + self.ggx.lambda(wi)));
-                    pdf += reflects * facets / (1.0 + self.lambda_o);
+                    let facets = f.ggx.density(h) / (4.0 * f.wo.z);
+                    let (reflected, reflects) = self.reflected(f, cos);
+                    value += reflected * (facets / (1.0 + f.lambda_o + f.ggx.lambda(wi)));
+                    pdf += reflects * facets / (1.0 + f.lambda_o);
                 }
             }
-        } else if !above && wi.z < 0.0 && self.chance[1] > 0.0 && !self.ggx.is_mirror() && self.wo.z > 0.0 {
-            let half = wi * self.eta + self.wo;
+        } else if !above
+            && wi.z < 0.0
+            && self.chance[1] > 0.0
+            && let Some(f) = self.rough_facets()
+        {
+            let half = wi * self.eta + f.wo;
             if let Some(h) = half.try_normalize() {
                 let h = if h.z < 0.0 { -h } else { h };
-                let (co, ci) = (self.wo.dot(h), wi.dot(h));
+                let (co, ci) = (f.wo.dot(h), wi.dot(h));
                 if co > 0.0 && ci < 0.0 {
                     let fresnel = fresnel::dielectric(co, self.eta);
                     let jacobian = -ci / (ci + co / self.eta).powi(2);
-                    let facets = self.ggx.density(h) * co / self.wo.z * jacobian;
-                    let through = (1.0 - fresnel) * facets;
-                    value +=
-                        self.glass_tint * (self.glass_weight * through / (1.0 + self.lambda_o + self.ggx.lambda(wi)));
-                    pdf += self.chance[1] * through / (1.0 + self.lambda_o);
+                    let through = (1.0 - fresnel) * f.ggx.density(h) * co / f.wo.z * jacobian;
+                    value += f.glass_tint * (f.glass_weight * through / (1.0 + f.lambda_o + f.ggx.lambda(wi)));
+                    pdf += self.chance[1] * through / (1.0 + f.lambda_o);
                 }
             }
         }
@@ -235,7 +270,7 @@ impl Bsdf {
     /// A direction chosen roughly in proportion to what it scatters; `None` where the light ends here.
     /// What the choice of the lobe leaves of `u_lobe` chooses between mirrored and refracted.
     pub fn sample(&self, u_lobe: f32, u: [f32; 2]) -> Option<BsdfSample> {
-        if self.wo.z <= 0.0 {
+        if self.cos_o <= 0.0 {
             return None;
         }
         let mut lobe = 0;
@@ -249,24 +284,25 @@ impl Bsdf {
         }
         if lobe == 3 {
             let wi = warp::sample_cosine_hemisphere(u);
-            return if self.has_facets { self.finish(wi, false) } else { self.finish_lambert(wi) };
+            return if self.facets.is_some() { self.finish(wi, false) } else { self.finish_lambert(wi) };
         }
-        let h = self.ggx.sample_visible(self.wo, u);
-        let cos = self.wo.dot(h);
+        let f = self.facets.as_ref()?;
+        let h = f.ggx.sample_visible(f.wo, u);
+        let cos = f.wo.dot(h);
         if cos <= 0.0 {
             return None;
         }
         let transmit = lobe == 1 && (u_lobe - below) / self.chance[1] >= fresnel::dielectric(cos, self.eta);
-        let wi = if transmit { refract(self.wo, h, self.eta)? } else { reflect(self.wo, h) };
-        if !self.ggx.is_mirror() {
+        let wi = if transmit { refract(f.wo, h, self.eta)? } else { reflect(f.wo, h) };
+        if !f.ggx.is_mirror() {
             return self.finish(wi, transmit);
         }
         // Mirrors: the chance of the choice is all the density there is.
         let weight = match lobe {
-            0 => self.metal.at(cos) * self.metal_weight / self.chance[0],
-            1 if transmit => self.glass_tint * self.glass_weight / self.chance[1],
-            1 => self.glass_reflection_tint * self.glass_weight / self.chance[1],
-            _ => self.coat_fresnel(cos) * self.coat_weight / self.chance[2],
+            0 => f.metal.at(cos) * f.metal_weight / self.chance[0],
+            1 if transmit => f.glass_tint * f.glass_weight / self.chance[1],
+            1 => f.glass_reflection_tint * f.glass_weight / self.chance[1],
+            _ => f.coat_fresnel(cos) * f.coat_weight / self.chance[2],
         };
         let world = warp::to_world(&self.frame, wi).normalize();
         let above = self.geometric_normal.dot(world) > 0.0;
@@ -277,32 +313,39 @@ impl Bsdf {
     /// [`Bsdf::sample`] chooses it. For paths from the light, which know both ends of a mirror before they look at it
     /// from the camera's side.
     pub fn mirror(&self, transmitted: bool) -> (Rgb, f32) {
-        if self.wo.z <= 0.0 || !self.ggx.is_mirror() {
-            (Rgb::ZERO, 0.0)
-        } else if transmitted {
-            let fresnel = fresnel::dielectric(self.wo.z, self.eta);
-            (self.glass_tint * (self.glass_weight * (1.0 - fresnel)), self.chance[1] * (1.0 - fresnel))
+        let Some(f) = self.facets.as_ref().filter(|f| self.cos_o > 0.0 && f.ggx.is_mirror()) else {
+            return (Rgb::ZERO, 0.0);
+        };
+        if transmitted {
+            let through = 1.0 - fresnel::dielectric(self.cos_o, self.eta);
+            (f.glass_tint * (f.glass_weight * through), self.chance[1] * through)
         } else {
-            self.reflected(self.wo.z)
+            self.reflected(f, self.cos_o)
         }
+    }
+
+    /// The facets where a light sample may find them.
+    #[inline]
+    fn rough_facets(&self) -> Option<&Facets> {
+        self.facets.as_ref().filter(|f| !f.ggx.is_mirror() && self.cos_o > 0.0)
     }
 
     /// What a facet met at that cosine reflects in all lobes, and the chance of reflecting there. A material seldom has
     /// all lobes.
     #[inline]
-    fn reflected(&self, cos: f32) -> (Rgb, f32) {
+    fn reflected(&self, f: &Facets, cos: f32) -> (Rgb, f32) {
         let mut value = Rgb::ZERO;
         let mut chance = self.chance[0] + self.chance[2];
-        if self.metal_weight != Rgb::ZERO {
-            value += self.metal.at(cos) * self.metal_weight;
+        if f.metal_weight != Rgb::ZERO {
+            value += f.metal.at(cos) * f.metal_weight;
         }
-        if self.glass_weight > 0.0 {
+        if f.glass_weight > 0.0 {
             let fresnel = fresnel::dielectric(cos, self.eta);
-            value += self.glass_reflection_tint * (self.glass_weight * fresnel);
+            value += f.glass_reflection_tint * (f.glass_weight * fresnel);
             chance += self.chance[1] * fresnel;
         }
-        if self.coat_weight > 0.0 {
-            value += self.coat_fresnel(cos) * self.coat_weight;
+        if f.coat_weight > 0.0 {
+            value += f.coat_fresnel(cos) * f.coat_weight;
         }
         (value, chance)
     }
@@ -342,7 +385,9 @@ impl Bsdf {
         let pdf = warp::cosine_hemisphere_pdf(wi.z);
         seen.then_some(BsdfSample { wi: world, weight: self.diffuse, pdf, mirror: false, transmitted: false })
     }
+}
 
+impl Facets {
     #[inline]
     fn coat_fresnel(&self, cos: f32) -> Rgb {
         let rise = fresnel::dielectric_rise(cos, self.coat_eta);

@@ -210,12 +210,24 @@ impl Wave {
     /// At each surface a sample of the lights, and a direction to go on in.
     fn scatter(&mut self, stage: &Stage, limits: &Limits) {
         self.shadows.clear();
+        if self.order.is_empty() {
+            return;
+        }
+        let mut material = &stage.scene.materials[0];
+        let mut tables = &stage.tables[0];
+        // What is the same for all meetings on a material, which come one after the other.
+        let mut current = u32::MAX;
+        let mut constants = None;
         for &number in &self.order {
             let Meeting { path: i, point, u: [u_end, u_light, u_lobe] } = &self.meetings[number as usize];
             let path = &mut self.paths[*i as usize];
-            let material = &stage.scene.materials[point.material as usize];
-            let values = nodes::evaluate(material, &stage.scene, point);
-            let tables = &stage.tables[point.material as usize];
+            if point.material != current {
+                current = point.material;
+                material = &stage.scene.materials[current as usize];
+                tables = &stage.tables[current as usize];
+                constants = nodes::constants(material);
+            }
+            let values = constants.unwrap_or_else(|| nodes::evaluate(material, &stage.scene, point));
             let bsdf = Bsdf::new(material, &values, tables, point, -path.ray.direction);
             let to = stage.lights.receiver(point.position, bsdf.receiving_normal(), limits.openness);
             let [u0, u1, u2, u3] = path.sampler.next_4d();
@@ -268,6 +280,9 @@ impl Path {
     /// Adds the light of lamps that the ray meets within `t_max` of where it was scattered: from there a light sample
     /// would have been taken, whatever surfaces it passed since.
     fn lamps_before(&self, stage: &Stage, limits: &Limits, t_max: f32, result: &mut PathResult) {
+        if stage.scene.lamps.is_empty() {
+            return;
+        }
         let (camera, to) = (self.bounce == 0, self.chosen.receiver());
         stage.lights.lamps_along(self.start, self.ray.direction, t_max, camera, to, |radiance, pdf| {
             result.radiance += limits.clamp(self.throughput * radiance * self.chosen.weight(pdf), self.bounce);

@@ -117,18 +117,15 @@ fn white_surfaces_keep_their_energy() {
     }
 }
 
-/// A plain Lambert surface is that.
-#[test]
-fn without_coat_it_is_lambert() {
+/// A surface without coat.
+fn plain(wo: Vec3A) -> Bsdf {
     let material = Material { specular: false, ..Material::default_grey() };
     let tables = PrincipledTables::new(&material, Arc::new(AlbedoTable::reflection()));
-    let b = bsdf(&case(0.0, 0.5, 0.0, 0.8, false), Vec3A::Z);
-    let coated = b.evaluate(Vec3A::new(0.6, 0.0, 0.8)).0.x;
     let point = SurfacePoint {
         position: Vec3A::ZERO,
         position_error: 0.0,
         geometric_normal: Vec3A::Z,
-        shading_normal: Vec3A::Z,
+        shading_normal: Vec3A::new(0.2, -0.1, 1.0).normalize(),
         backfacing: false,
         instance: 0,
         triangle: 0,
@@ -136,10 +133,29 @@ fn without_coat_it_is_lambert() {
         barycentric: [0.3, 0.3],
     };
     let values = MaterialValues { base_color: Rgb::splat(0.8), metallic: 0.0, roughness: 0.5, transmission: 0.0 };
-    let plain = Bsdf::new(&material, &values, &tables, &point, Vec3A::Z);
-    let value = plain.evaluate(Vec3A::new(0.6, 0.0, 0.8)).0.x;
-    assert!((value - 0.8 * 0.8 * FRAC_1_PI).abs() < 1e-6);
-    assert!(coated != value);
+    Bsdf::new(&material, &values, &tables, &point, wo)
+}
+
+/// A plain Lambert surface is that, and its samples are what it says of them.
+#[test]
+fn without_coat_it_is_lambert() {
+    let (n, wi) = (Vec3A::new(0.2, -0.1, 1.0).normalize(), Vec3A::new(0.6, 0.0, 0.8));
+    let value = plain(Vec3A::Z).evaluate(wi).0.x;
+    assert!((value - 0.8 * n.dot(wi) * FRAC_1_PI).abs() < 1e-6);
+    let coated = bsdf(&case(0.0, 0.5, 0.0, 0.8, false), Vec3A::Z).evaluate(wi).0.x;
+    assert!((coated - value).abs() > 1e-3);
+    for wo in directions() {
+        let b = plain(wo);
+        // Below the triangle the light ends, though the interpolated normal still sees it.
+        assert_eq!(b.evaluate(Vec3A::new(0.995, 0.0, -0.0998)), (Rgb::ZERO, 0.0));
+        let samples: Vec<BsdfSample> = points(1000, 1).filter_map(|u| b.sample(u[0], [u[1], u[2]])).collect();
+        assert!(samples.len() > 900);
+        for s in samples {
+            let (value, pdf) = b.evaluate(s.wi);
+            // Roundings on the way to the world's axes and back.
+            assert!((s.pdf - pdf).abs() < 1e-6 && (s.weight * s.pdf - value).abs().max_element() < 1e-6);
+        }
+    }
 }
 
 /// Smooth glass sends every ray where Snell and the mirror say, never below the wrong side.
