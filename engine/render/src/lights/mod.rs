@@ -90,7 +90,7 @@ impl Lights {
     /// average: the sky is chosen in proportion to what it may bring, so far as nothing stands in its way.
     pub fn receiver(&self, position: Vec3A, normal: Option<Vec3A>, openness: f32) -> Receiver {
         let Some(tree) = &self.tree else {
-            return Receiver { position, normal, weights: [0.0; tree::WIDTH], total: 0.0, sky_chance: 1.0 };
+            return Receiver { position, normal, weights: [0.0; receiver::WIDTH], total: 0.0, sky_chance: 1.0 };
         };
         let mut to = tree.receiver(position, normal);
         if !self.sky.is_dark() {

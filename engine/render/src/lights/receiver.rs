@@ -1,7 +1,9 @@
 //! Where light is wanted, and what the lights' tree says of it at its root: asked once a place.
 
-use super::tree::WIDTH;
 use glam::Vec3A;
+
+/// Children of a node of the lights' tree.
+pub(super) const WIDTH: usize = 8;
 
 /// A place that light may reach. Made by [`super::Lights::receiver`].
 #[derive(Clone, Copy, Debug)]

@@ -4,12 +4,10 @@
 
 use super::bounds::LightBounds;
 use super::build::Half;
-use super::receiver::Receiver;
+use super::receiver::{Receiver, WIDTH};
 use glam::Vec3A;
 use wide::f32x8;
 
-/// Children of a node.
-pub(super) const WIDTH: usize = 8;
 /// No node, no emitter.
 const NONE: u32 = u32::MAX;
 
