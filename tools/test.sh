@@ -66,6 +66,8 @@ export PYO3_PYTHON
 step "cargo fmt" cargo fmt --all --check
 step "cargo clippy" cargo clippy --quiet --all-targets --workspace --locked -- -D warnings
 step "cargo test" cargo test --quiet --locked
+# A report, not a test: what a sample costs in instructions, beside what it cost when that was last kept.
+timeout 300 .venv-tools/bin/python tools/instructions.py >output/instructions.txt 2>&1 || true
 step "ruff check" .venv-tools/bin/ruff check
 step "ruff format" .venv-tools/bin/ruff format --check
 step "wheel" tools/build-wheel.sh
@@ -104,5 +106,6 @@ fi
 
 printf '\n== summary\n'
 cat "$report"
+cat output/instructions.txt
 sort -u "$PETZVAL_NOT_RUN" | sed 's/^/not run: /'
 exit $failed
