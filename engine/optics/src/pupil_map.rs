@@ -4,13 +4,17 @@
 //! for every lens, wherever the exit pupil is, at infinity or behind the film. Seen from a film point the clear pupil
 //! is star-shaped about a centre for nearly every lens (a disc, a cat's eye, a polygon). The map holds that outline,
 //! and the inner one of an obstruction, by distance of the film point from the axis, by the film's z where it is turned,
-//! and by azimuth where the diaphragm has blades or the lens itself is not symmetric about its axis. A small share of the samples covers the whole rear glass, so that
-//! nothing is lost where the outline errs.
+//! and by azimuth where the diaphragm has blades or the lens itself is not symmetric about its axis. Cells of film
+//! points share an outline in units of an ellipse that each film point has for itself: what is left to differ within a
+//! cell is the shape. A small share of the samples covers the whole rear glass, so that nothing is lost where the
+//! outline errs.
 //!
 //! Sampling is rejection-free and its density exact, whatever the outline is: an error of the map costs noise, never
 //! bias.
 
+mod axis;
 mod cell;
+mod ellipse;
 mod lanes;
 mod outline;
 mod throughput;
@@ -23,7 +27,9 @@ use crate::focus::FilmPlane;
 use crate::system::System;
 use crate::trace::Tracer;
 
+use axis::Axis;
 use cell::Cell;
+use ellipse::{Ellipse, carried_on, conjugate_rotate, midway};
 pub use lanes::PupilSamples;
 use lanes::Spot;
 use outline::{Outline, Place, Probe};
@@ -60,52 +66,46 @@ pub struct PupilMap {
     frames: Vec<DVec2>,
     /// The film stands upright and any turn leaves the lens as it is: only the distance from the axis counts.
     is_plain: bool,
-    /// The outline's centre in axes along and across the film point's meridian, by node of depth, azimuth and radius;
-    /// by depth and radius if only the blades know of an azimuth.
-    centres: Vec<DVec2>,
-    centres_by_azimuth: bool,
+    /// About the outline, by node of depth, azimuth and radius; by depth and radius if only the blades know of an
+    /// azimuth.
+    ellipses: Vec<Ellipse>,
+    ellipses_by_azimuth: bool,
     /// By depth, azimuth and radius.
     cells: Vec<Cell>,
     /// By radius, if nothing else counts.
     spots: Vec<Spot>,
 }
 
-/// An interval in equal cells.
-#[derive(Clone, Copy, Debug)]
-struct Axis {
-    start: f64,
-    cells_per_unit: f64,
-    cells: usize,
-}
-
-impl Axis {
-    fn new(start: f64, end: f64, cells: usize) -> Self {
-        let length = end - start;
-        let cells_per_unit = if length > 0.0 { cells as f64 / length } else { 0.0 };
-        Self { start, cells_per_unit, cells }
-    }
-
-    /// The cell of `x`, of the nearest end if outside, and the place in the cell, which may lie outside of 0 to 1.
-    #[inline]
-    fn locate(&self, x: f64) -> (usize, f64) {
-        let place = (x - self.start) * self.cells_per_unit;
-        // Negative numbers and those that are none become 0, whole numbers too large for a cast the last.
-        let cell = (place.max(0.0) as i32 as usize).min(self.cells - 1);
-        (cell, place - cell as f64)
-    }
-
-    /// The value at `node`, counted in cells.
-    fn at(&self, node: f64) -> f64 {
-        if self.cells_per_unit > 0.0 { self.start + node / self.cells_per_unit } else { self.start }
-    }
-}
-
-/// A film point in the frame of its cell.
+/// A film point and the cell that it lies in.
 struct Located<'a> {
     cell: &'a Cell,
-    centre: DVec2,
-    /// Cosine and sine of the frame's turn.
+    ellipse: Ellipse,
+    /// Cosine and sine of the turn of the cell's axes.
     frame: DVec2,
+    /// The same of the film point's meridian in those axes.
+    meridian: DVec2,
+    /// The same of the ellipse's axes.
+    axes: DVec2,
+}
+
+impl Located<'_> {
+    /// Of samples in the outline, per mm²; 0 if no light arrives.
+    #[inline]
+    fn density(&self) -> f64 {
+        self.cell.density() / self.ellipse.gain()
+    }
+
+    /// The point of the reference plane, in mm, from the cell's units.
+    #[inline]
+    fn to_plane(&self, point: DVec2) -> DVec2 {
+        self.frame.rotate(self.ellipse.in_mm(point, self.meridian, self.axes))
+    }
+
+    /// Back from [`Self::to_plane`].
+    #[inline]
+    fn in_cell(&self, flat: DVec2) -> DVec2 {
+        self.ellipse.in_units(conjugate_rotate(self.frame, flat), self.meridian, self.axes)
+    }
 }
 
 /// How finely the map is cut.
@@ -172,15 +172,15 @@ impl PupilMap {
             period,
             frames: (0..turns).map(|i| DVec2::from_angle(f64::from(i) * period)).collect(),
             is_plain: period == 0.0 && near == far,
-            centres: Vec::new(),
-            centres_by_azimuth: !is_symmetric,
+            ellipses: Vec::new(),
+            ellipses_by_azimuth: !is_symmetric,
             cells: Vec::new(),
             spots: Vec::new(),
         };
         map.fill(&Probe::new(tracers, reference_z, glass_radius));
         if map.is_plain {
             map.spots =
-                (0..map.radius.cells).map(|r| Spot::new(&map.cells[r], map.centres[r], map.centres[r + 1])).collect();
+                (0..map.radius.cells).map(|r| Spot::new(&map.cells[r], map.ellipses[r], map.ellipses[r + 1])).collect();
         }
         map
     }
@@ -195,26 +195,27 @@ impl PupilMap {
         for z in 0..nz {
             let film_z = self.depth.at(z as f64);
             // By node of azimuth and of radius, of the coarse grid; whether light arrives there, of the fine one.
-            let mut centres: Vec<Vec<DVec2>> = Vec::new();
+            let mut ellipses: Vec<Vec<Ellipse>> = Vec::new();
             let mut found: Vec<Vec<bool>> = Vec::new();
             let films = |azimuth: f64| (0..nr).map(move |r| (r as f64 / 2.0, azimuth));
-            for a in 0..if self.centres_by_azimuth { na } else { 1 } {
+            for a in 0..if self.ellipses_by_azimuth { na } else { 1 } {
                 let azimuth = self.azimuth.at(a as f64 / 2.0);
                 let films = films(azimuth).map(|(r, azimuth)| (self.radius.at(r), azimuth));
-                let row: Vec<Option<DVec2>> = probe.centres(film_z, films, self.centres_by_azimuth);
+                let row: Vec<Option<Ellipse>> = probe.ellipses(film_z, films, self.ellipses_by_azimuth);
                 found.push(row.iter().map(Option::is_some).collect());
-                centres.push(carried_on(&row));
+                ellipses.push(carried_on(&row, Ellipse::circle(self.glass_radius)));
             }
             // From the middle outwards, all azimuths together: each outline is the next one's first guess.
             let mut rows: Vec<Vec<Option<Outline>>> = vec![Vec::with_capacity(nr); na];
             let mut last: Vec<Option<Outline>> = vec![None; na];
             for r in 0..nr {
-                let row = |a: usize| if self.centres_by_azimuth { a } else { 0 };
+                let row = |a: usize| if self.ellipses_by_azimuth { a } else { 0 };
                 let lit: Vec<usize> = (0..na).filter(|&a| found[row(a)][r]).collect();
                 let place = |&a: &usize| {
-                    let film = (self.radius.at(r as f64 / 2.0), film_z, self.azimuth.at(a as f64 / 2.0));
-                    // Between its even nodes the map interpolates: the outline is taken about that same centre.
-                    Place::new(film, midway(&centres, row(a), r))
+                    let meridian = DVec2::from_angle(self.azimuth.at(a as f64 / 2.0));
+                    let film = (meridian * self.radius.at(r as f64 / 2.0)).extend(film_z);
+                    // Between its even nodes the map interpolates: the outline is taken about that same ellipse.
+                    Place::new(film, midway(&ellipses, row(a), r), meridian, self.axes(meridian))
                 };
                 let places: Vec<Place> = lit.iter().map(place).collect();
                 let hints: Vec<Option<Outline>> = lit.iter().map(|&a| last[a].clone()).collect();
@@ -225,7 +226,7 @@ impl PupilMap {
                 }
             }
             outlines.extend(rows.into_iter().flatten());
-            self.centres.extend(centres.iter().step_by(2).flat_map(|row| row.iter().step_by(2)));
+            self.ellipses.extend(ellipses.iter().step_by(2).flat_map(|row| row.iter().step_by(2)));
         }
         self.join(&outlines, [nz, na, nr]);
     }
@@ -261,13 +262,14 @@ impl PupilMap {
 
     /// Area in mm² of the outline for a film point; 0 where no light arrives.
     pub fn pupil_area_mm2(&self, film_point: DVec3) -> f64 {
-        self.locate(film_point).cell.area()
+        let located = self.locate(film_point);
+        located.cell.area() * located.ellipse.gain()
     }
 
     /// Corners of the outline for a film point, mm in lens space; none where no light arrives.
     pub fn outline_mm(&self, film_point: DVec3) -> impl Iterator<Item = DVec2> + use<'_> {
-        let Located { cell, centre, frame } = self.locate(film_point);
-        cell.corners().map(move |corner| frame.rotate(corner + centre))
+        let located = self.locate(film_point);
+        located.cell.corners().map(move |corner| located.to_plane(corner))
     }
 
     #[inline]
@@ -278,8 +280,8 @@ impl PupilMap {
         let inverse = film_radius.max(f64::MIN_POSITIVE).recip();
         let along = if film_radius > 0.0 { plane * inverse } else { DVec2::X };
         if self.is_plain {
-            let centre = self.centres[r].lerp(self.centres[r + 1], r_in);
-            return Located { cell: &self.cells[r], centre, frame: along };
+            let ellipse = self.ellipses[r].lerp(self.ellipses[r + 1], r_in);
+            return Located { cell: &self.cells[r], ellipse, frame: along, meridian: DVec2::X, axes: DVec2::X };
         }
         self.locate_anywhere(film_point.z, along, r, r_in)
     }
@@ -293,25 +295,30 @@ impl PupilMap {
             let turns = ((angle / self.period) as usize).min(self.frames.len() - 1);
             let frame = self.frames[turns];
             let (a, a_in) = self.azimuth.locate(angle - turns as f64 * self.period);
-            (a, a_in, frame, frame.conjugate_rotate(along))
+            (a, a_in, frame, conjugate_rotate(frame, along))
         } else {
             (0, 0.0, along, DVec2::X)
         };
         let nodes = self.radius.cells + 1;
-        let row = |row: usize| self.centres[row * nodes + r].lerp(self.centres[row * nodes + r + 1], r_in);
-        let plane = |z: usize| match self.centres_by_azimuth {
+        let row = |row: usize| self.ellipses[row * nodes + r].lerp(self.ellipses[row * nodes + r + 1], r_in);
+        let plane = |z: usize| match self.ellipses_by_azimuth {
             true => {
                 let first = z * (self.azimuth.cells + 1) + a;
                 row(first).lerp(row(first + 1), a_in)
             }
             false => row(z),
         };
-        let mut centre = plane(z);
+        let mut ellipse = plane(z);
         if self.depth.cells_per_unit > 0.0 {
-            centre = centre.lerp(plane(z + 1), z_in);
+            ellipse = ellipse.lerp(plane(z + 1), z_in);
         }
         let cell = &self.cells[(z * self.azimuth.cells + a) * self.radius.cells + r];
-        Located { cell, centre: meridian.rotate(centre), frame }
+        Located { cell, ellipse, frame, meridian, axes: self.axes(meridian) }
+    }
+
+    /// The turn of ellipses for film points on `meridian`. A lens that is not symmetric shows them all much the same pupil.
+    fn axes(&self, meridian: DVec2) -> DVec2 {
+        if self.ellipses_by_azimuth { DVec2::X } else { meridian }
     }
 
     /// Chooses a point to aim at from `film_point` (lens space, mm) by two numbers in [0, 1).
@@ -323,8 +330,8 @@ impl PupilMap {
             return self.sample_defensively(&located, [first, second]);
         }
         let local = cell.sample([(first - DEFENSIVE_SHARE) * (1.0 / (1.0 - DEFENSIVE_SHARE)), second]);
-        let flat = located.frame.rotate(local + located.centre);
-        let pdf_per_mm2 = (1.0 - DEFENSIVE_SHARE) * cell.density() + DEFENSIVE_SHARE * self.glass_density(flat);
+        let flat = located.to_plane(local);
+        let pdf_per_mm2 = (1.0 - DEFENSIVE_SHARE) * located.density() + DEFENSIVE_SHARE * self.glass_density(flat);
         PupilSample { target: flat.extend(self.reference_z), pdf_per_mm2 }
     }
 
@@ -350,8 +357,7 @@ impl PupilMap {
         if cell.density() == 0.0 {
             return anywhere;
         }
-        let local = located.frame.conjugate_rotate(flat) - located.centre;
-        let inside = if cell.contains(local) { cell.density() } else { 0.0 };
+        let inside = if cell.contains(located.in_cell(flat)) { located.density() } else { 0.0 };
         (1.0 - DEFENSIVE_SHARE) * inside + DEFENSIVE_SHARE * anywhere
     }
 
@@ -360,38 +366,6 @@ impl PupilMap {
     fn glass_density(&self, flat: DVec2) -> f64 {
         let squared = self.glass_radius * self.glass_radius;
         if flat.length_squared() <= squared { self.glass_density } else { 0.0 }
-    }
-}
-
-/// The centres along a row, those that were not found taken from the one before.
-fn carried_on(row: &[Option<DVec2>]) -> Vec<DVec2> {
-    let mut last = DVec2::ZERO;
-    row.iter()
-        .map(|centre| {
-            last = centre.unwrap_or(last);
-            last
-        })
-        .collect()
-}
-
-/// The centre at the node (`a`, `r`) of the fine grid, interpolated from the even nodes about it.
-fn midway(centres: &[Vec<DVec2>], a: usize, r: usize) -> DVec2 {
-    let about = |i: usize, end: usize| if i.is_multiple_of(2) || i == end { [i, i] } else { [i - 1, i + 1] };
-    let rows = about(a, centres.len() - 1);
-    let columns = about(r, centres[0].len() - 1);
-    let sum: DVec2 = rows.iter().flat_map(|&a| columns.map(|r| centres[a][r])).sum();
-    sum * 0.25
-}
-
-/// `v` turned back by the angle of the unit vector `self`.
-trait ConjugateRotate {
-    fn conjugate_rotate(self, v: DVec2) -> DVec2;
-}
-
-impl ConjugateRotate for DVec2 {
-    #[inline]
-    fn conjugate_rotate(self, v: DVec2) -> DVec2 {
-        DVec2::new(self.x, -self.y).rotate(v)
     }
 }
 

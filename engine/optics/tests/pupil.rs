@@ -156,7 +156,10 @@ fn the_map_is_unbiased() {
 #[test]
 fn few_rays_are_lost() {
     for camera in cameras() {
-        for (u, v, least) in [(0.0, 0.0, 0.94), (0.5, 0.3, 0.92), (0.9, -0.8, 0.9)] {
+        // Of them the defensive samples take 0.5 %, the margin about the outline 0.6 %; a film that is turned behind blades
+        // has the coarsest cells.
+        let least = if camera.name == "turned blades" { 0.955 } else { 0.975 };
+        for (u, v) in [(0.0, 0.0), (0.5, 0.3), (0.9, -0.8)] {
             let point = camera.film.point(u * camera.half[0], v * camera.half[1]);
             let rate = camera.pass_rate(point);
             println!("{} ({u}, {v}): {:.1} %", camera.name, 100.0 * rate);

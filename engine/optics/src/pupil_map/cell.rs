@@ -8,9 +8,9 @@ use super::outline::{ANGLES, Outline};
 
 /// Outlines are widened by this part of their radius, for what they do between the points where they were traced.
 /// Larger wastes twice as many samples; smaller leaves light to the defensive samples, which are noisy.
-const MARGIN: f64 = 0.004;
+const MARGIN: f64 = 0.003;
 
-/// The part of the reference plane that film points of one cell aim at, about the outline's centre, mm.
+/// What film points of one cell aim at, in units of their ellipses.
 #[derive(Clone, Debug)]
 pub(super) struct Cell {
     area: f64,

@@ -5,28 +5,33 @@
 use glam::{DVec2, DVec3};
 
 use super::cell::Cell;
+use super::ellipse::Ellipse;
 use super::{DEFENSIVE_SHARE, PupilMap};
 
 /// A cell where only the film point's distance from the axis counts: the numbers that most targets need.
 #[derive(Clone, Copy, Debug)]
 pub(super) struct Spot {
-    /// The outline's centre at the near end of the cell.
+    /// The ellipse's centre at the near end of the cell, and from there to that at its far end.
     centre: [f32; 2],
-    /// From there to that at its far end.
     way: [f32; 2],
-    /// Of the samples in the outline, per mm².
+    /// Its axes, and what they grow by.
+    semi_axes: [f32; 2],
+    growth: [f32; 2],
+    /// Of the samples in the outline, in units of the ellipse.
     density: f32,
     /// Squared radii between which every direction is inside.
     surely: [f32; 2],
 }
 
 impl Spot {
-    pub(super) fn new(cell: &Cell, near: DVec2, far: DVec2) -> Self {
+    pub(super) fn new(cell: &Cell, near: Ellipse, far: Ellipse) -> Self {
         let [from, to] = cell.surely();
         // Without any outline the cell's density is 0, and the whole glass takes all samples.
         Self {
-            centre: near.as_vec2().to_array(),
-            way: (far - near).as_vec2().to_array(),
+            centre: near.centre.as_vec2().to_array(),
+            way: (far.centre - near.centre).as_vec2().to_array(),
+            semi_axes: near.semi_axes.as_vec2().to_array(),
+            growth: (far.semi_axes - near.semi_axes).as_vec2().to_array(),
             density: ((1.0 - DEFENSIVE_SHARE) * cell.density()) as f32,
             surely: [from as f32, to as f32],
         }
@@ -75,8 +80,8 @@ impl PupilMap {
             (cosine[i], sine[i]) = if radius > 0.0 { (x * inverse, y * inverse) } else { (1.0, 0.0) };
             place[i] = radius;
         }
-        // Of the outline's centre, the point of the edge, and the sector's inner end.
-        let [mut cx, mut cy, mut ex, mut ey, mut inner, mut density] = [[0.0f64; N]; 6];
+        // Of the ellipse, the point of the edge, and the sector's inner end.
+        let [mut cx, mut cy, mut sx, mut sy, mut ex, mut ey, mut inner, mut density] = [[0.0f64; N]; 8];
         let mut alone = 0;
         for i in 0..N {
             let (r, r_in) = self.radius.locate(place[i]);
@@ -86,20 +91,21 @@ impl PupilMap {
                 continue;
             }
             let (sector, across) = cell.sector((u[0][i] - DEFENSIVE_SHARE) * (1.0 / (1.0 - DEFENSIVE_SHARE)));
-            let centre = self.centres[r].lerp(self.centres[r + 1], r_in);
+            let ellipse = self.ellipses[r].lerp(self.ellipses[r + 1], r_in);
             let edge = sector.corner + sector.edge * across;
-            (cx[i], cy[i], ex[i], ey[i]) = (centre.x, centre.y, edge.x, edge.y);
+            (cx[i], cy[i], ex[i], ey[i]) = (ellipse.centre.x, ellipse.centre.y, edge.x, edge.y);
+            (sx[i], sy[i]) = (ellipse.semi_axes.x, ellipse.semi_axes.y);
             (inner[i], density[i]) = (sector.inner, cell.density());
         }
         let glass_squared = self.glass_radius * self.glass_radius;
         for i in 0..N {
             let begin = inner[i] * inner[i];
             let out = (begin + u[1][i] * (1.0 - begin)).sqrt();
-            let (x, y) = (ex[i] * out + cx[i], ey[i] * out + cy[i]);
+            let (x, y) = (ex[i] * out * sx[i] + cx[i], ey[i] * out * sy[i] + cy[i]);
             let (x, y) = (cosine[i] * x - sine[i] * y, sine[i] * x + cosine[i] * y);
             let anywhere = if x * x + y * y <= glass_squared { self.glass_density } else { 0.0 };
             (all.target[0][i], all.target[1][i]) = (x, y);
-            all.pdf_per_mm2[i] = (1.0 - DEFENSIVE_SHARE) * density[i] + DEFENSIVE_SHARE * anywhere;
+            all.pdf_per_mm2[i] = (1.0 - DEFENSIVE_SHARE) * (density[i] / (sx[i] * sy[i])) + DEFENSIVE_SHARE * anywhere;
         }
         alone
     }
@@ -129,25 +135,30 @@ impl PupilMap {
         }
         let glass_squared = (self.glass_radius * self.glass_radius) as f32;
         let glass = [1.0, DEFENSIVE_SHARE].map(|share| (share * self.glass_density) as f32);
-        let [mut densities, mut alongs, mut acrosses] = [[0.0f32; N]; 3];
+        let [mut densities, mut inner, mut alongs, mut acrosses] = [[0.0f32; N]; 4];
         let mut unsure = 0u32;
         for i in 0..N {
             let (spot, x, y) = (&spots[i], target[0][i], target[1][i]);
+            let inside = rest[i].clamp(0.0, 1.0);
+            let axes = [0, 1].map(|axis| spot.semi_axes[axis] + spot.growth[axis] * inside);
+            let inverse_gain = (axes[0] * axes[1]).recip();
             let along = x * cosine[i] + y * sine[i] - (spot.centre[0] + spot.way[0] * rest[i]);
             let across = y * cosine[i] - x * sine[i] - (spot.centre[1] + spot.way[1] * rest[i]);
-            (alongs[i], acrosses[i]) = (along, across);
+            let (along, across) = (along * (axes[1] * inverse_gain), across * (axes[0] * inverse_gain));
+            let density = spot.density * inverse_gain;
+            (alongs[i], acrosses[i], inner[i]) = (along, across, density);
             let squared = along * along + across * across;
             let is_surely = squared > spot.surely[0] && squared < spot.surely[1];
             let anywhere = if spot.density > 0.0 { glass[1] } else { glass[0] };
             let on_glass = if x * x + y * y <= glass_squared { anywhere } else { 0.0 };
-            densities[i] = on_glass + if is_surely { spot.density } else { 0.0 };
+            densities[i] = on_glass + if is_surely { density } else { 0.0 };
             unsure |= u32::from(!is_surely && spot.density > 0.0) << i;
         }
         while unsure != 0 {
             let i = unsure.trailing_zeros() as usize;
             let cell_here = &self.cells[cell[i] as i32 as usize];
             if cell_here.contains_by_sector(DVec2::new(alongs[i].into(), acrosses[i].into())) {
-                densities[i] += spots[i].density;
+                densities[i] += inner[i];
             }
             unsure &= unsure - 1;
         }

@@ -6,6 +6,8 @@ use glam::{DVec2, DVec3};
 
 use crate::trace::{Ray, Tracer, Travel};
 
+use super::ellipse::{Ellipse, conjugate_rotate};
+
 /// Corners of an outline. More follow the tips of a cat's eye closer and take longer to trace.
 pub(super) const ANGLES: usize = 96;
 /// The outline is traced to this part of its radius.
@@ -15,7 +17,7 @@ const SCAN: usize = 1024;
 /// Rows and columns of points that are tried where the pupil need not lie on the meridian.
 const SCAN_ACROSS: usize = 64;
 
-/// Radii in mm of the clear pupil about its centre, at equal angles from the film point's meridian.
+/// Radii of the clear pupil about the centre of its ellipse and in units of it, at equal angles.
 #[derive(Clone, Debug)]
 pub(super) struct Outline {
     pub(super) outer: [f64; ANGLES],
@@ -64,35 +66,44 @@ impl Probe {
         passes(&self.open, film, target.extend(self.reference_z))
     }
 
-    /// The middle of the clear pupil for film points at (radius, azimuth) and `film_z`, each near the one before; in
-    /// axes along and across the film point's meridian. `None` where no light arrives.
+    /// The middle of the clear pupil and its chords through there, for film points at (radius, azimuth) and `film_z`,
+    /// each near the one before. `None` where no light arrives.
     ///
     /// For a lens that is symmetric about its axis the middle lies on the meridian; else it `is_sought_across`, too.
-    pub(super) fn centres(
+    pub(super) fn ellipses(
         &self,
         film_z: f64,
         films: impl Iterator<Item = (f64, f64)>,
         is_sought_across: bool,
-    ) -> Vec<Option<DVec2>> {
-        let mut last: Option<(DVec2, f64)> = None;
+    ) -> Vec<Option<Ellipse>> {
+        let mut last: Option<Ellipse> = None;
         let mut drift = DVec2::ZERO;
         films
             .map(|(radius, azimuth)| {
                 let meridian = DVec2::from_angle(azimuth);
                 let film = (meridian * radius).extend(film_z);
                 let is_clear = |v: DVec2| self.is_open(film, meridian.rotate(v));
-                let guess = last.map_or(DVec2::ZERO, |(centre, _)| centre + drift);
-                let width = last.map_or(self.glass_radius, |(_, half)| 2.0 * half);
+                let guess = last.map_or(DVec2::ZERO, |ellipse| ellipse.centre + drift);
+                let width = last.map_or(self.glass_radius, |ellipse| 2.0 * ellipse.semi_axes.max_element());
                 let start = self.clear_point(guess, width, is_sought_across, is_clear)?;
-                let (mut centre, mut half) = self.middle(start, DVec2::X, width, is_clear);
-                if is_sought_across {
+                let (mut centre, mut along) = self.middle(start, DVec2::X, width, is_clear);
+                let across = if is_sought_across {
                     for axis in [DVec2::Y, DVec2::X, DVec2::Y] {
-                        (centre, half) = self.middle(centre, axis, width, is_clear);
+                        (centre, _) = self.middle(centre, axis, width, is_clear);
                     }
-                }
-                drift = last.map_or(DVec2::ZERO, |(before, _)| centre - before);
-                last = Some((centre, half));
-                Some(centre)
+                    // The ellipse has its axes along the lens's.
+                    let half = |axis| self.middle(centre, conjugate_rotate(meridian, axis), width, is_clear).1;
+                    along = half(DVec2::X);
+                    half(DVec2::Y)
+                } else {
+                    self.edge(centre, DVec2::Y, width, is_clear)
+                };
+                drift = last.map_or(DVec2::ZERO, |before| centre - before.centre);
+                // A pupil thinner than that would make numbers without end.
+                let thinnest = 1e-6 * self.glass_radius;
+                let ellipse = Ellipse { centre, semi_axes: DVec2::new(along, across).max(DVec2::splat(thinnest)) };
+                last = Some(ellipse);
+                last
             })
             .collect()
     }
@@ -120,19 +131,21 @@ impl Probe {
     }
 
     /// The middle of the clear part of the line through the clear point `start` along `axis`, and half its length.
-    fn middle(&self, start: DVec2, axis: DVec2, width: f64, is_clear: impl Fn(DVec2) -> bool) -> (DVec2, f64) {
-        let edge = |sign: f64| {
-            let is_clear = |x: f64| is_clear(start + axis * (sign * x));
-            let mut clear = 0.0;
-            let mut step = width * 1e-3;
-            while is_clear(clear + step) && clear < 4.0 * self.glass_radius {
-                clear += step;
-                step *= 2.0;
-            }
-            sign * bisect(clear, clear + step, PRECISION * step, is_clear).0
-        };
-        let (low, high) = (edge(-1.0), edge(1.0));
+    fn middle(&self, start: DVec2, axis: DVec2, width: f64, is_clear: impl Fn(DVec2) -> bool + Copy) -> (DVec2, f64) {
+        let (low, high) = (-self.edge(start, -axis, width, is_clear), self.edge(start, axis, width, is_clear));
         (start + axis * (0.5 * (low + high)), 0.5 * (high - low))
+    }
+
+    /// How far from `start` towards `axis` it is clear.
+    fn edge(&self, start: DVec2, axis: DVec2, width: f64, is_clear: impl Fn(DVec2) -> bool) -> f64 {
+        let is_clear = |x: f64| is_clear(start + axis * x);
+        let mut clear = 0.0;
+        let mut step = width * 1e-3;
+        while is_clear(clear + step) && clear < 4.0 * self.glass_radius {
+            clear += step;
+            step *= 2.0;
+        }
+        bisect(clear, clear + step, PRECISION * step, is_clear).0
     }
 
     /// The outlines at `places`, all edges searched at once: every step of the search is one bundle of rays.
@@ -143,7 +156,7 @@ impl Probe {
         let mut edges: Vec<Edge> = Vec::with_capacity(places.len() * angles);
         for (place, hint) in places.iter().zip(hints) {
             for i in 0..angles {
-                let guess = hint.as_ref().map_or(0.5 * self.glass_radius, |hint| hint.outer[i]);
+                let guess = hint.as_ref().map_or(1.0, |hint| hint.outer[i]);
                 edges.push(Edge::new(place, i, guess, 2.0 * self.glass_radius));
             }
         }
@@ -216,14 +229,19 @@ fn are_clear(tracers: &[Tracer], reference_z: f64, targets: &[Target]) -> Vec<bo
 /// Where an outline is taken.
 pub(super) struct Place {
     film: DVec3,
-    centre: DVec2,
+    ellipse: Ellipse,
+    meridian: DVec2,
+    axes: DVec2,
 }
 
 impl Place {
-    /// The film point (radius, z, azimuth), and the outline's centre in axes along and across its meridian.
-    pub(super) fn new((radius, film_z, azimuth): (f64, f64, f64), centre: DVec2) -> Self {
-        let meridian = DVec2::from_angle(azimuth);
-        Self { film: (meridian * radius).extend(film_z), centre: meridian.rotate(centre) }
+    /// The film point, the ellipse in units of which the outline is told, and the directions that it is told in.
+    pub(super) fn new(film: DVec3, ellipse: Ellipse, meridian: DVec2, axes: DVec2) -> Self {
+        Self { film, ellipse, meridian, axes }
+    }
+
+    fn in_mm(&self, point: DVec2) -> DVec2 {
+        self.ellipse.in_mm(point, self.meridian, self.axes)
     }
 }
 
@@ -231,6 +249,7 @@ impl Place {
 struct Edge {
     film: DVec3,
     centre: DVec2,
+    /// One unit of the ellipse, mm.
     along: DVec2,
     low: f64,
     high: f64,
@@ -249,11 +268,12 @@ enum Search {
 }
 
 impl Edge {
-    fn new(place: &Place, i: usize, guess: f64, limit: f64) -> Self {
-        let along = DVec2::from_angle(i as f64 * TAU / ANGLES as f64);
+    fn new(place: &Place, i: usize, guess: f64, limit_mm: f64) -> Self {
+        let centre = place.in_mm(DVec2::ZERO);
+        let along = place.in_mm(DVec2::from_angle(i as f64 * TAU / ANGLES as f64)) - centre;
+        let limit = limit_mm / along.length();
         let high = guess.max(1e-9 * limit) * 1.02;
-        let mut edge =
-            Self { film: place.film, centre: place.centre, along, low: 0.0, high, limit, search: Search::Out };
+        let mut edge = Self { film: place.film, centre, along, low: 0.0, high, limit, search: Search::Out };
         if high >= limit {
             edge.search = Search::Below;
         }
