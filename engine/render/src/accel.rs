@@ -179,18 +179,25 @@ impl Accel {
         let mut nearest = found.map(|found| hit(found, 1.0, found.instance));
         if !self.places.is_empty() {
             let t_max = nearest.map_or(ray.t_max, |hit| hit.t);
-            let _ = traverse(simd, &self.places, &here.boxes, t_max, |leaf, mut t_max| {
-                if let Some((placed, there, scale)) = self.enter(leaf, ray, kind)
-                    && let Some(found) =
-                        self.meshes[placed.mesh as usize].closest(simd, &there, t_max * scale, |_| true)
-                {
-                    let hit = hit(found, scale, placed.instance);
-                    // Not so where the division rounds up.
-                    t_max = t_max.min(hit.t);
-                    nearest = Some(hit);
-                }
-                ControlFlow::Continue(t_max)
-            });
+            let _ = traverse(
+                simd,
+                &self.places,
+                &here.boxes,
+                t_max,
+                #[inline(always)]
+                |leaf, mut t_max| {
+                    if let Some((placed, there, scale)) = self.enter(leaf, ray, kind)
+                        && let Some(found) =
+                            self.meshes[placed.mesh as usize].closest(simd, &there, t_max * scale, |_| true)
+                    {
+                        let hit = hit(found, scale, placed.instance);
+                        // Not so where the division rounds up.
+                        t_max = t_max.min(hit.t);
+                        nearest = Some(hit);
+                    }
+                    ControlFlow::Continue(t_max)
+                },
+            );
         }
         nearest
     }
@@ -209,21 +216,40 @@ impl Accel {
             if left <= 0.0 { ControlFlow::Break(()) } else { ControlFlow::Continue(()) }
         };
         let here = TreeRay::new(ray.origin, ray.direction);
-        let end = self.common.visit(simd, &here, ray.t_max, |found| {
-            if self.shows(found.instance, kind) {
-                pass(hit(found, 1.0, found.instance))
-            } else {
-                ControlFlow::Continue(())
-            }
-        });
-        if end.is_continue() && !self.places.is_empty() {
-            let _ = traverse(simd, &self.places, &here.boxes, ray.t_max, |leaf, t_max| {
-                if let Some((placed, there, scale)) = self.enter(leaf, ray, kind) {
-                    let tree = &self.meshes[placed.mesh as usize];
-                    tree.visit(simd, &there, t_max * scale, |found| pass(hit(found, scale, placed.instance)))?;
+        let end = self.common.visit(
+            simd,
+            &here,
+            ray.t_max,
+            #[inline(always)]
+            |found| {
+                if self.shows(found.instance, kind) {
+                    pass(hit(found, 1.0, found.instance))
+                } else {
+                    ControlFlow::Continue(())
                 }
-                ControlFlow::Continue(t_max)
-            });
+            },
+        );
+        if end.is_continue() && !self.places.is_empty() {
+            let _ = traverse(
+                simd,
+                &self.places,
+                &here.boxes,
+                ray.t_max,
+                #[inline(always)]
+                |leaf, t_max| {
+                    if let Some((placed, there, scale)) = self.enter(leaf, ray, kind) {
+                        let tree = &self.meshes[placed.mesh as usize];
+                        tree.visit(
+                            simd,
+                            &there,
+                            t_max * scale,
+                            #[inline(always)]
+                            |found| pass(hit(found, scale, placed.instance)),
+                        )?;
+                    }
+                    ControlFlow::Continue(t_max)
+                },
+            );
         }
         left
     }

@@ -8,32 +8,73 @@ use super::cell::Cell;
 use super::ellipse::Ellipse;
 use super::{DEFENSIVE_SHARE, PupilMap};
 
-/// A cell where only the film point's distance from the axis counts: the numbers that most targets need.
-#[derive(Clone, Copy, Debug)]
-pub(super) struct Spot {
-    /// The ellipse's centre at the near end of the cell, and from there to that at its far end.
-    centre: [f32; 2],
-    way: [f32; 2],
-    /// Its axes, and what they grow by.
-    semi_axes: [f32; 2],
-    growth: [f32; 2],
+macro_rules! spots {
+    ($($(#[$doc:meta])* $field:ident),*) => {
+        /// A cell where only the film point's distance from the axis counts: the numbers that most densities need.
+        #[derive(Clone, Copy, Debug)]
+        pub(super) struct Spot {
+            $($(#[$doc])* $field: f32,)*
+        }
+
+        /// Those of several film points.
+        struct Spots<const N: usize> {
+            $($field: [f32; N],)*
+        }
+
+        impl<const N: usize> Spots<N> {
+            /// Of the cells with these numbers, which are whole and often all the same.
+            #[inline]
+            fn of(all: &[Spot], cell: &[f32; N]) -> Self {
+                let first = &all[cell[0] as i32 as usize];
+                let mut spots = Self { $($field: [first.$field; N],)* };
+                if cell.iter().any(|&c| c != cell[0]) {
+                    for i in 1..N {
+                        let spot = &all[cell[i] as i32 as usize];
+                        $(spots.$field[i] = spot.$field;)*
+                    }
+                }
+                spots
+            }
+        }
+    };
+}
+
+spots! {
+    /// The ellipse's centre at the near end of the cell, mm along and across the meridian.
+    along,
+    across,
+    /// From there to that at its far end.
+    along_way,
+    across_way,
+    /// The ellipse's axes at the near end, and by how much they are larger at the far end.
+    semi_along,
+    semi_across,
+    semi_along_growth,
+    semi_across_growth,
     /// Of the samples in the outline, in units of the ellipse.
-    density: f32,
+    density,
     /// Squared radii between which every direction is inside.
-    surely: [f32; 2],
+    surely_from,
+    surely_to
 }
 
 impl Spot {
     pub(super) fn new(cell: &Cell, near: Ellipse, far: Ellipse) -> Self {
-        let [from, to] = cell.surely();
-        // Without any outline the cell's density is 0, and the whole glass takes all samples.
+        let [surely_from, surely_to] = cell.surely().map(|squared| squared as f32);
+        let (way, growth) = (far.centre - near.centre, far.semi_axes - near.semi_axes);
         Self {
-            centre: near.centre.as_vec2().to_array(),
-            way: (far.centre - near.centre).as_vec2().to_array(),
-            semi_axes: near.semi_axes.as_vec2().to_array(),
-            growth: (far.semi_axes - near.semi_axes).as_vec2().to_array(),
+            along: near.centre.x as f32,
+            across: near.centre.y as f32,
+            along_way: way.x as f32,
+            across_way: way.y as f32,
+            semi_along: near.semi_axes.x as f32,
+            semi_across: near.semi_axes.y as f32,
+            semi_along_growth: growth.x as f32,
+            semi_across_growth: growth.y as f32,
+            // Without any outline the cell's density is 0, and the whole glass takes all samples.
             density: ((1.0 - DEFENSIVE_SHARE) * cell.density()) as f32,
-            surely: [from as f32, to as f32],
+            surely_from,
+            surely_to,
         }
     }
 }
@@ -127,32 +168,28 @@ impl PupilMap {
             cell[i] = place.min(last).max(0.0).trunc();
             rest[i] = place - cell[i];
         }
-        let mut spots = [self.spots[cell[0] as i32 as usize]; N];
-        if cell.iter().any(|&c| c != cell[0]) {
-            for i in 0..N {
-                spots[i] = self.spots[cell[i] as i32 as usize];
-            }
-        }
+        let here = Spots::of(&self.spots, &cell);
         let glass_squared = (self.glass_radius * self.glass_radius) as f32;
         let glass = [1.0, DEFENSIVE_SHARE].map(|share| (share * self.glass_density) as f32);
         let [mut densities, mut inner, mut alongs, mut acrosses] = [[0.0f32; N]; 4];
         let mut unsure = 0u32;
         for i in 0..N {
-            let (spot, x, y) = (&spots[i], target[0][i], target[1][i]);
-            let inside = rest[i].clamp(0.0, 1.0);
-            let axes = [0, 1].map(|axis| spot.semi_axes[axis] + spot.growth[axis] * inside);
-            let inverse_gain = (axes[0] * axes[1]).recip();
-            let along = x * cosine[i] + y * sine[i] - (spot.centre[0] + spot.way[0] * rest[i]);
-            let across = y * cosine[i] - x * sine[i] - (spot.centre[1] + spot.way[1] * rest[i]);
-            let (along, across) = (along * (axes[1] * inverse_gain), across * (axes[0] * inverse_gain));
-            let density = spot.density * inverse_gain;
+            let (x, y) = (target[0][i], target[1][i]);
+            let between = rest[i].clamp(0.0, 1.0);
+            let semi_along = here.semi_along[i] + here.semi_along_growth[i] * between;
+            let semi_across = here.semi_across[i] + here.semi_across_growth[i] * between;
+            let inverse_gain = (semi_along * semi_across).recip();
+            let along = x * cosine[i] + y * sine[i] - (here.along[i] + here.along_way[i] * rest[i]);
+            let across = y * cosine[i] - x * sine[i] - (here.across[i] + here.across_way[i] * rest[i]);
+            let (along, across) = (along * (semi_across * inverse_gain), across * (semi_along * inverse_gain));
+            let density = here.density[i] * inverse_gain;
             (alongs[i], acrosses[i], inner[i]) = (along, across, density);
             let squared = along * along + across * across;
-            let is_surely = squared > spot.surely[0] && squared < spot.surely[1];
-            let anywhere = if spot.density > 0.0 { glass[1] } else { glass[0] };
+            let is_surely = squared > here.surely_from[i] && squared < here.surely_to[i];
+            let anywhere = if density > 0.0 { glass[1] } else { glass[0] };
             let on_glass = if x * x + y * y <= glass_squared { anywhere } else { 0.0 };
             densities[i] = on_glass + if is_surely { density } else { 0.0 };
-            unsure |= u32::from(!is_surely && spot.density > 0.0) << i;
+            unsure |= u32::from(!is_surely && density > 0.0) << i;
         }
         while unsure != 0 {
             let i = unsure.trailing_zeros() as usize;

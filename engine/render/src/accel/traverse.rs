@@ -54,18 +54,25 @@ impl TriangleTree {
         wanted: impl Fn(u32) -> bool,
     ) -> Option<Found> {
         let mut nearest = None;
-        let _ = traverse(simd, &self.nodes, &ray.boxes, t_max, |leaf, mut t_max| {
-            let block = &self.blocks[leaf];
-            if let Some(met) = block.meet(simd, &ray.shear, t_max) {
-                for lane in lanes(met.lanes) {
-                    if met.t[lane] < t_max && wanted(block.instance[lane]) {
-                        t_max = met.t[lane];
-                        nearest = Some(found(block, &met, lane));
+        let _ = traverse(
+            simd,
+            &self.nodes,
+            &ray.boxes,
+            t_max,
+            #[inline(always)]
+            |leaf, mut t_max| {
+                let block = &self.blocks[leaf];
+                if let Some(met) = block.meet(simd, &ray.shear, t_max) {
+                    for lane in lanes(met.lanes) {
+                        if met.t[lane] < t_max && wanted(block.instance[lane]) {
+                            t_max = met.t[lane];
+                            nearest = Some(found(block, &met, lane));
+                        }
                     }
                 }
-            }
-            ControlFlow::Continue(t_max)
-        });
+                ControlFlow::Continue(t_max)
+            },
+        );
         nearest
     }
 
@@ -78,15 +85,22 @@ impl TriangleTree {
         t_max: f32,
         mut on_hit: impl FnMut(Found) -> ControlFlow<()>,
     ) -> ControlFlow<()> {
-        traverse(simd, &self.nodes, &ray.boxes, t_max, |leaf, t_max| {
-            let block = &self.blocks[leaf];
-            if let Some(met) = block.meet(simd, &ray.shear, t_max) {
-                for lane in lanes(met.lanes) {
-                    on_hit(found(block, &met, lane))?;
+        traverse(
+            simd,
+            &self.nodes,
+            &ray.boxes,
+            t_max,
+            #[inline(always)]
+            |leaf, t_max| {
+                let block = &self.blocks[leaf];
+                if let Some(met) = block.meet(simd, &ray.shear, t_max) {
+                    for lane in lanes(met.lanes) {
+                        on_hit(found(block, &met, lane))?;
+                    }
                 }
-            }
-            ControlFlow::Continue(t_max)
-        })
+                ControlFlow::Continue(t_max)
+            },
+        )
     }
 }
 
@@ -105,11 +119,14 @@ fn found(block: &Block, met: &Met, lane: usize) -> Found {
 #[inline(always)]
 fn lanes(bits: u32) -> impl Iterator<Item = usize> {
     let mut left = bits;
-    std::iter::from_fn(move || {
-        let next = (left != 0).then(|| left.trailing_zeros() as usize & 7);
-        left &= left.wrapping_sub(1);
-        next
-    })
+    std::iter::from_fn(
+        #[inline(always)]
+        move || {
+            let next = (left != 0).then(|| left.trailing_zeros() as usize & 7);
+            left &= left.wrapping_sub(1);
+            next
+        },
+    )
 }
 
 /// Offers the leaves whose boxes the ray meets before `t_max` to `leaf`, roughly near ones first; it gives the end of
