@@ -140,6 +140,7 @@ class SettingsDescription:
     noise_threshold: float = 0.0  # relative error at which a pixel has samples enough; 0: all get the same
     min_samples: int = 0  # before a pixel's error is first looked at; 0: 16
     seed: int = 0
+    blue_noise: bool = False  # the errors of neighbouring pixels cancel; ranges of samples then do not make the whole
     sample_offset: int = 0
     threads: int = 0
     max_bounces: int = 12

@@ -220,6 +220,7 @@ class _Photograph:
             noise_threshold=own.noise_threshold if own.use_noise_threshold else 0.0,
             min_samples=own.min_samples,
             seed=own.seed,
+            blue_noise=own.use_blue_noise,
             sample_offset=own.sample_offset,
             threads=render.threads if render.threads_mode == "FIXED" else 0,
             max_bounces=own.max_bounces,

@@ -367,6 +367,15 @@ class PetzvalScene(bpy.types.PropertyGroup):
         default=0,
         min=0,
     )
+    use_blue_noise: BoolProperty(
+        name="Blue Noise",
+        description=(
+            "Spread the noise so that the errors of neighbouring pixels cancel: finer grain for the eye and for "
+            "denoisers at the same cost. Each number of samples has points of its own: leave it off where ranges of "
+            "samples are rendered apart and joined, and it does nothing with a noise threshold"
+        ),
+        default=False,
+    )
     sample_offset: IntProperty(
         name="Sample Offset",
         description="Number of the first sample, so that renders of one seed can be joined later",

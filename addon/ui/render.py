@@ -44,6 +44,9 @@ class PETZVAL_RENDER_PT_sampling_advanced(_RenderPanel, bpy.types.Panel):
         layout = columns(self)
         settings = context.scene.petzval
         layout.prop(settings, "seed")
+        row = layout.row()
+        row.active = not settings.use_noise_threshold
+        row.prop(settings, "use_blue_noise")
         layout.prop(settings, "sample_offset", text="Sample Offset")
 
 

@@ -93,6 +93,11 @@ def add_parser(subparsers: argparse._SubParsersAction) -> None:
     )
     p.add_argument("--min-samples", type=_natural, metavar="N", help="before the error is first looked at; 0: 16")
     p.add_argument("--seed", type=_natural, metavar="N")
+    p.add_argument(
+        "--blue-noise",
+        choices=("on", "off"),
+        help="errors of neighbouring pixels cancel; off to join ranges of samples",
+    )
     p.add_argument("--sample-offset", type=_natural, metavar="N", help="number of the first sample")
     p.add_argument("--resolution", type=_pixels, metavar="WxH")
     p.add_argument("--frame", type=int, metavar="N")
@@ -174,6 +179,7 @@ def _checked(a: argparse.Namespace) -> dict:
         "noise_threshold": a.noise_threshold,
         "min_samples": a.min_samples,
         "seed": a.seed,
+        "blue_noise": a.blue_noise,
         "sample_offset": a.sample_offset,
         "resolution": a.resolution,
         "frame": a.frame,

@@ -128,6 +128,8 @@ def _apply(scene: Any, o: dict, addon: Any, found: dict) -> str | None:
     for name in ("samples", "min_samples", "seed", "sample_offset"):
         if o[name] is not None:
             setattr(scene.petzval, name, o[name])
+    if o["blue_noise"] is not None:
+        scene.petzval.use_blue_noise = o["blue_noise"] == "on"
     if o["noise_threshold"] is not None:
         scene.petzval.use_noise_threshold = o["noise_threshold"] > 0.0
         scene.petzval.noise_threshold = o["noise_threshold"] or scene.petzval.noise_threshold

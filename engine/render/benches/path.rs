@@ -7,7 +7,7 @@ use petzval_render::camera::Model;
 use petzval_render::film::Film;
 use petzval_render::integrator::path::Limits;
 use petzval_render::pipeline::{Pipeline, Shot, render_tile};
-use petzval_render::sampler::{raster::Raster, warp::PixelFilter};
+use petzval_render::sampler::{pattern::Pattern, raster::Raster, warp::PixelFilter};
 use std::hint::black_box;
 
 const SIZE: [u32; 2] = [480, 270];
@@ -36,7 +36,7 @@ fn bench(c: &mut Criterion) {
                 light_paths: None,
                 raster: &raster,
                 limits,
-                seed: 1,
+                pattern: Pattern::independent(1),
                 motion: None,
             };
             let film = Film::new(SIZE[0], SIZE[1], pipeline != Pipeline::FilmFirst, false);

@@ -78,6 +78,7 @@ fn settings([width, height]: [u32; 2], samples: u32, noise_threshold: f32, seed:
         min_samples: 0,
         seed,
         sample_offset: 0,
+        blue_noise: false,
         threads: 0,
         max_bounces: 8,
         clamp_indirect: 0.0,

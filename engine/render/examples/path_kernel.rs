@@ -1,9 +1,10 @@
 //! Renders the bench scene on one thread and says what a sample cost: for profilers, and for counting instructions.
 //!
 //! `cargo run --release -p petzval-render --example path_kernel -- [pinhole|thin|one|exact] [SAMPLES] [WIDTHxHEIGHT]
-//! [small|large] [noise]`
+//! [small|large] [noise] [blue]`
 //!
-//! With `noise` it renders twice, with other random numbers, and says by how much the two differ.
+//! With `noise` it renders twice, with other random numbers, and says by how much the two differ, pixel by pixel and in
+//! blocks of 4 x 4; with `blue` the errors of neighbours cancel.
 
 #[path = "../benches/stage/mod.rs"]
 mod stage;
@@ -22,12 +23,14 @@ struct Wish {
     size: [u32; 2],
     bodies: u32,
     with_noise: bool,
+    blue_noise: bool,
 }
 
 impl Wish {
     fn new(words: impl Iterator<Item = String>) -> Result<Self, Box<dyn Error>> {
         let (model, wavelength_nm, bodies) = (Model::Pinhole, None, stage::SMALL);
-        let mut wish = Self { model, wavelength_nm, samples: 4, size: [480, 270], bodies, with_noise: false };
+        let mut wish =
+            Self { model, wavelength_nm, samples: 4, size: [480, 270], bodies, with_noise: false, blue_noise: false };
         for word in words {
             match word.as_str() {
                 "pinhole" => wish.model = Model::Pinhole,
@@ -37,6 +40,7 @@ impl Wish {
                 "small" => wish.bodies = stage::SMALL,
                 "large" => wish.bodies = stage::LARGE,
                 "noise" => wish.with_noise = true,
+                "blue" => wish.blue_noise = true,
                 other => match other.split_once('x') {
                     Some((width, height)) => wish.size = [width.parse()?, height.parse()?],
                     None => wish.samples = other.parse().map_err(|_| format!("what is '{other}'?"))?,
@@ -48,7 +52,8 @@ impl Wish {
 }
 
 fn main() -> Result<(), Box<dyn Error>> {
-    let Wish { model, wavelength_nm, samples, size, bodies, with_noise } = Wish::new(std::env::args().skip(1))?;
+    let Wish { model, wavelength_nm, samples, size, bodies, with_noise, blue_noise } =
+        Wish::new(std::env::args().skip(1))?;
     let stage = Arc::new(stage::stage(bodies));
     let render = |seed: u32| -> Result<_, Box<dyn Error>> {
         let settings = Settings {
@@ -57,6 +62,7 @@ fn main() -> Result<(), Box<dyn Error>> {
             samples,
             seed,
             sample_offset: 0,
+            blue_noise,
             noise_threshold: 0.0,
             min_samples: 0,
             threads: 1,
@@ -84,9 +90,24 @@ fn main() -> Result<(), Box<dyn Error>> {
     if with_noise {
         let (_, other) = render(2)?;
         let noise = relative_error(&picture, &other, mean);
-        println!("relMSE {noise:.5}, by samples {:.4}", noise * f64::from(samples));
+        let [coarse, other] = [&picture, &other].map(|picture| in_blocks(picture, size));
+        println!(
+            "relMSE {noise:.5}, by samples {:.4}; of blocks of 4 x 4 {:.6}",
+            noise * f64::from(samples),
+            relative_error(&coarse, &other, mean)
+        );
     }
     Ok(())
+}
+
+/// Means of blocks of 4 x 4 pixels, as an eye at a distance sees them.
+fn in_blocks(picture: &[[f32; 4]], [width, height]: [u32; 2]) -> Vec<[f32; 4]> {
+    let [columns, rows] = [width / 4, height / 4];
+    let block = |b: u32| {
+        let pixel = |i: u32| picture[((b / columns * 4 + i / 4) * width + b % columns * 4 + i % 4) as usize];
+        std::array::from_fn(|channel| (0..16).map(|i| pixel(i)[channel]).sum::<f32>() / 16.0)
+    };
+    (0..columns * rows).map(block).collect()
 }
 
 /// Mean of the squared errors, each relative to the square of its own brightness, of either of two pictures that differ

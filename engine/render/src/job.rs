@@ -325,7 +325,7 @@ impl Shared {
             light_paths: (s.integrator == Integrator::Bidirectional).then_some(Techniques::All),
             raster: &self.raster,
             limits: *self.limits.get_or_init(|| self.find_limits()),
-            seed: s.seed,
+            pattern: s.pattern(),
             motion: self.motion.as_ref(),
         };
         if self.pipeline == Pipeline::SceneFirst {

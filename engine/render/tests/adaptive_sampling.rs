@@ -58,6 +58,7 @@ fn settings(samples: u32, noise_threshold: f32, seed: u32) -> Settings {
         samples,
         seed,
         sample_offset: 0,
+        blue_noise: false,
         noise_threshold,
         min_samples: 0,
         threads: 2,

@@ -11,7 +11,7 @@ use petzval_render::film::Film;
 use petzval_render::integrator::{Integrator, Stage, bidirectional::Techniques, path::Limits};
 use petzval_render::job::{Job, Settings};
 use petzval_render::pipeline::{Pipeline, Shot, render_tile};
-use petzval_render::sampler::{raster::Raster, warp::PixelFilter};
+use petzval_render::sampler::{pattern::Pattern, raster::Raster, warp::PixelFilter};
 use petzval_render::scene::lamp::LampKind;
 use std::path::Path;
 use std::sync::Arc;
@@ -62,6 +62,7 @@ fn settings(integrator: Integrator, samples: u32, seed: u32) -> Settings {
         samples,
         seed,
         sample_offset: 0,
+        blue_noise: false,
         noise_threshold: 0.0,
         min_samples: 0,
         threads: 2,
@@ -97,7 +98,7 @@ fn light_alone(stage: &Stage, d: &CameraDescription, samples: u32, seed: u32, ma
         light_paths,
         raster: &raster,
         limits,
-        seed,
+        pattern: Pattern::independent(seed),
         motion: None,
     };
     let film = Film::new(WIDTH, HEIGHT, true, false);

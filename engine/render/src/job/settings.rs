@@ -3,6 +3,7 @@
 use crate::camera::Camera;
 use crate::integrator::Integrator;
 use crate::pipeline::Pipeline;
+use crate::sampler::pattern::Pattern;
 
 /// The largest picture side, so that sizes fit in memory arithmetic.
 const MOST_PIXELS: u32 = 65_536;
@@ -24,6 +25,9 @@ pub struct Settings {
     pub min_samples: u32,
     /// Of all random choices.
     pub seed: u32,
+    /// The errors of neighbouring pixels cancel once all samples are there. Not where pixels get as many as they need:
+    /// what stops them must not know of their neighbours. Ranges of samples make the whole picture only without.
+    pub blue_noise: bool,
     /// Number of the first sample: renders of one seed and disjoint ranges can be merged.
     pub sample_offset: u32,
     /// 0 is one a core.
@@ -123,6 +127,15 @@ impl Settings {
             (Integrator::Bidirectional, other) => {
                 Err(SettingsError::NoLensForLight { camera: other.name().to_owned() })
             }
+        }
+    }
+
+    /// Which points pixels get.
+    pub(super) fn pattern(&self) -> Pattern {
+        if self.blue_noise && self.noise_threshold == 0.0 {
+            Pattern::shared(self.seed, self.sample_offset + self.samples)
+        } else {
+            Pattern::independent(self.seed)
         }
     }
 

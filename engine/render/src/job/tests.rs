@@ -14,6 +14,7 @@ fn settings(samples: u32, threads: usize) -> Settings {
         samples,
         seed: 4,
         sample_offset: 0,
+        blue_noise: false,
         noise_threshold: 0.0,
         min_samples: 0,
         threads,

@@ -6,7 +6,6 @@ use super::Sample;
 use crate::camera::packet::Request;
 use crate::camera::real_lens::RealLens;
 use crate::integrator::bidirectional::{CameraEnd, FilmEnd, LightPath, Techniques};
-use crate::sampler::PathSampler;
 
 /// What tells the light path's random numbers from the camera's.
 const LIGHT_SEED: u32 = 0x51ab_73c9;
@@ -15,7 +14,7 @@ const LIGHT_SEED: u32 = 0x51ab_73c9;
 pub(super) fn sample(lens: &RealLens, techniques: Techniques, path: &mut LightPath, mut s: Sample<'_>) {
     let shot = s.shot;
     let (stage, limits, raster) = (shot.stage, &shot.limits, shot.raster);
-    let light_sampler = PathSampler::new(s.x, s.y, s.index, shot.seed ^ LIGHT_SEED);
+    let light_sampler = shot.pattern.apart(LIGHT_SEED).pixel(s.x, s.y).sampler(s.index);
     s.counts.rays += u64::from(path.trace(stage, limits, light_sampler.clone()));
     let (mut non_finite, light) = (0, &mut *s.light);
     let rays = path.splat(stage, &FilmEnd { lens, raster, techniques }, limits, light_sampler, |x, y, colour| {

@@ -15,7 +15,7 @@ use crate::film::{Patch, TileRect};
 use crate::integrator::Stage;
 use crate::integrator::bidirectional::{LightPath, Techniques};
 use crate::integrator::path::{self, Limits, PathResult};
-use crate::sampler::{PathSampler, raster::Raster};
+use crate::sampler::{PathSampler, pattern::Pattern, raster::Raster};
 use film_first::FilmFirst;
 use hero::Hero;
 use motion::Motion;
@@ -75,8 +75,8 @@ pub struct Shot<'a> {
     pub raster: &'a Raster,
     /// How far light is followed.
     pub limits: Limits,
-    /// Of all random choices.
-    pub seed: u32,
+    /// Where all random choices come from.
+    pub pattern: Pattern,
     /// Where it is asked how things move over the picture.
     pub motion: Option<&'a Motion>,
 }
@@ -87,7 +87,7 @@ impl Shot<'_> {
         if self.cameras.len() == 1 {
             return 0;
         }
-        let mut sampler = PathSampler::new(x, y, index, self.seed);
+        let mut sampler = self.pattern.pixel(x, y).sampler(index);
         sampler.jump_to(path::TIME_SET);
         let [u, ..] = sampler.next_4d();
         ((u * self.cameras.len() as f32) as usize).min(self.cameras.len() - 1)
@@ -191,7 +191,7 @@ struct Sample<'a> {
 
 impl Sample<'_> {
     fn sampler(&self) -> PathSampler {
-        PathSampler::new(self.x, self.y, self.index, self.shot.seed)
+        self.shot.pattern.pixel(self.x, self.y).sampler(self.index)
     }
 
     /// To be called when the camera has done its part.

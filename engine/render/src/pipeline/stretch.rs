@@ -102,8 +102,13 @@ impl Stretch {
         self.indices.clear();
         self.samplers.clear();
         self.cameras.clear();
+        let mut at = [0; 2];
+        let mut points = shot.pattern.pixel(0, 0);
         for (pixel, index) in samples {
-            let mut sampler = PathSampler::new(pixel[0], pixel[1], index, shot.seed);
+            if pixel != at {
+                (at, points) = (pixel, shot.pattern.pixel(pixel[0], pixel[1]));
+            }
+            let mut sampler = points.sampler(index);
             let [u0, u1, u2, u3] = sampler.next_4d();
             let [u_wavelength, u_column, u_row, u_beyond] = sampler.next_4d();
             let place = shot.raster.place(pixel[0], pixel[1], [u0, u1]);

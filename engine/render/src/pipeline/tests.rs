@@ -49,6 +49,7 @@ fn settings(pipeline: Pipeline, samples: u32, seed: u32) -> Settings {
         samples,
         seed,
         sample_offset: 0,
+        blue_noise: false,
         noise_threshold: 0.0,
         min_samples: 0,
         threads: 0,

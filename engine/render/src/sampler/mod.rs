@@ -1,9 +1,11 @@
 //! Point sets for Monte Carlo integration: where the numbers come from ([`PathSampler`]), what shapes they are
-//! bent into ([`warp`]), tables of arbitrary density ([`distribution`]), and the picture's pixels ([`raster`]).
+//! bent into ([`warp`]), tables of arbitrary density ([`distribution`]), which pixel gets which ([`pattern`]), and the
+//! picture's pixels ([`raster`]).
 //!
 //! Every random choice comes in threes: `sample_x` takes uniform numbers to a value, `x_pdf` gives its density.
 
 pub mod distribution;
+pub mod pattern;
 mod points;
 pub mod raster;
 pub mod warp;
@@ -21,10 +23,7 @@ pub struct PathSampler {
 impl PathSampler {
     /// The points of sample number `index` in pixel (x, y).
     pub fn new(x: u32, y: u32, index: u32, seed: u32) -> Self {
-        // The sequence is 2^16 long; a further stretch is a sequence of its own.
-        let stretch = index >> 16;
-        let pixel = mix(x ^ mix(y ^ mix(seed ^ mix(stretch))));
-        Self { index: index & 0xffff, seed: pixel, set: 0 }
+        pattern::Pattern::independent(seed).pixel(x, y).sampler(index)
     }
 
     /// The next four uniform numbers in [0, 1).

@@ -35,6 +35,7 @@ impl Field {
                 samples: if pipeline == Pipeline::SceneFirst { 32 } else { 16 },
                 seed,
                 sample_offset: 0,
+                blue_noise: false,
                 noise_threshold: 0.0,
                 min_samples: 0,
                 threads: 2,

@@ -112,6 +112,7 @@ pub(crate) fn shoot(stage: &Arc<Stage>, d: &CameraDescription, e: &Exposure, see
         samples: e.samples,
         seed,
         sample_offset: 0,
+        blue_noise: false,
         noise_threshold: 0.0,
         min_samples: 0,
         threads: 2,
