@@ -81,7 +81,7 @@ fn place_on_curve([x, y]: [u32; 2], levels: u32, seed: u32) -> u32 {
     for level in (0..levels).rev() {
         let quarter = (y >> level & 1) << 1 | x >> level & 1;
         // By level and by the quarters entered so far.
-        let order = ORDERS[(u64::from(mix(seed ^ mix(place | (level + 1) << 24))) * 24 >> 32) as usize];
+        let order = ORDERS[((u64::from(mix(seed ^ mix(place | (level + 1) << 24))) * 24) >> 32) as usize];
         place = place << 2 | u32::from(order >> (2 * quarter) & 3);
     }
     place
