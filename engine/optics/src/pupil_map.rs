@@ -123,7 +123,7 @@ impl Resolution {
             return Self { radius: 12, depth, azimuth: 16 };
         }
         match (film.is_uneven(), has_blades) {
-            (false, false) => Self { radius: 48, depth: 1, azimuth: 1 },
+            (false, false) => Self { radius: 32, depth: 1, azimuth: 1 },
             (true, false) => Self { radius: 32, depth: 8, azimuth: 1 },
             (false, true) => Self { radius: 24, depth: 1, azimuth: 6 },
             (true, true) => Self { radius: 12, depth: 4, azimuth: 4 },

@@ -150,6 +150,31 @@ impl<R: Real> Bundle<R> {
         Ok(self.way.leave(origin, direction))
     }
 
+    /// The rays from `first` on where they left the lens, in lens space, as [`Self::result`] has them: x, y, z, then their
+    /// directions; and a bit for each that got through, the first the lowest. What the numbers of the others mean, nobody
+    /// knows.
+    #[inline]
+    pub(super) fn results<const N: usize>(&self, first: usize) -> ([[f64; N]; 6], u32) {
+        debug_assert!(self.is_traced, "trace the bundle first");
+        const { assert!(N <= 32 && BLOCK.is_multiple_of(N)) };
+        let lost = self.lost[first..].iter().take(N);
+        let through = lost.enumerate().fold(0, |bits, (i, lost)| bits | u32::from(lost.is_none()) << i);
+        let mut rays = [[0.0; N]; 6];
+        for (column, numbers) in rays.iter_mut().zip(&self.numbers) {
+            // The room is of whole blocks.
+            for (number, other) in column.iter_mut().zip(&numbers[first..first + N]) {
+                *number = other.to_f64();
+            }
+        }
+        let [x, y, z, dx, dy, dz] = &mut rays;
+        for i in 0..N {
+            let left = self.way.leave(DVec3::new(x[i], y[i], z[i]), DVec3::new(dx[i], dy[i], dz[i]));
+            z[i] = left.origin.z;
+            (dx[i], dy[i], dz[i]) = (left.direction.x, left.direction.y, left.direction.z);
+        }
+        (rays, through)
+    }
+
     /// What became of the [`LINES`] rays from `first` on.
     #[inline]
     pub(super) fn leaving(&self, first: usize) -> Leaving<'_, R> {

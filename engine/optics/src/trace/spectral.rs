@@ -184,6 +184,13 @@ impl<R: Real> SpectralBundle<R> {
         self.rays.leaving(i * LINES)
     }
 
+    /// The [`LINES`] rays from `first` on where they left the lens, as far as there are so many: x, y, z in lens space, then
+    /// their directions; and a bit for each that got through, the first the lowest.
+    #[inline]
+    pub fn results(&self, first: usize) -> ([[f64; LINES]; 6], u32) {
+        self.rays.results(first)
+    }
+
     /// What became of ray `i`.
     #[inline]
     pub fn result(&self, i: usize) -> Result<Ray, Lost> {

@@ -4,8 +4,9 @@
 use super::CameraRay;
 use super::packet::{Led, Request, backwards};
 use super::real_lens::{Lead, RealLens};
+use crate::accel::Ray;
 use crate::sampler::raster::Raster;
-use glam::{DMat3, DVec3};
+use glam::{DMat3, DVec3, Vec3A};
 use petzval_optics::trace::{LINES, SpectralBundle, Travel};
 
 /// Memory for batches of one lens.
@@ -30,9 +31,23 @@ impl RealLens {
     /// [`Self::sample`] for each request, to the last bit (on a shifted film but for roundings).
     pub fn sample_batch(&self, requests: &[Request], batch: &mut LensBatch, rays: &mut Vec<Option<CameraRay>>) {
         self.lead_batch(requests, batch);
-        rays.extend(requests.iter().enumerate().map(|(i, request)| {
-            batch.lead(i).map(|lead| self.weighted(self.spectrum.sample(request.u_wavelength), &lead))
-        }));
+        if self.mount.scale().is_none() {
+            rays.extend(requests.iter().enumerate().map(|(i, request)| {
+                batch.lead(i).map(|lead| self.weighted(self.spectrum.sample(request.u_wavelength), &lead))
+            }));
+            return;
+        }
+        for (group, some) in requests.chunks(LINES).enumerate() {
+            let first = group * LINES;
+            let (out, through) = batch.out.results(first);
+            let [x, y, z, dx, dy, dz] = self.mount.to_render_some(&out);
+            for (i, request) in some.iter().enumerate() {
+                let ray = Ray::new(Vec3A::new(x[i], y[i], z[i]), Vec3A::new(dx[i], dy[i], dz[i]));
+                let line = self.spectrum.sample(request.u_wavelength);
+                let is_through = through >> i & 1 != 0;
+                rays.push(is_through.then(|| CameraRay { ray, weight: self.weight(line, batch.densities[first + i]) }));
+            }
+        }
     }
 
     /// [`Self::lead_all`] for each request; the wavelengths that do not lead in numbers of single precision.

@@ -11,7 +11,7 @@ use super::mount::Mount;
 use super::setup::{D_LINE_NM, LensInfo};
 use super::{CameraDescription, CameraError, CameraRay, Spectrum};
 use crate::spectrum::FilmSpectrum;
-use glam::{DMat3, Vec2};
+use glam::{DMat3, Mat3, Vec2};
 use petzval_optics::entrance_map::EntranceMap;
 use petzval_optics::pupil_map::{PupilMap, on_axis_throughput};
 use petzval_optics::system::System;
@@ -123,9 +123,13 @@ impl RealLens {
     /// What a ray at the film's wavelength number `index` counts.
     #[inline]
     pub(super) fn weighted(&self, index: usize, lead: &Lead) -> CameraRay {
-        let exposure = self.lines[index].gain / lead.density;
-        let weight = self.spectrum.wavelengths()[index].response * exposure as f32;
-        CameraRay { ray: self.mount.to_render(&lead.out), weight }
+        CameraRay { ray: self.mount.to_render(&lead.out), weight: self.weight(index, lead.density) }
+    }
+
+    /// By what radiance at the film's wavelength number `index` counts along a ray that was chosen with this density.
+    #[inline]
+    pub(super) fn weight(&self, index: usize, density: f64) -> Mat3 {
+        self.spectrum.wavelengths()[index].response * (self.lines[index].gain / density) as f32
     }
 
     /// A ray for a picture point at the film's wavelength number `index`.
