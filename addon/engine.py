@@ -12,7 +12,7 @@ import traceback
 import bpy
 import numpy as np
 
-from . import export, loop, passes, statistics, tiles
+from . import export, loop, passes, persistent, statistics, tiles
 from .description import CameraDescription, Report, SettingsDescription, focused
 from .export import aperture_mask
 from .export import camera as camera_export
@@ -138,7 +138,9 @@ class _Photograph:
 
         self._tell("Building trees", 0.0)
         position = tuple(row[3] for row in camera.matrix_world[:3])
-        scene = loop.stoppable(lambda: builder.build(position, settings.threads), self._stop_asked)
+        previous = persistent.previous(self.depsgraph)
+        scene = loop.stoppable(lambda: builder.build(position, settings.threads, previous), self._stop_asked)
+        persistent.keep(self.depsgraph, scene)
         self._tell("Preparing the lens", 0.0)
         if camera.autofocus is not None:
             self._focus(native, scene, camera, width, height)
@@ -297,3 +299,4 @@ def register() -> None:
 def unregister() -> None:
     bpy.utils.unregister_class(PetzvalRenderEngine)
     statistics.forget()
+    persistent.forget()

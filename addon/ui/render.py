@@ -93,6 +93,7 @@ class PETZVAL_RENDER_PT_threads(_RenderPanel, bpy.types.Panel):
         row = layout.row()
         row.enabled = render.threads_mode == "FIXED"
         row.prop(render, "threads", text="Number")
+        layout.prop(render, "use_persistent_data", text="Persistent Data")
 
 
 class PETZVAL_RENDER_PT_last(_RenderPanel, bpy.types.Panel):

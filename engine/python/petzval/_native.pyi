@@ -188,8 +188,11 @@ class SceneBuilder:
     def set_world(self, world: Any) -> None:
         """`world` is a WorldDescription of `addon/description.py`. Never called: a black world."""
     def warnings(self) -> list[str]: ...
-    def build(self, camera_position: tuple[float, float, float], threads: int = 0) -> Scene:
-        """Builds the trees. The builder is empty afterwards. The camera's position keeps f32 exact near it."""
+    def build(
+        self, camera_position: tuple[float, float, float], threads: int = 0, previous: Scene | None = None
+    ) -> Scene:
+        """Builds the trees, from those of a previous scene where only shapes and places differ. The builder is empty
+        afterwards. The camera's position keeps f32 exact near it."""
 
 class Scene:
     @property

@@ -220,6 +220,7 @@ impl Job {
         }
         json!({
             "seconds": seconds,
+            "trees_refitted": self.job.stage().accel.refitted(),
             "samples": s.samples,
             "samples_mean": s.mean_samples,
             "samples_most": s.most_samples,

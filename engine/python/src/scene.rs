@@ -179,8 +179,15 @@ impl SceneBuilder {
         self.builder.warnings().to_vec()
     }
 
-    #[pyo3(signature = (camera_position, threads = 0))]
-    fn build(&mut self, py: Python<'_>, camera_position: (f64, f64, f64), threads: usize) -> Result<Scene, Error> {
+    #[pyo3(signature = (camera_position, threads = 0, previous = None))]
+    fn build(
+        &mut self,
+        py: Python<'_>,
+        camera_position: (f64, f64, f64),
+        threads: usize,
+        previous: Option<Py<Scene>>,
+    ) -> Result<Scene, Error> {
+        let previous = previous.map(|scene| scene.get().stage.clone());
         let (x, y, z) = camera_position;
         let origin = DVec3::new(x, y, z);
         if !origin.is_finite() {
@@ -192,7 +199,7 @@ impl SceneBuilder {
                 .num_threads(threads)
                 .build()
                 .map_err(|e| refused(format!("no threads to be had: {e}")))?;
-            Ok(pool.install(|| Stage::new(builder.build(origin))))
+            Ok(pool.install(|| Stage::after(previous.as_deref(), builder.build(origin))))
         })??;
         Ok(Scene { stage: Arc::new(stage) })
     }

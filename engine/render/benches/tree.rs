@@ -54,6 +54,7 @@ fn rays(c: &mut Criterion) {
         });
         group.throughput(Throughput::Elements(scene.triangle_count() as u64));
         group.bench_function(format!("{prefix}build"), |b| b.iter(|| Accel::new(black_box(&scene))));
+        group.bench_function(format!("{prefix}refit"), |b| b.iter(|| Accel::new_after(black_box(&accel), &scene)));
     }
     group.finish();
 }

@@ -4,16 +4,20 @@
 mod bounds;
 mod build;
 mod node;
+mod refit;
+mod source;
 mod traverse;
 mod triangles;
 
-use crate::scene::{Instance, Scene, mesh::Mesh};
+use crate::scene::{Instance, Scene};
 use bounds::Bounds;
 use build::build;
 use fearless_simd::{Level, Simd, dispatch};
 use glam::{Affine3A, Vec3, Vec3A};
 use node::Node;
 use rayon::prelude::*;
+use refit::Topology;
+use source::{Parts, TriangleSource};
 use std::ops::{ControlFlow, Range};
 use traverse::{Found, TreeRay, TriangleTree, traverse};
 use triangles::{Block, LANES};
@@ -78,6 +82,8 @@ pub struct Accel {
     /// Whether any is hidden from a kind of ray at all.
     all_visible: Visible,
     bounds: Option<Bounds>,
+    topology: Topology,
+    refitted: usize,
 }
 
 /// What traversal needs of an instance.
@@ -109,19 +115,20 @@ impl Visible {
 impl Accel {
     /// Builds all trees on the current rayon pool.
     pub fn new(scene: &Scene) -> Self {
-        let mut uses = vec![0; scene.meshes.len()];
-        scene.instances.iter().for_each(|instance| uses[instance.mesh as usize] += 1);
-        let of_mesh = |&i: &u32| uses[scene.instances[i as usize].mesh as usize];
-        let (alone, several): (Vec<u32>, Vec<u32>) =
-            (0..scene.instances.len() as u32).partition(|instance| of_mesh(instance) == 1);
-        let common = TriangleTree::of_placed(scene, &alone);
+        let parts = Parts::of(scene);
+        let common = TriangleTree::new(&TriangleSource::placed(scene, &parts.alone));
         let tree =
-            |(mesh, &uses): (&Mesh, &u32)| if uses > 1 { TriangleTree::of_mesh(mesh) } else { Default::default() };
-        let meshes: Vec<TriangleTree> = scene.meshes.par_iter().zip(&uses).map(tree).collect();
+            |source: Option<TriangleSource<'_>>| source.map_or_else(TriangleTree::default, |s| TriangleTree::new(&s));
+        let meshes: Vec<TriangleTree> = parts.shared_meshes(scene).into_par_iter().map(tree).collect();
+        Self::over(scene, common, meshes, &parts, Topology::of(scene))
+    }
 
-        let mut boxes: Vec<Bounds> = several
-            .into_iter()
-            .filter_map(|i| {
+    /// With what stands on these trees.
+    fn over(scene: &Scene, common: TriangleTree, meshes: Vec<TriangleTree>, parts: &Parts, topology: Topology) -> Self {
+        let mut boxes: Vec<Bounds> = parts
+            .several
+            .iter()
+            .filter_map(|&i| {
                 let instance = &scene.instances[i as usize];
                 let bounds = meshes[instance.mesh as usize].bounds()?;
                 Some(bounds.transformed(&instance.to_render).naming([i, 0]))
@@ -142,7 +149,13 @@ impl Accel {
             Visible { camera: visible.iter().all(|v| v.camera), shadow: visible.iter().all(|v| v.shadow) };
         let bounds = places.nodes.first().map(Node::bounds).into_iter().chain(common.bounds());
         let bounds = bounds.reduce(|a, b| a.union(&b));
-        Self { level: Level::new(), common, meshes, places: places.nodes, placed, visible, all_visible, bounds }
+        let (level, places, refitted) = (Level::new(), places.nodes, 0);
+        Self { level, common, meshes, places, placed, visible, all_visible, bounds, topology, refitted }
+    }
+
+    /// How many of its trees were there before, see [`Self::new_after`].
+    pub fn refitted(&self) -> usize {
+        self.refitted
     }
 
     /// The bounds of everything, `None` for an empty scene.
@@ -273,40 +286,20 @@ fn hit(found: Found, scale: f32, instance: u32) -> Hit {
 }
 
 impl TriangleTree {
-    /// Over the triangles of these instances, in render space.
-    fn of_placed(scene: &Scene, instances: &[u32]) -> Self {
-        let mesh = |i: u32| &scene.meshes[scene.instances[i as usize].mesh as usize];
-        let moved = |[i, triangle]: [u32; 2]| {
-            let to_render = &scene.instances[i as usize].to_render;
-            mesh(i).corners(triangle).map(|p| to_render.transform_point3(p))
-        };
-        let mut items = Vec::with_capacity(instances.iter().map(|&i| mesh(i).triangles.len()).sum());
-        for &i in instances {
-            let triangles = (0..mesh(i).triangles.len() as u32).into_par_iter();
-            items.par_extend(triangles.map(|triangle| Bounds::of(&moved([i, triangle])).naming([i, triangle])));
-        }
-        Self::new(items, moved)
-    }
-
-    /// Over the triangles of a mesh, in object space.
-    fn of_mesh(mesh: &Mesh) -> Self {
-        let triangles = (0..mesh.triangles.len() as u32).into_par_iter();
-        let items = triangles.map(|triangle| Bounds::of(&mesh.corners(triangle)).naming([0, triangle])).collect();
-        Self::new(items, |[_, triangle]| mesh.corners(triangle))
-    }
-
-    /// Over boxes that name triangles, whose corners `corners` tells.
-    fn new(mut items: Vec<Bounds>, corners: impl Fn([u32; 2]) -> [Vec3; 3] + Sync) -> Self {
+    fn new(source: &TriangleSource<'_>) -> Self {
+        let mut items = source.boxes();
         items.retain(Bounds::is_within_reach);
         let built = build(&mut items, LANES);
         let block = |leaf: Range<usize>| {
             let mut block = Block::EMPTY;
             for (lane, item) in items[leaf].iter().enumerate() {
-                block.set(lane, &corners(item.name()), item.name());
+                block.set(lane, &source.corners(item.name()), item.name());
             }
             block
         };
-        Self { nodes: built.nodes, blocks: built.leaves.into_par_iter().map(block).collect() }
+        let blocks = built.leaves.into_par_iter().map(block).collect();
+        let tree = Self { nodes: built.nodes, blocks, surface: 0.0 };
+        Self { surface: tree.surface_now(), ..tree }
     }
 
     fn bounds(&self) -> Option<Bounds> {

@@ -92,6 +92,33 @@ impl Node {
         Bounds { min: plane(0), max: plane(1) }
     }
 
+    /// How many children are inner nodes: the first.
+    pub(super) fn inner_count(&self) -> usize {
+        (self.nodes >> INDEX_BITS) as usize
+    }
+
+    /// Where the inner ones and the leaves among its children begin.
+    pub(super) fn first_children(&self) -> (usize, usize) {
+        let index = |packed: u32| (packed & (MOST as u32 - 1)) as usize;
+        (index(self.nodes), index(self.leaves))
+    }
+
+    /// In order.
+    pub(super) fn children(&self) -> impl Iterator<Item = Child> + '_ {
+        (0..self.leaves >> INDEX_BITS).map(|i| self.child(i))
+    }
+
+    /// Of the children, as the grid has them.
+    pub(super) fn boxes(&self) -> impl Iterator<Item = Bounds> + '_ {
+        (0..(self.leaves >> INDEX_BITS) as usize).map(|i| {
+            let corner = |side: usize| {
+                let at = |axis: usize| on_axis(self.planes[axis][side][i], self.origin[axis], self.step[axis]) as f32;
+                Vec3A::new(at(0), at(1), at(2)).extend(0.0)
+            };
+            Bounds { min: corner(0), max: corner(1) }
+        })
+    }
+
     /// Child number `i`.
     #[inline(always)]
     pub(super) fn child(&self, i: u32) -> Child {

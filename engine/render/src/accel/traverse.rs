@@ -31,6 +31,8 @@ impl TreeRay {
 pub(super) struct TriangleTree {
     pub(super) nodes: Vec<Node>,
     pub(super) blocks: Vec<Block>,
+    /// Of all boxes when the tree was built.
+    pub(super) surface: f32,
 }
 
 /// A triangle that a ray meets.

@@ -44,6 +44,10 @@ impl Block {
         self.triangle[lane] = triangle;
     }
 
+    pub(super) fn holds(&self, lane: usize) -> bool {
+        !self.corners[0][0][lane].is_nan()
+    }
+
     fn corners(&self, lane: usize) -> [Vec3; 3] {
         self.corners.map(|p| Vec3::new(p[0][lane], p[1][lane], p[2][lane]))
     }

@@ -52,8 +52,16 @@ pub struct Stage {
 impl Stage {
     /// Builds trees and tables, in parallel on the current rayon pool.
     pub fn new(scene: Scene) -> Self {
+        Self::after(None, scene)
+    }
+
+    /// The same; what is left of the stage of another frame makes it quicker.
+    pub fn after(previous: Option<&Self>, scene: Scene) -> Self {
         let start = Instant::now();
-        let accel = Accel::new(&scene);
+        let accel = match previous {
+            Some(previous) => Accel::new_after(&previous.accel, &scene),
+            None => Accel::new(&scene),
+        };
         let lights = Lights::new(&scene);
         let emission = Emission::new(&scene, &lights, accel.bounds());
         // The same for every scene.

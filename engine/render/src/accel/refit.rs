@@ -1,0 +1,209 @@
+//! Trees of a scene whose shapes move: the boxes are drawn anew around the same triangles in the same order, in a quarter
+//! of a build's time; unless they have moved so far apart that rays would pay more for it.
+
+use super::Accel;
+use super::bounds::Bounds;
+use super::node::{Node, WIDTH};
+use super::source::{Parts, TriangleSource};
+use super::traverse::TriangleTree;
+use super::triangles::{Block, LANES};
+use crate::scene::Scene;
+use arrayvec::ArrayVec;
+use rayon::prelude::*;
+
+/// A tree whose boxes come to this many times the surface that they had when it was built is built anew: a ray meets
+/// boxes in proportion to their surface (MacDonald and Booth 1990).
+const WORSE: f32 = 1.25;
+
+/// What must be the same for trees to be kept.
+#[derive(Clone, Debug, PartialEq)]
+pub(super) struct Topology {
+    /// By instance.
+    meshes: Vec<u32>,
+    /// By mesh.
+    triangles: Vec<usize>,
+}
+
+impl Topology {
+    pub(super) fn of(scene: &Scene) -> Self {
+        Self {
+            meshes: scene.instances.iter().map(|instance| instance.mesh).collect(),
+            triangles: scene.meshes.iter().map(|mesh| mesh.triangles.len()).collect(),
+        }
+    }
+}
+
+impl Accel {
+    /// [`Self::new`] from the trees of a scene that had the same meshes and instances elsewhere or in other shapes, where
+    /// that is worth it. Where two surfaces are equally far to the last bit, one that was built may answer with the other.
+    pub fn new_after(previous: &Self, scene: &Scene) -> Self {
+        let topology = Topology::of(scene);
+        if previous.topology != topology {
+            return Self::new(scene);
+        }
+        let mut reused = 0;
+        let mut after = |tree: &TriangleTree, source: &TriangleSource<'_>| {
+            let kept = tree.refitted(source);
+            reused += usize::from(kept.is_some());
+            kept.unwrap_or_else(|| TriangleTree::new(source))
+        };
+        let parts = Parts::of(scene);
+        let common = after(&previous.common, &TriangleSource::placed(scene, &parts.alone));
+        let meshes: Vec<TriangleTree> = previous
+            .meshes
+            .iter()
+            .zip(parts.shared_meshes(scene))
+            .map(|(tree, source)| source.map_or_else(TriangleTree::default, |source| after(tree, &source)))
+            .collect();
+        Self { refitted: reused, ..Self::over(scene, common, meshes, &parts, topology) }
+    }
+}
+
+impl TriangleTree {
+    /// The same tree around the same triangles where they are now; `None` where a build is the better choice.
+    fn refitted(&self, source: &TriangleSource<'_>) -> Option<Self> {
+        let count: usize = self.blocks.par_iter().map(Block::len).sum();
+        if self.nodes.is_empty() || count != source.count() {
+            return None;
+        }
+        let block = |old: &Block| {
+            let (mut block, mut bounds) = (Block::EMPTY, Bounds::EMPTY);
+            for lane in 0..old.len() {
+                let name = [old.instance[lane], old.triangle[lane]];
+                let corners = source.corners(name);
+                let own = Bounds::of(&corners);
+                if !own.is_within_reach() {
+                    return None;
+                }
+                bounds = bounds.union(&own);
+                block.set(lane, &corners, name);
+            }
+            Some((block, bounds))
+        };
+        let (blocks, boxes): (Vec<Block>, Vec<Bounds>) =
+            self.blocks.par_iter().map(block).collect::<Option<Vec<_>>>()?.into_iter().unzip();
+        let mut nodes = self.nodes.clone();
+        let mut around = vec![Bounds::EMPTY; nodes.len()];
+        // Children come after their parents.
+        for (i, node) in nodes.iter_mut().enumerate().rev() {
+            let parts: ArrayVec<Bounds, WIDTH> = node
+                .children()
+                .map(|child| if child.is_leaf() { boxes[child.index()] } else { around[child.index()] })
+                .collect();
+            *node = node.around(&parts);
+            around[i] = parts.iter().fold(Bounds::EMPTY, |all, part| all.union(part));
+        }
+        let tree = Self { nodes, blocks, surface: self.surface };
+        (tree.surface_now() <= WORSE * self.surface).then_some(tree)
+    }
+
+    /// Of all boxes.
+    pub(super) fn surface_now(&self) -> f32 {
+        self.nodes.iter().map(|node| node.boxes().map(|b| b.half_area()).sum::<f32>()).sum()
+    }
+}
+
+impl Block {
+    /// How many triangles it holds: those of the first lanes.
+    fn len(&self) -> usize {
+        (0..LANES).take_while(|&lane| self.holds(lane)).count()
+    }
+}
+
+impl Node {
+    /// The same children, their boxes now these.
+    fn around(&self, boxes: &[Bounds]) -> Self {
+        let (first_node, first_leaf) = self.first_children();
+        Self::new(boxes, self.inner_count()).pointing_to(first_node, first_leaf)
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::super::{Ray, RayKind};
+    use super::*;
+    use crate::scene::{SceneBuilder, mesh::MeshDescription};
+    use glam::{DMat4, DVec3, Vec3, Vec3A};
+
+    /// A sheet of hills, twice as two objects of their own and thrice as instances of one mesh.
+    fn scene(phase: f32, moved: f64, columns: u32) -> Scene {
+        let sheet = |phase: f32| {
+            let at = |i: u32, j: u32| {
+                let (x, y) = (i as f32 / 40.0, j as f32 / 40.0);
+                Vec3::new(x, y, 0.1 * (9.0 * x + phase).sin() * (7.0 * y - phase).cos())
+            };
+            let place = |i: u32, j: u32| i * 41 + j;
+            let cells = || (0..columns).flat_map(|i| (0..40).map(move |j| (i, j)));
+            MeshDescription {
+                name: "sheet".into(),
+                positions: (0..=columns).flat_map(|i| (0..=40).map(move |j| at(i, j))).collect(),
+                triangles: cells()
+                    .flat_map(|(i, j)| {
+                        [
+                            [place(i, j), place(i + 1, j), place(i + 1, j + 1)],
+                            [place(i, j), place(i + 1, j + 1), place(i, j + 1)],
+                        ]
+                    })
+                    .collect(),
+                ..Default::default()
+            }
+        };
+        let mut builder = SceneBuilder::new();
+        let shared = builder.add_mesh(sheet(2.0 * phase)).unwrap();
+        let mut add = |mesh, x: f64, z: f64| {
+            builder
+                .add_instance("sheet", mesh, DMat4::from_translation(DVec3::new(x, 0.0, z)), &[], true, true)
+                .unwrap();
+        };
+        (0..3).for_each(|i| add(shared, f64::from(i), -1.0 + 0.1 * moved));
+        let own = [sheet(phase), sheet(-phase)].map(|mesh| builder.add_mesh(mesh).unwrap());
+        for (i, mesh) in own.into_iter().enumerate() {
+            let matrix = DMat4::from_translation(DVec3::new(i as f64 + moved, 0.0, 0.0));
+            builder.add_instance("own", mesh, matrix, &[], true, true).unwrap();
+        }
+        builder.build(DVec3::ZERO)
+    }
+
+    fn rays() -> impl Iterator<Item = Ray> {
+        (0..4000u32).map(|i| {
+            let u = |by: f64| (f64::from(i) * by).fract() as f32;
+            let direction = Vec3A::new(0.3 * u(0.73) - 0.15, 0.3 * u(0.41) - 0.15, -1.0).normalize();
+            Ray::new(Vec3A::new(3.0 * u(0.618), u(0.755), 2.0), direction)
+        })
+    }
+
+    #[test]
+    fn answers_are_those_of_new_trees() {
+        let first = Accel::new(&scene(0.0, 0.0, 40));
+        let mut last = Accel::new_after(&first, &scene(0.0, 0.0, 40));
+        for step in 1..6 {
+            let now = scene(0.2 * step as f32, 0.02 * f64::from(step), 40);
+            let (refitted, built) = (Accel::new_after(&last, &now), Accel::new(&now));
+            assert_eq!((refitted.refitted(), built.refitted()), (2, 0));
+            let mut hits = 0;
+            for ray in rays() {
+                let [a, b] = [&refitted, &built].map(|accel| accel.closest(&ray, RayKind::Camera));
+                assert_eq!(a.map(|hit| hit.t), b.map(|hit| hit.t), "{ray:?}");
+                hits += usize::from(a.is_some());
+            }
+            assert!(hits > 2000, "{hits}");
+            last = refitted;
+        }
+    }
+
+    /// Triangles thrown about, others that are new, and trees over nothing are built.
+    #[test]
+    fn what_does_not_fit_is_built_anew() {
+        let first = Accel::new(&scene(0.0, 0.0, 40));
+        assert_eq!(Accel::new_after(&first, &scene(0.0, 0.0, 39)).refitted(), 0);
+        // The two objects leave each other: their boxes are of one tree. The mesh of instances is as it was.
+        let far = scene(0.0, 50.0, 40);
+        let mut apart = far;
+        let mut scattered = apart.instances.pop().unwrap();
+        scattered.to_render = glam::Affine3A::from_scale(Vec3::splat(30.0)) * scattered.to_render;
+        apart.instances.push(scattered);
+        assert_eq!(Accel::new_after(&first, &apart).refitted(), 1);
+        let empty = SceneBuilder::new().build(DVec3::ZERO);
+        assert_eq!(Accel::new_after(&Accel::new(&empty), &empty).refitted(), 0);
+    }
+}

@@ -1,0 +1,82 @@
+//! Which triangles belong to which tree.
+
+use super::bounds::Bounds;
+use crate::scene::{Scene, mesh::Mesh};
+use glam::Vec3;
+use rayon::prelude::*;
+
+/// Which instances go where.
+pub(super) struct Parts {
+    /// Those whose mesh has no other.
+    pub(super) alone: Vec<u32>,
+    pub(super) several: Vec<u32>,
+    /// By mesh: its instances.
+    uses: Vec<u32>,
+}
+
+impl Parts {
+    pub(super) fn of(scene: &Scene) -> Self {
+        let mut uses = vec![0; scene.meshes.len()];
+        scene.instances.iter().for_each(|instance| uses[instance.mesh as usize] += 1);
+        let of_mesh = |&i: &u32| uses[scene.instances[i as usize].mesh as usize];
+        let (alone, several) = (0..scene.instances.len() as u32).partition(|instance| of_mesh(instance) == 1);
+        Self { alone, several, uses }
+    }
+
+    /// By mesh: the triangles of those that have a tree of their own.
+    pub(super) fn shared_meshes<'a>(&self, scene: &'a Scene) -> Vec<Option<TriangleSource<'a>>> {
+        let source = |(mesh, &uses)| (uses > 1).then_some(TriangleSource::Mesh(mesh));
+        scene.meshes.iter().zip(&self.uses).map(source).collect()
+    }
+}
+
+/// The triangles of a tree, by name: an instance and a triangle of its mesh.
+pub(super) enum TriangleSource<'a> {
+    /// Of instances, in render space.
+    Placed { scene: &'a Scene, instances: &'a [u32] },
+    /// Of a mesh, in object space; the instance has no meaning.
+    Mesh(&'a Mesh),
+}
+
+impl<'a> TriangleSource<'a> {
+    pub(super) fn placed(scene: &'a Scene, instances: &'a [u32]) -> Self {
+        Self::Placed { scene, instances }
+    }
+
+    pub(super) fn count(&self) -> usize {
+        match self {
+            Self::Placed { scene, instances } => {
+                instances.iter().map(|&i| scene.meshes[scene.instances[i as usize].mesh as usize].triangles.len()).sum()
+            }
+            Self::Mesh(mesh) => mesh.triangles.len(),
+        }
+    }
+
+    pub(super) fn corners(&self, [i, triangle]: [u32; 2]) -> [Vec3; 3] {
+        match self {
+            Self::Placed { scene, .. } => {
+                let instance = &scene.instances[i as usize];
+                let corners = scene.meshes[instance.mesh as usize].corners(triangle);
+                corners.map(|p| instance.to_render.transform_point3(p))
+            }
+            Self::Mesh(mesh) => mesh.corners(triangle),
+        }
+    }
+
+    /// Boxes around all of them.
+    pub(super) fn boxes(&self) -> Vec<Bounds> {
+        let mut boxes = Vec::with_capacity(self.count());
+        let mut add = |instance: u32, mesh: &Mesh| {
+            let triangles = (0..mesh.triangles.len() as u32).into_par_iter();
+            let name = |triangle| [instance, triangle];
+            boxes.par_extend(triangles.map(|t| Bounds::of(&self.corners(name(t))).naming(name(t))));
+        };
+        match self {
+            Self::Placed { scene, instances } => {
+                instances.iter().for_each(|&i| add(i, &scene.meshes[scene.instances[i as usize].mesh as usize]));
+            }
+            Self::Mesh(mesh) => add(0, mesh),
+        }
+        boxes
+    }
+}
