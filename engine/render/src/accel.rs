@@ -13,7 +13,7 @@ use crate::scene::{Instance, Scene};
 use bounds::Bounds;
 use build::build;
 use fearless_simd::{Level, Simd, dispatch};
-use glam::{Affine3A, Vec3, Vec3A};
+use glam::{Affine3A, Vec3A};
 use node::Node;
 use rayon::prelude::*;
 use refit::Topology;

@@ -2,7 +2,7 @@
 
 use super::*;
 use crate::scene::{SceneBuilder, mesh::MeshDescription};
-use glam::{DMat4, DVec3};
+use glam::{DMat4, DVec3, Vec3};
 use proptest::prelude::*;
 
 fn sphere(rings: u32, segments: u32) -> MeshDescription {
