@@ -289,10 +289,10 @@ impl Scattering for Mixture {
         });
         let lobe = chosen.unwrap_or(&self.lobes[last]);
         let local = lobe.sample(((u_lobe - below) / lobe.chance).clamp(0.0, 1.0), u)?;
-        let transmitted = local.wi.z < 0.0;
+        let transmitted = local.transmitted;
         let wi = lobe.to_world(local.wi);
         let above = self.here.geometric_normal.dot(wi) > 0.0;
-        if above == transmitted || local.wi.z == 0.0 {
+        if above == transmitted || (local.wi.z > 0.0) == transmitted {
             return None;
         }
         if let Some((value, chance)) = local.single {

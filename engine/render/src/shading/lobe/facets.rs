@@ -181,7 +181,7 @@ impl Facets {
         let mirrored = u_choice * total < reflected.element_sum();
         let wi = if mirrored { reflect(wo, h) } else { refract(wo, h, self.eta)? };
         let single = self.is_mirror().then(|| self.single(!mirrored, wo));
-        Some(Local { wi, single })
+        Some(Local { wi, transmitted: !mirrored, single })
     }
 
     /// Where it is a mirror, what it sends along its mirrored or refracted direction, and the chance of that choice.

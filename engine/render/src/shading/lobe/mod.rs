@@ -29,6 +29,8 @@ enum Kind {
 pub(super) struct Local {
     /// Unit.
     pub(super) wi: Vec3A,
+    /// Meant to go through the surface; a mirrored one that does is lost.
+    pub(super) transmitted: bool,
     /// Of a mirror: what it sends there, and the chance of that choice within the lobe.
     pub(super) single: Option<(Rgb, f32)>,
 }
@@ -174,10 +176,13 @@ impl Lobe {
 
     /// A direction of its own; what is mirrored or refracted is chosen by `u_choice`.
     pub(super) fn sample(&self, u_choice: f32, u: [f32; 2]) -> Option<Local> {
-        let (wo, broad) = (self.wo, |wi| Some(Local { wi, single: None }));
+        let (wo, broad) = (self.wo, |wi| Some(Local { wi, transmitted: false, single: None }));
         match &self.kind {
             Kind::Lambert | Kind::OrenNayar(_) => broad(warp::sample_cosine_hemisphere(u)),
-            Kind::Translucent => broad(-warp::sample_cosine_hemisphere(u)),
+            Kind::Translucent => {
+                let wi = -warp::sample_cosine_hemisphere(u);
+                Some(Local { wi, transmitted: true, single: None })
+            }
             Kind::Velvet(_) => broad(Velvet::sample(u)),
             Kind::Microfiber(cloth) => broad(cloth.sample(u)),
             Kind::Toon(toon) => broad(toon.sample(wo, u)),
