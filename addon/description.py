@@ -33,8 +33,23 @@ FloatInput = float | ImageInput
 
 
 @dataclass
+class LayerDescription:
+    """A closure of a surface, and what it counts: `weight` times its shares (0 to 1), as they are or, where the second
+    value says so, what they leave of 1. The names of the inputs are those of the engine's `scene::layer::Closure`."""
+
+    # DIFFUSE | TRANSLUCENT | GLOSSY | METAL | CONDUCTOR | GLASS | REFRACTION | TRANSPARENT | EMISSION | MICROFIBER |
+    # VELVET | TOON | GLOSSY_TOON | PRINCIPLED
+    kind: str
+    weight: float = 1.0
+    shares: list[tuple[FloatInput, bool]] = field(default_factory=list)
+    colours: dict[str, ColourInput] = field(default_factory=dict)
+    numbers: dict[str, FloatInput] = field(default_factory=dict)
+    distribution: str = "MULTI_GGX"  # GGX | MULTI_GGX | BECKMANN | ASHIKHMIN_SHIRLEY
+
+
+@dataclass
 class MaterialDescription:
-    """Blender's Principled BSDF, the part that this engine knows."""
+    """Blender's Principled BSDF as far as most materials use it; or layers, which then say all."""
 
     name: str
     base_color: ColourInput = (0.8, 0.8, 0.8)
@@ -49,6 +64,7 @@ class MaterialDescription:
     emission_strength: float = 0.0
     # False: a diffuse surface without the dielectric coat of Principled (a Diffuse BSDF node).
     specular: bool = True
+    layers: list[LayerDescription] = field(default_factory=list)
 
 
 @dataclass

@@ -1,217 +1,263 @@
 # SPDX-License-Identifier: GPL-3.0-or-later
-"""Shader nodes as Principled BSDF inputs. What is only near is said."""
+"""Shader nodes as layers: closures with what each counts. What is only near is said."""
 
 from __future__ import annotations
 
 from collections.abc import Callable
-from dataclasses import replace
+from dataclasses import dataclass, replace
 from typing import Any
 
-from ..description import ImageInput, MaterialDescription
-from . import nodes, values
+from ..description import FloatInput, LayerDescription, MaterialDescription
+from . import layers, nodes, values
 from .texture import Inputs
 
-BLACK = (0.0, 0.0, 0.0)
-WHITE = (1.0, 1.0, 1.0)
-#: Principled inputs that the engine does not know; zero leaves each out.
-UNUSED = ("Subsurface Weight", "Coat Weight", "Sheen Weight", "Anisotropic", "Thin Film Thickness", "Diffuse Roughness")
+Layers = list[LayerDescription]
+
+
+@dataclass(frozen=True)
+class Weight:
+    """What a shader counts: a number, times shares that vary over the surface, as they are or what they leave of 1."""
+
+    scale: float = 1.0
+    shares: tuple[tuple[FloatInput, bool], ...] = ()
+
+    def times(self, share: FloatInput, *, is_rest: bool) -> Weight:
+        """A part of it."""
+        if isinstance(share, float | int):
+            share = min(max(share, 0.0), 1.0)
+            return replace(self, scale=self.scale * (1.0 - share if is_rest else share))
+        return replace(self, shares=(*self.shares, (share, is_rest)))
 
 
 def describe(source: nodes.Source, name: str, inputs: Inputs) -> MaterialDescription:
     """What a shader node is as a material of that name."""
+    found = _layers(source, Weight(), inputs)
+    if len(found) > layers.MOST:
+        inputs.warn(f"it has {len(found)} closures, those after the first {layers.MOST} are left out")
+    return layers.material(name, found)
+
+
+def _layers(source: nodes.Source, weight: Weight, inputs: Inputs) -> Layers:
+    if weight.scale == 0.0:
+        return []
     if source.socket.type != "SHADER":
-        return _bare_colour(source, name, inputs)
-    convert = _CONVERTERS.get(source.node.type)
-    if convert is None:
-        return _unknown(source, name, inputs)
-    return convert(source, name, inputs)
+        return _bare_colour(source, weight, inputs)
+    return _CONVERTERS.get(source.node.type, _unknown)(source, weight, inputs)
 
 
-def _principled(source: nodes.Source, name: str, inputs: Inputs) -> MaterialDescription:
-    for unused in UNUSED:
-        if unused in source.node.inputs and values.constant(source.input(unused)) != 0.0:
-            inputs.warn(f"Principled BSDF's {unused} is not supported yet, it is left out")
-    _warn_of_normal(source, inputs)
-    return MaterialDescription(
-        name,
-        base_color=inputs.colour(source.input("Base Color")),
-        metallic=inputs.number(source.input("Metallic")),
-        roughness=inputs.number(source.input("Roughness")),
-        ior=inputs.constant(source.input("IOR")),
-        specular_ior_level=inputs.constant(source.input("Specular IOR Level")),
-        specular_tint=inputs.constant(source.input("Specular Tint")),
-        transmission=inputs.number(source.input("Transmission Weight")),
-        alpha=inputs.number(source.input("Alpha")),
-        **_emission(source, "Emission Color", "Emission Strength", inputs),
-    )
+def _layer(kind: str, weight: Weight, colours: dict[str, Any], numbers: dict[str, Any] | None = None, **more: Any):
+    return LayerDescription(kind, weight.scale, list(weight.shares), colours, numbers or {}, **more)
 
 
-def _emission(source: nodes.Source, colour: str, strength: str, inputs: Inputs) -> dict[str, Any]:
-    amount = inputs.constant(source.input(strength))
-    if amount == 0.0:
-        return {}
-    return {"emission_color": inputs.colour(source.input(colour)), "emission_strength": amount}
+class _Sockets:
+    """The inputs of a node by name; a Blender that does not have one yet gets what it stands for there."""
+
+    def __init__(self, source: nodes.Source, inputs: Inputs) -> None:
+        self._source, self._inputs = source, inputs
+
+    def colour(self, name: str, otherwise: tuple[float, float, float] = layers.WHITE) -> Any:
+        return self._inputs.colour(self._source.input(name)) if self.has(name) else otherwise
+
+    def number(self, name: str, otherwise: float = 0.0) -> Any:
+        return self._inputs.number(self._source.input(name)) if self.has(name) else otherwise
+
+    def has(self, name: str) -> bool:
+        return name in self._source.node.inputs
 
 
-def _emitter(source: nodes.Source, name: str, inputs: Inputs) -> MaterialDescription:
-    return MaterialDescription(name, base_color=BLACK, specular=False, **_emission(source, "Color", "Strength", inputs))
+def _principled(source: nodes.Source, weight: Weight, inputs: Inputs) -> Layers:
+    ask = _Sockets(source, inputs)
+    if ask.has("Subsurface Weight") and values.constant(source.input("Subsurface Weight")) != 0.0:
+        inputs.warn("Principled BSDF's Subsurface Weight is not supported yet, the surface is diffuse")
+    _warn_of_vectors(source, inputs, "Normal", "Coat Normal")
+    anisotropic = ask.number("Anisotropic")
+    if anisotropic != 0.0:
+        _warn_of_vectors(source, inputs, "Tangent")
+    coat, sheen, film = ask.number("Coat Weight"), ask.number("Sheen Weight"), ask.number("Thin Film Thickness")
+    strength = ask.number("Emission Strength")
+    colours = {
+        "base_color": ask.colour("Base Color"),
+        "specular_tint": ask.colour("Specular Tint"),
+        "coat_tint": ask.colour("Coat Tint") if coat != 0.0 else layers.WHITE,
+        "sheen_tint": ask.colour("Sheen Tint") if sheen != 0.0 else layers.WHITE,
+        "emission_color": ask.colour("Emission Color") if strength != 0.0 else layers.WHITE,
+    }
+    numbers = {
+        "metallic": ask.number("Metallic"),
+        "roughness": ask.number("Roughness"),
+        "ior": ask.number("IOR"),
+        "alpha": ask.number("Alpha"),
+        "diffuse_roughness": ask.number("Diffuse Roughness"),
+        "specular_ior_level": ask.number("Specular IOR Level", 0.5),
+        "anisotropic": anisotropic,
+        "anisotropic_rotation": ask.number("Anisotropic Rotation") if anisotropic != 0.0 else 0.0,
+        "transmission": ask.number("Transmission Weight"),
+        "coat_weight": coat,
+        "coat_roughness": ask.number("Coat Roughness") if coat != 0.0 else 0.0,
+        "coat_ior": ask.number("Coat IOR") if coat != 0.0 else 1.5,
+        "sheen_weight": sheen,
+        "sheen_roughness": ask.number("Sheen Roughness") if sheen != 0.0 else 0.5,
+        "emission_strength": strength,
+        "film_thickness_nm": film,
+        "film_ior": ask.number("Thin Film IOR") if film != 0.0 else 1.33,
+    }
+    return [_layer("PRINCIPLED", weight, colours, numbers, distribution=source.node.distribution)]
 
 
-def _diffuse(source: nodes.Source, name: str, inputs: Inputs) -> MaterialDescription:
-    _warn_of_normal(source, inputs)
-    return MaterialDescription(name, base_color=inputs.colour(source.input("Color")), specular=False)
+def _emission(source: nodes.Source, weight: Weight, inputs: Inputs) -> Layers:
+    ask = _Sockets(source, inputs)
+    return [_layer("EMISSION", weight, {"color": ask.colour("Color")}, {"strength": ask.number("Strength")})]
 
 
-def _near_diffuse(source: nodes.Source, name: str, inputs: Inputs) -> MaterialDescription:
+def _diffuse(source: nodes.Source, weight: Weight, inputs: Inputs) -> Layers:
+    _warn_of_vectors(source, inputs, "Normal")
+    ask = _Sockets(source, inputs)
+    # A Diffuse BSDF alone has a roughness that means this.
+    roughness = ask.number("Roughness") if source.node.type == "BSDF_DIFFUSE" else 0.0
+    return [_layer("DIFFUSE", weight, {"color": ask.colour("Color")}, {"roughness": roughness})]
+
+
+def _near_diffuse(source: nodes.Source, weight: Weight, inputs: Inputs) -> Layers:
     inputs.warn(f"{source.node.bl_label} is not supported yet, it is shown as diffuse")
-    return _diffuse(source, name, inputs)
+    return _diffuse(source, weight, inputs)
 
 
-def _glossy(source: nodes.Source, name: str, inputs: Inputs) -> MaterialDescription:
-    _warn_of_normal(source, inputs)
-    colour = inputs.colour(source.input("Base Color" if source.node.type == "BSDF_METALLIC" else "Color"))
-    if colour != WHITE:
-        inputs.warn(f"{source.node.bl_label} is shown as a Principled metal, which is brighter at its edges")
-    return MaterialDescription(
-        name, base_color=colour, metallic=1.0, roughness=inputs.number(source.input("Roughness"))
-    )
+def _translucent(source: nodes.Source, weight: Weight, inputs: Inputs) -> Layers:
+    _warn_of_vectors(source, inputs, "Normal")
+    return [_layer("TRANSLUCENT", weight, {"color": _Sockets(source, inputs).colour("Color")})]
 
 
-def _glass(source: nodes.Source, name: str, inputs: Inputs) -> MaterialDescription:
-    _warn_of_normal(source, inputs)
-    if source.node.type == "BSDF_REFRACTION":
-        inputs.warn("Refraction BSDF is not supported yet, it is shown as glass, which reflects too")
-    colour = inputs.colour(source.input("Color"))
-    if isinstance(colour, ImageInput):
-        inputs.warn("the image in a Glass BSDF's colour tints less than in Blender")
-    elif colour != WHITE:
-        # Principled glass is tinted by the root of its base colour.
-        colour = tuple(part * part for part in colour)
-    return MaterialDescription(
-        name,
-        base_color=colour,
-        transmission=1.0,
-        roughness=inputs.number(source.input("Roughness")),
-        ior=inputs.constant(source.input("IOR")),
-    )
+def _brushed(source: nodes.Source, inputs: Inputs) -> dict[str, Any]:
+    """Roughness along and across."""
+    ask = _Sockets(source, inputs)
+    _warn_of_vectors(source, inputs, "Normal")
+    anisotropy = ask.number("Anisotropy")
+    if anisotropy != 0.0:
+        _warn_of_vectors(source, inputs, "Tangent")
+    return {
+        "roughness": ask.number("Roughness"),
+        "anisotropy": anisotropy,
+        "rotation": ask.number("Rotation") if anisotropy != 0.0 else 0.0,
+    }
 
 
-def _transparent(source: nodes.Source, name: str, inputs: Inputs) -> MaterialDescription:
-    if source.node.type == "HOLDOUT":
-        inputs.warn("Holdout is not supported yet, it is shown as transparent")
-    elif inputs.colour(source.input("Color")) != WHITE:
-        inputs.warn("the colour of a Transparent BSDF is not supported yet, it is clear")
-    return MaterialDescription(name, base_color=BLACK, specular=False, alpha=0.0)
+def _glossy(source: nodes.Source, weight: Weight, inputs: Inputs) -> Layers:
+    colours = {"color": _Sockets(source, inputs).colour("Color")}
+    return [_layer("GLOSSY", weight, colours, _brushed(source, inputs), distribution=source.node.distribution)]
 
 
-def _mix(source: nodes.Source, name: str, inputs: Inputs) -> MaterialDescription:
-    share = nodes.Input(source.node.inputs[0], source.groups)
-    ends = [nodes.trace(nodes.Input(socket, source.groups)) for socket in source.node.inputs[1:3]]
-    first, second = (end if isinstance(end, nodes.Source) else None for end in ends)
-    amount = values.constant(share)
-    if amount is not None and (amount <= 0.0 or amount >= 1.0):
-        return _or_black(first if amount <= 0.0 else second, name, inputs)
-    if _is_clear(first) and second is not None:
-        opaque = describe(second, name, inputs)
-        if opaque.alpha == 1.0:
-            return replace(opaque, alpha=inputs.number(share))
-    if _is_clear(second) and first is not None and amount is not None:
-        opaque = describe(first, name, inputs)
-        if opaque.alpha == 1.0:
-            return replace(opaque, alpha=1.0 - amount)
-    coat = _coated(first, second, name, inputs)
-    if coat is not None:
-        return coat
-    if amount is None:
-        amount = values.estimate(share)
-    use_second = first is None or _is_clear(first) or (amount or 0.0) > 0.5
-    inputs.warn(f"Mix Shader is not supported yet, its {'second' if use_second and second else 'first'} shader is used")
-    return _or_black((second if use_second else first) or first, name, inputs)
+def _film(source: nodes.Source, inputs: Inputs) -> dict[str, Any]:
+    ask = _Sockets(source, inputs)
+    thickness = ask.number("Thin Film Thickness")
+    return {"film_thickness_nm": thickness, "film_ior": ask.number("Thin Film IOR", 1.33) if thickness != 0.0 else 1.33}
 
 
-def _coated(
-    first: nodes.Source | None, second: nodes.Source | None, name: str, inputs: Inputs
-) -> MaterialDescription | None:
-    """A diffuse surface under a glossy one, as materials were made before Principled."""
-    by_kind = {end.node.type: end for end in (first, second) if end is not None}
-    if by_kind.keys() != {"BSDF_DIFFUSE", "BSDF_GLOSSY"}:
-        return None
-    inputs.warn("a Mix Shader of diffuse and glossy is shown as Principled")
-    under, over = by_kind["BSDF_DIFFUSE"], by_kind["BSDF_GLOSSY"]
-    return replace(_diffuse(under, name, inputs), specular=True, roughness=inputs.number(over.input("Roughness")))
+def _metal(source: nodes.Source, weight: Weight, inputs: Inputs) -> Layers:
+    ask = _Sockets(source, inputs)
+    if source.node.fresnel_type == "PHYSICAL_CONDUCTOR":
+        kind, colours = "CONDUCTOR", {"base": ask.colour("IOR"), "edge": ask.colour("Extinction")}
+    else:
+        kind, colours = "METAL", {"base": ask.colour("Base Color"), "edge": ask.colour("Edge Tint")}
+    numbers = {**_brushed(source, inputs), **_film(source, inputs)}
+    return [_layer(kind, weight, colours, numbers, distribution=source.node.distribution)]
 
 
-def _is_clear(source: nodes.Source | None) -> bool:
-    """A Transparent BSDF that does not tint."""
-    if source is None or source.node.type != "BSDF_TRANSPARENT":
-        return False
-    colour = values.constant(source.input("Color"))
-    return colour is not None and colour[:3] == WHITE
+def _glass(source: nodes.Source, weight: Weight, inputs: Inputs) -> Layers:
+    _warn_of_vectors(source, inputs, "Normal")
+    ask = _Sockets(source, inputs)
+    kind = "REFRACTION" if source.node.type == "BSDF_REFRACTION" else "GLASS"
+    numbers = {"roughness": ask.number("Roughness"), "ior": ask.number("IOR")}
+    if kind == "GLASS":
+        numbers.update(_film(source, inputs))
+    return [_layer(kind, weight, {"color": ask.colour("Color")}, numbers, distribution=source.node.distribution)]
 
 
-def _add(source: nodes.Source, name: str, inputs: Inputs) -> MaterialDescription:
+def _sheen(source: nodes.Source, weight: Weight, inputs: Inputs) -> Layers:
+    _warn_of_vectors(source, inputs, "Normal")
+    ask = _Sockets(source, inputs)
+    kind = "VELVET" if source.node.distribution == "ASHIKHMIN" else "MICROFIBER"
+    return [_layer(kind, weight, {"color": ask.colour("Color")}, {"roughness": ask.number("Roughness")})]
+
+
+def _toon(source: nodes.Source, weight: Weight, inputs: Inputs) -> Layers:
+    _warn_of_vectors(source, inputs, "Normal")
+    ask = _Sockets(source, inputs)
+    kind = "GLOSSY_TOON" if source.node.component == "GLOSSY" else "TOON"
+    numbers = {"size": ask.number("Size"), "smooth": ask.number("Smooth")}
+    return [_layer(kind, weight, {"color": ask.colour("Color")}, numbers)]
+
+
+def _transparent(source: nodes.Source, weight: Weight, inputs: Inputs) -> Layers:
+    return [_layer("TRANSPARENT", weight, {"color": _Sockets(source, inputs).colour("Color")})]
+
+
+def _holdout(_source: nodes.Source, weight: Weight, inputs: Inputs) -> Layers:
+    inputs.warn("Holdout is not supported yet, it is shown as transparent")
+    return [_layer("TRANSPARENT", weight, {"color": layers.WHITE})]
+
+
+def _mix(source: nodes.Source, weight: Weight, inputs: Inputs) -> Layers:
+    given = [nodes.Input(socket, source.groups) for socket in source.node.inputs]
+    ends = [nodes.trace(end) for end in given[1:3]]
+    # What is mixed with nothing needs no share to be read.
+    share = inputs.number(given[0]) if any(isinstance(end, nodes.Source) for end in ends) else 0.0
+    found: Layers = []
+    for end, is_rest in zip(ends, (True, False), strict=True):
+        if isinstance(end, nodes.Source):
+            found += _layers(end, weight.times(share, is_rest=is_rest), inputs)
+    return found
+
+
+def _add(source: nodes.Source, weight: Weight, inputs: Inputs) -> Layers:
     ends = [nodes.trace(nodes.Input(socket, source.groups)) for socket in source.node.inputs[:2]]
-    ends = [end for end in ends if isinstance(end, nodes.Source)]
-    lights = [end for end in ends if end.node.type == "EMISSION"]
-    others = [end for end in ends if end.node.type != "EMISSION"]
-    if len(ends) == 2 and len(lights) == 1:
-        surface, light = describe(others[0], name, inputs), describe(lights[0], name, inputs)
-        if surface.emission_strength == 0.0:
-            return replace(surface, emission_color=light.emission_color, emission_strength=light.emission_strength)
-    if len(ends) > 1:
-        inputs.warn("Add Shader is not supported yet, its first shader is used")
-    return _or_black(ends[0] if ends else None, name, inputs)
+    return [layer for end in ends if isinstance(end, nodes.Source) for layer in _layers(end, weight, inputs)]
 
 
-def _or_black(source: nodes.Source | None, name: str, inputs: Inputs) -> MaterialDescription:
-    """An empty shader input is black in Blender."""
-    if source is None:
-        return MaterialDescription(name, base_color=BLACK, specular=False)
-    return describe(source, name, inputs)
-
-
-def _bare_colour(source: nodes.Source, name: str, inputs: Inputs) -> MaterialDescription:
+def _bare_colour(source: nodes.Source, weight: Weight, inputs: Inputs) -> Layers:
     """A colour where a shader belongs glows with that colour in Blender."""
     colour = values.folded(source)
     if colour is None:
         inputs.warn(f"{source.node.bl_label} as a surface is not supported yet, it is black")
-        return MaterialDescription(name, base_color=BLACK, specular=False)
-    colour = colour[:3] if isinstance(colour, tuple) else (colour,) * 3
-    return MaterialDescription(name, base_color=BLACK, specular=False, emission_color=colour, emission_strength=1.0)
+        return []
+    colour = tuple(colour[:3]) if isinstance(colour, tuple) else (colour,) * 3
+    return [_layer("EMISSION", weight, {"color": colour}, {"strength": 1.0})]
 
 
-def _unknown(source: nodes.Source, name: str, inputs: Inputs) -> MaterialDescription:
+def _unknown(source: nodes.Source, weight: Weight, inputs: Inputs) -> Layers:
     """The colour that the node has, as a diffuse surface."""
     inputs.warn(f"{source.node.bl_label} is not supported yet, it is shown as diffuse")
     given = next((socket for socket in source.node.inputs if socket.type == "RGBA" and socket.enabled), None)
-    if given is None:
-        return MaterialDescription(name, specular=False)
-    return MaterialDescription(name, base_color=inputs.colour(nodes.Input(given, source.groups)), specular=False)
+    colour = (0.8, 0.8, 0.8) if given is None else inputs.colour(nodes.Input(given, source.groups))
+    return [_layer("DIFFUSE", weight, {"color": colour}, {"roughness": 0.0})]
 
 
-def _warn_of_normal(source: nodes.Source, inputs: Inputs) -> None:
-    normal = source.node.inputs.get("Normal")
-    if normal is None:
-        return
-    found = nodes.trace(nodes.Input(normal, source.groups))
-    if isinstance(found, nodes.Source):
-        inputs.warn(f"{found.node.bl_label} is not supported yet, the surface stays smooth")
+def _warn_of_vectors(source: nodes.Source, inputs: Inputs, *names: str) -> None:
+    """Directions that bend or turn the surface's own."""
+    for name in names:
+        socket = source.node.inputs.get(name)
+        found = None if socket is None else nodes.trace(nodes.Input(socket, source.groups))
+        if not isinstance(found, nodes.Source):
+            continue
+        if name == "Tangent":
+            inputs.warn(f"{found.node.bl_label} as a tangent is not supported yet, it turns about the object's z axis")
+        else:
+            inputs.warn(f"{found.node.bl_label} is not supported yet, the surface stays smooth")
 
 
-_CONVERTERS: dict[str, Callable[[nodes.Source, str, Inputs], MaterialDescription]] = {
+_CONVERTERS: dict[str, Callable[[nodes.Source, Weight, Inputs], Layers]] = {
     "BSDF_PRINCIPLED": _principled,
-    "EMISSION": _emitter,
+    "EMISSION": _emission,
     "BSDF_DIFFUSE": _diffuse,
-    "BSDF_TRANSLUCENT": _near_diffuse,
+    "BSDF_TRANSLUCENT": _translucent,
     "SUBSURFACE_SCATTERING": _near_diffuse,
-    "BSDF_TOON": _near_diffuse,
-    "BSDF_SHEEN": _near_diffuse,
+    "BSDF_TOON": _toon,
+    "BSDF_SHEEN": _sheen,
     "BSDF_GLOSSY": _glossy,
-    "BSDF_METALLIC": _glossy,
+    "BSDF_METALLIC": _metal,
     "BSDF_GLASS": _glass,
     "BSDF_REFRACTION": _glass,
     "BSDF_TRANSPARENT": _transparent,
-    "HOLDOUT": _transparent,
+    "HOLDOUT": _holdout,
     "MIX_SHADER": _mix,
     "ADD_SHADER": _add,
 }

@@ -6,6 +6,7 @@ mod doorway;
 mod error;
 mod focusing;
 mod job;
+mod layer;
 mod lens;
 mod material;
 mod scene;

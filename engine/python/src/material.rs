@@ -2,6 +2,7 @@
 
 use crate::camera::Matrix4;
 use crate::error::{Error, bad_scene};
+use crate::layer::PyLayer;
 use glam::{Affine3A, DMat4, Mat3, Mat3A};
 use petzval_render::Rgb;
 use petzval_render::scene::lamp::{Lamp, LampKind};
@@ -17,7 +18,7 @@ fn rgb(c: Colour) -> Rgb {
 }
 
 #[derive(FromPyObject)]
-struct PyImageInput {
+pub(crate) struct PyImageInput {
     image: u32,
     uv_map: Option<String>,
     mapping: [[f32; 3]; 2],
@@ -56,19 +57,19 @@ impl TryFrom<PyImageInput> for ImageInput {
 }
 
 #[derive(FromPyObject)]
-enum PyColour {
+pub(crate) enum PyColour {
     Constant(Colour),
     Image(PyImageInput),
 }
 
 #[derive(FromPyObject)]
-enum PyNumber {
+pub(crate) enum PyNumber {
     Constant(f32),
     Image(PyImageInput),
 }
 
 impl PyColour {
-    fn input(self) -> Result<Input<Rgb>, Error> {
+    pub(crate) fn input(self) -> Result<Input<Rgb>, Error> {
         Ok(match self {
             Self::Constant(c) => Input::Constant(rgb(c)),
             Self::Image(i) => Input::Image(i.try_into()?),
@@ -77,7 +78,7 @@ impl PyColour {
 }
 
 impl PyNumber {
-    fn input(self) -> Result<Input<f32>, Error> {
+    pub(crate) fn input(self) -> Result<Input<f32>, Error> {
         Ok(match self {
             Self::Constant(v) => Input::Constant(v),
             Self::Image(i) => Input::Image(i.try_into()?),
@@ -99,6 +100,7 @@ pub(crate) struct PyMaterial {
     emission_color: PyColour,
     emission_strength: f32,
     specular: bool,
+    layers: Vec<PyLayer>,
 }
 
 impl TryFrom<PyMaterial> for Material {
@@ -118,6 +120,7 @@ impl TryFrom<PyMaterial> for Material {
             emission_color: m.emission_color.input()?,
             emission_strength: m.emission_strength,
             specular: m.specular,
+            layers: m.layers.into_iter().map(PyLayer::layer).collect::<Result<_, _>>()?,
         })
     }
 }

@@ -9,6 +9,7 @@ mod source;
 mod traverse;
 mod triangles;
 
+use crate::Rgb;
 use crate::scene::{Instance, Scene};
 use bounds::Bounds;
 use build::build;
@@ -176,8 +177,28 @@ impl Accel {
 
     /// The same for rays that ask for another reason than a light's shadow.
     pub fn transmittance_of(&self, ray: &Ray, kind: RayKind, mut opacity: impl FnMut(&Hit) -> f32) -> f32 {
-        let opacity: &mut dyn FnMut(&Hit) -> f32 = &mut opacity;
-        dispatch!(self.level, simd => self.transmittance_with(simd, ray, kind, opacity))
+        let mut left = 1.0;
+        self.each_between(ray, kind, |hit| {
+            left *= 1.0 - opacity(hit);
+            left > 0.0
+        });
+        left
+    }
+
+    /// The same by colour; `through` says what each surface in between leaves.
+    pub fn light_through(&self, ray: &Ray, kind: RayKind, mut through: impl FnMut(&Hit) -> Rgb) -> Rgb {
+        let mut left = Rgb::ONE;
+        self.each_between(ray, kind, |hit| {
+            left *= through(hit);
+            left != Rgb::ZERO
+        });
+        left
+    }
+
+    /// Gives every surface between the ray's ends to `pass`, in any order, until that says no.
+    fn each_between(&self, ray: &Ray, kind: RayKind, mut pass: impl FnMut(&Hit) -> bool) {
+        let pass: &mut dyn FnMut(&Hit) -> bool = &mut pass;
+        dispatch!(self.level, simd => self.each_between_with(simd, ray, kind, pass))
     }
 
     #[inline(always)]
@@ -216,18 +237,8 @@ impl Accel {
     }
 
     #[inline(always)]
-    fn transmittance_with<S: Simd>(
-        &self,
-        simd: S,
-        ray: &Ray,
-        kind: RayKind,
-        opacity: &mut dyn FnMut(&Hit) -> f32,
-    ) -> f32 {
-        let mut left = 1.0;
-        let mut pass = |hit: Hit| {
-            left *= 1.0 - opacity(&hit);
-            if left <= 0.0 { ControlFlow::Break(()) } else { ControlFlow::Continue(()) }
-        };
+    fn each_between_with<S: Simd>(&self, simd: S, ray: &Ray, kind: RayKind, pass: &mut dyn FnMut(&Hit) -> bool) {
+        let mut pass = |hit: Hit| if pass(&hit) { ControlFlow::Continue(()) } else { ControlFlow::Break(()) };
         let here = TreeRay::new(ray.origin, ray.direction);
         let end = self.common.visit(
             simd,
@@ -264,7 +275,6 @@ impl Accel {
                 },
             );
         }
-        left
     }
 
     /// The ray in the object space of an instance, and how much longer distances are there; `None` where the ray

@@ -84,6 +84,18 @@ impl SurfacePoint {
     }
 }
 
+/// Where the facets of a brushed surface lie along, if nothing else is said: around the object's z axis, as in Blender.
+pub fn tangent_about_z(scene: &Scene, point: &SurfacePoint) -> Vec3A {
+    let instance = &scene.instances[point.instance as usize];
+    let mesh = mesh_of(scene, point.instance);
+    let [low, high] = mesh.bounds;
+    let local = Vec3::from(instance.to_object.transform_point3a(point.position));
+    // By the size of the object, which Blender takes for a unit.
+    let part = (local - 0.5 * (low + high)) / (high - low).max(Vec3::splat(1e-12));
+    let outward = instance.normal_to_render * Vec3A::new(-part.y, part.x, 0.0);
+    point.shading_normal.cross(outward.cross(point.shading_normal).normalize_or_zero())
+}
+
 /// A bound on what rounding does to a point on its way from object to render space and, as a ray's start, back:
 /// the sum of absolute values (Higham 2002, section 3.1), with room for interpolation and the ray's own transform.
 fn position_error(instance: &Instance, local: Vec3A) -> f32 {

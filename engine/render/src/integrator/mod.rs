@@ -6,10 +6,12 @@ pub mod path;
 use crate::accel::Accel;
 use crate::lights::{Lights, emission::Emission};
 use crate::scene::Scene;
-use crate::shading::{albedo::AlbedoTable, principled::PrincipledTables};
+use crate::scene::layer::Closure;
+use crate::scene::material::Input;
+use crate::shading::{energy, principled::PrincipledTables};
 use rayon::prelude::*;
 use std::collections::HashMap;
-use std::sync::{Arc, LazyLock};
+use std::sync::Arc;
 use std::time::Instant;
 
 /// How light is looked for.
@@ -64,9 +66,8 @@ impl Stage {
         };
         let lights = Lights::new(&scene);
         let emission = Emission::new(&scene, &lights, accel.bounds());
-        // The same for every scene.
-        static REFLECTION: LazyLock<Arc<AlbedoTable>> = LazyLock::new(|| Arc::new(AlbedoTable::reflection()));
-        let reflection = REFLECTION.clone();
+        let reflection = energy::reflection().clone();
+        indices(&scene).into_par_iter().for_each(energy::prepare);
         // One set of tables for each that differs, made in parallel.
         let mut representative: HashMap<_, usize> = HashMap::new();
         for (i, m) in scene.materials.iter().enumerate() {
@@ -80,4 +81,20 @@ impl Stage {
         let build_seconds = start.elapsed().as_secs_f64();
         Self { scene, accel, lights, emission, tables, build_seconds }
     }
+}
+
+/// The indices of refraction of all layers, as far as they stand still.
+fn indices(scene: &Scene) -> Vec<f32> {
+    let mut found = Vec::new();
+    for layer in scene.materials.iter().flat_map(|material| &material.layers) {
+        let inputs = match &layer.closure {
+            Closure::Glass { ior, .. } => vec![ior],
+            Closure::Principled(p) => vec![&p.ior, &p.coat_ior],
+            _ => continue,
+        };
+        found.extend(inputs.into_iter().filter_map(|i| if let Input::Constant(v) = i { Some(*v) } else { None }));
+    }
+    found.sort_by(f32::total_cmp);
+    found.dedup();
+    found
 }

@@ -11,9 +11,10 @@ pub use wave::Wave;
 
 use super::Stage;
 use crate::accel::{Hit, Ray, offset_origin};
-use crate::nodes;
+use crate::nodes::{self, Layers, Opening};
 use crate::sampler::PathSampler;
-use crate::surface::SurfacePoint;
+use crate::shading::mixture::Mixture;
+use crate::surface::{SurfacePoint, tangent_about_z};
 use crate::{Rgb, scene::Scene};
 use glam::Vec3A;
 
@@ -104,13 +105,29 @@ pub(super) fn leave(point: &SurfacePoint, d: glam::Vec3A) -> glam::Vec3A {
     offset_origin(point.position, if n.dot(d) < 0.0 { -n } else { n }, point.position_error)
 }
 
-/// The share of light that a surface stops, 0 to 1.
+/// How a surface lets light through unbent.
 #[inline]
-pub(super) fn opacity(scene: &Scene, hit: &Hit) -> f32 {
+pub(super) fn opening(scene: &Scene, hit: &Hit) -> Opening {
     let instance = &scene.instances[hit.instance as usize];
     let slot = scene.meshes[instance.mesh as usize].slot(hit.triangle);
     let material = &scene.materials[instance.material(slot) as usize];
-    if material.may_be_transparent() { nodes::alpha(scene, hit.instance, hit.triangle, [hit.u, hit.v]) } else { 1.0 }
+    if !material.may_be_transparent() {
+        return Opening::NONE;
+    }
+    nodes::opening(material, scene, hit.instance, hit.triangle, [hit.u, hit.v])
+}
+
+/// The layers of a surface as they scatter there.
+#[inline(never)]
+pub(super) fn mix(stage: &Stage, point: &SurfacePoint, wo: Vec3A, kept: f32, layers: &mut Layers) -> Mixture {
+    let material = &stage.scene.materials[point.material as usize];
+    nodes::layers(material, &stage.scene, point.instance, point.triangle, point.barycentric, layers);
+    let mut mixture = Mixture::new(point, wo, tangent_about_z(&stage.scene, point));
+    for (weight, closure) in layers.iter() {
+        mixture.add(*weight, closure, point.shading_normal);
+    }
+    mixture.finish(kept);
+    mixture
 }
 
 #[cfg(test)]

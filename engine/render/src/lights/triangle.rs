@@ -2,7 +2,7 @@
 
 use super::LightSample;
 use super::bounds::LightBounds;
-use crate::scene::{Scene, material::Input};
+use crate::scene::Scene;
 use crate::surface::{area_vector, geometric_normal, mesh_of};
 use crate::{Rgb, nodes, sampler::warp};
 use glam::{Vec3, Vec3A};
@@ -37,7 +37,7 @@ impl LitTriangle {
         let placed = &scene.instances[instance as usize];
         let mesh = mesh_of(scene, instance);
         let material = &scene.materials[placed.material(mesh.slot(triangle)) as usize];
-        let is_even = matches!(material.emission_color, Input::Constant(_)) && !material.may_be_transparent();
+        let is_even = material.emits_evenly();
         Self {
             instance,
             triangle,
@@ -77,8 +77,12 @@ impl LitTriangle {
         }
         let slot = mesh_of(scene, self.instance).slot(self.triangle);
         let material = &scene.materials[scene.instances[self.instance as usize].material(slot) as usize];
-        nodes::emission(material, scene, self.instance, self.triangle, barycentric)
-            * nodes::alpha(scene, self.instance, self.triangle, barycentric)
+        let emitted = nodes::emission(material, scene, self.instance, self.triangle, barycentric);
+        // The weights of layers hold what their transparency leaves.
+        if material.is_layered() {
+            return emitted;
+        }
+        emitted * nodes::alpha(scene, self.instance, self.triangle, barycentric)
     }
 
     /// Light at `from`.

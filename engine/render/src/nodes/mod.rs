@@ -2,6 +2,10 @@
 //!
 //! Knows textures and texture coordinates, not how the values are used.
 
+mod layers;
+
+pub use layers::{Layers, Opening, layers, opening};
+
 use crate::scene::material::{Channel, ImageInput, Input, Material};
 use crate::scene::mesh::Mesh;
 use crate::scene::texture::Texture;
@@ -92,7 +96,7 @@ pub fn evaluate(material: &Material, scene: &Scene, point: &SurfacePoint) -> Mat
     MaterialValues::within_range(base, metallic, roughness, value(&material.transmission))
 }
 
-/// The share of light that a surface point takes part in, 0 (nothing is there) to 1.
+/// The share of light that a point of a surface without layers takes part in, 0 (nothing is there) to 1.
 pub fn alpha(scene: &Scene, instance: u32, triangle: u32, barycentric: [f32; 2]) -> f32 {
     let mesh = mesh_of(scene, instance);
     let material = &scene.materials[scene.instances[instance as usize].material(mesh.slot(triangle)) as usize];
@@ -105,6 +109,9 @@ pub fn emission(material: &Material, scene: &Scene, instance: u32, triangle: u32
         return Rgb::ZERO;
     }
     let mesh = mesh_of(scene, instance);
+    if material.is_layered() {
+        return layers::emission(material, &scene.textures, mesh, triangle, barycentric);
+    }
     let color = colour(&material.emission_color, &scene.textures, mesh, triangle, barycentric);
     color.max(Rgb::ZERO) * material.emission_strength
 }

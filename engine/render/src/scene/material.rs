@@ -1,5 +1,6 @@
 //! Materials as described: Blender's Principled BSDF with constant or image-driven inputs.
 
+use super::layer::{Layer, MOST_LAYERS};
 use super::texture::{Extension, Interpolation};
 use crate::Rgb;
 
@@ -46,7 +47,7 @@ pub enum Input<T> {
 }
 
 impl<T> Input<T> {
-    fn texture(&self) -> Option<u32> {
+    pub(super) fn texture(&self) -> Option<u32> {
         match self {
             Self::Constant(_) => None,
             Self::Image(image) => Some(image.texture),
@@ -81,6 +82,9 @@ pub struct Material {
     pub emission_strength: f32,
     /// Whether the diffuse base has its dielectric coat; false is a plain Lambert surface.
     pub specular: bool,
+    /// What the surface is made of instead of all the above, where that cannot say it. The above is for most materials
+    /// all there is, and takes a shorter way.
+    pub layers: Vec<Layer>,
 }
 
 impl Material {
@@ -99,28 +103,49 @@ impl Material {
             emission_color: Input::Constant(Rgb::ONE),
             emission_strength: 0.0,
             specular: true,
+            layers: Vec::new(),
         }
     }
 
     /// The images that it uses.
     pub fn textures(&self) -> impl Iterator<Item = u32> + '_ {
+        let layered = self.layers.iter().flat_map(Layer::textures);
         let colours = [&self.base_color, &self.emission_color].map(Input::texture);
         let numbers = [&self.metallic, &self.roughness, &self.transmission, &self.alpha].map(Input::texture);
-        colours.into_iter().chain(numbers).flatten()
+        colours.into_iter().chain(numbers).flatten().chain(layered)
     }
 
     /// Whether any of its surface may emit.
     pub fn emits(&self) -> bool {
+        if self.is_layered() {
+            return self.layers.iter().any(Layer::emits);
+        }
         self.emission_strength != 0.0 && self.emission_color != Input::Constant(Rgb::ZERO)
     }
 
     /// Whether any of its surface may let light through unbent.
     pub fn may_be_transparent(&self) -> bool {
-        self.alpha != Input::Constant(1.0)
+        self.alpha != Input::Constant(1.0) || self.layers.iter().any(Layer::may_be_transparent)
+    }
+
+    /// Whether its layers say what it is made of.
+    #[inline]
+    pub fn is_layered(&self) -> bool {
+        !self.layers.is_empty()
+    }
+
+    /// Whether what it emits is the same everywhere on the surface.
+    pub fn emits_evenly(&self) -> bool {
+        if self.is_layered() {
+            return self.layers.iter().all(|layer| !layer.emits() || layer.is_constant());
+        }
+        matches!(self.emission_color, Input::Constant(_)) && !self.may_be_transparent()
     }
 
     /// Brings constants into the range that the shading is defined for.
     pub(super) fn sanitise(&mut self) {
+        self.layers.truncate(MOST_LAYERS);
+        self.layers.iter_mut().for_each(Layer::sanitise);
         let clean = |v: &mut f32, lo: f32, hi: f32, otherwise: f32| {
             *v = if v.is_nan() { otherwise } else { v.clamp(lo, hi) };
         };

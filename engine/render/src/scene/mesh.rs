@@ -39,6 +39,8 @@ pub struct Mesh {
     pub material_slots: Option<Vec<u32>>,
     /// `positions` a frame before and a frame after.
     pub moved_positions: Option<[Vec<Vec3>; 2]>,
+    /// The corners of the box that holds `positions`.
+    pub bounds: [Vec3; 2],
 }
 
 impl Mesh {
@@ -83,7 +85,10 @@ impl Mesh {
                 d.name
             )
         });
+        let finite = || d.positions.iter().filter(|p| p.is_finite());
+        let bounds = [finite().fold(Vec3::MAX, |a, b| a.min(*b)), finite().fold(Vec3::MIN, |a, b| a.max(*b))];
         let mut mesh = Self {
+            bounds,
             name: d.name,
             positions: d.positions,
             triangles: d.triangles,

@@ -2,6 +2,7 @@
 //! becomes an immutable [`Scene`] in render space. Nothing here knows how light moves or what a camera is.
 
 pub mod lamp;
+pub mod layer;
 pub mod material;
 pub mod mesh;
 pub mod texture;

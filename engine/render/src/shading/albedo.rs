@@ -3,6 +3,7 @@
 
 use super::fresnel;
 use super::microfacet::{Ggx, reflect, refract};
+use crate::Rgb;
 use glam::Vec3A;
 
 /// Steps of roughness and of the cosine. Twice as many change the white furnace by less than 0.001.
@@ -100,6 +101,15 @@ impl AlbedoTable {
             })
             .sum()
     }
+}
+
+/// The share of single scattering, `kept` at this angle and `average` over all, together with all that goes on between
+/// facets of mean reflectance `fresnel`, over single scattering alone (Turquin 2019, Kulla and Conty 2017).
+#[inline]
+pub fn give_back(fresnel: Rgb, kept: f32, average: f32) -> Rgb {
+    let kept = kept.clamp(1e-3, 1.0);
+    let fresnel = fresnel.clamp(Rgb::ZERO, Rgb::ONE);
+    Rgb::ONE + fresnel * average / (Rgb::ONE - fresnel * (1.0 - average)) * ((1.0 - kept) / kept)
 }
 
 #[cfg(test)]

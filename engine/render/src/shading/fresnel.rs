@@ -71,6 +71,25 @@ impl F82Tint {
     }
 }
 
+/// Reflectance of unpolarised light at a metal of index of refraction `n` and extinction coefficient `k`.
+pub fn conductor(cos_i: f32, n: Rgb, k: Rgb) -> Rgb {
+    let cos2 = cos_i * cos_i;
+    let sum = n * n + k * k;
+    let twice = n * (2.0 * cos_i);
+    let parallel = (sum * cos2 - twice + 1.0) / (sum * cos2 + twice + 1.0);
+    let perpendicular = (sum - twice + cos2) / (sum + twice + cos2);
+    0.5 * (parallel + perpendicular)
+}
+
+/// About the cosine-weighted average of [`conductor`]: that of the metal of [`F82Tint`] that agrees with it at normal
+/// incidence and at 82 degrees.
+pub fn conductor_average(n: Rgb, k: Rgb) -> Rgb {
+    let f0 = conductor(1.0, n, k);
+    let plain = F82Tint::new(f0, Rgb::ONE);
+    let tint = conductor(1.0 / 7.0, n, k) / plain.at(1.0 / 7.0);
+    F82Tint::new(f0, tint).average().clamp(Rgb::ZERO, Rgb::ONE)
+}
+
 /// The cosine-weighted average of [`dielectric`] for `eta` >= 1 and below: Kulla and Conty's fit (2017,
 /// "Revisiting Physically Based Shading at Imageworks").
 pub fn dielectric_average(eta: f32) -> f32 {

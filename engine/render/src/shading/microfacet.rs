@@ -7,7 +7,7 @@ use glam::Vec3A;
 use std::f32::consts::{PI, TAU};
 
 /// Facets narrower than this are a mirror: their densities leave single precision.
-const MIRROR_BELOW: f32 = 1e-4;
+pub(super) const MIRROR_BELOW: f32 = 1e-4;
 
 /// Isotropic GGX of width alpha.
 #[derive(Clone, Copy, Debug)]

@@ -1,9 +1,61 @@
-//! How a surface scatters light: Fresnel terms, microfacets, and Blender's Principled BSDF made of them.
+//! How a surface scatters light: Fresnel terms, microfacets and other lobes, Blender's Principled BSDF made of them, and
+//! mixtures of any closures.
 //!
 //! Each scattering model comes in three: sample, density, evaluate. Directions point away from the surface: `wo`
 //! to where the path came from, `wi` to where it goes (pbrt's words).
 
 pub mod albedo;
+pub mod energy;
 pub mod fresnel;
+mod layered;
+mod lobe;
 pub mod microfacet;
+pub mod mixture;
+pub mod normal;
 pub mod principled;
+
+use crate::Rgb;
+use glam::Vec3A;
+
+/// A direction to go on in.
+#[derive(Clone, Copy, Debug)]
+pub struct BsdfSample {
+    /// Unit, away from the surface.
+    pub wi: Vec3A,
+    /// BSDF times cosine over density.
+    pub weight: Rgb,
+    /// Density per steradian; meaningless where `mirror`.
+    pub pdf: f32,
+    /// A single direction, which no light sample can find.
+    pub mirror: bool,
+    /// Through the surface.
+    pub transmitted: bool,
+}
+
+/// What scatters light at one point seen from one direction.
+pub trait Scattering {
+    /// The normal that scattering is about, where light from behind it does not matter; `None` where light may
+    /// come through.
+    fn receiving_normal(&self) -> Option<Vec3A>;
+
+    /// Whether nothing but mirror lobes scatters here: no light sample can be of use.
+    fn is_mirror(&self) -> bool;
+
+    /// BSDF times cosine, and the density with which [`Scattering::sample`] chooses `wi`. Mirror lobes count nothing.
+    fn evaluate(&self, wi: Vec3A) -> (Rgb, f32);
+
+    /// A direction chosen roughly in proportion to what it scatters; `None` where the light ends here.
+    /// What the choice of the lobe leaves of `u_lobe` chooses between mirrored and refracted.
+    fn sample(&self, u_lobe: f32, u: [f32; 2]) -> Option<BsdfSample>;
+
+    /// What the mirror lobes together send along one mirrored or refracted direction, and the chance with which
+    /// [`Scattering::sample`] chooses it. For paths from the light, which know both ends of a mirror before they look at
+    /// it from the camera's side.
+    fn mirror(&self, transmitted: bool, wi: Vec3A) -> (Rgb, f32);
+
+    /// The index of refraction beyond the surface over that on the side of `wo`.
+    fn relative_index(&self) -> f32;
+
+    /// Cosine of a direction to the normal that scattering is about, on either side.
+    fn cosine(&self, d: Vec3A) -> f32;
+}

@@ -1,9 +1,10 @@
 //! Blender's Principled BSDF (4.x, 5.x): metal, glass, and a dielectric coat over a diffuse base, mixed in the
 //! order and with the energy bookkeeping that Cycles has, so that scenes look alike in both.
 
-use super::albedo::AlbedoTable;
+use super::albedo::{AlbedoTable, give_back};
 use super::fresnel::{self, F82Tint};
 use super::microfacet::{Ggx, reflect, refract};
+use super::{BsdfSample, Scattering, normal};
 use crate::nodes::MaterialValues;
 use crate::sampler::warp;
 use crate::scene::material::{Input, Material};
@@ -59,21 +60,6 @@ fn transmits(material: &Material) -> bool {
     material.transmission != Input::Constant(0.0)
 }
 
-/// A direction to go on in.
-#[derive(Clone, Copy, Debug)]
-pub struct BsdfSample {
-    /// Unit, away from the surface.
-    pub wi: Vec3A,
-    /// BSDF times cosine over density.
-    pub weight: Rgb,
-    /// Density per steradian; meaningless where `mirror`.
-    pub pdf: f32,
-    /// A single direction, which no light sample can find.
-    pub mirror: bool,
-    /// Through the surface.
-    pub transmitted: bool,
-}
-
 /// The BSDF of one point seen from one direction.
 pub struct Bsdf {
     frame: [Vec3A; 3],
@@ -97,7 +83,7 @@ struct Facets {
     lambda_o: f32,
     metal: F82Tint,
     metal_weight: Rgb,
-    glass_weight: f32,
+    glass_weight: Rgb,
     glass_tint: Rgb,
     glass_reflection_tint: Rgb,
     coat_weight: f32,
@@ -115,8 +101,7 @@ impl Bsdf {
         point: &SurfacePoint,
         wo: Vec3A,
     ) -> Self {
-        // Smooth normals may turn away from a viewer who sees the triangle.
-        let normal = if point.shading_normal.dot(wo) > 1e-4 { point.shading_normal } else { point.geometric_normal };
+        let normal = normal::reflecting(point.geometric_normal, point.shading_normal, wo);
         let frame = warp::frame(normal);
         let mut bsdf = Self {
             frame,
@@ -150,17 +135,13 @@ impl Bsdf {
         let dielectric = 1.0 - values.metallic;
         let opaque = dielectric * (1.0 - values.transmission);
         let has_coat = material.specular && opaque > 0.0;
-        // What single scattering loses is given back in proportion (Turquin 2019).
-        let lost = if values.metallic > 0.0 || has_coat {
-            let single = tables.reflection.at(r, cos).max(1e-3);
-            ((1.0 - single) / single, tables.reflection.average(r))
+        // What single scattering loses is given back in proportion.
+        let (single, average) = if values.metallic > 0.0 || has_coat {
+            (tables.reflection.at(r, cos), tables.reflection.average(r))
         } else {
-            (0.0, 1.0)
+            (1.0, 1.0)
         };
-        let restored = |fresnel_average: Rgb| -> Rgb {
-            let (missing, average) = lost;
-            Rgb::ONE + fresnel_average * average / (Rgb::ONE - fresnel_average * (1.0 - average)) * missing
-        };
+        let restored = |fresnel_average: Rgb| give_back(fresnel_average, single, average);
 
         let (mut metal, mut metal_weight, mut metal_chance) = (F82Tint::default(), Rgb::ZERO, 0.0);
         if values.metallic > 0.0 {
@@ -170,11 +151,15 @@ impl Bsdf {
         }
 
         let glass_chance = dielectric * values.transmission;
-        let (mut glass_weight, mut glass_tint) = (0.0, Rgb::ZERO);
+        let (mut glass_weight, mut glass_tint) = (Rgb::ZERO, Rgb::ZERO);
         if glass_chance > 0.0 {
-            let kept = tables.boundary.as_ref().map_or(1.0, |b| b[usize::from(backfacing)].at(r, cos));
-            glass_weight = glass_chance / kept.max(1e-3);
             glass_tint = Rgb::from(values.base_color.to_array().map(f32::sqrt));
+            // What passes is most of it.
+            let restored = tables.boundary.as_ref().map_or(Rgb::ONE, |b| {
+                let table = &b[usize::from(backfacing)];
+                give_back(glass_tint, table.at(r, cos), table.average(r))
+            });
+            glass_weight = restored * glass_chance;
         }
 
         let (mut coat_weight, mut coat_albedo) = (0.0, 0.0);
@@ -201,30 +186,6 @@ impl Bsdf {
             coat_f0: (tables.coat_f0 * material.specular_tint).min(Rgb::ONE),
             coat_eta: tables.coat_eta,
         });
-    }
-
-    /// The normal that scattering is about, where light from behind it does not matter; `None` where light may
-    /// come through.
-    pub fn receiving_normal(&self) -> Option<Vec3A> {
-        (self.chance[1] == 0.0).then_some(self.frame[2])
-    }
-
-    /// Whether nothing but mirror lobes scatters here: no light sample can be of use.
-    pub fn is_mirror(&self) -> bool {
-        self.chance[3] == 0.0 && self.facets.as_ref().is_none_or(|f| f.ggx.is_mirror())
-    }
-
-    /// BSDF times cosine, and the density with which [`Bsdf::sample`] chooses `wi`. Mirror lobes count nothing.
-    pub fn evaluate(&self, wi: Vec3A) -> (Rgb, f32) {
-        let above = self.geometric_normal.dot(wi) > 0.0;
-        if self.facets.is_some() {
-            return self.evaluate_local(warp::to_local(&self.frame, wi), above);
-        }
-        let cos = self.frame[2].dot(wi);
-        if !(above && cos > 0.0) {
-            return (Rgb::ZERO, 0.0);
-        }
-        (self.diffuse * (cos * FRAC_1_PI), self.chance[3] * warp::cosine_hemisphere_pdf(cos))
     }
 
     fn evaluate_local(&self, wi: Vec3A, above: bool) -> (Rgb, f32) {
@@ -267,9 +228,81 @@ impl Bsdf {
         (value, pdf)
     }
 
-    /// A direction chosen roughly in proportion to what it scatters; `None` where the light ends here.
-    /// What the choice of the lobe leaves of `u_lobe` chooses between mirrored and refracted.
-    pub fn sample(&self, u_lobe: f32, u: [f32; 2]) -> Option<BsdfSample> {
+    /// The facets where a light sample may find them.
+    #[inline]
+    fn rough_facets(&self) -> Option<&Facets> {
+        self.facets.as_ref().filter(|f| !f.ggx.is_mirror() && self.cos_o > 0.0)
+    }
+
+    /// What a facet met at that cosine reflects in all lobes, and the chance of reflecting there. A material seldom has
+    /// all lobes.
+    #[inline]
+    fn reflected(&self, f: &Facets, cos: f32) -> (Rgb, f32) {
+        let mut value = Rgb::ZERO;
+        let mut chance = self.chance[0] + self.chance[2];
+        if f.metal_weight != Rgb::ZERO {
+            value += f.metal.at(cos) * f.metal_weight;
+        }
+        if f.glass_weight != Rgb::ZERO {
+            let fresnel = fresnel::dielectric(cos, self.eta);
+            value += f.glass_reflection_tint * (f.glass_weight * fresnel);
+            chance += self.chance[1] * fresnel;
+        }
+        if f.coat_weight > 0.0 {
+            value += f.coat_fresnel(cos) * f.coat_weight;
+        }
+        (value, chance)
+    }
+
+    fn finish(&self, wi: Vec3A, transmit: bool) -> Option<BsdfSample> {
+        let world = warp::to_world(&self.frame, wi).normalize();
+        let above = self.geometric_normal.dot(world) > 0.0;
+        // A tilted facet can bend light back to the side it came from, or mirror it below the surface: that
+        // light would meet another facet, which the restored energy accounts for.
+        if above == transmit || (wi.z > 0.0) == transmit {
+            return None;
+        }
+        let (value, pdf) = self.evaluate_local(wi, above);
+        (pdf > 0.0 && value.is_finite() && pdf.is_finite()).then(|| BsdfSample {
+            wi: world,
+            weight: value / pdf,
+            pdf,
+            mirror: false,
+            transmitted: !above,
+        })
+    }
+
+    /// The same where the surface is diffuse and nothing else: density and value are one but for the colour.
+    fn finish_lambert(&self, wi: Vec3A) -> Option<BsdfSample> {
+        let world = warp::to_world(&self.frame, wi).normalize();
+        let seen = wi.z > 0.0 && self.geometric_normal.dot(world) > 0.0;
+        let pdf = warp::cosine_hemisphere_pdf(wi.z);
+        seen.then_some(BsdfSample { wi: world, weight: self.diffuse, pdf, mirror: false, transmitted: false })
+    }
+}
+
+impl Scattering for Bsdf {
+    fn receiving_normal(&self) -> Option<Vec3A> {
+        (self.chance[1] == 0.0).then_some(self.frame[2])
+    }
+
+    fn is_mirror(&self) -> bool {
+        self.chance[3] == 0.0 && self.facets.as_ref().is_none_or(|f| f.ggx.is_mirror())
+    }
+
+    fn evaluate(&self, wi: Vec3A) -> (Rgb, f32) {
+        let above = self.geometric_normal.dot(wi) > 0.0;
+        if self.facets.is_some() {
+            return self.evaluate_local(warp::to_local(&self.frame, wi), above);
+        }
+        let cos = self.frame[2].dot(wi);
+        if !(above && cos > 0.0) {
+            return (Rgb::ZERO, 0.0);
+        }
+        (self.diffuse * (cos * FRAC_1_PI), self.chance[3] * warp::cosine_hemisphere_pdf(cos))
+    }
+
+    fn sample(&self, u_lobe: f32, u: [f32; 2]) -> Option<BsdfSample> {
         if self.cos_o <= 0.0 {
             return None;
         }
@@ -309,10 +342,7 @@ impl Bsdf {
         (above != transmit).then_some(BsdfSample { wi: world, weight, pdf: 0.0, mirror: true, transmitted: transmit })
     }
 
-    /// What the mirror lobes together send along one mirrored or refracted direction, and the chance with which
-    /// [`Bsdf::sample`] chooses it. For paths from the light, which know both ends of a mirror before they look at it
-    /// from the camera's side.
-    pub fn mirror(&self, transmitted: bool) -> (Rgb, f32) {
+    fn mirror(&self, transmitted: bool, _wi: Vec3A) -> (Rgb, f32) {
         let Some(f) = self.facets.as_ref().filter(|f| self.cos_o > 0.0 && f.ggx.is_mirror()) else {
             return (Rgb::ZERO, 0.0);
         };
@@ -324,66 +354,12 @@ impl Bsdf {
         }
     }
 
-    /// The facets where a light sample may find them.
-    #[inline]
-    fn rough_facets(&self) -> Option<&Facets> {
-        self.facets.as_ref().filter(|f| !f.ggx.is_mirror() && self.cos_o > 0.0)
-    }
-
-    /// What a facet met at that cosine reflects in all lobes, and the chance of reflecting there. A material seldom has
-    /// all lobes.
-    #[inline]
-    fn reflected(&self, f: &Facets, cos: f32) -> (Rgb, f32) {
-        let mut value = Rgb::ZERO;
-        let mut chance = self.chance[0] + self.chance[2];
-        if f.metal_weight != Rgb::ZERO {
-            value += f.metal.at(cos) * f.metal_weight;
-        }
-        if f.glass_weight > 0.0 {
-            let fresnel = fresnel::dielectric(cos, self.eta);
-            value += f.glass_reflection_tint * (f.glass_weight * fresnel);
-            chance += self.chance[1] * fresnel;
-        }
-        if f.coat_weight > 0.0 {
-            value += f.coat_fresnel(cos) * f.coat_weight;
-        }
-        (value, chance)
-    }
-
-    /// The index of refraction beyond the surface over that on the side of `wo`.
-    pub fn relative_index(&self) -> f32 {
+    fn relative_index(&self) -> f32 {
         self.eta
     }
 
-    /// Cosine of a direction to the normal that scattering is about, on either side.
-    pub fn cosine(&self, d: Vec3A) -> f32 {
+    fn cosine(&self, d: Vec3A) -> f32 {
         self.frame[2].dot(d).abs()
-    }
-
-    fn finish(&self, wi: Vec3A, transmit: bool) -> Option<BsdfSample> {
-        let world = warp::to_world(&self.frame, wi).normalize();
-        let above = self.geometric_normal.dot(world) > 0.0;
-        // A tilted facet can bend light back to the side it came from, or mirror it below the surface: that
-        // light would meet another facet, which the restored energy accounts for.
-        if above == transmit || (wi.z > 0.0) == transmit {
-            return None;
-        }
-        let (value, pdf) = self.evaluate_local(wi, above);
-        (pdf > 0.0 && value.is_finite() && pdf.is_finite()).then(|| BsdfSample {
-            wi: world,
-            weight: value / pdf,
-            pdf,
-            mirror: false,
-            transmitted: !above,
-        })
-    }
-
-    /// The same where the surface is diffuse and nothing else: density and value are one but for the colour.
-    fn finish_lambert(&self, wi: Vec3A) -> Option<BsdfSample> {
-        let world = warp::to_world(&self.frame, wi).normalize();
-        let seen = wi.z > 0.0 && self.geometric_normal.dot(world) > 0.0;
-        let pdf = warp::cosine_hemisphere_pdf(wi.z);
-        seen.then_some(BsdfSample { wi: world, weight: self.diffuse, pdf, mirror: false, transmitted: false })
     }
 }
 

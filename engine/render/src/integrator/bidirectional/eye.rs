@@ -5,9 +5,10 @@ use super::weights::{Partial, squared, weight};
 use super::{CameraEnd, is_dark};
 use crate::accel::{Hit, Ray, RayKind};
 use crate::integrator::Stage;
-use crate::integrator::path::{CAMERA_SETS, FirstSurface, Limits, PathResult, SURE_BOUNCES, opacity};
+use crate::integrator::path::{CAMERA_SETS, FirstSurface, Limits, PathResult, SURE_BOUNCES, opening};
 use crate::lights::receiver::Receiver;
 use crate::sampler::PathSampler;
+use crate::shading::Scattering;
 use crate::surface::SurfacePoint;
 use crate::{Rgb, nodes};
 use glam::Vec3A;
@@ -29,6 +30,7 @@ pub(super) fn trace(
     for bounce in 0.. {
         let kind = if bounce == 0 { RayKind::Camera } else { RayKind::Bounce };
         let stretch = walk.follow(ray, kind, |_, _| true);
+        carried *= stretch.through;
         let met = Met { stage, ray: &ray, bounce, partial };
         met.lamps(stretch.distance, |light| {
             result.radiance += limits.clamp(carried * light, bounce);
@@ -45,7 +47,8 @@ pub(super) fn trace(
             result.first = Some(FirstSurface::from(&point));
         }
         if material(stage, &point).emits() {
-            result.radiance += limits.clamp(carried * met.surface(&point, &hit, stretch.distance), bounce);
+            result.radiance +=
+                limits.clamp(carried * met.surface(&point, &hit, stretch.distance) * stretch.kept, bounce);
         }
         let cos_in = point.geometric_normal.dot(ray.direction).abs();
         if bounce > limits.max_bounces || cos_in <= 0.0 {
@@ -57,7 +60,7 @@ pub(super) fn trace(
         } else {
             partial.arrived(stretch.distance, cos_in)
         };
-        let vertex = Vertex::new(stage, point, -ray.direction, carried, partial);
+        let vertex = Vertex::new(stage, (point, stretch.kept), -ray.direction, carried, partial);
         let [u0, u1, u2, u3] = walk.sampler.next_4d();
         if !vertex.bsdf.is_mirror() {
             let found = direct(stage, &vertex, stretch.u_light, [u0, u1], &mut walk.rays);
@@ -158,7 +161,7 @@ fn direct(stage: &Stage, vertex: &Vertex, u_choice: f32, u: [f32; 2], rays: &mut
     *rays += 1;
     let mut ray = vertex.ray(light.wi);
     ray.t_max = light.distance;
-    found * stage.accel.transmittance(&ray, |hit| opacity(scene, hit))
+    found * stage.accel.light_through(&ray, RayKind::Shadow, |hit| opening(scene, hit).light)
 }
 
 /// What a place on a light path sends to one on the camera's path.
@@ -189,6 +192,6 @@ fn connect(stage: &Stage, eye: &Vertex, light: &Vertex, rays: &mut u32) -> Rgb {
     *rays += 1;
     // Both ends stand clear of their surfaces.
     let ray = Ray { origin, direction: gap.normalize_or(d), t_max: gap.length() };
-    let open = stage.accel.transmittance_of(&ray, RayKind::Bounce, |hit| opacity(&stage.scene, hit));
-    found * (weight(others) * open)
+    let open = stage.accel.light_through(&ray, RayKind::Bounce, |hit| opening(&stage.scene, hit).light);
+    found * weight(others) * open
 }

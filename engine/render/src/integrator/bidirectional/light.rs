@@ -7,8 +7,9 @@ use crate::Rgb;
 use crate::accel::{Hit, RayKind};
 use crate::camera::from_scene::Landed;
 use crate::integrator::Stage;
-use crate::integrator::path::{Limits, SURE_BOUNCES, opacity};
+use crate::integrator::path::{Limits, SURE_BOUNCES, opening};
 use crate::sampler::PathSampler;
+use crate::shading::Scattering;
 
 /// Sets of four numbers before the light path's first step.
 const LIGHT_SETS: u32 = 2;
@@ -56,10 +57,11 @@ pub(super) fn trace(stage: &Stage, limits: &Limits, mut sampler: PathSampler, pa
         } else {
             partial.arrived(stretch.distance, cos_in)
         };
+        carried *= stretch.through;
         if is_dark(carried) {
             break;
         }
-        let vertex = Vertex::new(stage, point, back, carried, partial);
+        let vertex = Vertex::new(stage, (point, stretch.kept), back, carried, partial);
         let next = scatter(stage, &vertex, &stretch, &mut walk.sampler);
         ray = vertex.ray(next.as_ref().map_or(back, |n| n.direction));
         path.push(vertex);
@@ -100,8 +102,8 @@ fn scatter(
         return Some(Scattered { direction: d, carried: sent / next.pdf, partial });
     }
     let towards_camera = vertex.seen_from(stage, d);
-    let (value, _) = towards_camera.mirror(next.transmitted);
-    let (_, chance) = vertex.bsdf.mirror(next.transmitted);
+    let (value, _) = towards_camera.mirror(next.transmitted, vertex.back);
+    let (_, chance) = vertex.bsdf.mirror(next.transmitted, d);
     // Radiance is not scaled where the path tracer bends it; a beam's solid angle is, so its power must be.
     let bent = if next.transmitted { towards_camera.relative_index().powi(2) } else { 1.0 };
     let shading = towards_camera.cosine(vertex.back) / towards_camera.cosine(d).max(1e-6);
@@ -145,7 +147,7 @@ pub(super) fn splat(
         rays += 1;
         let mut ray = vertex.ray(d);
         ray.t_max = lens.distance_from(ray.origin, d);
-        let open = stage.accel.transmittance_of(&ray, RayKind::Camera, |hit| opacity(&stage.scene, hit));
+        let open = stage.accel.light_through(&ray, RayKind::Camera, |hit| opening(&stage.scene, hit).light);
         let light = light * open;
         if is_dark(light) {
             continue;

@@ -3,10 +3,12 @@
 use super::weights::Partial;
 use crate::accel::{Hit, Ray, RayKind, offset_origin};
 use crate::integrator::Stage;
-use crate::integrator::path::{MOST_STEPS, leave, opacity};
-use crate::nodes::{self, MaterialValues};
+use crate::integrator::path::{MOST_STEPS, leave, mix, opening};
+use crate::nodes::{self, Layers, MaterialValues};
 use crate::sampler::PathSampler;
+use crate::shading::mixture::Mixture;
 use crate::shading::principled::Bsdf;
+use crate::shading::{BsdfSample, Scattering};
 use crate::surface::SurfacePoint;
 use crate::{Rgb, scene::material::Material};
 use glam::Vec3A;
@@ -19,8 +21,10 @@ pub(super) struct Vertex {
     /// Seen from the side that made it.
     pub(super) point: SurfacePoint,
     values: MaterialValues,
+    /// What it counts, over the chance that it was not passed.
+    kept: f32,
     /// Seen from there.
-    pub(super) bsdf: Bsdf,
+    pub(super) bsdf: Surface,
     /// Unit direction to where the path came from.
     pub(super) back: Vec3A,
     /// From the camera: what radiance that leaves towards it counts. From the light: the power that arrives.
@@ -29,15 +33,16 @@ pub(super) struct Vertex {
 }
 
 impl Vertex {
-    pub(super) fn new(stage: &Stage, point: SurfacePoint, back: Vec3A, carried: Rgb, partial: Partial) -> Self {
+    pub(super) fn new(stage: &Stage, met: (SurfacePoint, f32), back: Vec3A, carried: Rgb, partial: Partial) -> Self {
+        let (point, kept) = met;
         let values = nodes::evaluate(material(stage, &point), &stage.scene, &point);
-        let bsdf = bsdf(stage, &values, &point, back);
-        Self { point, values, bsdf, back, carried, partial }
+        let bsdf = Surface::new(stage, &values, kept, &point, back);
+        Self { point, values, kept, bsdf, back, carried, partial }
     }
 
     /// The scattering there, seen from the other end of `d`.
-    pub(super) fn seen_from(&self, stage: &Stage, d: Vec3A) -> Bsdf {
-        bsdf(stage, &self.values, &self.point.seen_from(d), d)
+    pub(super) fn seen_from(&self, stage: &Stage, d: Vec3A) -> Surface {
+        Surface::new(stage, &self.values, self.kept, &self.point.seen_from(d), d)
     }
 
     /// Cosine to the triangle's own normal.
@@ -61,8 +66,63 @@ impl Vertex {
     }
 }
 
-fn bsdf(stage: &Stage, values: &MaterialValues, point: &SurfacePoint, wo: Vec3A) -> Bsdf {
-    Bsdf::new(material(stage, point), values, &stage.tables[point.material as usize], point, wo)
+/// What scatters at a vertex.
+// Vertices are kept one after the other, and most materials of a scene are of the small kind.
+#[allow(clippy::large_enum_variant)]
+pub(super) enum Surface {
+    /// A material without layers.
+    One(Bsdf),
+    Layers(Mixture),
+}
+
+impl Surface {
+    fn new(stage: &Stage, values: &MaterialValues, kept: f32, point: &SurfacePoint, wo: Vec3A) -> Self {
+        let material = material(stage, point);
+        if material.is_layered() {
+            return Self::Layers(mix(stage, point, wo, kept, &mut Layers::new()));
+        }
+        Self::One(Bsdf::new(material, values, &stage.tables[point.material as usize], point, wo))
+    }
+}
+
+/// The same question to either.
+macro_rules! ask {
+    ($surface:expr, $bsdf:ident => $answer:expr) => {
+        match $surface {
+            Surface::One($bsdf) => $answer,
+            Surface::Layers($bsdf) => $answer,
+        }
+    };
+}
+
+impl Scattering for Surface {
+    fn receiving_normal(&self) -> Option<Vec3A> {
+        ask!(self, bsdf => bsdf.receiving_normal())
+    }
+
+    fn is_mirror(&self) -> bool {
+        ask!(self, bsdf => bsdf.is_mirror())
+    }
+
+    fn evaluate(&self, wi: Vec3A) -> (Rgb, f32) {
+        ask!(self, bsdf => bsdf.evaluate(wi))
+    }
+
+    fn sample(&self, u_lobe: f32, u: [f32; 2]) -> Option<BsdfSample> {
+        ask!(self, bsdf => bsdf.sample(u_lobe, u))
+    }
+
+    fn mirror(&self, transmitted: bool, wi: Vec3A) -> (Rgb, f32) {
+        ask!(self, bsdf => bsdf.mirror(transmitted, wi))
+    }
+
+    fn relative_index(&self) -> f32 {
+        ask!(self, bsdf => bsdf.relative_index())
+    }
+
+    fn cosine(&self, d: Vec3A) -> f32 {
+        ask!(self, bsdf => bsdf.cosine(d))
+    }
 }
 
 pub(super) fn material<'a>(stage: &'a Stage, point: &SurfacePoint) -> &'a Material {
@@ -75,6 +135,10 @@ pub(super) struct Stretch {
     pub(super) end: Option<(SurfacePoint, Hit)>,
     /// From its start; infinite where it leaves the scene.
     pub(super) distance: f32,
+    /// What the surfaces that it passed left of its light, over the chance of passing them.
+    pub(super) through: Rgb,
+    /// What the surface at its end counts, over the chance that it was not passed.
+    pub(super) kept: f32,
     /// Numbers for what happens at its end.
     pub(super) u_end: f32,
     pub(super) u_light: f32,
@@ -96,6 +160,7 @@ impl Walk<'_> {
     pub(super) fn follow(&mut self, ray: Ray, kind: RayKind, stops: impl Fn(&Hit, f32) -> bool) -> Stretch {
         let mut ray = ray;
         let mut distance = 0.0;
+        let mut through = Rgb::ONE;
         while self.step < MOST_STEPS {
             self.rays += 1;
             let Some(hit) = self.stage.accel.closest(&ray, kind) else { break };
@@ -104,13 +169,17 @@ impl Walk<'_> {
             let point = SurfacePoint::new(&self.stage.scene, &hit, ray.direction);
             let [u_alpha, u_end, u_light, u_lobe] = self.sampler.next_4d();
             distance += hit.t;
-            let opacity = opacity(&self.stage.scene, &hit);
-            if u_alpha < opacity && stops(&hit, u_alpha / opacity) {
-                return Stretch { end: Some((point, hit)), distance, u_end, u_light, u_lobe };
+            let opening = opening(&self.stage.scene, &hit);
+            let stays = 1.0 - opening.chance;
+            if u_alpha >= stays {
+                through *= opening.light / opening.chance;
+            } else if stops(&hit, u_alpha / stays) {
+                let (end, kept) = (Some((point, hit)), opening.kept);
+                return Stretch { end, distance, through, kept, u_end, u_light, u_lobe };
             }
             let origin = offset_origin(point.position, -point.geometric_normal, point.position_error);
             ray = Ray::new(origin, ray.direction);
         }
-        Stretch { end: None, distance: f32::INFINITY, u_end: 0.0, u_light: 0.0, u_lobe: 0.0 }
+        Stretch { end: None, distance: f32::INFINITY, through, kept: 1.0, u_end: 0.0, u_light: 0.0, u_lobe: 0.0 }
     }
 }

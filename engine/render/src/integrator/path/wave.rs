@@ -2,13 +2,14 @@
 //! order of their materials, then all shadow rays are traced. Each step does one kind of work on memory that stays in
 //! the cache. What a path finds does not depend on which others go with it.
 
-use super::{CAMERA_SETS, FirstSurface, Limits, MOST_STEPS, PathResult, SETS_PER_STEP, leave, opacity};
+use super::{CAMERA_SETS, FirstSurface, Limits, MOST_STEPS, PathResult, SETS_PER_STEP, leave, mix, opening};
 use crate::Rgb;
 use crate::accel::{Hit, Ray, RayKind, offset_origin};
 use crate::integrator::Stage;
 use crate::lights::{LightSample, receiver::Receiver};
-use crate::nodes;
+use crate::nodes::{self, Layers};
 use crate::sampler::PathSampler;
+use crate::shading::Scattering;
 use crate::shading::principled::Bsdf;
 use crate::surface::SurfacePoint;
 use glam::Vec3A;
@@ -31,6 +32,7 @@ pub struct Wave {
     shadows: Vec<Shadow>,
     /// By path, whether it goes on.
     is_alive: Vec<bool>,
+    layers: Layers,
 }
 
 /// One path under way.
@@ -50,6 +52,8 @@ struct Path {
 struct Meeting {
     path: u32,
     point: SurfacePoint,
+    /// What it counts, over the chance that it was not passed.
+    kept: f32,
     /// To end by chance, for the light, and for the lobe.
     u: [f32; 3],
 }
@@ -160,7 +164,9 @@ impl Wave {
             path.sampler.jump_to(CAMERA_SETS + step * SETS_PER_STEP);
             let point = SurfacePoint::new(&stage.scene, hit, path.ray.direction);
             let [u_alpha, u_end, u_light, u_lobe] = path.sampler.next_4d();
-            if u_alpha >= opacity(&stage.scene, hit) {
+            let opening = opening(&stage.scene, hit);
+            if u_alpha >= 1.0 - opening.chance {
+                path.throughput *= opening.light / opening.chance;
                 path.travelled += hit.t;
                 let origin = offset_origin(point.position, -point.geometric_normal, point.position_error);
                 path.ray = Ray::new(origin, path.ray.direction);
@@ -172,9 +178,10 @@ impl Wave {
             if result.first.is_none() {
                 result.first = Some(FirstSurface::from(&point));
             }
-            path.emission(stage, limits, hit, &point, result);
+            path.emission(stage, limits, hit, &point, opening.kept, result);
             if path.bounce <= limits.max_bounces {
-                self.meetings.push(Meeting { path: i, point, u: [u_end, u_light, u_lobe] });
+                let kept = opening.kept;
+                self.meetings.push(Meeting { path: i, point, kept, u: [u_end, u_light, u_lobe] });
             }
         }
     }
@@ -218,51 +225,65 @@ impl Wave {
         // What is the same for all meetings on a material, which come one after the other.
         let mut current = u32::MAX;
         let mut constants = None;
-        for &number in &self.order {
-            let Meeting { path: i, point, u: [u_end, u_light, u_lobe] } = &self.meetings[number as usize];
-            let path = &mut self.paths[*i as usize];
+        for number in 0..self.order.len() {
+            let meeting = self.order[number] as usize;
+            let Meeting { path, point, kept, .. } = &self.meetings[meeting];
             if point.material != current {
                 current = point.material;
                 material = &stage.scene.materials[current as usize];
                 tables = &stage.tables[current as usize];
                 constants = nodes::constants(material);
             }
-            let values = constants.unwrap_or_else(|| nodes::evaluate(material, &stage.scene, point));
-            let bsdf = Bsdf::new(material, &values, tables, point, -path.ray.direction);
-            let to = stage.lights.receiver(point.position, bsdf.receiving_normal(), limits.openness);
-            let [u0, u1, u2, u3] = path.sampler.next_4d();
-            if !bsdf.is_mirror()
-                && let Some(light) = stage.lights.sample(&stage.scene, &to, *u_light, [u0, u1])
-            {
-                let found = path.throughput * direct(&bsdf, &light);
-                if !light.cast_shadow {
-                    self.results[*i as usize].radiance += limits.clamp(found, path.bounce);
-                } else if found != Rgb::ZERO {
-                    let origin = leave(point, light.wi);
-                    let ray = Ray { origin, direction: light.wi, t_max: light.distance };
-                    self.shadows.push(Shadow { path: *i, ray, light: found, bounce: path.bounce });
-                }
+            let wo = -self.paths[*path as usize].ray.direction;
+            if material.is_layered() {
+                let mixture = mix(stage, point, wo, *kept, &mut self.layers);
+                self.go_on(stage, limits, meeting, &mixture);
+            } else {
+                let values = constants.unwrap_or_else(|| nodes::evaluate(material, &stage.scene, point));
+                let bsdf = Bsdf::new(material, &values, tables, point, wo);
+                self.go_on(stage, limits, meeting, &bsdf);
             }
-            let Some(next) = bsdf.sample(*u_lobe, [u2, u3]) else { continue };
-            path.throughput *= next.weight;
-            path.bounce += 1;
-            let brightest = path.throughput.max_element();
-            if brightest <= 0.0 {
-                continue;
-            }
-            let go_on = brightest * limits.roulette;
-            if go_on < 1.0 {
-                if *u_end >= go_on {
-                    continue;
-                }
-                path.throughput /= go_on;
-            }
-            path.chosen = if next.mirror { Chosen::Alone } else { Chosen::WithPdf(next.pdf, to) };
-            path.travelled = 0.0;
-            path.ray = Ray::new(leave(point, next.wi), next.wi);
-            path.start = path.ray.origin;
-            self.is_alive[*i as usize] = true;
         }
+    }
+
+    /// A light sample at a meeting, and a direction.
+    #[inline(always)]
+    fn go_on(&mut self, stage: &Stage, limits: &Limits, meeting: usize, bsdf: &impl Scattering) {
+        let Meeting { path: i, point, u: [u_end, u_light, u_lobe], .. } = &self.meetings[meeting];
+        let path = &mut self.paths[*i as usize];
+        let to = stage.lights.receiver(point.position, bsdf.receiving_normal(), limits.openness);
+        let [u0, u1, u2, u3] = path.sampler.next_4d();
+        if !bsdf.is_mirror()
+            && let Some(light) = stage.lights.sample(&stage.scene, &to, *u_light, [u0, u1])
+        {
+            let found = path.throughput * direct(bsdf, &light);
+            if !light.cast_shadow {
+                self.results[*i as usize].radiance += limits.clamp(found, path.bounce);
+            } else if found != Rgb::ZERO {
+                let origin = leave(point, light.wi);
+                let ray = Ray { origin, direction: light.wi, t_max: light.distance };
+                self.shadows.push(Shadow { path: *i, ray, light: found, bounce: path.bounce });
+            }
+        }
+        let Some(next) = bsdf.sample(*u_lobe, [u2, u3]) else { return };
+        path.throughput *= next.weight;
+        path.bounce += 1;
+        let brightest = path.throughput.max_element();
+        if brightest <= 0.0 {
+            return;
+        }
+        let go_on = brightest * limits.roulette;
+        if go_on < 1.0 {
+            if *u_end >= go_on {
+                return;
+            }
+            path.throughput /= go_on;
+        }
+        path.chosen = if next.mirror { Chosen::Alone } else { Chosen::WithPdf(next.pdf, to) };
+        path.travelled = 0.0;
+        path.ray = Ray::new(leave(point, next.wi), next.wi);
+        path.start = path.ray.origin;
+        self.is_alive[*i as usize] = true;
     }
 
     /// Adds the light whose way is free, as far as it is.
@@ -270,7 +291,7 @@ impl Wave {
         for Shadow { path, ray, light, bounce } in &self.shadows {
             let result = &mut self.results[*path as usize];
             result.rays += 1;
-            let free = stage.accel.transmittance(ray, |hit| opacity(&stage.scene, hit));
+            let free = stage.accel.light_through(ray, RayKind::Shadow, |hit| opening(&stage.scene, hit).light);
             result.radiance += limits.clamp(*light * free, *bounce);
         }
     }
@@ -302,12 +323,20 @@ impl Path {
     }
 
     /// Adds the light of the surface that the ray meets.
-    fn emission(&self, stage: &Stage, limits: &Limits, hit: &Hit, point: &SurfacePoint, result: &mut PathResult) {
+    fn emission(
+        &self,
+        stage: &Stage,
+        limits: &Limits,
+        hit: &Hit,
+        point: &SurfacePoint,
+        kept: f32,
+        result: &mut PathResult,
+    ) {
         let material = &stage.scene.materials[point.material as usize];
         if !material.emits() {
             return;
         }
-        let radiance = nodes::emission(material, &stage.scene, hit.instance, hit.triangle, point.barycentric);
+        let radiance = nodes::emission(material, &stage.scene, hit.instance, hit.triangle, point.barycentric) * kept;
         let cos = -point.geometric_normal.dot(self.ray.direction);
         let pdf = self
             .chosen
@@ -318,7 +347,7 @@ impl Path {
 }
 
 /// Light from one sample that a surface scatters along the path, if nothing stands in between.
-fn direct(bsdf: &Bsdf, light: &LightSample) -> Rgb {
+fn direct(bsdf: &impl Scattering, light: &LightSample) -> Rgb {
     let (value, pdf) = bsdf.evaluate(light.wi);
     let weight = if light.point_like { 1.0 } else { power_heuristic(light.pdf, pdf) };
     let contribution = value * light.radiance * (weight / light.pdf);

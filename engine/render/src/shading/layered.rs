@@ -1,0 +1,130 @@
+//! Principled with all its sockets, as lobes of a mixture: sheen over coat over metal, glass, and a dielectric over its
+//! diffuse base, each leaving to those below what it does not scatter, in the order and with the energy bookkeeping of
+//! Cycles.
+
+use super::energy;
+use super::fresnel;
+use super::lobe::{Fresnel, Lobe};
+use super::mixture::{Mixture, mean_roughness, metal, slopes, stretched};
+use crate::Rgb;
+use crate::scene::layer::{Distribution, MetalKind, Principled};
+use glam::Vec3A;
+
+/// Weights that count.
+const LEAST: f32 = 1e-5;
+
+impl Mixture {
+    /// All of it about one normal; what its alpha lets through is counted elsewhere.
+    pub(super) fn add_principled(&mut self, weight: f32, p: &Principled<Rgb, f32>, normal: Vec3A) {
+        let here = self.here;
+        let mut left = Rgb::splat(weight * p.alpha.clamp(0.0, 1.0));
+        let distribution = if p.multiscatter { Distribution::MultiscatterGgx } else { Distribution::Ggx };
+        let base = p.base_color.clamp(Rgb::ZERO, Rgb::ONE);
+        let tint = p.specular_tint.max(Rgb::ZERO);
+        let facing = here.reflecting(normal);
+        let cos = facing.dot(here.wo);
+        let alpha = stretched(p.roughness, p.anisotropic);
+
+        if p.sheen_weight > LEAST {
+            let tinted = left * p.sheen_tint.max(Rgb::ZERO) * p.sheen_weight;
+            if let Some(cloth) = Lobe::microfiber(tinted, p.sheen_roughness, normal, here.wo) {
+                left = beneath(left, cloth.weight);
+                self.push(cloth);
+            }
+        }
+        if p.coat_weight > LEAST {
+            left = self.add_coat(left, p, facing);
+        }
+        let metallic = p.metallic.clamp(0.0, 1.0);
+        if metallic > LEAST {
+            let (law, average) = metal(MetalKind::Tinted, base, tint.min(Rgb::ONE));
+            let restored = here.restored(alpha, facing, distribution, || average);
+            let frame = here.frame(facing, p.anisotropic_rotation);
+            let albedo = law.at(cos, 1.0).0;
+            self.push(here.facets(left * metallic * restored, albedo, alpha, distribution, law, frame));
+            left *= 1.0 - metallic;
+        }
+        let transmission = p.transmission.clamp(0.0, 1.0);
+        if transmission > LEAST {
+            let f0 = tint * fresnel::f0_from_ior(p.ior.max(1e-5));
+            let tints = [Rgb::ONE, Rgb::from(base.to_array().map(f32::sqrt))];
+            let mut glass = here.glass(transmission, tints, f0, p.roughness, p.ior, distribution, normal);
+            glass.weight *= left;
+            glass.chance *= left.element_sum() / 3.0;
+            self.push(glass);
+            left *= 1.0 - transmission;
+        }
+        left = self.add_dielectric(left, p, tint, facing, alpha, distribution);
+        self.push(Lobe::oren_nayar(left * p.base_color.max(Rgb::ZERO), base, p.diffuse_roughness, normal, here.wo));
+    }
+
+    /// The clear coat; gives what is left below it.
+    fn add_coat(&mut self, left: Rgb, p: &Principled<Rgb, f32>, normal: Vec3A) -> Rgb {
+        let here = self.here;
+        let eta = p.coat_ior.max(1.0);
+        let roughness = p.coat_roughness.clamp(0.0, 1.0);
+        let alpha = [roughness * roughness; 2];
+        let cos = normal.dot(here.wo);
+        let f0 = fresnel::f0_from_ior(eta);
+        let average = Rgb::splat(fresnel::dielectric_average(eta));
+        let weight = left * p.coat_weight * here.restored(alpha, normal, Distribution::MultiscatterGgx, || average);
+        let albedo = single_kept(alpha, cos) * (f0 + (1.0 - f0) * energy::rise(eta, roughness, cos));
+        let law = Fresnel::Dielectric { f0: Rgb::splat(f0), reflection: Rgb::ONE, transmission: Rgb::ZERO };
+        let slopes = slopes(alpha, Distribution::MultiscatterGgx);
+        let albedo = Rgb::splat(albedo);
+        self.push(Lobe::facets(weight, albedo, slopes, law, eta, here.frame(normal, 0.0), here.wo));
+        let below = beneath(left, weight * albedo);
+        // Beer's law over the way through a coat of thickness 1 that bends the ray.
+        let bent = (1.0 - (1.0 - cos * cos) / (eta * eta)).max(1e-6).sqrt();
+        let tint = Rgb::from(p.coat_tint.max(Rgb::ZERO).to_array().map(|t| t.powf(1.0 / bent)));
+        below * (Rgb::ONE + (tint - Rgb::ONE) * p.coat_weight)
+    }
+
+    /// The dielectric over the diffuse base; gives what is left to it.
+    fn add_dielectric(
+        &mut self,
+        left: Rgb,
+        p: &Principled<Rgb, f32>,
+        tint: Rgb,
+        normal: Vec3A,
+        alpha: [f32; 2],
+        distribution: Distribution,
+    ) -> Rgb {
+        let here = self.here;
+        let ior = p.ior.max(1e-5);
+        let (mut f0, mut eta) = (fresnel::f0_from_ior(ior), ior);
+        if p.specular_ior_level != 0.5 {
+            f0 *= 2.0 * p.specular_ior_level.max(0.0);
+            eta = fresnel::ior_from_f0(f0);
+            if ior < 1.0 {
+                eta = 1.0 / eta;
+            }
+        }
+        if eta == 1.0 || left.max_element() <= LEAST {
+            return left;
+        }
+        let cos = normal.dot(here.wo);
+        let tinted = (tint * f0).min(Rgb::ONE);
+        let rises = |rise: f32| tinted + (Rgb::ONE - tinted) * rise;
+        let real_f0 = fresnel::f0_from_ior(eta);
+        let average = || rises(((fresnel::dielectric_average(eta) - real_f0) / (1.0 - real_f0)).clamp(0.0, 1.0));
+        let weight = left * here.restored(alpha, normal, distribution, average);
+        let albedo = rises(energy::rise(eta, mean_roughness(alpha), cos)) * single_kept(alpha, cos);
+        let law = Fresnel::Dielectric { f0: tinted, reflection: Rgb::ONE, transmission: Rgb::ZERO };
+        let frame = here.frame(normal, p.anisotropic_rotation);
+        self.push(Lobe::facets(weight, albedo, slopes(alpha, distribution), law, eta, frame, here.wo));
+        beneath(left, weight * albedo)
+    }
+}
+
+/// What facets that reflect everything keep without the light that goes on between them.
+fn single_kept(alpha: [f32; 2], cos: f32) -> f32 {
+    energy::reflection().at(mean_roughness(alpha), cos)
+}
+
+/// What a layer of that albedo leaves below it: its brightest channel takes from all alike.
+fn beneath(weight: Rgb, albedo: Rgb) -> Rgb {
+    let part = |a: f32, w: f32| if w > 0.0 { a / w } else { 0.0 };
+    let taken = part(albedo.x, weight.x).max(part(albedo.y, weight.y)).max(part(albedo.z, weight.z));
+    weight * (1.0 - taken).clamp(0.0, 1.0)
+}

@@ -1,0 +1,194 @@
+//! Facets that mirror and bend: GGX and Beckmann, round or stretched along the tangent.
+//!
+//! All directions in the lobe's own frame, +z its normal.
+
+use super::super::fresnel::{self, F82Tint};
+use super::super::microfacet::{MIRROR_BELOW, reflect, refract};
+use super::Local;
+use crate::Rgb;
+use glam::Vec3A;
+use std::f32::consts::{PI, TAU};
+
+/// How facets are tilted: GGX (Walter et al. 2007) or Beckmann's, `alpha` wide along x and y.
+#[derive(Clone, Copy, Debug)]
+pub(in crate::shading) struct Slopes {
+    alpha: [f32; 2],
+    is_beckmann: bool,
+}
+
+impl Slopes {
+    pub(in crate::shading) fn new(alpha: [f32; 2], is_beckmann: bool) -> Self {
+        Self { alpha: alpha.map(|a| a.clamp(0.0, 1.0)), is_beckmann }
+    }
+
+    fn is_mirror(&self) -> bool {
+        self.alpha[0] * self.alpha[1] < MIRROR_BELOW * MIRROR_BELOW
+    }
+
+    /// Density of facets about `h`, per steradian and unit area.
+    fn density(&self, h: Vec3A) -> f32 {
+        let [ax, ay] = self.alpha;
+        let (x, y) = (h.x / ax, h.y / ay);
+        let slope2 = x * x + y * y;
+        if self.is_beckmann {
+            let cos2 = h.z * h.z;
+            (-slope2 / cos2).exp() / (PI * ax * ay * cos2 * cos2)
+        } else {
+            let t = h.z * h.z + slope2;
+            1.0 / (PI * ax * ay * t * t)
+        }
+    }
+
+    /// The area of facets that are hidden from `w` over that of those it sees.
+    fn lambda(&self, w: Vec3A) -> f32 {
+        let [ax, ay] = self.alpha;
+        let (x, y) = (ax * w.x, ay * w.y);
+        let slope2 = (x * x + y * y) / (w.z * w.z);
+        if !self.is_beckmann {
+            return 0.5 * ((1.0 + slope2).sqrt() - 1.0);
+        }
+        // Walter's rational fit.
+        let a = 1.0 / slope2.sqrt();
+        if a < 1.6 { (1.0 - 1.259 * a + 0.396 * a * a) / (3.535 * a + 2.181 * a * a) } else { 0.0 }
+    }
+
+    /// A facet for light from `wo`: of GGX one of those it sees, of Beckmann any.
+    fn sample(&self, wo: Vec3A, u: [f32; 2]) -> Vec3A {
+        let [ax, ay] = self.alpha;
+        let (sin, cos) = (TAU * u[0]).sin_cos();
+        if self.is_beckmann {
+            let slope = (-(1.0 - u[1]).max(1e-12).ln()).sqrt();
+            return Vec3A::new(ax * slope * cos, ay * slope * sin, 1.0).normalize();
+        }
+        let stretched = Vec3A::new(ax * wo.x, ay * wo.y, wo.z).normalize();
+        // A spherical cap seen from the stretched direction (Dupuy and Benyoub 2023).
+        let z = (1.0 - u[1]) * (1.0 + stretched.z) - stretched.z;
+        let r = (1.0 - z * z).clamp(0.0, 1.0).sqrt();
+        let h = Vec3A::new(r * cos, r * sin, z) + stretched;
+        Vec3A::new(ax * h.x, ay * h.y, h.z.max(0.0)).normalize_or(Vec3A::Z)
+    }
+
+    /// Density of [`Slopes::sample`] per steradian of `h`, for a `wo` of that [`Slopes::lambda`].
+    fn pdf(&self, wo: Vec3A, lambda_o: f32, h: Vec3A) -> f32 {
+        if self.is_beckmann {
+            self.density(h) * h.z
+        } else {
+            self.density(h) * wo.dot(h).max(0.0) / (wo.z * (1.0 + lambda_o))
+        }
+    }
+}
+
+/// How much a facet mirrors and how much it lets through.
+#[derive(Clone, Copy, Debug)]
+pub(in crate::shading) enum Fresnel {
+    /// All, as far as it is not refracted.
+    Mirror,
+    /// All but what is totally reflected, which is lost.
+    Through,
+    /// A dielectric's, tinted.
+    Dielectric { f0: Rgb, reflection: Rgb, transmission: Rgb },
+    /// A metal of two colours.
+    Tinted(F82Tint),
+    /// A metal's index of refraction and extinction coefficient.
+    Conductor([Rgb; 2]),
+}
+
+impl Fresnel {
+    /// Reflectance and transmittance at that cosine, into relative index `eta`.
+    pub(in crate::shading) fn at(&self, cos: f32, eta: f32) -> (Rgb, Rgb) {
+        match *self {
+            Self::Mirror => (Rgb::ONE, Rgb::ZERO),
+            Self::Through => {
+                let passes = fresnel::dielectric(cos, eta) < 1.0;
+                (Rgb::ZERO, if passes { Rgb::ONE } else { Rgb::ZERO })
+            }
+            Self::Dielectric { f0, reflection, transmission } => {
+                let f = f0 + (Rgb::ONE - f0) * fresnel::dielectric_rise(cos, eta);
+                (f * reflection, (Rgb::ONE - f) * transmission)
+            }
+            Self::Tinted(metal) => (metal.at(cos), Rgb::ZERO),
+            Self::Conductor([n, k]) => (fresnel::conductor(cos, n, k), Rgb::ZERO),
+        }
+    }
+}
+
+/// A lobe of facets seen from one direction.
+#[derive(Clone, Copy, Debug)]
+pub(super) struct Facets {
+    slopes: Slopes,
+    fresnel: Fresnel,
+    /// Beyond over before.
+    pub(super) eta: f32,
+    lambda_o: f32,
+}
+
+impl Facets {
+    pub(super) fn new(slopes: Slopes, fresnel: Fresnel, eta: f32, wo: Vec3A) -> Self {
+        let lambda_o = if slopes.is_mirror() { 0.0 } else { slopes.lambda(wo) };
+        Self { slopes, fresnel, eta, lambda_o }
+    }
+
+    pub(super) fn transmits(&self) -> bool {
+        match self.fresnel {
+            Fresnel::Through => true,
+            Fresnel::Dielectric { transmission, .. } => transmission != Rgb::ZERO,
+            _ => false,
+        }
+    }
+
+    /// Nothing but single directions.
+    pub(super) fn is_mirror(&self) -> bool {
+        // Where light passes all but unbent, half vectors are lost to rounding.
+        self.slopes.is_mirror() || (self.transmits() && (self.eta - 1.0).abs() < 1e-4)
+    }
+
+    /// Value times cosine, and density.
+    pub(super) fn evaluate(&self, wo: Vec3A, wi: Vec3A) -> (Rgb, f32) {
+        let mirrored = wi.z > 0.0;
+        let half = if mirrored { wo + wi } else { -(wi * self.eta + wo) };
+        let Some(h) = half.try_normalize() else { return (Rgb::ZERO, 0.0) };
+        // Into a thinner medium the half vector of refraction points the other way.
+        let h = if h.z < 0.0 { -h } else { h };
+        let (co, ci) = (wo.dot(h), wi.dot(h));
+        if co <= 0.0 || (ci > 0.0) != mirrored || h.z <= 0.0 {
+            return (Rgb::ZERO, 0.0);
+        }
+        let (reflected, through) = self.fresnel.at(co, self.eta);
+        let (value, share) = if mirrored { (reflected, reflected) } else { (through, through) };
+        let share = share.element_sum() / (reflected + through).element_sum();
+        if !(share > 0.0) {
+            return (Rgb::ZERO, 0.0);
+        }
+        // Of facets seen to steradians of `wi`.
+        let jacobian = if mirrored { 0.25 / co } else { -ci / (ci + co / self.eta).powi(2) };
+        let both = 1.0 + self.lambda_o + self.slopes.lambda(wi);
+        let facets = self.slopes.density(h) * co / wo.z * jacobian / both;
+        (value * facets, share * self.slopes.pdf(wo, self.lambda_o, h) * jacobian)
+    }
+
+    /// A direction; `u_choice` chooses between mirrored and refracted.
+    pub(super) fn sample(&self, wo: Vec3A, u_choice: f32, u: [f32; 2]) -> Option<Local> {
+        let h = if self.is_mirror() { Vec3A::Z } else { self.slopes.sample(wo, u) };
+        let cos = wo.dot(h);
+        if cos <= 0.0 {
+            return None;
+        }
+        let (reflected, through) = self.fresnel.at(cos, self.eta);
+        let total = (reflected + through).element_sum();
+        if !(total > 0.0) {
+            return None;
+        }
+        let mirrored = u_choice * total < reflected.element_sum();
+        let wi = if mirrored { reflect(wo, h) } else { refract(wo, h, self.eta)? };
+        let single = self.is_mirror().then(|| self.single(!mirrored, wo));
+        Some(Local { wi, transmitted: !mirrored, single })
+    }
+
+    /// Where it is a mirror, what it sends along its mirrored or refracted direction, and the chance of that choice.
+    pub(super) fn single(&self, transmitted: bool, wo: Vec3A) -> (Rgb, f32) {
+        let (reflected, through) = self.fresnel.at(wo.z, self.eta);
+        let total = (reflected + through).element_sum();
+        let value = if transmitted { through } else { reflected };
+        (value, if total > 0.0 { value.element_sum() / total } else { 0.0 })
+    }
+}

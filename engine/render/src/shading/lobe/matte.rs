@@ -1,0 +1,216 @@
+//! Lobes without a peak: Lambert, Oren and Nayar, cloth, toon.
+//!
+//! All directions in the lobe's own frame, +z its normal.
+
+use crate::Rgb;
+use crate::sampler::warp;
+use glam::Vec3A;
+use std::f32::consts::{FRAC_1_PI, FRAC_PI_2, PI, TAU};
+
+/// Oren and Nayar's surface by Fujii's form ("A tiny improvement of Oren-Nayar reflectance model"), with what goes on
+/// between its grooves (OpenPBR 1.1, section 3.2).
+#[derive(Clone, Copy, Debug)]
+pub(super) struct OrenNayar {
+    a: f32,
+    b: f32,
+    /// Of the light between grooves, all but the factor of the other direction.
+    multiple: Rgb,
+}
+
+impl OrenNayar {
+    /// `cos_o` is that of the viewing direction.
+    pub(super) fn new(albedo: Rgb, roughness: f32, cos_o: f32) -> Self {
+        let sigma = roughness.clamp(0.0, 1.0);
+        let a = 1.0 / (PI + sigma * (FRAC_PI_2 - 2.0 / 3.0));
+        let b = sigma * a;
+        let mut lobe = Self { a, b, multiple: Rgb::ZERO };
+        let albedo = albedo.clamp(Rgb::ZERO, Rgb::ONE);
+        let average = a * PI + (TAU - 5.6) / 3.0 * b;
+        let lost = 1.0 - average;
+        if lost > 1e-6 {
+            let between = albedo * albedo * (FRAC_1_PI * average / lost) / (Rgb::ONE - albedo * lost);
+            lobe.multiple = between * (1.0 - lobe.single_albedo(cos_o.max(0.0)));
+        }
+        lobe
+    }
+
+    /// What single scattering leaves of white light at that cosine.
+    fn single_albedo(&self, cos: f32) -> f32 {
+        let g = if cos < 1e-6 {
+            // The limit, where a tangent would be infinite.
+            FRAC_PI_2 - 2.0 / 3.0 - cos
+        } else {
+            let sin = (1.0 - cos * cos).max(0.0).sqrt();
+            sin * (cos.min(1.0).acos() - 2.0 / 3.0 - sin * cos) + 2.0 / 3.0 * (sin / cos) * (1.0 - sin * sin * sin)
+        };
+        self.a * PI + self.b * g
+    }
+
+    /// Value times cosine, to be tinted by the albedo.
+    pub(super) fn evaluate(&self, wo: Vec3A, wi: Vec3A) -> Rgb {
+        let (nl, nv) = (wi.z, wo.z.max(0.0));
+        let mut t = wi.dot(wo) - nl * nv;
+        if t > 0.0 {
+            t /= nl.max(nv);
+        }
+        nl * (Rgb::splat(self.a + self.b * t) + self.multiple * (1.0 - self.single_albedo(nl)))
+    }
+}
+
+/// Ashikhmin's velvet ("Distribution-based BRDFs", 2007).
+#[derive(Clone, Copy, Debug)]
+pub(super) struct Velvet {
+    inverse_sigma2: f32,
+}
+
+impl Velvet {
+    pub(super) fn new(sigma: f32) -> Self {
+        Self { inverse_sigma2: 1.0 / sigma.clamp(0.01, 1.0).powi(2) }
+    }
+
+    /// Value times cosine.
+    pub(super) fn evaluate(&self, wo: Vec3A, wi: Vec3A) -> f32 {
+        let h = (wo + wi).normalize_or(Vec3A::Z);
+        let (cos_h, cos_oh) = (h.z, wo.dot(h).abs());
+        if wo.z <= 0.0 || cos_h.abs() >= 1.0 - 1e-5 || cos_oh <= 1e-5 {
+            return 0.0;
+        }
+        let ratio = (cos_h / cos_oh).max(1e-5);
+        let sin2 = 1.0 - cos_h * cos_h;
+        let density =
+            (-cos_h * cos_h / sin2 * self.inverse_sigma2).exp() * self.inverse_sigma2 * FRAC_1_PI / (sin2 * sin2);
+        let grooves = (2.0 * ratio * wo.z).abs().min((2.0 * ratio * wi.z).abs()).min(1.0);
+        0.25 * density * grooves / wo.z
+    }
+
+    /// Any direction above the surface is as likely.
+    pub(super) const PDF: f32 = 1.0 / TAU;
+
+    pub(super) fn sample(u: [f32; 2]) -> Vec3A {
+        let (sin, cos) = (TAU * u[0]).sin_cos();
+        let r = (u[1] * (2.0 - u[1])).max(0.0).sqrt();
+        Vec3A::new(r * cos, r * sin, 1.0 - u[1])
+    }
+}
+
+/// Cloth of fibres as a transformed cosine (Zeltner, Burley and Chiang 2022), by the rational fits to its tables that
+/// MaterialX has. The frame's x axis lies on the viewer's side.
+#[derive(Clone, Copy, Debug)]
+pub(super) struct Microfiber {
+    a: f32,
+    b: f32,
+}
+
+impl Microfiber {
+    /// The lobe and its albedo.
+    pub(super) fn new(roughness: f32, cos_o: f32) -> (Self, f32) {
+        let (x, y) = (cos_o.clamp(0.0, 1.0), roughness.clamp(1e-3, 1.0));
+        let a = (2.58126 * x + 0.813_703 * y) * y / (1.0 + 0.310_327 * x * x + 2.60994 * x * y);
+        let b = (1.0 - x).sqrt() * (y - 1.0) * y * y * y
+            / (0.000_025_405_3 + 1.71228 * x - 1.71506 * x * y + 1.34174 * y * y);
+        let s = y * (0.020_660_7 + 1.58491 * y) / (0.037_942_4 + y * (1.32227 + y));
+        let m = y * (-0.193_854 + y * (-1.14885 + y * (1.7932 - 0.95943 * y * y))) / (0.046_391 + y);
+        let o = y * (0.000_654_023 + (-0.020_781_8 + 0.119_681 * y) * y) / (1.26264 + y * (-1.92021 + y));
+        let albedo = (-0.5 * ((x - m) / s).powi(2)).exp() / (s * TAU.sqrt()) + o;
+        (Self { a, b }, albedo.clamp(0.0, 1.0))
+    }
+
+    /// Whether there is anything to see of it.
+    pub(super) fn is_valid(&self) -> bool {
+        self.a > 1e-5
+    }
+
+    /// Its value times cosine, which is its density.
+    pub(super) fn density(&self, wi: Vec3A) -> f32 {
+        let (x, y) = (self.a * wi.x + self.b * wi.z, self.a * wi.y);
+        let length2 = x * x + y * y + wi.z * wi.z;
+        FRAC_1_PI * wi.z * (self.a / length2).powi(2)
+    }
+
+    pub(super) fn sample(&self, u: [f32; 2]) -> Vec3A {
+        let d = warp::sample_cosine_hemisphere(u);
+        Vec3A::new((d.x - d.z * self.b) / self.a, d.y / self.a, d.z).normalize()
+    }
+}
+
+/// A disk of light about the normal, or about the mirrored ray.
+#[derive(Clone, Copy, Debug)]
+pub(super) struct Toon {
+    full_rad: f32,
+    fade_rad: f32,
+    is_glossy: bool,
+}
+
+impl Toon {
+    pub(super) fn new(size: f32, smooth: f32, is_glossy: bool) -> Self {
+        Self { full_rad: size.clamp(1e-5, 1.0) * FRAC_PI_2, fade_rad: smooth.clamp(0.0, 1.0) * FRAC_PI_2, is_glossy }
+    }
+
+    fn axis(&self, wo: Vec3A) -> Vec3A {
+        if self.is_glossy { Vec3A::new(-wo.x, -wo.y, wo.z) } else { Vec3A::Z }
+    }
+
+    fn one_minus_cos(&self) -> f32 {
+        1.0 - (self.full_rad + self.fade_rad).min(FRAC_PI_2).cos()
+    }
+
+    /// Value times cosine, and density.
+    pub(super) fn evaluate(&self, wo: Vec3A, wi: Vec3A) -> (f32, f32) {
+        let angle = self.axis(wo).dot(wi).clamp(0.0, 1.0).acos();
+        let within = if angle < self.full_rad {
+            1.0
+        } else if angle < self.full_rad + self.fade_rad {
+            1.0 - (angle - self.full_rad) / self.fade_rad
+        } else {
+            return (0.0, 0.0);
+        };
+        let pdf = warp::cone_pdf(self.one_minus_cos());
+        (within * pdf, pdf)
+    }
+
+    pub(super) fn sample(&self, wo: Vec3A, u: [f32; 2]) -> Vec3A {
+        let d = warp::sample_cone(u, self.one_minus_cos());
+        warp::to_world(&warp::frame(self.axis(wo)), d)
+    }
+}
+
+/// Ashikhmin and Shirley's lobe (2000), without Fresnel's law; `exponents` along x and y.
+#[derive(Clone, Copy, Debug)]
+pub(super) struct AshikhminShirley {
+    exponents: [f32; 2],
+}
+
+impl AshikhminShirley {
+    pub(super) fn new(alpha: [f32; 2]) -> Self {
+        // Twice a Beckmann width's inverse square, less two, is as wide.
+        Self { exponents: alpha.map(|a| 2.0 / a.clamp(1e-4, 1.0).powi(2) - 2.0) }
+    }
+
+    fn exponent(&self, h: Vec3A) -> f32 {
+        let [nx, ny] = self.exponents;
+        let across2 = h.x * h.x + h.y * h.y;
+        if across2 > 0.0 { (nx * h.x * h.x + ny * h.y * h.y) / across2 } else { nx }
+    }
+
+    /// Value times cosine, and density.
+    pub(super) fn evaluate(&self, wo: Vec3A, wi: Vec3A) -> (f32, f32) {
+        let h = (wo + wi).normalize_or(Vec3A::Z);
+        let cos = wo.dot(h).abs().max(1e-6);
+        let [nx, ny] = self.exponents;
+        let norm = ((nx + 1.0) * (ny + 1.0)).sqrt() / (8.0 * PI);
+        let pdf = norm * h.z.max(1e-6).powf(self.exponent(h)) / cos;
+        (wi.z * pdf / wi.z.max(wo.z), pdf)
+    }
+
+    pub(super) fn sample(&self, wo: Vec3A, u: [f32; 2]) -> Vec3A {
+        let [nx, ny] = self.exponents;
+        let turn = TAU * u[0];
+        // The quadrant's own angle, stretched.
+        let (sin, cos) = turn.sin_cos();
+        let (x, y) = ((ny + 1.0).sqrt() * cos, (nx + 1.0).sqrt() * sin);
+        let across = Vec3A::new(x, y, 0.0).normalize_or(Vec3A::X);
+        let z = (1.0 - u[1]).max(1e-12).powf(1.0 / (self.exponent(across) + 1.0));
+        let h = across * (1.0 - z * z).max(0.0).sqrt() + Vec3A::Z * z;
+        2.0 * wo.dot(h) * h - wo
+    }
+}

@@ -1,0 +1,225 @@
+//! One lobe of a mixture: where it looks, and what it scatters.
+
+mod facets;
+mod matte;
+
+use crate::Rgb;
+use crate::sampler::warp;
+use facets::Facets;
+pub(super) use facets::{Fresnel, Slopes};
+use glam::Vec3A;
+use matte::{AshikhminShirley, Microfiber, OrenNayar, Toon, Velvet};
+use std::f32::consts::FRAC_1_PI;
+
+/// What a lobe scatters.
+#[derive(Clone, Copy, Debug)]
+enum Kind {
+    Lambert,
+    OrenNayar(OrenNayar),
+    /// Lambert's on the far side.
+    Translucent,
+    Velvet(Velvet),
+    Microfiber(Microfiber),
+    Toon(Toon),
+    AshikhminShirley(AshikhminShirley),
+    Facets(Facets),
+}
+
+/// A direction that a lobe chose, in its frame.
+pub(super) struct Local {
+    /// Unit.
+    pub(super) wi: Vec3A,
+    /// Meant to go through the surface; a mirrored one that does is lost.
+    pub(super) transmitted: bool,
+    /// Of a mirror: what it sends there, and the chance of that choice within the lobe.
+    pub(super) single: Option<(Rgb, f32)>,
+}
+
+/// One lobe seen from one direction.
+#[derive(Clone, Copy, Debug)]
+pub(super) struct Lobe {
+    /// What it counts.
+    pub(super) weight: Rgb,
+    /// How much it is worth being chosen; of all lobes together 1 in the end.
+    pub(super) chance: f32,
+    frame: [Vec3A; 3],
+    /// In the frame.
+    wo: Vec3A,
+    kind: Kind,
+}
+
+impl Lobe {
+    fn new(weight: Rgb, frame: [Vec3A; 3], wo: Vec3A, kind: impl FnOnce(Vec3A) -> Kind) -> Self {
+        let wo = warp::to_local(&frame, wo);
+        Self { weight, chance: weight.element_sum() / 3.0, frame, wo, kind: kind(wo) }
+    }
+
+    pub(super) fn lambert(weight: Rgb, normal: Vec3A, wo: Vec3A) -> Self {
+        Self::new(weight, warp::frame(normal), wo, |_| Kind::Lambert)
+    }
+
+    /// `weight` holds the albedo, too.
+    pub(super) fn oren_nayar(weight: Rgb, albedo: Rgb, roughness: f32, normal: Vec3A, wo: Vec3A) -> Self {
+        // As smooth as Lambert's.
+        if roughness < 1e-5 {
+            return Self::lambert(weight, normal, wo);
+        }
+        let kind = |wo: Vec3A| Kind::OrenNayar(OrenNayar::new(albedo, roughness, wo.z));
+        Self::new(weight, warp::frame(normal), wo, kind)
+    }
+
+    pub(super) fn translucent(weight: Rgb, normal: Vec3A, wo: Vec3A) -> Self {
+        Self::new(weight, warp::frame(normal), wo, |_| Kind::Translucent)
+    }
+
+    pub(super) fn velvet(weight: Rgb, sigma: f32, normal: Vec3A, wo: Vec3A) -> Self {
+        Self::new(weight, warp::frame(normal), wo, |_| Kind::Velvet(Velvet::new(sigma)))
+    }
+
+    /// `None` where there is nothing to see of it.
+    pub(super) fn microfiber(weight: Rgb, roughness: f32, normal: Vec3A, wo: Vec3A) -> Option<Self> {
+        let (cloth, albedo) = Microfiber::new(roughness, normal.dot(wo));
+        let x = (wo - normal * normal.dot(wo)).normalize_or(warp::frame(normal)[0]);
+        let frame = [x, normal.cross(x), normal];
+        let lobe = Self::new(weight * albedo, frame, wo, |_| Kind::Microfiber(cloth));
+        (cloth.is_valid() && albedo > 1e-5).then_some(lobe)
+    }
+
+    pub(super) fn toon(weight: Rgb, size: f32, smooth: f32, glossy: bool, normal: Vec3A, wo: Vec3A) -> Self {
+        Self::new(weight, warp::frame(normal), wo, |_| Kind::Toon(Toon::new(size, smooth, glossy)))
+    }
+
+    /// `alpha` along the frame's x and y.
+    pub(super) fn ashikhmin_shirley(weight: Rgb, alpha: [f32; 2], frame: [Vec3A; 3], wo: Vec3A) -> Self {
+        Self::new(weight, frame, wo, |_| Kind::AshikhminShirley(AshikhminShirley::new(alpha)))
+    }
+
+    /// `albedo` is about what it scatters in all, for its chance.
+    pub(super) fn facets(
+        weight: Rgb,
+        albedo: Rgb,
+        slopes: Slopes,
+        fresnel: Fresnel,
+        eta: f32,
+        frame: [Vec3A; 3],
+        wo: Vec3A,
+    ) -> Self {
+        let kind = |wo: Vec3A| Kind::Facets(Facets::new(slopes, fresnel, eta, wo));
+        let lobe = Self::new(weight, frame, wo, kind);
+        Self { chance: (weight * albedo).element_sum() / 3.0, ..lobe }
+    }
+
+    pub(super) fn normal(&self) -> Vec3A {
+        self.frame[2]
+    }
+
+    /// Beyond over before, where it refracts.
+    pub(super) fn relative_index(&self) -> Option<f32> {
+        if let Kind::Facets(facets) = &self.kind { facets.transmits().then_some(facets.eta) } else { None }
+    }
+
+    /// Whether any light comes through the surface.
+    pub(super) fn transmits(&self) -> bool {
+        matches!(self.kind, Kind::Translucent) || self.relative_index().is_some()
+    }
+
+    /// Single directions alone.
+    pub(super) fn is_mirror(&self) -> bool {
+        matches!(&self.kind, Kind::Facets(facets) if facets.is_mirror())
+    }
+
+    /// Broad enough for the shadows of a bent normal to show.
+    fn is_matte(&self) -> bool {
+        use Kind::{Lambert, Microfiber, OrenNayar, Toon, Velvet};
+        matches!(self.kind, Lambert | OrenNayar(_) | Velvet(_) | Microfiber(_) | Toon(_))
+    }
+
+    /// Weighted value times cosine, and the density of its own choice. `above`: `wi` leaves on the viewer's side of the
+    /// triangle, whose smooth normal is `smooth`.
+    pub(super) fn evaluate(&self, wi: Vec3A, above: bool, smooth: Vec3A) -> (Rgb, f32) {
+        let world = wi;
+        let (wo, wi) = (self.wo, warp::to_local(&self.frame, wi));
+        // The triangle itself and the lobe's normal must agree on the side.
+        if (wi.z > 0.0) != above || wi.z == 0.0 {
+            return (Rgb::ZERO, 0.0);
+        }
+        let (value, pdf) = match &self.kind {
+            Kind::Translucent if !above => {
+                let pdf = -wi.z * FRAC_1_PI;
+                (Rgb::splat(pdf), pdf)
+            }
+            Kind::Facets(facets) if (above || facets.transmits()) && wo.z > 0.0 && !facets.is_mirror() => {
+                facets.evaluate(wo, wi)
+            }
+            _ if !above => return (Rgb::ZERO, 0.0),
+            Kind::Lambert => (Rgb::splat(wi.z * FRAC_1_PI), wi.z * FRAC_1_PI),
+            Kind::OrenNayar(rough) => (rough.evaluate(wo, wi), wi.z * FRAC_1_PI),
+            Kind::Velvet(velvet) => (Rgb::splat(velvet.evaluate(wo, wi)), Velvet::PDF),
+            Kind::Microfiber(cloth) => {
+                let pdf = cloth.density(wi);
+                (Rgb::splat(pdf), pdf)
+            }
+            Kind::Toon(toon) => {
+                let (value, pdf) = toon.evaluate(wo, wi);
+                (Rgb::splat(value), pdf)
+            }
+            Kind::AshikhminShirley(lobe) if wo.z > 0.0 => {
+                let (value, pdf) = lobe.evaluate(wo, wi);
+                (Rgb::splat(value), pdf)
+            }
+            _ => return (Rgb::ZERO, 0.0),
+        };
+        let lit =
+            if self.is_matte() && self.normal() != smooth { terminator(smooth, self.normal(), world) } else { 1.0 };
+        (self.weight * value * lit, pdf)
+    }
+
+    /// A direction of its own; what is mirrored or refracted is chosen by `u_choice`.
+    pub(super) fn sample(&self, u_choice: f32, u: [f32; 2]) -> Option<Local> {
+        let (wo, broad) = (self.wo, |wi| Some(Local { wi, transmitted: false, single: None }));
+        match &self.kind {
+            Kind::Lambert | Kind::OrenNayar(_) => broad(warp::sample_cosine_hemisphere(u)),
+            Kind::Translucent => {
+                let wi = -warp::sample_cosine_hemisphere(u);
+                Some(Local { wi, transmitted: true, single: None })
+            }
+            Kind::Velvet(_) => broad(Velvet::sample(u)),
+            Kind::Microfiber(cloth) => broad(cloth.sample(u)),
+            Kind::Toon(toon) => broad(toon.sample(wo, u)),
+            Kind::AshikhminShirley(lobe) if wo.z > 0.0 => broad(lobe.sample(wo, u)),
+            Kind::Facets(facets) if wo.z > 0.0 => facets.sample(wo, u_choice, u),
+            _ => None,
+        }
+    }
+
+    /// What a mirror sends along `wi`, if that is its direction, and the chance of the choice.
+    pub(super) fn single(&self, transmitted: bool, wi: Vec3A) -> Option<(Rgb, f32)> {
+        let Kind::Facets(facets) = &self.kind else { return None };
+        if !facets.is_mirror() || self.wo.z <= 0.0 {
+            return None;
+        }
+        use super::microfacet::{reflect, refract};
+        let own = if transmitted { refract(self.wo, Vec3A::Z, facets.eta)? } else { reflect(self.wo, Vec3A::Z) };
+        // Both ends of a mirror are known to about a thousandth of a degree.
+        let same = self.to_world(own).dot(wi) > 1.0 - 1e-6;
+        same.then(|| facets.single(transmitted, self.wo))
+    }
+
+    pub(super) fn to_world(&self, d: Vec3A) -> Vec3A {
+        warp::to_world(&self.frame, d).normalize()
+    }
+}
+
+/// What is left of light that arrives along `wi` where a bump bends the smooth normal to `bent`: without it the bumps'
+/// shadows would end at a hard edge (Chiang, Li and Burley 2019, "Taming the shadow terminator").
+fn terminator(smooth: Vec3A, bent: Vec3A, wi: Vec3A) -> f32 {
+    let (cos, across) = (bent.dot(wi), smooth.dot(bent));
+    let g = smooth.dot(wi) / (cos * across);
+    if !(g < 1.0) {
+        1.0
+    } else if g < 0.0 {
+        0.0
+    } else {
+        g * (1.0 + g * (1.0 - g))
+    }
+}

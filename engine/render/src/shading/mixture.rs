@@ -1,0 +1,328 @@
+//! The closures of a point of a surface together: one is chosen to go on by, in proportion to about what it scatters, and
+//! all that could have chosen the same direction share the weight (the balance heuristic), as in Cycles.
+
+use super::albedo::give_back;
+use super::energy;
+use super::fresnel::{self, F82Tint};
+use super::lobe::{Fresnel, Lobe, Slopes};
+use super::{BsdfSample, Scattering};
+use crate::Rgb;
+use crate::scene::layer::{Closure, Distribution, MetalKind};
+use crate::surface::SurfacePoint;
+use arrayvec::ArrayVec;
+use glam::{Quat, Vec3A};
+
+/// Lobes that a mixture may have; what comes after is left out.
+const MOST_LOBES: usize = 32;
+/// Closures that count less are left out.
+const LEAST: f32 = 1e-5;
+
+/// The BSDF of one point seen from one direction.
+pub struct Mixture {
+    lobes: ArrayVec<Lobe, MOST_LOBES>,
+    pub(super) here: Here,
+}
+
+/// Where a mixture is, and how it is looked at.
+#[derive(Clone, Copy)]
+pub(super) struct Here {
+    pub(super) wo: Vec3A,
+    /// On the side of `wo`.
+    pub(super) geometric_normal: Vec3A,
+    /// Interpolated, on the triangle's side.
+    pub(super) smooth_normal: Vec3A,
+    pub(super) backfacing: bool,
+    /// Where stretched facets lie along.
+    tangent: Vec3A,
+}
+
+impl Mixture {
+    /// Nothing yet, at a point; `wo` is the unit direction to where the path came from, and stretched facets lie along
+    /// `tangent`.
+    pub fn new(point: &SurfacePoint, wo: Vec3A, tangent: Vec3A) -> Self {
+        let here = Here {
+            wo,
+            geometric_normal: point.geometric_normal,
+            smooth_normal: point.shading_normal,
+            backfacing: point.backfacing,
+            tangent,
+        };
+        Self { lobes: ArrayVec::new(), here }
+    }
+
+    /// Adds a closure about a normal. Transparency and emission are not scattering: they add nothing.
+    pub fn add(&mut self, weight: f32, closure: &Closure<Rgb, f32>, normal: Vec3A) {
+        let (here, wo) = (self.here, self.here.wo);
+        let tinted = |color: &Rgb| color.max(Rgb::ZERO) * weight;
+        match closure {
+            Closure::Diffuse { color, roughness } => {
+                self.push(Lobe::oren_nayar(tinted(color), *color, *roughness, normal, wo));
+            }
+            Closure::Translucent { color } => {
+                self.push(Lobe::translucent(tinted(color), here.reflecting(normal), wo));
+            }
+            Closure::Glossy { color, roughness, anisotropy, rotation, distribution } => {
+                let alpha = stretched_either_way(*roughness, *anisotropy);
+                let normal = here.reflecting(normal);
+                let frame = here.frame(normal, *rotation);
+                let weight = tinted(color);
+                match distribution {
+                    Distribution::AshikhminShirley => {
+                        self.push(Lobe::ashikhmin_shirley(weight, alpha, frame, wo));
+                    }
+                    _ => {
+                        let restored = here.restored(alpha, normal, *distribution, || *color);
+                        self.push(here.facets(
+                            weight * restored,
+                            Rgb::ONE,
+                            alpha,
+                            *distribution,
+                            Fresnel::Mirror,
+                            frame,
+                        ));
+                    }
+                }
+            }
+            Closure::Metal { base, edge, kind, roughness, anisotropy, rotation, distribution, .. } => {
+                let (fresnel, average) = metal(*kind, *base, *edge);
+                let alpha = stretched(*roughness, *anisotropy);
+                let normal = here.reflecting(normal);
+                let restored = here.restored(alpha, normal, *distribution, || average);
+                let albedo = fresnel.at(normal.dot(wo), 1.0).0;
+                let frame = here.frame(normal, *rotation);
+                self.push(here.facets(restored * weight, albedo, alpha, *distribution, fresnel, frame));
+            }
+            Closure::Glass { color, roughness, ior, distribution, .. } => {
+                let color = color.max(Rgb::ZERO);
+                let f0 = Rgb::splat(fresnel::f0_from_ior(*ior));
+                self.push(here.glass(weight, [color; 2], f0, *roughness, *ior, *distribution, normal));
+            }
+            Closure::Refraction { color, roughness, ior, distribution } => {
+                let alpha = [roughness * roughness; 2];
+                let frame = here.frame(here.reflecting(normal), 0.0);
+                let eta = here.relative_index(*ior);
+                let slopes = slopes(alpha, *distribution);
+                self.push(Lobe::facets(tinted(color), Rgb::ONE, slopes, Fresnel::Through, eta, frame, wo));
+            }
+            Closure::Microfiber { color, roughness } => {
+                if let Some(lobe) = Lobe::microfiber(tinted(color), *roughness, normal, wo) {
+                    self.push(lobe);
+                }
+            }
+            Closure::Velvet { color, sigma } => self.push(Lobe::velvet(tinted(color), *sigma, normal, wo)),
+            Closure::Toon { color, size, smooth, glossy } => {
+                self.push(Lobe::toon(tinted(color), *size, *smooth, *glossy, normal, wo));
+            }
+            Closure::Principled(principled) => self.add_principled(weight, principled, normal),
+            Closure::Transparent { .. } | Closure::Holdout | Closure::Emission { .. } => {}
+        }
+    }
+
+    /// Once all closures are added: their chances.
+    pub fn finish(&mut self, kept: f32) {
+        let total: f32 = self.lobes.iter().map(|lobe| lobe.chance).sum();
+        for lobe in &mut self.lobes {
+            lobe.chance /= total;
+            lobe.weight *= kept;
+        }
+    }
+
+    pub(super) fn push(&mut self, lobe: Lobe) {
+        if lobe.weight.max_element() > LEAST && lobe.chance > 0.0 && lobe.weight.is_finite() {
+            // A surface of more lobes than that loses the last.
+            let _ = self.lobes.try_push(lobe);
+        }
+    }
+}
+
+impl Here {
+    /// A normal under which a mirror does not send light into the surface: raised towards the triangle's own as far as
+    /// it must be.
+    pub(super) fn reflecting(&self, normal: Vec3A) -> Vec3A {
+        super::normal::reflecting(self.geometric_normal, normal, self.wo)
+    }
+
+    /// Axes about a normal, the first along the tangent, turned.
+    pub(super) fn frame(&self, normal: Vec3A, turns: f32) -> [Vec3A; 3] {
+        let mut tangent = self.tangent;
+        if turns != 0.0 {
+            let turn = Quat::from_axis_angle(normal.into(), turns * std::f32::consts::TAU);
+            tangent = turn * tangent;
+        }
+        match normal.cross(tangent).try_normalize() {
+            Some(y) => [y.cross(normal), y, normal],
+            None => crate::sampler::warp::frame(normal),
+        }
+    }
+
+    /// Beyond over before.
+    pub(super) fn relative_index(&self, ior: f32) -> f32 {
+        let ior = ior.max(1e-5);
+        if self.backfacing { 1.0 / ior } else { ior }
+    }
+
+    /// What the light that goes on from facet to facet adds, over what meets one; `average` is the mean reflectance.
+    pub(super) fn restored(
+        &self,
+        alpha: [f32; 2],
+        normal: Vec3A,
+        distribution: Distribution,
+        average: impl FnOnce() -> Rgb,
+    ) -> Rgb {
+        if distribution != Distribution::MultiscatterGgx {
+            return Rgb::ONE;
+        }
+        let table = energy::reflection();
+        let roughness = mean_roughness(alpha);
+        give_back(average(), table.at(roughness, normal.dot(self.wo)), table.average(roughness))
+    }
+
+    /// Facets that reflect by a law.
+    pub(super) fn facets(
+        &self,
+        weight: Rgb,
+        albedo: Rgb,
+        alpha: [f32; 2],
+        distribution: Distribution,
+        fresnel: Fresnel,
+        frame: [Vec3A; 3],
+    ) -> Lobe {
+        Lobe::facets(weight, albedo, slopes(alpha, distribution), fresnel, 1.0, frame, self.wo)
+    }
+
+    /// Facets that reflect and refract, tinted by one colour each.
+    #[allow(clippy::too_many_arguments)]
+    pub(super) fn glass(
+        &self,
+        weight: f32,
+        [reflection, transmission]: [Rgb; 2],
+        f0: Rgb,
+        roughness: f32,
+        ior: f32,
+        distribution: Distribution,
+        normal: Vec3A,
+    ) -> Lobe {
+        let roughness = roughness.clamp(0.0, 1.0);
+        let normal = self.reflecting(normal);
+        let eta = self.relative_index(ior);
+        let mut restored = Rgb::ONE;
+        if distribution == Distribution::MultiscatterGgx && roughness > 0.0 {
+            let (kept, average) = energy::boundary(eta, roughness, normal.dot(self.wo));
+            // What passes is most of it.
+            restored = give_back(transmission, kept, average);
+        }
+        let fresnel = Fresnel::Dielectric { f0: f0.min(Rgb::ONE), reflection, transmission };
+        let (reflected, through) = fresnel.at(normal.dot(self.wo), eta);
+        let slopes = slopes([roughness * roughness; 2], distribution);
+        let frame = self.frame(normal, 0.0);
+        Lobe::facets(restored * weight, reflected + through, slopes, fresnel, eta, frame, self.wo)
+    }
+}
+
+/// A metal's law, and its mean reflectance.
+pub(super) fn metal(kind: MetalKind, base: Rgb, edge: Rgb) -> (Fresnel, Rgb) {
+    match kind {
+        MetalKind::Tinted => {
+            let tinted = F82Tint::new(base.clamp(Rgb::ZERO, Rgb::ONE), edge);
+            (Fresnel::Tinted(tinted), tinted.average())
+        }
+        MetalKind::Conductor => (Fresnel::Conductor([base, edge]), fresnel::conductor_average(base, edge)),
+    }
+}
+
+/// The perceptual roughness of round facets that are as wide on the whole.
+pub(super) fn mean_roughness(alpha: [f32; 2]) -> f32 {
+    (alpha[0].min(1.0) * alpha[1].min(1.0)).sqrt().sqrt()
+}
+
+/// Widths of Principled's facets and metal's.
+pub(super) fn stretched(roughness: f32, anisotropy: f32) -> [f32; 2] {
+    let alpha = roughness.clamp(0.0, 1.0).powi(2);
+    let aspect = (1.0 - 0.9 * anisotropy.clamp(0.0, 1.0)).sqrt();
+    [alpha / aspect, alpha * aspect]
+}
+
+/// Widths of the Glossy node's facets.
+fn stretched_either_way(roughness: f32, anisotropy: f32) -> [f32; 2] {
+    let alpha = roughness.clamp(0.0, 1.0).powi(2);
+    let anisotropy = anisotropy.clamp(-0.99, 0.99);
+    let narrow = 1.0 - anisotropy.abs();
+    if anisotropy < 0.0 { [alpha / narrow, alpha * narrow] } else { [alpha * narrow, alpha / narrow] }
+}
+
+pub(super) fn slopes(alpha: [f32; 2], distribution: Distribution) -> Slopes {
+    Slopes::new(alpha, distribution == Distribution::Beckmann)
+}
+
+impl Scattering for Mixture {
+    fn receiving_normal(&self) -> Option<Vec3A> {
+        let normal = self.lobes.first()?.normal();
+        let one = self.lobes.iter().all(|lobe| !lobe.transmits() && lobe.normal() == normal);
+        one.then_some(normal)
+    }
+
+    fn is_mirror(&self) -> bool {
+        self.lobes.iter().all(Lobe::is_mirror)
+    }
+
+    fn evaluate(&self, wi: Vec3A) -> (Rgb, f32) {
+        let Here { geometric_normal, smooth_normal, .. } = self.here;
+        let above = geometric_normal.dot(wi) > 0.0;
+        let (mut value, mut pdf) = (Rgb::ZERO, 0.0);
+        for lobe in &self.lobes {
+            let (of_lobe, own) = lobe.evaluate(wi, above, smooth_normal);
+            value += of_lobe;
+            pdf += lobe.chance * own;
+        }
+        (value, pdf)
+    }
+
+    fn sample(&self, u_lobe: f32, u: [f32; 2]) -> Option<BsdfSample> {
+        let mut below = 0.0;
+        let last = self.lobes.len().checked_sub(1)?;
+        let chosen = self.lobes[..last].iter().find(|lobe| {
+            let found = u_lobe < below + lobe.chance;
+            if !found {
+                below += lobe.chance;
+            }
+            found
+        });
+        let lobe = chosen.unwrap_or(&self.lobes[last]);
+        let local = lobe.sample(((u_lobe - below) / lobe.chance).clamp(0.0, 1.0), u)?;
+        let transmitted = local.transmitted;
+        let wi = lobe.to_world(local.wi);
+        let above = self.here.geometric_normal.dot(wi) > 0.0;
+        if above == transmitted || (local.wi.z > 0.0) == transmitted {
+            return None;
+        }
+        if let Some((value, chance)) = local.single {
+            let weight = lobe.weight * value / (chance * lobe.chance);
+            return weight.is_finite().then_some(BsdfSample { wi, weight, pdf: 0.0, mirror: true, transmitted });
+        }
+        let (value, pdf) = self.evaluate(wi);
+        let usable = pdf > 0.0 && value.is_finite() && pdf.is_finite();
+        usable.then(|| BsdfSample { wi, weight: value / pdf, pdf, mirror: false, transmitted })
+    }
+
+    fn mirror(&self, transmitted: bool, wi: Vec3A) -> (Rgb, f32) {
+        let (mut value, mut chance) = (Rgb::ZERO, 0.0);
+        for lobe in &self.lobes {
+            if let Some((of_lobe, own)) = lobe.single(transmitted, wi) {
+                value += lobe.weight * of_lobe;
+                chance += lobe.chance * own;
+            }
+        }
+        (value, chance)
+    }
+
+    fn relative_index(&self) -> f32 {
+        self.lobes.iter().find_map(Lobe::relative_index).unwrap_or(1.0)
+    }
+
+    fn cosine(&self, d: Vec3A) -> f32 {
+        self.here.smooth_normal.dot(d).abs()
+    }
+}
+
+#[cfg(test)]
+mod tests;

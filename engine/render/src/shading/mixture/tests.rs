@@ -1,0 +1,315 @@
+//! Every closure: samples follow their density, energy is conserved, and what is symmetric is; and a Principled of the
+//! common kind is the same as a mixture and by its own shorter way.
+
+use super::*;
+use crate::nodes::MaterialValues;
+use crate::sampler::warp;
+use crate::scene::layer::{Principled, ThinFilm};
+use crate::scene::material::{Input, Material};
+use crate::shading::principled::{Bsdf, PrincipledTables};
+
+type Values = Closure<Rgb, f32>;
+
+const NO_FILM: ThinFilm<f32> = ThinFilm { thickness_nm: 0.0, ior: 1.33 };
+const BLUISH: Rgb = Rgb::new(0.3, 0.6, 0.9);
+
+fn glossy(roughness: f32, anisotropy: f32, distribution: Distribution) -> Values {
+    Closure::Glossy { color: Rgb::ONE, roughness, anisotropy, rotation: 0.1, distribution }
+}
+
+fn metal_of(kind: MetalKind, [base, edge]: [Rgb; 2], roughness: f32, anisotropy: f32) -> Values {
+    let distribution = Distribution::MultiscatterGgx;
+    Closure::Metal { base, edge, kind, roughness, anisotropy, rotation: 0.0, distribution, film: NO_FILM }
+}
+
+fn glass(roughness: f32, ior: f32, distribution: Distribution) -> Values {
+    Closure::Glass { color: Rgb::ONE, roughness, ior, distribution, film: NO_FILM }
+}
+
+/// Principled as Blender's node starts, but white.
+fn plain() -> Principled<Rgb, f32> {
+    Principled {
+        base_color: Rgb::ONE,
+        metallic: 0.0,
+        roughness: 0.5,
+        ior: 1.5,
+        alpha: 1.0,
+        diffuse_roughness: 0.0,
+        specular_ior_level: 0.5,
+        specular_tint: Rgb::ONE,
+        anisotropic: 0.0,
+        anisotropic_rotation: 0.0,
+        transmission: 0.0,
+        coat_weight: 0.0,
+        coat_roughness: 0.03,
+        coat_ior: 1.5,
+        coat_tint: Rgb::ONE,
+        sheen_weight: 0.0,
+        sheen_roughness: 0.5,
+        sheen_tint: Rgb::ONE,
+        emission_color: Rgb::ONE,
+        emission_strength: 0.0,
+        film: NO_FILM,
+        multiscatter: true,
+    }
+}
+
+/// What is white gives back all light where `keeps` is so; `reverses` where light takes a path both ways alike.
+struct Case {
+    name: &'static str,
+    closures: Vec<(f32, Values)>,
+    keeps: bool,
+    reverses: bool,
+}
+
+fn cases() -> Vec<Case> {
+    use Distribution::{AshikhminShirley, Beckmann, Ggx, MultiscatterGgx};
+    let one = |name, closure, keeps, reverses| Case { name, closures: vec![(1.0, closure)], keeps, reverses };
+    let gold = [Rgb::new(0.14, 0.37, 1.44), Rgb::new(3.98, 2.39, 1.6)];
+    vec![
+        one("lambert", Closure::Diffuse { color: Rgb::ONE, roughness: 0.0 }, true, true),
+        one("oren-nayar", Closure::Diffuse { color: Rgb::ONE, roughness: 0.8 }, true, true),
+        one("translucent", Closure::Translucent { color: Rgb::ONE }, true, true),
+        one("ggx", glossy(0.5, 0.0, Ggx), false, true),
+        one("stretched ggx", glossy(0.6, 0.6, Ggx), false, true),
+        one("ggx of many bounces", glossy(0.7, 0.0, MultiscatterGgx), true, false),
+        one("beckmann", glossy(0.5, -0.4, Beckmann), false, true),
+        one("ashikhmin-shirley", glossy(0.6, 0.4, AshikhminShirley), false, true),
+        one("metal", metal_of(MetalKind::Tinted, [BLUISH, Rgb::ONE], 0.6, 0.7), false, false),
+        one("white metal", metal_of(MetalKind::Tinted, [Rgb::ONE; 2], 0.8, 0.0), true, false),
+        one("gold", metal_of(MetalKind::Conductor, gold, 0.5, 0.0), false, false),
+        one("glass", glass(0.5, 1.5, Ggx), false, false),
+        one("glass of many bounces", glass(0.6, 1.45, MultiscatterGgx), true, false),
+        one("beckmann glass", glass(0.5, 1.3, Beckmann), false, false),
+        one(
+            "refraction",
+            Closure::Refraction { color: Rgb::ONE, roughness: 0.5, ior: 1.4, distribution: Ggx },
+            false,
+            false,
+        ),
+        one("microfiber", Closure::Microfiber { color: Rgb::ONE, roughness: 0.4 }, false, false),
+        one("velvet", Closure::Velvet { color: Rgb::ONE, sigma: 0.6 }, false, false),
+        one("toon", Closure::Toon { color: Rgb::ONE, size: 0.5, smooth: 0.2, glossy: false }, false, false),
+        one("glossy toon", Closure::Toon { color: Rgb::ONE, size: 0.3, smooth: 0.2, glossy: true }, false, false),
+        one("principled", Closure::Principled(plain()), true, false),
+        one(
+            "all of principled",
+            Closure::Principled(Principled {
+                metallic: 0.2,
+                transmission: 0.3,
+                coat_weight: 0.7,
+                coat_roughness: 0.3,
+                coat_tint: BLUISH,
+                sheen_weight: 0.5,
+                anisotropic: 0.5,
+                diffuse_roughness: 0.5,
+                specular_tint: BLUISH,
+                ..plain()
+            }),
+            false,
+            false,
+        ),
+        Case {
+            name: "diffuse, glossy and translucent",
+            closures: vec![
+                (0.5, Closure::Diffuse { color: BLUISH, roughness: 0.0 }),
+                (0.3, glossy(0.4, 0.0, Ggx)),
+                (0.2, Closure::Translucent { color: Rgb::ONE }),
+            ],
+            keeps: false,
+            reverses: true,
+        },
+    ]
+}
+
+fn point(backfacing: bool) -> SurfacePoint {
+    SurfacePoint {
+        position: Vec3A::ZERO,
+        position_error: 0.0,
+        geometric_normal: Vec3A::Z,
+        shading_normal: Vec3A::Z,
+        backfacing,
+        instance: 0,
+        triangle: 0,
+        material: 0,
+        barycentric: [0.3, 0.3],
+    }
+}
+
+fn mixture(case: &Case, wo: Vec3A) -> Mixture {
+    let mut mixture = Mixture::new(&point(false), wo, Vec3A::X);
+    for (weight, closure) in &case.closures {
+        mixture.add(*weight, closure, Vec3A::Z);
+    }
+    mixture.finish(1.0);
+    mixture
+}
+
+fn directions() -> [Vec3A; 3] {
+    [[0.1, 0.0, 1.0], [0.7, -0.3, 0.6], [0.9, 0.2, 0.3]].map(|d| Vec3A::from_array(d).normalize())
+}
+
+fn points(n: u32, seed: u32) -> impl Iterator<Item = [f32; 4]> {
+    (0..n).map(move |i| sobol_burley::sample_4d(i & 0xffff, 0, seed + 1000 * (i >> 16)))
+}
+
+/// The albedo by the mixture's own samples.
+fn albedo(mixture: &Mixture) -> f64 {
+    let n = 1 << 14;
+    let sum: f64 = points(n, 3)
+        .filter_map(|u| mixture.sample(u[0], [u[1], u[2]]))
+        .map(|s| f64::from(s.weight.element_sum() / 3.0))
+        .sum();
+    sum / f64::from(n)
+}
+
+/// Pearson's test: counts of samples by cell of the sphere against the density's integrals.
+#[test]
+fn samples_follow_their_density() {
+    const ROWS: usize = 12;
+    const COLUMNS: usize = 24;
+    let (n, all) = (1 << 16, cases());
+    for case in &all {
+        for wo in directions() {
+            let b = mixture(case, wo);
+            let mut observed = vec![0u64; ROWS * COLUMNS];
+            for u in points(n, 21) {
+                if let Some(s) = b.sample(u[0], [u[1], u[2]]) {
+                    let row = ((0.5 - 0.5 * s.wi.z) * ROWS as f32) as usize;
+                    let column = ((s.wi.y.atan2(s.wi.x) / std::f32::consts::TAU + 0.5) * COLUMNS as f32) as usize;
+                    observed[row.min(ROWS - 1) * COLUMNS + column.min(COLUMNS - 1)] += 1;
+                }
+            }
+            // A toon lobe's density ends at an edge that the steps must resolve.
+            let fine = if case.name.ends_with("toon") { 200 } else { 20 };
+            // Even steps of the polar angle resolve lobes at the poles, where even steps of z do not.
+            let cell = |row: usize, column: usize| {
+                let theta_of = |row: usize| (1.0 - 2.0 * row as f64 / ROWS as f64).acos();
+                let (start, step) = (theta_of(row), (theta_of(row + 1) - theta_of(row)) / fine as f64);
+                let turn = std::f64::consts::TAU / (COLUMNS * fine) as f64;
+                let mut sum = 0.0f64;
+                for i in 0..fine * fine {
+                    let theta = start + ((i / fine) as f64 + 0.5) * step;
+                    let phi = ((column * fine + i % fine) as f64 + 0.5) * turn - std::f64::consts::PI;
+                    let d = glam::DVec3::new(theta.sin() * phi.cos(), theta.sin() * phi.sin(), theta.cos());
+                    sum += f64::from(b.evaluate(d.as_vec3a()).1) * theta.sin() * step * turn;
+                }
+                sum
+            };
+            let expected: Vec<f64> =
+                (0..ROWS * COLUMNS).map(|i| cell(i / COLUMNS, i % COLUMNS) * f64::from(n)).collect();
+            // Stratified points scatter less than independent ones, which only raises the value.
+            let p = petzval_testkit::chi_square::p_value(&observed, &expected);
+            assert!(p > 0.01 / (3 * all.len()) as f64, "{} from {wo}: p = {p}", case.name);
+        }
+    }
+}
+
+/// The albedo by the mixture's own samples is that by uniform directions: values and densities belong together.
+#[test]
+fn sampled_and_uniform_albedos_agree() {
+    for case in cases() {
+        for wo in directions() {
+            let b = mixture(&case, wo);
+            let m = 1 << 18;
+            let uniform: f64 = points(m, 5)
+                .map(|u| b.evaluate(warp::sample_sphere([u[0], u[1]])).0.element_sum() / (3.0 * warp::SPHERE_PDF))
+                .map(f64::from)
+                .sum::<f64>()
+                / f64::from(m);
+            // Uniform directions resolve the narrowest of these lobes to two percent.
+            assert!((albedo(&b) - uniform).abs() < 0.02, "{} from {wo}: {} {uniform}", case.name, albedo(&b));
+        }
+    }
+}
+
+/// Nothing gives back more light than it gets; what is white and lets light go on between its facets gives back all.
+#[test]
+fn no_closure_makes_light() {
+    for case in cases() {
+        for wo in directions() {
+            let found = albedo(&mixture(&case, wo));
+            // The tables' steps, and what is lost where light passes a dielectric twice.
+            assert!(found < 1.012, "{} from {wo}: {found}", case.name);
+            if case.keeps {
+                assert!(found > 0.975, "{} from {wo}: {found}", case.name);
+            }
+        }
+    }
+}
+
+/// Light takes a path both ways alike, wherever the closure is symmetric.
+#[test]
+fn symmetric_closures_reverse() {
+    for case in cases().iter().filter(|case| case.reverses) {
+        let mut seen = 0;
+        for u in points(256, 8) {
+            let wo = warp::sample_cosine_hemisphere([u[0], u[1]]);
+            let wi = warp::sample_cosine_hemisphere([u[2], u[3]]);
+            let one = mixture(case, wo).evaluate(wi).0 / wi.z;
+            let other = mixture(case, wi).evaluate(wo).0 / wo.z;
+            // A few roundings, of terms that cancel where both directions graze.
+            let apart = (one - other).abs().max_element() / one.max_element().max(1e-3);
+            assert!(apart < 2e-3, "{}: {one} {other} along {wo} {wi}", case.name);
+            seen += u32::from(one != Rgb::ZERO);
+        }
+        assert!(seen > 100 || case.name == "translucent", "{}: {seen}", case.name);
+    }
+}
+
+/// What has a shorter way in [`crate::shading::principled`] is the same surface as a mixture.
+#[test]
+fn plain_principled_is_the_same_both_ways() {
+    for (metallic, transmission, roughness) in
+        [(0.0, 0.0, 0.5), (1.0, 0.0, 0.3), (0.4, 0.0, 0.7), (0.0, 1.0, 0.4), (0.0, 0.6, 0.6)]
+    {
+        let base_color = Rgb::new(0.9, 0.6, 0.3);
+        let principled = Principled { base_color, metallic, transmission, roughness, ..plain() };
+        let material = Material { transmission: Input::Constant(transmission), ..Material::default_grey() };
+        let tables = PrincipledTables::new(&material, energy::reflection().clone());
+        let values = MaterialValues { base_color, metallic, roughness, transmission };
+        for (wo, backfacing) in directions().into_iter().flat_map(|d| [(d, false), (d, true)]) {
+            let short = Bsdf::new(&material, &values, &tables, &point(backfacing), wo);
+            let mut long = Mixture::new(&point(backfacing), wo, Vec3A::X);
+            long.add(1.0, &Closure::Principled(principled), Vec3A::Z);
+            long.finish(1.0);
+            for u in points(64, 2) {
+                let wi = warp::sample_sphere([u[0], u[1]]);
+                let (a, b) = (short.evaluate(wi).0, long.evaluate(wi).0);
+                // Tables between steps of the index, and steps of roughness between two tables.
+                assert!(
+                    (a - b).abs().max_element() <= 0.01 * a.max_element() + 1e-4,
+                    "{principled:?} {wo} {wi}: {a} {b}"
+                );
+            }
+        }
+    }
+}
+
+/// Smooth glass and mirrors send light in single directions, and a path from the light is told the same of them.
+#[test]
+fn mirrors_are_single_directions() {
+    let case = Case {
+        name: "",
+        closures: vec![(0.7, glass(0.0, 1.5, Distribution::Ggx)), (0.3, glossy(0.0, 0.0, Distribution::Ggx))],
+        keeps: true,
+        reverses: false,
+    };
+    let wo = Vec3A::new(0.6, 0.0, 0.8);
+    let b = mixture(&case, wo);
+    assert!(b.is_mirror() && b.evaluate(Vec3A::new(-0.6, 0.0, 0.8)) == (Rgb::ZERO, 0.0));
+    let (mut through, mut total) = (0.0, 0.0);
+    for u in points(4096, 1) {
+        let s = b.sample(u[0], [u[1], u[2]]).unwrap();
+        assert!(s.mirror);
+        let expected =
+            if s.transmitted { Vec3A::new(-0.4, 0.0, -(1.0f32 - 0.16).sqrt()) } else { Vec3A::new(-0.6, 0.0, 0.8) };
+        assert!((s.wi - expected).length() < 1e-5);
+        let (value, chance) = b.mirror(s.transmitted, s.wi);
+        assert!(value.x > 0.0 && chance > 0.0);
+        total += s.weight.x / 4096.0;
+        through += if s.transmitted { s.weight.x / 4096.0 } else { 0.0 };
+    }
+    let passes = 1.0 - fresnel::dielectric(0.8, 1.5);
+    assert!((total - 1.0).abs() < 1e-3 && (through - 0.7 * passes).abs() < 0.01, "{total} {through}");
+}

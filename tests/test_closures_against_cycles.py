@@ -1,0 +1,202 @@
+# SPDX-License-Identifier: GPL-3.0-or-later
+"""Every shader node against Cycles in the same Blender: a ball in a sky of many colours, block by block."""
+
+from __future__ import annotations
+
+import numpy as np
+import pytest
+
+SIDE, SAMPLES = 48, 512
+#: Pixels of a block's side.
+BLOCK = 12
+RED, GOLD, GREEN = (0.9, 0.3, 0.2, 1.0), (0.9, 0.6, 0.2, 1.0), (0.3, 0.8, 0.4, 1.0)
+WHITE = (1.0, 1.0, 1.0, 1.0)
+
+
+def sky(parts, bpy):
+    """Smooth in all directions, so that what a lobe's width and tilt do shows, and one bright patch."""
+    y, x = np.mgrid[0:64, 0:128]
+    turn, height = 2.0 * np.pi * x / 128, np.pi * (y / 64 - 0.5)
+    pixels = np.ones((64, 128, 4), np.float32)
+    pixels[..., 0] = 0.6 + 0.5 * np.cos(turn)
+    pixels[..., 1] = 0.6 + 0.5 * np.sin(turn + 1.0) * np.cos(height)
+    pixels[..., 2] = 0.7 + 0.6 * np.sin(height)
+    pixels[..., :3] += 6.0 * np.exp(-8.0 * ((turn - 4.0) ** 2 + (height - 0.7) ** 2))[..., None]
+    world = parts.grey_world(1.0)
+    tree = world.node_tree
+    texture = tree.nodes.new("ShaderNodeTexEnvironment")
+    texture.image = parts.image("sky", pixels, is_float=True, space="Non-Color")
+    background = next(node for node in tree.nodes if node.type == "BACKGROUND")
+    tree.links.new(texture.outputs["Color"], background.inputs["Color"])
+    return world
+
+
+@pytest.fixture
+def stage(blender):
+    """A smooth ball seen from the side, in that sky."""
+    parts = pytest.importorskip("scene_parts")
+    scene = parts.set_up(SIDE, SIDE, SAMPLES)
+    scene.world = sky(parts, blender)
+    blender.ops.mesh.primitive_uv_sphere_add(segments=64, ring_count=32, radius=1.0, location=(0, 0, 0))
+    blender.ops.object.shade_smooth()
+    scene.camera.location = (0.0, -5.0, 0.0)
+    scene.camera.rotation_euler = (np.pi / 2, 0.0, 0.0)
+    scene.camera.data.lens = 80
+    return parts
+
+
+def both(parts, blender, folder, bounces: int = 8):
+    """Petzval's picture and Cycles's."""
+    scene = blender.context.scene
+    scene.petzval.filter_width = 0.0
+    scene.petzval.clamp_indirect = 0.0
+    scene.petzval.max_bounces = bounces
+    ours = parts.render(folder, "petzval.exr")[..., :3]
+    scene.render.engine = "CYCLES"
+    cycles = scene.cycles
+    cycles.device, cycles.samples, cycles.use_denoising, cycles.use_adaptive_sampling = "CPU", SAMPLES, False, False
+    cycles.sample_clamp_indirect, cycles.blur_glossy = 0.0, 0.0
+    for kind in ("max", "diffuse", "glossy", "transmission", "transparent_max"):
+        setattr(cycles, f"{kind}_bounces", bounces)
+    cycles.pixel_filter_type = "BOX"
+    scene.camera.data.dof.use_dof = False
+    try:
+        theirs = parts.render(folder, "cycles.exr")[..., :3]
+    finally:
+        scene.render.engine = "PETZVAL"
+    return ours, theirs
+
+
+def node(tree, kind: str, settings: dict | None = None, **inputs):
+    """A shader node's output."""
+    made = tree.nodes.new(f"ShaderNode{kind}")
+    for name, value in (settings or {}).items():
+        setattr(made, name, value)
+    for name, value in inputs.items():
+        made.inputs[name.replace("_", " ")].default_value = value
+    return made.outputs[0]
+
+
+def mix(tree, share, first, second):
+    made = tree.nodes.new("ShaderNodeMixShader")
+    made.inputs[0].default_value = share
+    tree.links.new(first, made.inputs[1])
+    tree.links.new(second, made.inputs[2])
+    return made.outputs[0]
+
+
+def add(tree, first, second):
+    made = tree.nodes.new("ShaderNodeAddShader")
+    tree.links.new(first, made.inputs[0])
+    tree.links.new(second, made.inputs[1])
+    return made.outputs[0]
+
+
+def glossy(distribution: str, **inputs):
+    return lambda tree: node(tree, "BsdfAnisotropic", {"distribution": distribution}, **inputs)
+
+
+def metal(fresnel: str, **inputs):
+    return lambda tree: node(tree, "BsdfMetallic", {"fresnel_type": fresnel}, **inputs)
+
+
+def glass(distribution: str, **inputs):
+    return lambda tree: node(tree, "BsdfGlass", {"distribution": distribution}, **inputs)
+
+
+def refraction(distribution: str, **inputs):
+    return lambda tree: node(tree, "BsdfRefraction", {"distribution": distribution}, **inputs)
+
+
+def principled(**inputs):
+    return lambda tree: node(tree, "BsdfPrincipled", None, **inputs)
+
+
+def sheen(distribution: str, roughness: float):
+    return lambda tree: node(tree, "BsdfSheen", {"distribution": distribution}, Color=GOLD, Roughness=roughness)
+
+
+def diffuse(tree, colour=RED):
+    return node(tree, "BsdfDiffuse", None, Color=colour)
+
+
+CASES = {
+    "diffuse": diffuse,
+    "oren-nayar": lambda tree: node(tree, "BsdfDiffuse", None, Color=RED, Roughness=0.9),
+    "translucent": lambda tree: node(tree, "BsdfTranslucent", None, Color=RED),
+    "ggx": glossy("GGX", Color=GOLD, Roughness=0.5),
+    "multiscatter ggx": glossy("MULTI_GGX", Color=GOLD, Roughness=0.7),
+    "beckmann": glossy("BECKMANN", Color=GOLD, Roughness=0.5),
+    "ashikhmin-shirley": glossy("ASHIKHMIN_SHIRLEY", Color=GOLD, Roughness=0.5),
+    "brushed ggx": glossy("GGX", Color=GOLD, Roughness=0.5, Anisotropy=0.7, Rotation=0.1),
+    "brushed across": glossy("MULTI_GGX", Color=GOLD, Roughness=0.4, Anisotropy=-0.5),
+    "brushed beckmann": glossy("BECKMANN", Color=GOLD, Roughness=0.5, Anisotropy=0.5),
+    "brushed ashikhmin-shirley": glossy("ASHIKHMIN_SHIRLEY", Color=GOLD, Roughness=0.5, Anisotropy=0.5),
+    "mirror": glossy("GGX", Color=GOLD, Roughness=0.0),
+    "tinted metal": metal("F82", Base_Color=GOLD, Edge_Tint=RED, Roughness=0.4),
+    "conductor": metal("PHYSICAL_CONDUCTOR", Roughness=0.3),
+    "brushed metal": metal("F82", Base_Color=GOLD, Edge_Tint=WHITE, Roughness=0.5, Anisotropy=0.8, Rotation=0.2),
+    "glass": glass("GGX", Color=GREEN, Roughness=0.4, IOR=1.45),
+    "multiscatter glass": glass("MULTI_GGX", Color=GREEN, Roughness=0.6, IOR=1.45),
+    "beckmann glass": glass("BECKMANN", Color=GREEN, Roughness=0.3, IOR=1.3),
+    "smooth glass": glass("BECKMANN", Color=GREEN, Roughness=0.0, IOR=1.45),
+    "thin glass": glass("MULTI_GGX", Color=WHITE, Roughness=0.2, IOR=0.8),
+    "refraction": refraction("GGX", Color=GREEN, Roughness=0.4, IOR=1.45),
+    "beckmann refraction": refraction("BECKMANN", Color=GREEN, Roughness=0.4, IOR=1.2),
+    "smooth refraction": refraction("GGX", Color=GREEN, Roughness=0.0, IOR=1.2),
+    "transparent": lambda tree: node(tree, "BsdfTransparent", None, Color=RED),
+    "velvet": sheen("ASHIKHMIN", 0.6),
+    "microfiber": sheen("MICROFIBER", 0.5),
+    "smooth microfiber": sheen("MICROFIBER", 0.2),
+    "toon": lambda tree: node(tree, "BsdfToon", {"component": "DIFFUSE"}, Color=RED, Size=0.6, Smooth=0.2),
+    "glossy toon": lambda tree: node(tree, "BsdfToon", {"component": "GLOSSY"}, Color=RED, Size=0.4, Smooth=0.1),
+    "emission": lambda tree: node(tree, "Emission", None, Color=RED, Strength=2.0),
+    "diffuse and glossy": lambda tree: mix(tree, 0.3, diffuse(tree), glossy("GGX", Color=WHITE, Roughness=0.3)(tree)),
+    "diffuse and translucent": lambda tree: mix(
+        tree, 0.6, diffuse(tree), node(tree, "BsdfTranslucent", None, Color=GREEN)
+    ),
+    "transparent and glossy": lambda tree: mix(
+        tree, 0.4, node(tree, "BsdfTransparent", None, Color=GREEN), glossy("GGX", Color=GOLD, Roughness=0.2)(tree)
+    ),
+    "transparent and emission": lambda tree: add(
+        tree, node(tree, "BsdfTransparent", None, Color=GREEN), node(tree, "Emission", None, Color=RED, Strength=0.3)
+    ),
+    "sum of diffuse and emission": lambda tree: add(tree, diffuse(tree), node(tree, "Emission", None, Strength=0.4)),
+    "mix of mixes": lambda tree: mix(
+        tree,
+        0.5,
+        mix(tree, 0.5, diffuse(tree), principled(Base_Color=GREEN, Metallic=1.0, Roughness=0.3)(tree)),
+        mix(tree, 0.5, glass("GGX", Color=WHITE, Roughness=0.1, IOR=1.3)(tree), diffuse(tree, GOLD)),
+    ),
+    "principled": principled(Base_Color=RED),
+    "principled metal": principled(Base_Color=GOLD, Metallic=1.0, Roughness=0.6, Specular_Tint=RED),
+    "principled glass": principled(Base_Color=GREEN, Transmission_Weight=1.0, Roughness=0.5),
+    "principled, tinted": principled(Base_Color=RED, Specular_Tint=GREEN, Specular_IOR_Level=1.0, Roughness=0.3),
+    "principled, rough diffuse": principled(Base_Color=RED, Diffuse_Roughness=0.8),
+    "principled, brushed": principled(Base_Color=GOLD, Metallic=0.7, Roughness=0.5, Anisotropic=0.8),
+    "principled, coat": principled(Base_Color=RED, Coat_Weight=1.0, Coat_Roughness=0.2, Coat_IOR=1.6),
+    "principled, tinted coat": principled(Base_Color=WHITE, Coat_Weight=0.8, Coat_Tint=GREEN),
+    "principled, sheen": principled(Base_Color=RED, Sheen_Weight=0.8, Sheen_Roughness=0.4, Sheen_Tint=GREEN),
+    "principled, half clear": principled(Base_Color=RED, Alpha=0.4, Coat_Weight=0.5),
+    "principled, shining": principled(
+        Base_Color=RED, Emission_Color=GREEN, Emission_Strength=0.5, Diffuse_Roughness=0.1
+    ),
+}
+
+
+@pytest.mark.parametrize("name", CASES)
+def test_looks_as_in_cycles(stage, blender, tmp_path, name):
+    bpy = blender
+    made, tree, surface = stage.material(name)
+    try:
+        tree.links.new(CASES[name](tree), surface)
+    except (KeyError, RuntimeError):
+        pytest.skip("this Blender has no such node or input")
+    bpy.context.object.data.materials.append(made)
+    ours, theirs = both(stage, bpy, tmp_path)
+    blocks = [p.reshape(SIDE // BLOCK, BLOCK, SIDE // BLOCK, BLOCK, 3).mean((1, 3)) for p in (ours, theirs)]
+    mean = ours.mean((0, 1)) / theirs.mean((0, 1))
+    apart = np.abs(blocks[0] - blocks[1]) / (blocks[1] + 0.1 * blocks[1].mean())
+    print(f"{name}: mean {mean}, worst block {apart.max():.4f} at {np.unravel_index(apart.argmax(), apart.shape)}")
+    assert np.abs(mean - 1.0).max() < 0.01
+    assert apart.max() < 0.01
