@@ -9,7 +9,7 @@
 //!
 //! Who uses whom: [`choice`] → [`hash`] → [`noise`] → [`voronoi`] → [`patterns`] → [`math`] → [`vector`] → [`spectral`] →
 //! [`colour`] → [`mix`] → [`table`] → [`context`] → [`image`] → [`surface`] → [`graph`] → [`program`] → [`compile`] →
-//! [`pixels`]. Each uses only those before it.
+//! [`pixels`] → [`points`]. Each uses only those before it.
 
 mod choice;
 mod colour;
@@ -23,6 +23,7 @@ mod mix;
 mod noise;
 mod patterns;
 mod pixels;
+mod points;
 mod program;
 mod spectral;
 mod surface;
@@ -36,4 +37,5 @@ pub use context::{
 };
 pub use graph::{Graph, Input, Link, Node, Parsing};
 pub use pixels::Pixels;
+pub use points::{Column, Points};
 pub use program::{Layer, LayerKind, Operand, Program, Registers};

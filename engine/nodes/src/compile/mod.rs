@@ -186,11 +186,11 @@ impl At<'_, '_> {
         }
     }
 
-    /// A linked vector; else what the node takes from the surface.
+    /// A vector; where none is given, what the node takes from the surface.
     fn vector_or(&mut self, identifier: &str, default: impl FnOnce(&mut Self) -> Operand) -> Operand {
-        match self.node.input(identifier) {
-            Some(Input::Link(link)) => self.compiler.linked(link, Kind::Vector, self.shift),
-            _ => default(self),
+        match self.input(identifier, Kind::Vector, self.shift) {
+            Some(operand) => operand,
+            None => default(self),
         }
     }
 
