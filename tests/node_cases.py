@@ -2,7 +2,8 @@
 """Shader nodes with every option that they have, for the comparison with Cycles: plain lists, no bpy.
 
 An input is a number, a tuple, or the name of something that varies over the surface: `local` (a vector from -1 to 1),
-`colour` (from 0 to 1), `wide` (from -1.5 to 1.9), `x`, `y`, `z` (parts of `local`), `x01` (x from 0 to 1).
+`colour` (from 0 to 1), `wide` (from -1.5 to 1.9), `x`, `y`, `z` (parts of `local`), `x01` (x from 0 to 1), `tilted` (a
+normal that leans), `noise`, `noise generated`, `noise object`, `noise uv` (the Noise texture over such coordinates).
 """
 
 from __future__ import annotations
@@ -156,7 +157,9 @@ def noises() -> list[Case]:
         for normalize in (True, False) if fractal == "FBM" else (False,):
             options = {"noise_dimensions": dimensions, "noise_type": fractal, "normalize": normalize}
             cases.append(Case("ShaderNodeTexNoise", "Fac", options, inputs))
-            cases.append(Case("ShaderNodeTexNoise", "Color", options, {**inputs, "Distortion": 0.8, "Detail": 3.0}))
+            # Places some hundred units off lose two digits, and four octaves magnify that.
+            distorted = {**inputs, "Distortion": 0.8, "Detail": 3.0}
+            cases.append(Case("ShaderNodeTexNoise", "Color", options, distorted, tolerance=5e-4))
     for dimensions in ("1D", "2D", "3D", "4D"):
         # Far out, where Blender folds the coordinates: single precision keeps two digits there.
         inputs = {"Vector": "local", "W": "x", "Scale": 3e5, "Detail": 0.0}
@@ -278,6 +281,16 @@ def surfaces() -> list[Case]:
         cases.append(Case("ShaderNodeLightFalloff", output, {}, {"Strength": 2.0, "Smooth": 3.0}))
     for space, strength in product(("TANGENT", "OBJECT", "WORLD", "BLENDER_OBJECT", "BLENDER_WORLD"), (1.0, 0.6)):
         cases.append(Case("ShaderNodeNormalMap", "Normal", {"space": space}, {"Strength": strength, "Color": "colour"}))
+    for noise in ("noise", "noise generated", "noise object", "noise uv"):
+        for invert, inputs in product((False, True), ({}, {"Strength": 0.4, "Distance": 0.3}, {"Normal": "tilted"})):
+            given = {"Height": noise, **inputs}
+            # The slope is a difference of heights over a tenth of a pixel: their rounding, magnified.
+            cases.append(Case("ShaderNodeBump", "Normal", {"invert": invert}, given, tolerance=5e-4))
+    cases.append(Case("ShaderNodeBump", "Normal", {}, {"Height": 0.3}))
+    # What textures take where nothing is linked.
+    cases.append(Case("ShaderNodeTexNoise", "Fac", {}, {"Scale": 3.0}))
+    cases.append(Case("ShaderNodeTexVoronoi", "Distance", {}, {"Scale": 3.0}))
+    cases.append(Case("ShaderNodeTexGradient", "Color"))
     return cases
 
 

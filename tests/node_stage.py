@@ -21,6 +21,7 @@ PITCH = 2.0
 SLOPE = (0.4, 0.25)
 SCALE = np.array((1.25, 0.8, 1.0))
 CAMERA_HEIGHT = 10.0
+CLIP_START = 0.1
 NORMAL = np.array((-SLOPE[0], -SLOPE[1], 1.0)) / math.hypot(*SLOPE, 1.0)
 PASS_INDICES = {"object": 3, "material": 5}
 
@@ -79,13 +80,16 @@ class Stage:
         in_camera = p * (1.0, 1.0, -1.0) + (0.0, 0.0, CAMERA_HEIGHT)
         distance = np.linalg.norm(in_camera, axis=1, keepdims=True)
         uv = local @ np.array(UV_MATRIX)
-        tangent = np.linalg.solve(np.vstack((np.array(UV_MATRIX)[:, :2].T, NORMAL)), (1.0, 0.0, 0.0))
+        mesh_normal = NORMAL * SCALE / np.linalg.norm(NORMAL * SCALE)
+        # Where u grows by one, v and the height over the tile do not.
+        rows = np.vstack((np.array(UV_MATRIX)[:, :2].T * SCALE, mesh_normal))
+        tangent = np.linalg.solve(rows, (1.0, 0.0, 0.0))
         extent = np.array((1.0, 1.0, sum(SLOPE)))
         fields = {
             "position": p,
             "normal": normal,
             "true_normal": normal,
-            "mesh_normal": normal,
+            "mesh_normal": np.broadcast_to(mesh_normal, p.shape),
             "incoming": up,
             "object": local / SCALE,
             "generated": local / (2.0 * extent) + 0.5,
@@ -101,14 +105,32 @@ class Stage:
             "view_depth": np.repeat(in_camera[:, 2:], 3, axis=1),
             "view_distance": np.repeat(distance, 3, axis=1),
             "is_camera_ray": np.ones(p.shape),
-            "ray_length": np.repeat(in_camera[:, 2:], 3, axis=1),
+            # Cycles counts from where the camera begins to see.
+            "ray_length": np.repeat(in_camera[:, 2:] - CLIP_START, 3, axis=1),
             "uv:": uv,
             "tangent:": np.column_stack((np.broadcast_to(tangent / np.linalg.norm(tangent), p.shape), np.ones(len(p)))),
             "colour:Paint": paint(local),
             "geometry:Paint": paint(local),
             "geometry:lone": np.repeat(lone(local)[:, None], 3, axis=1),
         }
+        for axis, step in zip("xy", FOOTPRINT, strict=True):
+            fields[f"footprint_{axis}"] = np.broadcast_to(step, p.shape)
+            fields[f"position/{axis}"] = np.broadcast_to(step, p.shape)
+            fields[f"object/{axis}"] = np.broadcast_to(step / SCALE, p.shape)
+            fields[f"generated/{axis}"] = np.broadcast_to(step / (2.0 * extent), p.shape)
+            fields[f"uv:/{axis}"] = np.broadcast_to(step @ np.array(UV_MATRIX), p.shape)
         return {name: np.ascontiguousarray(values, np.float32) for name, values in fields.items()}
+
+
+def _footprint() -> np.ndarray:
+    """Two axes across the tile, a pixel long: as Cycles chooses them, by the flat normal alone."""
+    x, y, z = NORMAL
+    first = np.array((z - y, x - z, y - x))
+    first /= np.linalg.norm(first)
+    return np.array((first, np.cross(NORMAL, first))) * (PITCH / SIDE)
+
+
+FOOTPRINT = _footprint()
 
 
 #: From a tile's own coordinates to its UV map: turned and skewed.
@@ -142,7 +164,7 @@ def _tile(bpy: Any, name: str, centre: tuple[float, ...], material: Any) -> None
 
 def _camera(bpy: Any, width: float) -> None:
     camera = bpy.data.cameras.new("camera")
-    camera.type, camera.ortho_scale = "ORTHO", width
+    camera.type, camera.ortho_scale, camera.clip_start = "ORTHO", width, CLIP_START
     held = bpy.data.objects.new("camera", camera)
     held.location = (0.0, 0.0, CAMERA_HEIGHT)
     bpy.context.scene.collection.objects.link(held)
@@ -165,7 +187,10 @@ def _linear_pixels(image: Any, associated: bool) -> np.ndarray:
     width, height = image.size
     pixels = np.empty(width * height * 4, np.float32)
     image.pixels.foreach_get(pixels)
-    return pixels.reshape(height, width, 4)
+    pixels = pixels.reshape(height, width, 4)
+    if associated:
+        pixels[..., :3] *= pixels[..., 3:]
+    return pixels
 
 
 def _photograph(bpy: Any, path: Path, side: int) -> np.ndarray:
@@ -252,9 +277,20 @@ class _Material:
         if name == "tilted":
             leaned = self._vector_math("MULTIPLY_ADD", self._source("local"), (0.5, 0.4, 0.0), (0.0, 0.0, 1.0))
             return self._vector_math("NORMALIZE", leaned)
+        if name.startswith("noise"):
+            return self._noise(name.removeprefix("noise").strip())
         if name == "x01":
             return self._part("colour", "X")
         return self._part("local", name.upper())
+
+    def _noise(self, coordinates: str) -> Any:
+        node = self._tree.nodes.new("ShaderNodeTexNoise")
+        node.inputs["Scale"].default_value = 0.7
+        given = self._source("local")
+        if coordinates:
+            given = self._tree.nodes.new("ShaderNodeTexCoord").outputs[coordinates.upper() if coordinates == "uv" else coordinates.title()]
+        self._tree.links.new(given, node.inputs["Vector"])
+        return node.outputs[0]
 
     def _part(self, of: str, name: str) -> Any:
         separate = self._tree.nodes.new("ShaderNodeSeparateXYZ")

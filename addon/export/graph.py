@@ -18,7 +18,7 @@ from . import nodes
 ImageIndex = Callable[[bpy.types.Node], int | None]
 
 # As many rows as Cycles takes.
-_ROWS = 256
+_ROWS = 257
 #: Ends of the tree, by the description's name for each.
 _ENDS = {"surface": "Surface", "volume": "Volume", "displacement": "Displacement"}
 _VALUE_TYPES = {"VALUE", "INT", "BOOLEAN", "VECTOR", "RGBA"}

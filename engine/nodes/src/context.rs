@@ -27,7 +27,7 @@ choices! {
         Normal = "normal",
         /// The flat normal, towards the viewer.
         TrueNormal = "true_normal",
-        /// The smooth normal as the mesh has it, in world space, not turned to the viewer.
+        /// The normal as the mesh has it, in object space: not turned to the viewer, between vertices not of length 1.
         MeshNormal = "mesh_normal",
         /// From the point to the viewer.
         Incoming = "incoming",
@@ -112,7 +112,7 @@ pub enum AttributeKind {
     Uv,
     /// A colour attribute; without a name, the one for rendering.
     Colour,
-    /// The tangent of a UV map, in world space; the fourth part is the sign of the third axis.
+    /// The tangent of a UV map, in object space; the fourth part is the sign of the third axis.
     Tangent,
     /// Anything of the mesh.
     Geometry,
@@ -139,7 +139,7 @@ pub trait Context {
     fn read(&self, field: Field, shift: Shift) -> Vec3A;
     /// An attribute by its place in [`Program::attributes`](crate::Program::attributes); what is missing is zero.
     fn attribute(&self, index: usize, shift: Shift) -> Vec4;
-    /// A vector from one space to another.
+    /// A vector from one space to another; a normal comes at length 1.
     fn transform(&self, direction: Direction, from: Space, to: Space, vector: Vec3A) -> Vec3A;
 }
 

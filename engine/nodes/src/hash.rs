@@ -111,10 +111,12 @@ fn positive_unit(word: i32) -> f32 {
 #[inline]
 pub(crate) fn cell2(cell: IVec2) -> Vec2 {
     let [mut x, mut y] = cell.to_array().map(|k| k.wrapping_mul(FACTOR).wrapping_add(ADDEND));
-    for _ in 0..2 {
+    for round in 0..2 {
         x = x.wrapping_add(y.wrapping_mul(FACTOR));
         y = y.wrapping_add(x.wrapping_mul(FACTOR));
-        (x, y) = (x ^ (x >> 16), y ^ (y >> 16));
+        if round == 0 {
+            (x, y) = (x ^ (x >> 16), y ^ (y >> 16));
+        }
     }
     Vec2::new(positive_unit(x), positive_unit(y))
 }

@@ -161,11 +161,11 @@ fn smoother(t: f32) -> f32 {
     t * t * t * (t * (t * 6.0 - 15.0) + 10.0)
 }
 
-/// A value from one range into another; a range without width gives zero.
-pub(crate) fn map_range(kind: RangeKind, value: f32, from: [f32; 2], to: [f32; 2], steps: f32) -> f32 {
+/// A value from one range into another. A range without width gives `none`.
+pub(crate) fn map_range(kind: RangeKind, value: f32, from: [f32; 2], to: [f32; 2], steps: f32, none: f32) -> f32 {
     let width = from[1] - from[0];
     if width == 0.0 {
-        return 0.0;
+        return none;
     }
     let share = (value - from[0]) / width;
     let share = match kind {

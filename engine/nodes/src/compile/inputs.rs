@@ -196,6 +196,7 @@ pub(super) fn radial_tangent(at: &mut At<'_, '_>, axis: Axis) -> Operand {
 fn tangent(at: &mut At<'_, '_>) -> Lowered {
     let tangent = if at.node.word("direction_type") == Some("UV_MAP") {
         let tangent = at.attribute(AttributeKind::Tangent, at.node.word("uv_map").unwrap_or_default()).0;
+        let tangent = at.emit(Operation::Transform(Direction::Normal, Space::Object, Space::World), &[tangent]);
         let normal = at.normal();
         // Square to the normal.
         let zero = at.constant(0.0);

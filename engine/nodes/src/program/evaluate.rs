@@ -51,12 +51,12 @@ impl Program {
             }
             Operation::VectorMath(kind) => kind.apply(vector(0), vector(1), vector(2), number(3)),
             Operation::MapRange(kind) => {
-                splat(map_range(kind, number(0), [number(1), number(2)], [number(3), number(4)], number(5)))
+                splat(map_range(kind, number(0), [number(1), number(2)], [number(3), number(4)], number(5), 0.0))
             }
             Operation::MapRangeVector(kind) => {
                 let v = [0, 1, 2, 3, 4, 5].map(vector);
                 Vec3A::from_array(std::array::from_fn(|i| {
-                    map_range(kind, v[0][i], [v[1][i], v[2][i]], [v[3][i], v[4][i]], v[5][i])
+                    map_range(kind, v[0][i], [v[1][i], v[2][i]], [v[3][i], v[4][i]], v[5][i], v[3][i])
                 }))
             }
             Operation::Clamp(true) => splat(clamp_between(number(0), number(1), number(2))),
@@ -269,11 +269,12 @@ fn normal_map<C: Context>(
     let mut mapped = colour * 2.0 - Vec3A::ONE;
     let turned = if backfacing(context) { -1.0 } else { 1.0 };
     if space == NormalSpace::Tangent {
-        let normal = context.read(Field::MeshNormal, Shift::NONE);
         if tangent == Vec3A::ZERO {
             return context.read(Field::Normal, Shift::NONE);
         }
-        return surface::tangent_space(mapped, strength, tangent, sign, normal) * turned;
+        let normal = context.read(Field::MeshNormal, Shift::NONE);
+        let mapped = surface::tangent_space(mapped, strength, tangent, sign, normal);
+        return context.transform(Direction::Normal, Space::Object, Space::World, mapped) * turned;
     }
     if matches!(space, NormalSpace::BlenderObject | NormalSpace::BlenderWorld) {
         mapped *= Vec3A::new(1.0, -1.0, -1.0);
