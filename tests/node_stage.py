@@ -33,15 +33,22 @@ class Stage:
         self._bpy, self._graph, self._native = bpy, graph, native
         self._columns = math.ceil(math.sqrt(len(cases)))
         self._image = _image(bpy)
+        self._tiles = {}
         self._materials = {}
         self._centres = {}
+        #: Why this Blender cannot show a case: an older one lacks an option.
+        self.unknown: dict[str, str] = {}
         for number, case in enumerate(cases):
             row, column = divmod(number, self._columns)
             middle = (self._columns - 1) / 2.0
             centre = ((column - middle) * PITCH, (row - middle) * PITCH, 0.0)
             self._centres[case.name] = (row, column, np.array(centre))
-            self._materials[case.name] = _Material(bpy, case, centre, self._image).material
-            _tile(bpy, case.name, centre, self._materials[case.name])
+            try:
+                self._materials[case.name] = _Material(bpy, case, centre, self._image).material
+            except TypeError as error:
+                self.unknown[case.name] = str(error)
+                continue
+            self._tiles[case.name] = _tile(bpy, centre, self._materials[case.name])
         _camera(bpy, self._columns * PITCH)
         bpy.context.view_layer.update()
         self._expected = _photograph(bpy, folder / "values.exr", self._columns * SIDE)
@@ -64,8 +71,8 @@ class Stage:
         answer = self._native.evaluate_graph(
             json.dumps(described),
             self._points(case.name),
-            images=[_linear_pixels(self._image, associated=case.output != "Alpha")],
-            world_to_object=np.linalg.inv(np.array(self._bpy.data.objects[case.name].matrix_world, np.float64)),
+            images=[_linear_pixels(self._image, self._bpy.app.version, associated=case.output != "Alpha")],
+            world_to_object=np.linalg.inv(np.array(self._tiles[case.name].matrix_world, np.float64)),
             world_to_camera=np.diag((1.0, 1.0, -1.0, 1.0))
             @ np.linalg.inv(np.array(self._bpy.context.scene.camera.matrix_world, np.float64)),
         )
@@ -147,19 +154,20 @@ def lone(local: np.ndarray) -> np.ndarray:
     return local[:, 0] + 2.0 * local[:, 1]
 
 
-def _tile(bpy: Any, name: str, centre: tuple[float, ...], material: Any) -> None:
+def _tile(bpy: Any, centre: tuple[float, ...], material: Any) -> Any:
     flat = np.array(((-1.0, -1.0), (1.0, -1.0), (1.0, 1.0), (-1.0, 1.0)))
     local = np.column_stack((flat, flat @ SLOPE))
-    mesh = bpy.data.meshes.new(name)
+    mesh = bpy.data.meshes.new("tile")
     mesh.from_pydata((local / SCALE).tolist(), [], [(0, 1, 2, 3)])
     mesh.uv_layers.new(name="UVMap").data.foreach_set("uv", (local @ np.array(UV_MATRIX))[:, :2].ravel())
     mesh.color_attributes.new("Paint", "FLOAT_COLOR", "POINT").data.foreach_set("color", paint(local).ravel())
     mesh.attributes.new("lone", "FLOAT", "POINT").data.foreach_set("value", lone(local))
     mesh.materials.append(material)
-    tile = bpy.data.objects.new(name, mesh)
+    tile = bpy.data.objects.new("tile", mesh)
     tile.location, tile.scale = centre, SCALE
     tile.color, tile.pass_index = (0.2, 0.4, 0.6, 0.5), PASS_INDICES["object"]
     bpy.context.scene.collection.objects.link(tile)
+    return tile
 
 
 def _camera(bpy: Any, width: float) -> None:
@@ -183,12 +191,13 @@ def _image(bpy: Any) -> Any:
     return image
 
 
-def _linear_pixels(image: Any, associated: bool) -> np.ndarray:
+def _linear_pixels(image: Any, version: tuple[int, ...], associated: bool) -> np.ndarray:
     width, height = image.size
     pixels = np.empty(width * height * 4, np.float32)
     image.pixels.foreach_get(pixels)
     pixels = pixels.reshape(height, width, 4)
-    if associated:
+    # Before 5.0 Blender held the colours of floats multiplied by alpha already.
+    if associated and version >= (5, 0, 0):
         pixels[..., :3] *= pixels[..., 3:]
     return pixels
 

@@ -28,6 +28,8 @@ def stage(tmp_path_factory):
 
 @pytest.mark.parametrize("case", node_cases.ALL, ids=lambda case: case.name)
 def test_a_node_gives_what_it_gives_in_cycles(stage, case):
+    if case.name in stage.unknown:
+        pytest.skip(f"this Blender knows no such node: {stage.unknown[case.name]}")
     given, reports = stage.given(case)
     expected = stage.expected(case)
     assert not reports

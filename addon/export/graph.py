@@ -17,8 +17,10 @@ from . import nodes
 #: Gives the engine's index of the image that a texture node shows; None: it shows none.
 ImageIndex = Callable[[bpy.types.Node], int | None]
 
-# As many rows as Cycles takes.
+# As many rows as Cycles takes, ends included.
 _ROWS = 257
+# From this version on Blender scatters the points of the Voronoi texture otherwise.
+_NEW_CELLS = (5, 0, 0)
 #: Ends of the tree, by the description's name for each.
 _ENDS = {"surface": "Surface", "volume": "Volume", "displacement": "Displacement"}
 _VALUE_TYPES = {"VALUE", "INT", "BOOLEAN", "VECTOR", "RGBA"}
@@ -113,6 +115,8 @@ def _options(node: bpy.types.Node, image_index: ImageIndex) -> dict[str, Any]:
         # The image comes as the node needs it, its colours multiplied by alpha or not.
         options["image"] = image_index(node)
         options["unassociate"] = False
+    elif node.type == "TEX_VORONOI":
+        options["cell_hash"] = "PCG" if bpy.app.version >= _NEW_CELLS else "LOOKUP3"
     elif node.type in {"VALUE", "RGB", "NORMAL"}:
         value = nodes.value(node.outputs[0])
         options["value"] = list(value[:3]) if isinstance(value, tuple) else value

@@ -7,7 +7,7 @@ use crate::mix::Blend;
 use crate::noise::{Dimensions, Fractal};
 use crate::patterns::{GradientKind, WaveAxis, WaveKind, WaveProfile};
 use crate::program::{Operand, Operation};
-use crate::voronoi::{Feature, Metric};
+use crate::voronoi::{CellHash, Feature, Metric};
 
 /// Cycles shows a missing image in this colour.
 const MISSING: [f32; 3] = [1.0, 0.0, 1.0];
@@ -74,7 +74,9 @@ fn voronoi(at: &mut At<'_, '_>) -> Lowered {
         at.number("Exponent"),
         at.number("Randomness"),
     ];
-    let operation = Operation::Voronoi(dimensions, feature, metric, normalize);
+    // The add-on says which, by the Blender that it runs in.
+    let hash = at.node.choice("cell_hash", CellHash::Pcg)?;
+    let operation = Operation::Voronoi(dimensions, feature, metric, hash, normalize);
     let (distance, [rgb, position, w]) = at.emit_many(operation, &operands);
     Ok(vec![
         number("Distance", distance),

@@ -103,8 +103,9 @@ impl Program {
                 };
                 noise_texture(dimensions, octaves, p * scale, number(1) * scale, number(8), coloured)
             }
-            Operation::Voronoi(dimensions, feature, metric, normalize) => {
+            Operation::Voronoi(dimensions, feature, metric, hash, normalize) => {
                 let voronoi = Voronoi {
+                    hash,
                     feature,
                     metric,
                     normalize,

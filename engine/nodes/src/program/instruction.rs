@@ -9,7 +9,7 @@ use crate::noise::{Dimensions, Fractal};
 use crate::patterns::{GradientKind, WaveAxis, WaveKind, WaveProfile};
 use crate::surface::{Axis, NormalSpace};
 use crate::vector::{MappingKind, RotationKind, VectorMathKind};
-use crate::voronoi::{Feature, Metric};
+use crate::voronoi::{CellHash, Feature, Metric};
 
 /// Where an instruction finds a value: a register, or a constant of the program.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, Hash)]
@@ -81,7 +81,7 @@ pub(crate) enum Operation {
     Noise(Dimensions, Fractal, bool, bool),
     /// Vector, w, scale, detail, roughness, lacunarity, smoothness, exponent, randomness: distance.
     /// Further: colour, position, w.
-    Voronoi(Dimensions, Feature, Metric, bool),
+    Voronoi(Dimensions, Feature, Metric, CellHash, bool),
     /// Vector, scale, distortion, detail, detail scale, detail roughness, phase.
     Wave(WaveKind, WaveAxis, WaveProfile),
     /// Vector, scale, distortion.

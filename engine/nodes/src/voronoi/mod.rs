@@ -28,9 +28,15 @@ choices! {
     }
 }
 
+choices! {
+    /// What scatters the points: Blender has changed it, and with it all pictures but those in one dimension.
+    pub(crate) CellHash { Lookup3 = "LOOKUP3", Pcg = "PCG" }
+}
+
 /// What does not depend on the place.
 #[derive(Clone, Copy, Debug)]
 pub(crate) struct Voronoi {
+    pub(crate) hash: CellHash,
     pub(crate) feature: Feature,
     pub(crate) metric: Metric,
     pub(crate) normalize: bool,
@@ -144,7 +150,7 @@ impl Voronoi {
 
     /// The point of a cell, from the corner of the cell at `offset` 0.
     fn point<P: Space>(&self, cell: P, offset: P) -> P {
-        offset + P::point(cell + offset) * self.randomness
+        offset + P::point(cell + offset, self.hash) * self.randomness
     }
 
     fn first<P: Space>(&self, p: P) -> Found<P> {
@@ -158,7 +164,7 @@ impl Voronoi {
                 (least, nearest, at) = (distance, offset, point);
             }
         }
-        Found { distance: least, colour: P::colour(cell + nearest), position: at + cell }
+        Found { distance: least, colour: P::colour(cell + nearest, self.hash), position: at + cell }
     }
 
     fn second<P: Space>(&self, p: P) -> Found<P> {
@@ -176,7 +182,7 @@ impl Voronoi {
                 second = (distance, offset, point);
             }
         }
-        Found { distance: second.0, colour: P::colour(cell + second.1), position: second.2 + cell }
+        Found { distance: second.0, colour: P::colour(cell + second.1, self.hash), position: second.2 + cell }
     }
 
     fn smooth_first<P: Space>(&self, p: P) -> Found<P> {
@@ -193,7 +199,7 @@ impl Voronoi {
             let mut correction = self.smoothness * share * (1.0 - share);
             smooth = mix(smooth, distance, share) - correction;
             correction /= 1.0 + 3.0 * self.smoothness;
-            colour = mix(colour, P::colour(cell + offset), share) - correction;
+            colour = mix(colour, P::colour(cell + offset, self.hash), share) - correction;
             position = mix(position, point, share) - correction;
         }
         Found { distance: smooth, colour, position: cell + position }

@@ -1,7 +1,7 @@
 //! What Voronoi needs of one to four dimensions: cells, the point in each, distances.
 
-use super::Metric;
-use crate::hash::{cell2, cell3, cell4, colour1, unit1};
+use super::{CellHash, Metric};
+use crate::hash::{cell2, cell3, cell4, colour1, colour2, colour3, colour4, unit1, unit2, unit3, unit4};
 use glam::{IVec2, IVec3, IVec4, Vec2, Vec3A, Vec4};
 use std::ops::{Add, Mul, Sub};
 
@@ -13,8 +13,8 @@ pub(super) trait Space:
 
     fn floor(self) -> Self;
     /// Where the point of a cell lies in it, from 0 to 1.
-    fn point(cell: Self) -> Self;
-    fn colour(cell: Self) -> Vec3A;
+    fn point(cell: Self, hash: CellHash) -> Self;
+    fn colour(cell: Self, hash: CellHash) -> Vec3A;
     fn dot(self, other: Self) -> f32;
     /// The sum over the axes of a function of each part.
     fn each_sum(self, function: impl Fn(f32) -> f32) -> f32;
@@ -66,10 +66,10 @@ impl Space for f32 {
     fn floor(self) -> Self {
         f32::floor(self)
     }
-    fn point(cell: Self) -> Self {
+    fn point(cell: Self, _: CellHash) -> Self {
         unit1(cell)
     }
-    fn colour(cell: Self) -> Vec3A {
+    fn colour(cell: Self, _: CellHash) -> Vec3A {
         colour1(cell)
     }
     fn dot(self, other: Self) -> f32 {
@@ -96,11 +96,17 @@ impl Space for Vec2 {
     fn floor(self) -> Self {
         Vec2::floor(self)
     }
-    fn point(cell: Self) -> Self {
-        cell2(IVec2::new(cell.x as i32, cell.y as i32))
+    fn point(cell: Self, hash: CellHash) -> Self {
+        match hash {
+            CellHash::Pcg => cell2(IVec2::new(cell.x as i32, cell.y as i32)),
+            CellHash::Lookup3 => Vec2::new(unit2(cell.x, cell.y), unit3(cell.x, cell.y, 1.0)),
+        }
     }
-    fn colour(cell: Self) -> Vec3A {
-        cell3(IVec3::new(cell.x as i32, cell.y as i32, 0))
+    fn colour(cell: Self, hash: CellHash) -> Vec3A {
+        match hash {
+            CellHash::Pcg => cell3(IVec3::new(cell.x as i32, cell.y as i32, 0)),
+            CellHash::Lookup3 => colour2(cell),
+        }
     }
     fn dot(self, other: Self) -> f32 {
         Vec2::dot(self, other)
@@ -126,11 +132,14 @@ impl Space for Vec3A {
     fn floor(self) -> Self {
         Vec3A::floor(self)
     }
-    fn point(cell: Self) -> Self {
-        cell3(IVec3::new(cell.x as i32, cell.y as i32, cell.z as i32))
+    fn point(cell: Self, hash: CellHash) -> Self {
+        match hash {
+            CellHash::Pcg => cell3(IVec3::new(cell.x as i32, cell.y as i32, cell.z as i32)),
+            CellHash::Lookup3 => colour3(cell),
+        }
     }
-    fn colour(cell: Self) -> Vec3A {
-        Self::point(cell)
+    fn colour(cell: Self, hash: CellHash) -> Vec3A {
+        Self::point(cell, hash)
     }
     fn dot(self, other: Self) -> f32 {
         Vec3A::dot(self, other)
@@ -156,11 +165,20 @@ impl Space for Vec4 {
     fn floor(self) -> Self {
         Vec4::floor(self)
     }
-    fn point(cell: Self) -> Self {
-        cell4(IVec4::new(cell.x as i32, cell.y as i32, cell.z as i32, cell.w as i32))
+    fn point(cell: Self, hash: CellHash) -> Self {
+        match hash {
+            CellHash::Pcg => cell4(IVec4::new(cell.x as i32, cell.y as i32, cell.z as i32, cell.w as i32)),
+            CellHash::Lookup3 => {
+                let [x, y, z, w] = cell.to_array();
+                Vec4::new(unit4(x, y, z, w), unit4(w, x, y, z), unit4(z, w, x, y), unit4(y, z, w, x))
+            }
+        }
     }
-    fn colour(cell: Self) -> Vec3A {
-        Vec3A::from_vec4(Self::point(cell))
+    fn colour(cell: Self, hash: CellHash) -> Vec3A {
+        match hash {
+            CellHash::Pcg => Vec3A::from_vec4(Self::point(cell, hash)),
+            CellHash::Lookup3 => colour4(cell),
+        }
     }
     fn dot(self, other: Self) -> f32 {
         Vec4::dot(self, other)
