@@ -71,7 +71,7 @@ class Stage:
         answer = self._native.evaluate_graph(
             json.dumps(described),
             self._points(case.name),
-            images=[_linear_pixels(self._image, self._bpy.app.version, associated=case.output != "Alpha")],
+            images=[_linear_pixels(self._image)],
             world_to_object=np.linalg.inv(np.array(self._tiles[case.name].matrix_world, np.float64)),
             world_to_camera=np.diag((1.0, 1.0, -1.0, 1.0))
             @ np.linalg.inv(np.array(self._bpy.context.scene.camera.matrix_world, np.float64)),
@@ -185,21 +185,19 @@ def _image(bpy: Any) -> Any:
     rng = np.random.default_rng(3)
     pixels = rng.random((5, 7, 4)).astype(np.float32)
     pixels[..., 3] = np.where(pixels[..., 3] < 0.5, 1.0, pixels[..., 3])
+    image.alpha_mode = "PREMUL"
     image.pixels.foreach_set(pixels.ravel())
     image.update()
     image.pack()
     return image
 
 
-def _linear_pixels(image: Any, version: tuple[int, ...], associated: bool) -> np.ndarray:
+def _linear_pixels(image: Any) -> np.ndarray:
+    """Colours multiplied by alpha."""
     width, height = image.size
     pixels = np.empty(width * height * 4, np.float32)
     image.pixels.foreach_get(pixels)
-    pixels = pixels.reshape(height, width, 4)
-    # Before 5.0 Blender held the colours of floats multiplied by alpha already.
-    if associated and version >= (5, 0, 0):
-        pixels[..., :3] *= pixels[..., 3:]
-    return pixels
+    return pixels.reshape(height, width, 4)
 
 
 def _photograph(bpy: Any, path: Path, side: int) -> np.ndarray:
