@@ -1,7 +1,7 @@
 # SPDX-License-Identifier: GPL-3.0-or-later
 """The house rules that no compiler holds: who may use whom, and what must not stand in a tracked file.
 
-Data goes one way. Crates depend downward: python, render, optics. Inside a crate a module uses only those above it in
+Data goes one way. Crates depend downward: python, render, then optics and nodes. Inside a crate a module uses only those above it in
 the list with arrows of its `lib.rs`. The add-on's modules form no circle, and its plain ones know no Blender.
 """
 
@@ -21,7 +21,7 @@ import pytest
 pytestmark = pytest.mark.once
 
 ROOT = Path(__file__).resolve().parent.parent
-CRATES = ("optics", "render")
+CRATES = ("optics", "nodes", "render")
 
 # A longer file is asked whether it is one subject.
 LONG_FILE_LINES = 450
@@ -99,6 +99,7 @@ def test_a_module_uses_only_those_above_it(crate):
     ("crate", "forbidden"),
     [
         ("optics", {"petzval-render", "petzval-python", "pyo3", "numpy", "rayon", "petzval-testkit"}),
+        ("nodes", {"petzval-optics", "petzval-render", "petzval-python", "pyo3", "numpy", "rayon", "petzval-testkit"}),
         ("render", {"petzval-python", "pyo3", "numpy", "petzval-testkit"}),
         ("testkit", {"petzval-python", "pyo3", "numpy"}),
         ("python", {"petzval-testkit"}),

@@ -262,3 +262,20 @@ class Job:
         """{"seconds": {"bvh", "render", "plan"}, "samples" (that every pixel has), "samples_mean", "samples_most", "camera_rays", "camera_rays_lost", "rays",
         "lens_share" (part of the render time spent in the lens), "non_finite_samples", "seed", "threads",
         "lens", "width", "height"}."""
+
+def evaluate_graph(
+    graph_json: str,
+    points: dict[str, npt.NDArray[np.float32]],
+    *,
+    images: list[npt.NDArray[np.float32]] = ...,
+    world_to_object: npt.NDArray[np.float64] | None = None,
+    world_to_camera: npt.NDArray[np.float64] | None = None,
+) -> dict[str, Any]:
+    """A shader graph (`addon/export/graph.py`) at points that are given by hand, each (n, 3) or (n, 4).
+
+    `points` by the names of the fields that a program reads ("position", "normal", "generated", ...), of attributes with
+    their kind ("uv:UVMap", "tangent:", "geometry:name"), and of how one changes over a pixel ("position/x", "position/y").
+    `images` are (height, width, 4), linear, lowest row first. Gives
+    {"surface": [{"kind", "weight" (n, 3), "inputs": {identifier: (n, 3)}, "options"}], "volume": [...],
+    "displacement": (n, 3) or None, "reports": [text], "instructions": count}.
+    """

@@ -1,5 +1,6 @@
 //! The one map from the engine's errors to Python's exceptions.
 
+use petzval_nodes::Parsing;
 use petzval_optics::focus::FocusError;
 use petzval_optics::formats::lens::LensFileError;
 use petzval_optics::system::SystemError;
@@ -54,6 +55,7 @@ maps! {
     SystemError => LensError,
     FocusError => LensError,
     SceneError => SceneError_,
+    Parsing => SceneError_,
     CameraError => CameraError_,
     SettingsError => PetzvalError,
 }

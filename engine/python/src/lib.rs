@@ -5,6 +5,7 @@ mod camera;
 mod doorway;
 mod error;
 mod focusing;
+mod graph;
 mod job;
 mod layer;
 mod lens;
@@ -41,6 +42,7 @@ fn _native(m: &Bound<'_, PyModule>) -> PyResult<()> {
     m.add_function(wrap_pyfunction!(focusing::autofocus_json, m)?)?;
     m.add_function(wrap_pyfunction!(focusing::autofocus_by_json, m)?)?;
     m.add_function(wrap_pyfunction!(focusing::sharp_points_json, m)?)?;
+    m.add_function(wrap_pyfunction!(graph::evaluate_graph, m)?)?;
     m.add_function(wrap_pyfunction!(surface::trace_surfaces_json, m)?)?;
     Ok(())
 }

@@ -1,0 +1,146 @@
+# SPDX-License-Identifier: GPL-3.0-or-later
+"""A material's node tree as the engine's description of a shader graph: lists and dicts, ready for JSON.
+
+Groups, reroutes and muted nodes are followed away. Ramps and curves come as tables, evaluated by Blender.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Callable
+from functools import cache
+from typing import Any
+
+import bpy
+
+from . import nodes
+
+#: Gives the engine's index of the image that a texture node shows; None: it shows none.
+ImageIndex = Callable[[bpy.types.Node], int | None]
+
+# As many rows as Cycles takes, ends included.
+_ROWS = 257
+# From this version on Blender scatters the points of the Voronoi texture otherwise.
+_NEW_CELLS = (5, 0, 0)
+#: Ends of the tree, by the description's name for each.
+_ENDS = {"surface": "Surface", "volume": "Volume", "displacement": "Displacement"}
+_VALUE_TYPES = {"VALUE", "INT", "BOOLEAN", "VECTOR", "RGBA"}
+_OPTION_TYPES = {"ENUM", "BOOLEAN", "INT", "FLOAT", "STRING"}
+
+
+def describe(tree: bpy.types.NodeTree, image_index: ImageIndex) -> dict[str, Any]:
+    """What the tree's active output shows. A tree without one is empty."""
+    output = tree.get_output_node("CYCLES")
+    walk = _Walk(image_index)
+    ends = {}
+    for name, socket in _ENDS.items():
+        given = output.inputs.get(socket) if output is not None else None
+        found = nodes.trace(nodes.Input(given)) if given is not None else None
+        ends[name] = walk.link(found) if isinstance(found, nodes.Source) else None
+    walk.finish()
+    return {"nodes": walk.nodes, **ends}
+
+
+class _Walk:
+    """Gathers nodes from the ends up, each once."""
+
+    def __init__(self, image_index: ImageIndex) -> None:
+        self.nodes: list[dict[str, Any]] = []
+        self._image_index = image_index
+        self._places: dict[tuple[int, ...], int] = {}
+        self._waiting: list[tuple[nodes.Source, dict[str, Any]]] = []
+
+    def link(self, source: nodes.Source) -> dict[str, Any]:
+        """A link to an output; its node is noted for later."""
+        # A node in a group is another one for each place where the group is used.
+        key = (source.node.as_pointer(), *(group.as_pointer() for group in source.groups))
+        if key not in self._places:
+            self._places[key] = len(self.nodes)
+            described = {"type": source.node.bl_idname, "name": source.node.name, "options": {}, "inputs": {}}
+            self.nodes.append(described)
+            self._waiting.append((source, described))
+        return {"node": self._places[key], "socket": source.socket.identifier}
+
+    def finish(self) -> None:
+        """Describes the nodes that were noted, and those that they lead to."""
+        while self._waiting:
+            source, described = self._waiting.pop()
+            described["options"] = _options(source.node, self._image_index)
+            for given in source.inputs():
+                self._describe_input(given, described)
+
+    def _describe_input(self, given: nodes.Input, described: dict[str, Any]) -> None:
+        socket = given.socket
+        found = nodes.trace(given)
+        if socket.type == "STRING":
+            if isinstance(found, nodes.Input):
+                described["options"][socket.identifier] = found.socket.default_value
+        elif isinstance(found, nodes.Source):
+            described["inputs"][socket.identifier] = self.link(found)
+        elif socket.type in _VALUE_TYPES:
+            value = _constant(socket, found)
+            if value is not None:
+                described["inputs"][socket.identifier] = value
+
+
+def _constant(socket: bpy.types.NodeSocket, found: nodes.Input | None) -> float | list[float] | None:
+    """What an input holds; None where the node takes something of the surface."""
+    if found is None:
+        # Nothing arrives through a dead end: Blender takes zero.
+        return 0.0
+    if found.socket == socket and _takes_default(socket):
+        return None
+    value = nodes.value(found.socket)
+    return list(value[:3]) if isinstance(value, tuple) else value
+
+
+def _takes_default(socket: bpy.types.NodeSocket) -> bool:
+    """Whether an empty input is a normal, a coordinate or the like, rather than the value that it hides."""
+    return socket.hide_value and (socket.type == "VECTOR" or socket.identifier == "Random")
+
+
+@cache
+def _option_names(kind: str) -> tuple[str, ...]:
+    """The properties of a kind of node that are its own."""
+    common = bpy.types.ShaderNode.bl_rna.properties.keys()
+    properties = getattr(bpy.types, kind).bl_rna.properties
+    return tuple(one.identifier for one in properties if one.identifier not in common and one.type in _OPTION_TYPES)
+
+
+def _options(node: bpy.types.Node, image_index: ImageIndex) -> dict[str, Any]:
+    options = {}
+    for name in _option_names(node.bl_idname):
+        value = getattr(node, name)
+        options[name] = value if isinstance(value, (str, bool, int, float)) else list(value)
+    if node.type in {"TEX_IMAGE", "TEX_ENVIRONMENT"}:
+        # The image comes as the node needs it, its colours multiplied by alpha or not.
+        options["image"] = image_index(node)
+        options["unassociate"] = False
+    elif node.type == "TEX_VORONOI":
+        options["cell_hash"] = "PCG" if bpy.app.version >= _NEW_CELLS else "LOOKUP3"
+    elif node.type in {"VALUE", "RGB", "NORMAL"}:
+        value = nodes.value(node.outputs[0])
+        options["value"] = list(value[:3]) if isinstance(value, tuple) else value
+    elif node.type == "VALTORGB":
+        options["table"] = [list(node.color_ramp.evaluate(row / (_ROWS - 1))) for row in range(_ROWS)]
+        options["interpolate"] = node.color_ramp.interpolation != "CONSTANT"
+    elif node.type in {"CURVE_RGB", "CURVE_VEC", "CURVE_FLOAT"}:
+        options |= _curves(node.mapping)
+    elif node.type == "TEX_COORD" and node.object is not None:
+        options["object_matrix"] = [list(row) for row in node.object.matrix_world.inverted_safe()]
+    return options
+
+
+def _curves(mapping: bpy.types.CurveMapping) -> dict[str, Any]:
+    """The curves of x, y and z, after the one for all where there is one; over the range that they cover together."""
+    mapping.update()
+    curves = list(mapping.curves)
+    low = min(curve.points[0].location.x for curve in curves)
+    high = max(curve.points[-1].location.x for curve in curves)
+    parts = curves[:3] if len(curves) >= 3 else curves[:1] * 3
+    table = []
+    for row in range(_ROWS):
+        place = low + (high - low) * row / (_ROWS - 1)
+        if len(curves) == 4:
+            place = mapping.evaluate(curves[3], place)
+        table.append([*(mapping.evaluate(curve, place) for curve in parts), 1.0])
+    return {"table": table, "range": [low, high], "extrapolate": mapping.extend == "EXTRAPOLATED"}

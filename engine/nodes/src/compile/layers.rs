@@ -1,0 +1,148 @@
+//! The shader nodes above an output, flattened to closures that add up.
+
+use super::{At, Compiler, Kind};
+use crate::context::Shift;
+use crate::graph::{Input, Link};
+use crate::math::MathKind;
+use crate::program::{Layer, LayerKind, Operand, Operation};
+use glam::Vec3A;
+
+/// More closures than any material has that a person made.
+const MOST_LAYERS: usize = 128;
+
+/// The closure of a shader node.
+fn closure(kind: &str) -> Option<LayerKind> {
+    Some(match kind {
+        "ShaderNodeBsdfPrincipled" => LayerKind::Principled,
+        "ShaderNodeBsdfDiffuse" => LayerKind::Diffuse,
+        "ShaderNodeBsdfGlossy" | "ShaderNodeBsdfAnisotropic" => LayerKind::Glossy,
+        "ShaderNodeBsdfMetallic" => LayerKind::Metallic,
+        "ShaderNodeBsdfGlass" => LayerKind::Glass,
+        "ShaderNodeBsdfRefraction" => LayerKind::Refraction,
+        "ShaderNodeBsdfTransparent" => LayerKind::Transparent,
+        "ShaderNodeBsdfTranslucent" => LayerKind::Translucent,
+        "ShaderNodeEmission" => LayerKind::Emission,
+        "ShaderNodeBackground" => LayerKind::Background,
+        "ShaderNodeBsdfSheen" | "ShaderNodeBsdfVelvet" => LayerKind::Sheen,
+        "ShaderNodeBsdfToon" => LayerKind::Toon,
+        "ShaderNodeBsdfHair" => LayerKind::Hair,
+        "ShaderNodeBsdfHairPrincipled" => LayerKind::PrincipledHair,
+        "ShaderNodeSubsurfaceScattering" => LayerKind::Subsurface,
+        "ShaderNodeHoldout" => LayerKind::Holdout,
+        "ShaderNodeBsdfRayPortal" => LayerKind::RayPortal,
+        "ShaderNodeVolumePrincipled" => LayerKind::PrincipledVolume,
+        "ShaderNodeVolumeScatter" => LayerKind::VolumeScatter,
+        "ShaderNodeVolumeAbsorption" => LayerKind::VolumeAbsorption,
+        "ShaderNodeVolumeCoefficients" => LayerKind::VolumeCoefficients,
+        _ => return None,
+    })
+}
+
+/// Whether a closure's input has three parts.
+fn kind_of_input(layer: LayerKind, identifier: &str) -> Kind {
+    const PARTS: [&str; 9] = [
+        "Color",
+        "Tint",
+        "Normal",
+        "Tangent",
+        "Coefficient",
+        "Extinction",
+        "Subsurface Radius",
+        "Position",
+        "Direction",
+    ];
+    let whole = (layer == LayerKind::Metallic && identifier == "IOR")
+        || (layer == LayerKind::Subsurface && identifier == "Radius");
+    if whole || PARTS.iter().any(|part| identifier.contains(part)) { Kind::Vector } else { Kind::Number }
+}
+
+/// Shader nodes that have been walked through to reach a closure, and its share.
+struct Walk {
+    layers: Vec<(usize, Layer)>,
+}
+
+impl Compiler<'_> {
+    pub(super) fn layers(&mut self, start: Option<&Link>) -> Vec<Layer> {
+        let mut walk = Walk { layers: Vec::new() };
+        if let Some(link) = start {
+            let whole = self.constant(Vec3A::ONE);
+            self.walk(link, whole, &mut walk);
+        }
+        walk.layers.into_iter().map(|(_, layer)| layer).collect()
+    }
+
+    fn walk(&mut self, link: &Link, weight: Operand, walk: &mut Walk) {
+        if self.known(weight) == Some(Vec3A::ZERO) {
+            return;
+        }
+        let index = link.node;
+        let node = &self.graph.nodes[index];
+        if self.open.contains(&index) {
+            return self.report(index, "its output leads back into itself, it is black");
+        }
+        if walk.layers.len() >= MOST_LAYERS {
+            return self.report(index, "the material has too many shaders, this one is left out");
+        }
+        self.open.push(index);
+        match node.kind.as_str() {
+            "ShaderNodeMixShader" => {
+                let mut at = At { compiler: self, index, node, shift: Shift::NONE };
+                let share = at.number_or("Fac", 0.5);
+                let share = at.emit(Operation::Saturate, &[share]);
+                let one = at.constant(1.0);
+                let zero = at.constant(0.0);
+                let rest = at.emit(Operation::Math(MathKind::Subtract, false), &[one, share, zero]);
+                for (socket, part) in [("Shader", rest), ("Shader_001", share)] {
+                    let part = self.emit(Operation::Math(MathKind::Multiply, false), &[weight, part, zero]);
+                    self.walk_input(index, socket, part, walk);
+                }
+            }
+            "ShaderNodeAddShader" => {
+                for socket in ["Shader", "Shader_001"] {
+                    self.walk_input(index, socket, weight, walk);
+                }
+            }
+            kind => match closure(kind) {
+                Some(kind) => self.add_closure(index, kind, weight, walk),
+                None => {
+                    self.open.pop();
+                    return self.bare_colour(link, weight, walk);
+                }
+            },
+        }
+        self.open.pop();
+    }
+
+    fn walk_input(&mut self, index: usize, socket: &str, weight: Operand, walk: &mut Walk) {
+        // An empty shader socket is black.
+        if let Some(Input::Link(link)) = self.graph.nodes[index].input(socket) {
+            self.walk(link, weight, walk);
+        }
+    }
+
+    fn add_closure(&mut self, index: usize, kind: LayerKind, weight: Operand, walk: &mut Walk) {
+        if let Some((_, same)) = walk.layers.iter_mut().find(|(other, _)| *other == index) {
+            let zero = self.constant(Vec3A::ZERO);
+            same.weight = self.emit(Operation::Math(MathKind::Add, false), &[same.weight, weight, zero]);
+            return;
+        }
+        let node = &self.graph.nodes[index];
+        let mut at = At { compiler: self, index, node, shift: Shift::NONE };
+        let mut inputs = Vec::new();
+        for (identifier, _) in &node.inputs {
+            let operand = at.input(identifier, kind_of_input(kind, identifier), Shift::NONE);
+            inputs.extend(operand.map(|operand| (identifier.clone(), operand)));
+        }
+        let options = node.words().map(|(name, word)| (name.clone(), word.to_owned())).collect();
+        walk.layers.push((index, Layer { kind, weight, inputs, options }));
+    }
+
+    /// A colour where a shader belongs glows with that colour.
+    fn bare_colour(&mut self, link: &Link, weight: Operand, walk: &mut Walk) {
+        let colour = self.linked(link, Kind::Colour, Shift::NONE);
+        let one = self.constant(Vec3A::ONE);
+        let inputs = vec![("Color".to_owned(), colour), ("Strength".to_owned(), one)];
+        // Each place where a bare colour enters is a closure of its own.
+        walk.layers.push((usize::MAX, Layer { kind: LayerKind::Emission, weight, inputs, options: Vec::new() }));
+    }
+}

@@ -1,0 +1,229 @@
+//! From a graph to a program: nodes become instructions, constants are folded, what nobody reads is dropped.
+
+mod allocate;
+mod colours;
+mod emit;
+mod inputs;
+mod layers;
+mod maths;
+mod surfaces;
+mod textures;
+
+use crate::context::Shift;
+use crate::graph::{Graph, Input, Link, Node};
+use crate::program::{Instruction, Operand, Operation, Program, Registers};
+use glam::Vec3A;
+use std::collections::{HashMap, HashSet};
+
+/// What could not be done as Blender does it.
+#[derive(Clone, Debug, PartialEq, Eq)]
+pub struct Report {
+    /// The user's name of the node.
+    pub node: String,
+    /// Its `bl_idname`.
+    pub kind: String,
+    /// What is wrong.
+    pub what: String,
+}
+
+impl std::fmt::Display for Report {
+    fn fmt(&self, f: &mut std::fmt::Formatter<'_>) -> std::fmt::Result {
+        write!(f, "node {} ({}): {}", self.node, self.kind, self.what)
+    }
+}
+
+/// What kind of value an output gives: it says how it becomes a number, or a number becomes it.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub(crate) enum Kind {
+    Number,
+    Vector,
+    Colour,
+}
+
+/// An output's value.
+#[derive(Clone, Copy, Debug)]
+struct Value {
+    kind: Kind,
+    operand: Operand,
+}
+
+/// A node's outputs by identifier.
+type Outputs = Vec<(&'static str, Value)>;
+
+/// What lowering a node gives; or why it cannot be done.
+type Lowered = Result<Outputs, String>;
+
+/// Chains longer than this are no longer followed: they would not fit on the stack.
+const DEEPEST: usize = 500;
+
+/// A program for a graph, and what had to be left out of it.
+pub fn compile(graph: &Graph) -> (Program, Vec<Report>) {
+    let mut compiler = Compiler::new(graph);
+    let surface = compiler.layers(graph.surface.as_ref());
+    let volume = compiler.layers(graph.volume.as_ref());
+    let displacement = graph.displacement.as_ref().map(|link| compiler.linked(link, Kind::Vector, Shift::NONE));
+    compiler.finish(surface, volume, displacement)
+}
+
+struct Compiler<'g> {
+    graph: &'g Graph,
+    used: HashSet<(usize, &'g str)>,
+    /// Results are virtual registers still.
+    code: Vec<Instruction>,
+    program: Program,
+    constants: HashMap<[u32; 3], Operand>,
+    lowered: HashMap<(usize, [u32; 2]), Outputs>,
+    /// Nodes that are being lowered, outermost first.
+    open: Vec<usize>,
+    reports: Vec<Report>,
+    scratch: Box<Registers>,
+}
+
+impl<'g> Compiler<'g> {
+    fn new(graph: &'g Graph) -> Self {
+        Self {
+            graph,
+            used: graph.used_outputs(),
+            code: Vec::new(),
+            program: Program::default(),
+            constants: HashMap::new(),
+            lowered: HashMap::new(),
+            open: Vec::new(),
+            reports: Vec::new(),
+            scratch: Box::default(),
+        }
+    }
+
+    fn report(&mut self, node: usize, what: impl Into<String>) {
+        let node = &self.graph.nodes[node];
+        let report = Report { node: node.name.clone(), kind: node.kind.clone(), what: what.into() };
+        if !self.reports.contains(&report) {
+            self.reports.push(report);
+        }
+    }
+
+    /// What a link brings, as the kind that its reader wants.
+    fn linked(&mut self, link: &Link, wanted: Kind, shift: Shift) -> Operand {
+        let Some(value) = self.output(link, shift) else {
+            return self.constant(Vec3A::ZERO);
+        };
+        match (value.kind, wanted) {
+            (Kind::Colour, Kind::Number) => self.emit(Operation::Luminance, &[value.operand]),
+            (Kind::Vector, Kind::Number) => self.emit(Operation::Mean, &[value.operand]),
+            // Numbers stand in all three parts already.
+            _ => value.operand,
+        }
+    }
+
+    fn output(&mut self, link: &Link, shift: Shift) -> Option<Value> {
+        let key = (link.node, [shift.x.to_bits(), shift.y.to_bits()]);
+        if !self.lowered.contains_key(&key) {
+            if self.open.contains(&link.node) {
+                self.report(link.node, "its output leads back into itself, it is black");
+                return None;
+            }
+            if self.open.len() >= DEEPEST {
+                self.report(link.node, "too many nodes in a row, it is black");
+                return None;
+            }
+            self.open.push(link.node);
+            let outputs = self.lower(link.node, shift);
+            self.open.pop();
+            self.lowered.insert(key, outputs);
+        }
+        self.lowered[&key].iter().find(|(name, _)| *name == link.socket).map(|(_, value)| *value)
+    }
+
+    fn lower(&mut self, index: usize, shift: Shift) -> Outputs {
+        let node = &self.graph.nodes[index];
+        let mut at = At { compiler: self, index, node, shift };
+        let lowered = inputs::lower(&mut at)
+            .or_else(|| textures::lower(&mut at))
+            .or_else(|| colours::lower(&mut at))
+            .or_else(|| maths::lower(&mut at))
+            .or_else(|| surfaces::lower(&mut at))
+            .unwrap_or_else(|| Err("it is not supported, it is black".to_owned()));
+        lowered.unwrap_or_else(|what| {
+            self.report(index, what);
+            Outputs::new()
+        })
+    }
+}
+
+/// A node while it is lowered: reads its inputs and emits its instructions.
+struct At<'c, 'g> {
+    compiler: &'c mut Compiler<'g>,
+    index: usize,
+    node: &'g Node,
+    shift: Shift,
+}
+
+impl At<'_, '_> {
+    fn input(&mut self, identifier: &str, wanted: Kind, shift: Shift) -> Option<Operand> {
+        Some(match self.node.input(identifier)? {
+            Input::Constant(parts) => self.compiler.constant(Vec3A::from_array(*parts)),
+            Input::Link(link) => self.compiler.linked(link, wanted, shift),
+        })
+    }
+
+    /// An input that is a number; 0 where Blender hides it.
+    fn number(&mut self, identifier: &str) -> Operand {
+        self.number_or(identifier, 0.0)
+    }
+
+    fn number_or(&mut self, identifier: &str, default: f32) -> Operand {
+        match self.input(identifier, Kind::Number, self.shift) {
+            Some(operand) => operand,
+            None => self.constant(default),
+        }
+    }
+
+    /// An input that is a vector or colour; 0 where Blender hides it.
+    fn vector(&mut self, identifier: &str) -> Operand {
+        match self.input(identifier, Kind::Vector, self.shift) {
+            Some(operand) => operand,
+            None => self.constant(0.0),
+        }
+    }
+
+    /// A vector; where none is given, what the node takes from the surface.
+    fn vector_or(&mut self, identifier: &str, default: impl FnOnce(&mut Self) -> Operand) -> Operand {
+        match self.input(identifier, Kind::Vector, self.shift) {
+            Some(operand) => operand,
+            None => default(self),
+        }
+    }
+
+    fn constant(&mut self, value: f32) -> Operand {
+        self.compiler.constant(Vec3A::splat(value))
+    }
+
+    fn emit(&mut self, operation: Operation, operands: &[Operand]) -> Operand {
+        self.compiler.emit(operation, operands)
+    }
+
+    fn emit_many<const N: usize>(&mut self, operation: Operation, operands: &[Operand]) -> (Operand, [Operand; N]) {
+        self.compiler.emit_many(operation, operands)
+    }
+
+    /// Whether something reads an output.
+    fn is_used(&self, identifier: &str) -> bool {
+        self.compiler.used.contains(&(self.index, identifier))
+    }
+
+    fn report(&mut self, what: &str) {
+        self.compiler.report(self.index, what);
+    }
+}
+
+fn number(identifier: &'static str, operand: Operand) -> (&'static str, Value) {
+    (identifier, Value { kind: Kind::Number, operand })
+}
+
+fn vector(identifier: &'static str, operand: Operand) -> (&'static str, Value) {
+    (identifier, Value { kind: Kind::Vector, operand })
+}
+
+fn colour(identifier: &'static str, operand: Operand) -> (&'static str, Value) {
+    (identifier, Value { kind: Kind::Colour, operand })
+}

@@ -1,0 +1,189 @@
+//! Texture nodes.
+
+use super::{At, Lowered, colour, number, vector};
+use crate::context::{Extension, Field, Interpolation, Shift};
+use crate::image::{EnvironmentProjection, Picture, Projection};
+use crate::mix::Blend;
+use crate::noise::{Dimensions, Fractal};
+use crate::patterns::{GradientKind, WaveAxis, WaveKind, WaveProfile};
+use crate::program::{Operand, Operation};
+use crate::voronoi::{CellHash, Feature, Metric};
+
+/// Cycles shows a missing image in this colour.
+const MISSING: [f32; 3] = [1.0, 0.0, 1.0];
+
+impl At<'_, '_> {
+    /// A texture's coordinates: generated where nothing is linked.
+    fn coordinates(&mut self) -> Operand {
+        self.vector_or("Vector", |at| at.read(Field::Generated))
+    }
+}
+
+pub(super) fn lower(at: &mut At<'_, '_>) -> Option<Lowered> {
+    Some(match at.node.kind.as_str() {
+        "ShaderNodeTexNoise" => noise(at),
+        "ShaderNodeTexVoronoi" => voronoi(at),
+        "ShaderNodeTexWave" => wave(at),
+        "ShaderNodeTexMagic" => Ok(magic(at)),
+        "ShaderNodeTexGradient" => gradient(at),
+        "ShaderNodeTexChecker" => Ok(checker(at)),
+        "ShaderNodeTexBrick" => Ok(brick(at)),
+        "ShaderNodeTexWhiteNoise" => white_noise(at),
+        "ShaderNodeTexImage" => image(at),
+        "ShaderNodeTexEnvironment" => environment(at),
+        _ => return None,
+    })
+}
+
+fn noise(at: &mut At<'_, '_>) -> Lowered {
+    let dimensions = at.node.choice("noise_dimensions", Dimensions::Three)?;
+    let fractal = at.node.choice("noise_type", Fractal::Sum)?;
+    let normalize = at.node.truth("normalize", true);
+    let p = at.coordinates();
+    let operands = [
+        p,
+        at.number("W"),
+        at.number("Scale"),
+        at.number("Detail"),
+        at.number("Roughness"),
+        at.number("Lacunarity"),
+        at.number("Offset"),
+        at.number("Gain"),
+        at.number("Distortion"),
+    ];
+    let coloured = at.is_used("Color");
+    let value = at.emit(Operation::Noise(dimensions, fractal, normalize, coloured), &operands);
+    let first = if coloured { at.emit(Operation::Part(0), &[value]) } else { value };
+    Ok(vec![number("Fac", first), colour("Color", value)])
+}
+
+fn voronoi(at: &mut At<'_, '_>) -> Lowered {
+    let dimensions = at.node.choice("voronoi_dimensions", Dimensions::Three)?;
+    let feature = at.node.choice("feature", Feature::First)?;
+    let metric = at.node.choice("distance", Metric::Euclidean)?;
+    let normalize = at.node.truth("normalize", false);
+    let p = at.coordinates();
+    let operands = [
+        p,
+        at.number("W"),
+        at.number("Scale"),
+        at.number("Detail"),
+        at.number("Roughness"),
+        at.number_or("Lacunarity", 2.0),
+        at.number("Smoothness"),
+        at.number("Exponent"),
+        at.number("Randomness"),
+    ];
+    // The add-on says which, by the Blender that it runs in.
+    let hash = at.node.choice("cell_hash", CellHash::Pcg)?;
+    let operation = Operation::Voronoi(dimensions, feature, metric, hash, normalize);
+    let (distance, [rgb, position, w]) = at.emit_many(operation, &operands);
+    Ok(vec![
+        number("Distance", distance),
+        colour("Color", rgb),
+        vector("Position", position),
+        number("W", w),
+        number("Radius", distance),
+    ])
+}
+
+fn wave(at: &mut At<'_, '_>) -> Lowered {
+    let kind = at.node.choice("wave_type", WaveKind::Bands)?;
+    let direction = if kind == WaveKind::Bands { "bands_direction" } else { "rings_direction" };
+    let axis = at.node.choice(direction, WaveAxis::X)?;
+    let profile = at.node.choice("wave_profile", WaveProfile::Sine)?;
+    let p = at.coordinates();
+    let operands = [
+        p,
+        at.number("Scale"),
+        at.number("Distortion"),
+        at.number("Detail"),
+        at.number("Detail Scale"),
+        at.number("Detail Roughness"),
+        at.number("Phase Offset"),
+    ];
+    let value = at.emit(Operation::Wave(kind, axis, profile), &operands);
+    Ok(vec![colour("Color", value), number("Fac", value)])
+}
+
+fn magic(at: &mut At<'_, '_>) -> super::Outputs {
+    let depth = at.node.count("turbulence_depth").unwrap_or(2).min(10) as u8;
+    let operands = [at.coordinates(), at.number("Scale"), at.number("Distortion")];
+    let value = at.emit(Operation::Magic(depth), &operands);
+    vec![colour("Color", value), number("Fac", at.emit(Operation::Mean, &[value]))]
+}
+
+fn gradient(at: &mut At<'_, '_>) -> Lowered {
+    let kind = at.node.choice("gradient_type", GradientKind::Linear)?;
+    let p = at.coordinates();
+    let value = at.emit(Operation::Gradient(kind), &[p]);
+    Ok(vec![colour("Color", value), number("Fac", value)])
+}
+
+fn checker(at: &mut At<'_, '_>) -> super::Outputs {
+    let operands = [at.coordinates(), at.number("Scale")];
+    let first = at.emit(Operation::Checker, &operands);
+    let (one, two) = (at.vector("Color1"), at.vector("Color2"));
+    vec![colour("Color", at.emit(Operation::Mix(Blend::Mix), &[first, two, one])), number("Fac", first)]
+}
+
+fn brick(at: &mut At<'_, '_>) -> super::Outputs {
+    let frequency = |name: &str| at.node.count(name).unwrap_or(1).min(99) as i16;
+    let operation = Operation::Brick(frequency("offset_frequency"), frequency("squash_frequency"));
+    let operands = [
+        at.coordinates(),
+        at.number("Scale"),
+        at.number("Mortar Size"),
+        at.number("Mortar Smooth"),
+        at.number("Bias"),
+        at.number("Brick Width"),
+        at.number("Row Height"),
+        at.constant(at.node.number("offset", 0.5)),
+        at.constant(at.node.number("squash", 1.0)),
+    ];
+    let (mortar, [tint]) = at.emit_many(operation, &operands);
+    let (one, two, between) = (at.vector("Color1"), at.vector("Color2"), at.vector("Mortar"));
+    let brick = at.emit(Operation::Mix(Blend::Mix), &[tint, one, two]);
+    vec![colour("Color", at.emit(Operation::Mix(Blend::Mix), &[mortar, brick, between])), number("Fac", mortar)]
+}
+
+fn white_noise(at: &mut At<'_, '_>) -> Lowered {
+    let dimensions = at.node.choice("noise_dimensions", Dimensions::Three)?;
+    // Blender takes a constant here, unlike other textures.
+    let operands = [at.vector("Vector"), at.number("W")];
+    let (value, [rgb]) = at.emit_many(Operation::WhiteNoise(dimensions), &operands);
+    Ok(vec![number("Value", value), colour("Color", rgb)])
+}
+
+fn image(at: &mut At<'_, '_>) -> Lowered {
+    let Some(image) = at.node.count("image") else {
+        let pink = at.compiler.constant(MISSING.into());
+        return Ok(vec![colour("Color", pink), number("Alpha", at.constant(1.0))]);
+    };
+    let picture = Picture {
+        image,
+        interpolation: at.node.choice("interpolation", Interpolation::Linear)?,
+        extension: at.node.choice("extension", Extension::Repeat)?,
+    };
+    let projection = at.node.choice("projection", Projection::Flat)?;
+    let unassociate = at.node.truth("unassociate", at.is_used("Alpha"));
+    let p = at.vector_or("Vector", |at| at.uv(""));
+    let blend = at.constant(at.node.number("projection_blend", 0.0));
+    let (rgb, [alpha]) = at.emit_many(Operation::Image(picture, projection, unassociate), &[p, blend]);
+    Ok(vec![colour("Color", rgb), number("Alpha", alpha)])
+}
+
+fn environment(at: &mut At<'_, '_>) -> Lowered {
+    let Some(image) = at.node.count("image") else {
+        let pink = at.compiler.constant(MISSING.into());
+        return Ok(vec![colour("Color", pink)]);
+    };
+    let picture = Picture {
+        image,
+        interpolation: at.node.choice("interpolation", Interpolation::Linear)?,
+        extension: Extension::Repeat,
+    };
+    let projection = at.node.choice("projection", EnvironmentProjection::Equirectangular)?;
+    let direction = at.vector_or("Vector", |at| at.emit(Operation::Read(Field::Position, Shift::NONE), &[]));
+    Ok(vec![colour("Color", at.emit(Operation::Environment(picture, projection), &[direction]))])
+}

@@ -1,0 +1,183 @@
+//! What a program asks of the surface and of images. The renderer implements both traits.
+
+use crate::choice::choices;
+use glam::{Vec2, Vec3A, Vec4};
+
+/// Where a program looks: at the point, or beside it by a share of the footprint along its two axes. Bump runs the
+/// program of its height at three such places.
+#[derive(Clone, Copy, Debug, Default, PartialEq)]
+pub struct Shift {
+    /// Along dP/dx.
+    pub x: f32,
+    /// Along dP/dy.
+    pub y: f32,
+}
+
+impl Shift {
+    /// The point itself.
+    pub const NONE: Self = Self { x: 0.0, y: 0.0 };
+}
+
+choices! {
+    /// What there is to know about a point. A number stands in all three parts; a truth is 1 or 0.
+    #[expect(missing_docs, reason = "named after Blender's outputs")]
+    pub Field {
+        Position = "position",
+        /// The shading normal, towards the viewer.
+        Normal = "normal",
+        /// The flat normal, towards the viewer.
+        TrueNormal = "true_normal",
+        /// The normal as the mesh has it, in object space: not turned to the viewer, between vertices not of length 1.
+        MeshNormal = "mesh_normal",
+        /// From the point to the viewer.
+        Incoming = "incoming",
+        Parametric = "parametric",
+        Backfacing = "backfacing",
+        Pointiness = "pointiness",
+        RandomPerIsland = "random_per_island",
+        Generated = "generated",
+        Object = "object",
+        Camera = "camera",
+        Window = "window",
+        Reflection = "reflection",
+        InstancerGenerated = "instancer_generated",
+        InstancerUv = "instancer_uv",
+        /// The footprint's axes, world units.
+        FootprintX = "footprint_x",
+        FootprintY = "footprint_y",
+        ObjectLocation = "object_location",
+        ObjectColour = "object_colour",
+        ObjectAlpha = "object_alpha",
+        ObjectIndex = "object_index",
+        MaterialIndex = "material_index",
+        ObjectRandom = "object_random",
+        ParticleIndex = "particle_index",
+        ParticleRandom = "particle_random",
+        ParticleAge = "particle_age",
+        ParticleLifetime = "particle_lifetime",
+        ParticleLocation = "particle_location",
+        ParticleSize = "particle_size",
+        ParticleVelocity = "particle_velocity",
+        ParticleAngularVelocity = "particle_angular_velocity",
+        IsStrand = "is_strand",
+        StrandIntercept = "strand_intercept",
+        StrandLength = "strand_length",
+        StrandThickness = "strand_thickness",
+        StrandNormal = "strand_normal",
+        StrandRandom = "strand_random",
+        PointPosition = "point_position",
+        PointRadius = "point_radius",
+        PointRandom = "point_random",
+        IsCameraRay = "is_camera_ray",
+        IsShadowRay = "is_shadow_ray",
+        IsDiffuseRay = "is_diffuse_ray",
+        IsGlossyRay = "is_glossy_ray",
+        IsSingularRay = "is_singular_ray",
+        IsReflectionRay = "is_reflection_ray",
+        IsTransmissionRay = "is_transmission_ray",
+        IsVolumeScatterRay = "is_volume_scatter_ray",
+        RayLength = "ray_length",
+        RayDepth = "ray_depth",
+        DiffuseDepth = "diffuse_depth",
+        GlossyDepth = "glossy_depth",
+        TransparentDepth = "transparent_depth",
+        TransmissionDepth = "transmission_depth",
+        PortalDepth = "portal_depth",
+        ViewVector = "view_vector",
+        ViewDepth = "view_depth",
+        ViewDistance = "view_distance",
+        VolumeColour = "volume_colour",
+        VolumeDensity = "volume_density",
+        VolumeFlame = "volume_flame",
+        VolumeTemperature = "volume_temperature",
+    }
+}
+
+choices! {
+    /// A space that vectors are given in.
+    #[expect(missing_docs, reason = "named after Blender's")]
+    pub Space { World = "WORLD", Object = "OBJECT", Camera = "CAMERA" }
+}
+
+choices! {
+    /// What kind of vector changes space.
+    #[expect(missing_docs, reason = "named after Blender's")]
+    pub Direction { Point = "POINT", Vector = "VECTOR", Normal = "NORMAL" }
+}
+
+/// Where an attribute is looked for.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub enum AttributeKind {
+    /// A UV map; without a name, the one for rendering.
+    Uv,
+    /// A colour attribute; without a name, the one for rendering.
+    Colour,
+    /// The tangent of a UV map, in object space; the fourth part is the sign of the third axis.
+    Tangent,
+    /// Anything of the mesh.
+    Geometry,
+    /// A property of the object.
+    Object,
+    /// A property of what instances the object.
+    Instancer,
+    /// A property of the view layer or scene.
+    ViewLayer,
+}
+
+/// An attribute that a program reads. The renderer looks it up once for each mesh, by its place in the list.
+#[derive(Clone, Debug, PartialEq, Eq)]
+pub struct Attribute {
+    /// Where to look.
+    pub kind: AttributeKind,
+    /// Blender's name of it.
+    pub name: String,
+}
+
+/// The point that is shaded.
+pub trait Context {
+    /// A field, at the point or beside it.
+    fn read(&self, field: Field, shift: Shift) -> Vec3A;
+    /// An attribute by its place in [`Program::attributes`](crate::Program::attributes); what is missing is zero.
+    fn attribute(&self, index: usize, shift: Shift) -> Vec4;
+    /// A vector from one space to another; a normal comes at length 1.
+    fn transform(&self, direction: Direction, from: Space, to: Space, vector: Vec3A) -> Vec3A;
+}
+
+choices! {
+    /// How an image is read between its pixels.
+    #[expect(missing_docs, reason = "named after Blender's")]
+    pub Interpolation { Linear = "Linear", Closest = "Closest", Cubic = "Cubic" | "Smart" }
+}
+
+choices! {
+    /// What lies beyond an image's edges.
+    #[expect(missing_docs, reason = "named after Blender's")]
+    pub Extension { Repeat = "REPEAT", Extend = "EXTEND", Clip = "CLIP", Mirror = "MIRROR" }
+}
+
+/// The images that programs read.
+pub trait Textures {
+    /// Linear RGBA, alpha multiplied in, at a place of the image: (0, 0) is its lower left corner.
+    fn lookup(&self, image: usize, uv: Vec2, interpolation: Interpolation, extension: Extension) -> Vec4;
+}
+
+/// No surface and no images: for folding what depends on neither.
+pub(crate) struct Nowhere;
+
+impl Context for Nowhere {
+    fn read(&self, _: Field, _: Shift) -> Vec3A {
+        Vec3A::ZERO
+    }
+    fn attribute(&self, _: usize, _: Shift) -> Vec4 {
+        Vec4::ZERO
+    }
+    fn transform(&self, _: Direction, _: Space, _: Space, vector: Vec3A) -> Vec3A {
+        vector
+    }
+}
+
+impl Textures for Nowhere {
+    fn lookup(&self, _: usize, _: Vec2, _: Interpolation, _: Extension) -> Vec4 {
+        Vec4::ZERO
+    }
+}

@@ -1,0 +1,41 @@
+//! Shader graphs as compact programs.
+//!
+//! A [`Graph`](graph::Graph) is what Blender's nodes say; [`compile`](compile::compile) makes of it a [`Program`] that
+//! runs at each point of a surface, without allocating. What it needs to know about the point comes through
+//! [`Context`], images through [`Textures`]; scenes, meshes and lights are unknown here.
+//!
+//! Every value is three numbers in one register; a number stands in all three, so that it is a vector or a colour at
+//! once, as Blender converts it.
+//!
+//! Who uses whom: [`choice`] → [`hash`] → [`noise`] → [`voronoi`] → [`patterns`] → [`math`] → [`vector`] → [`spectral`] →
+//! [`colour`] → [`mix`] → [`table`] → [`context`] → [`image`] → [`surface`] → [`graph`] → [`program`] → [`compile`] →
+//! [`pixels`] → [`points`]. Each uses only those before it.
+
+mod choice;
+mod colour;
+mod compile;
+mod context;
+mod graph;
+mod hash;
+mod image;
+mod math;
+mod mix;
+mod noise;
+mod patterns;
+mod pixels;
+mod points;
+mod program;
+mod spectral;
+mod surface;
+mod table;
+mod vector;
+mod voronoi;
+
+pub use compile::{Report, compile};
+pub use context::{
+    Attribute, AttributeKind, Context, Direction, Extension, Field, Interpolation, Shift, Space, Textures,
+};
+pub use graph::{Graph, Input, Link, Node, Parsing};
+pub use pixels::Pixels;
+pub use points::{Column, Points};
+pub use program::{Layer, LayerKind, Operand, Program, Registers};

@@ -1,0 +1,104 @@
+//! Mix: one value over another, in nineteen ways.
+
+use crate::choice::choices;
+use crate::colour::{hsv_to_rgb, rgb_to_hsv};
+use glam::Vec3A;
+
+choices! {
+    pub(crate) Blend {
+        Mix = "MIX",
+        Darken = "DARKEN",
+        Multiply = "MULTIPLY",
+        Burn = "BURN",
+        Lighten = "LIGHTEN",
+        Screen = "SCREEN",
+        Dodge = "DODGE",
+        Add = "ADD",
+        Overlay = "OVERLAY",
+        SoftLight = "SOFT_LIGHT",
+        LinearLight = "LINEAR_LIGHT",
+        Difference = "DIFFERENCE",
+        Exclusion = "EXCLUSION",
+        Subtract = "SUBTRACT",
+        Divide = "DIVIDE",
+        Hue = "HUE",
+        Saturation = "SATURATION",
+        Colour = "COLOR",
+        Value = "VALUE",
+    }
+}
+
+fn each2(a: Vec3A, b: Vec3A, function: impl Fn(f32, f32) -> f32) -> Vec3A {
+    Vec3A::new(function(a.x, b.x), function(a.y, b.y), function(a.z, b.z))
+}
+
+/// `t` of the second over `1 - t` of the first, for each part its own share.
+pub(crate) fn interpolate(a: Vec3A, b: Vec3A, t: Vec3A) -> Vec3A {
+    a * (Vec3A::ONE - t) + b * t
+}
+
+impl Blend {
+    pub(crate) fn apply(self, t: f32, a: Vec3A, b: Vec3A) -> Vec3A {
+        let rest = 1.0 - t;
+        let over = |result: Vec3A| a * rest + result * t;
+        match self {
+            Self::Mix => over(b),
+            Self::Darken => over(a.min(b)),
+            Self::Multiply => over(a * b),
+            Self::Lighten => over(a.max(b)),
+            Self::Add => over(a + b),
+            Self::Subtract => over(a - b),
+            Self::Difference => over((a - b).abs()),
+            Self::Exclusion => over(a + b - a * b * 2.0).max(Vec3A::ZERO),
+            Self::Screen => Vec3A::ONE - (Vec3A::splat(rest) + (Vec3A::ONE - b) * t) * (Vec3A::ONE - a),
+            Self::LinearLight => a + (b * 2.0 - Vec3A::ONE) * t,
+            Self::SoftLight => {
+                let screen = Vec3A::ONE - (Vec3A::ONE - b) * (Vec3A::ONE - a);
+                over((Vec3A::ONE - a) * b * a + a * screen)
+            }
+            Self::Overlay => each2(a, b, |a, b| {
+                if a < 0.5 { a * (rest + 2.0 * t * b) } else { 1.0 - (rest + 2.0 * t * (1.0 - b)) * (1.0 - a) }
+            }),
+            Self::Divide => each2(a, b, |a, b| if b == 0.0 { a } else { rest * a + t * a / b }),
+            Self::Dodge => each2(a, b, |a, b| {
+                let divisor = 1.0 - t * b;
+                if a == 0.0 {
+                    0.0
+                } else if divisor <= 0.0 {
+                    1.0
+                } else {
+                    (a / divisor).min(1.0)
+                }
+            }),
+            Self::Burn => each2(a, b, |a, b| {
+                let divisor = rest + t * b;
+                if divisor <= 0.0 { 0.0 } else { (1.0 - (1.0 - a) / divisor).clamp(0.0, 1.0) }
+            }),
+            Self::Hue | Self::Saturation | Self::Colour | Self::Value => self.in_hsv(t, a, b),
+        }
+    }
+
+    /// The four that exchange parts of hue, saturation and value. Grey has no hue to give or take.
+    fn in_hsv(self, t: f32, a: Vec3A, b: Vec3A) -> Vec3A {
+        let (mut first, second) = (rgb_to_hsv(a), rgb_to_hsv(b));
+        let blended = |x: f32, y: f32| (1.0 - t) * x + t * y;
+        match self {
+            Self::Saturation if first.y != 0.0 => {
+                first.y = blended(first.y, second.y);
+                hsv_to_rgb(first)
+            }
+            Self::Value => {
+                first.z = blended(first.z, second.z);
+                hsv_to_rgb(first)
+            }
+            Self::Hue | Self::Colour if second.y != 0.0 => {
+                first.x = second.x;
+                if self == Self::Colour {
+                    first.y = second.y;
+                }
+                a * (1.0 - t) + hsv_to_rgb(first) * t
+            }
+            _ => a,
+        }
+    }
+}

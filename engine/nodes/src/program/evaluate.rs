@@ -1,0 +1,288 @@
+//! What each instruction computes.
+
+use super::{Instruction, Operation, Program, Registers};
+use crate::context::{Context, Direction, Field, Shift, Space, Textures};
+use crate::image::{self, Picture, Projection};
+use crate::math::{clamp_between, clamp_in_order, map_range};
+use crate::mix::interpolate;
+use crate::noise::{Octaves, noise_texture};
+use crate::patterns::{Brick, Wave, checker, gradient, magic, white_noise, white_noise_colour};
+use crate::surface::{self, Bump, NormalSpace};
+use crate::vector::{mapping, rotate};
+use crate::voronoi::Voronoi;
+use crate::{colour, spectral};
+use glam::{Vec2, Vec3A};
+
+impl Program {
+    #[inline]
+    pub(crate) fn step<C: Context, T: Textures>(
+        &self,
+        instruction: &Instruction,
+        context: &C,
+        textures: &T,
+        registers: &mut Registers,
+    ) {
+        let given = registers;
+        let vector = |i: usize| self.value(instruction.operands[i], given);
+        let number = |i: usize| self.value(instruction.operands[i], given).x;
+        let splat = Vec3A::splat;
+        let mut further = None;
+        let result = match instruction.operation {
+            Operation::Further(which) => given.further[usize::from(which)],
+            Operation::Read(field, shift) => context.read(field, shift),
+            Operation::Attribute(index, shift) => {
+                let value = context.attribute(usize::from(index), shift);
+                further = Some([splat(value.w), Vec3A::ZERO, Vec3A::ZERO]);
+                Vec3A::from_vec4(value)
+            }
+            Operation::Affine(map) => self.maps[usize::from(map)].transform_point3a(vector(0)),
+            Operation::Transform(direction, from, to) => context.transform(direction, from, to, vector(0)),
+            Operation::Luminance => splat(colour::luminance(vector(0))),
+            Operation::Mean => splat(vector(0).element_sum() * (1.0 / 3.0)),
+            Operation::Part(0) => splat(vector(0).x),
+            Operation::Part(1) => splat(vector(0).y),
+            Operation::Part(_) => splat(vector(0).z),
+            Operation::Combine => Vec3A::new(number(0), number(1), number(2)),
+            Operation::ToModel(model) => colour::to_model(model, vector(0)),
+            Operation::FromModel(model) => colour::from_model(model, vector(0)),
+            Operation::Math(kind, clamped) => {
+                let value = kind.apply(number(0), number(1), number(2));
+                splat(if clamped { value.clamp(0.0, 1.0) } else { value })
+            }
+            Operation::VectorMath(kind) => kind.apply(vector(0), vector(1), vector(2), number(3)),
+            Operation::MapRange(kind) => {
+                splat(map_range(kind, number(0), [number(1), number(2)], [number(3), number(4)], number(5), 0.0))
+            }
+            Operation::MapRangeVector(kind) => {
+                let v = [0, 1, 2, 3, 4, 5].map(vector);
+                Vec3A::from_array(std::array::from_fn(|i| {
+                    map_range(kind, v[0][i], [v[1][i], v[2][i]], [v[3][i], v[4][i]], v[5][i], v[3][i])
+                }))
+            }
+            Operation::Clamp(true) => splat(clamp_between(number(0), number(1), number(2))),
+            Operation::Clamp(false) => splat(clamp_in_order(number(0), number(1), number(2))),
+            Operation::ClampVector => {
+                let v = [0, 1, 2].map(vector);
+                Vec3A::from_array(std::array::from_fn(|i| clamp_between(v[0][i], v[1][i], v[2][i])))
+            }
+            Operation::Mix(blend) => blend.apply(number(0), vector(1), vector(2)),
+            Operation::MixParts => interpolate(vector(1), vector(2), vector(0)),
+            Operation::Saturate => vector(0).clamp(Vec3A::ZERO, Vec3A::ONE),
+            Operation::Invert => colour::invert(vector(0), number(1)),
+            Operation::Gamma => colour::gamma(vector(0), number(1)),
+            Operation::BrightContrast => colour::bright_contrast(vector(0), number(1), number(2)),
+            Operation::HueSaturation => colour::hue_saturation(vector(4), number(0), number(1), number(2), number(3)),
+            Operation::Ramp(table) => {
+                let row = self.tables[usize::from(table)].ramp(number(0));
+                further = Some([splat(row.w), Vec3A::ZERO, Vec3A::ZERO]);
+                Vec3A::from_vec4(row)
+            }
+            Operation::Curves(table) => self.tables[usize::from(table)].curves(number(0), vector(1)),
+            Operation::FloatCurve(table) => splat(self.tables[usize::from(table)].float_curve(number(0), number(1))),
+            Operation::Blackbody => spectral::blackbody(number(0)),
+            Operation::Wavelength => spectral::wavelength(number(0)),
+            Operation::Fresnel => splat(surface::fresnel(number(0), cosine(context, vector(1)), backfacing(context))),
+            Operation::LayerFresnel => {
+                splat(surface::layer_fresnel(number(0), cosine(context, vector(1)), backfacing(context)))
+            }
+            Operation::Facing => splat(surface::facing(number(0), cosine(context, vector(1)))),
+            Operation::Falloff(power) => {
+                let length = context.read(Field::RayLength, Shift::NONE).x;
+                splat(surface::falloff(number(0), number(1), length, i32::from(power)))
+            }
+            Operation::Noise(dimensions, fractal, normalize, coloured) => {
+                let (scale, p) = (number(2), vector(0));
+                let octaves = Octaves {
+                    fractal,
+                    normalize,
+                    detail: number(3),
+                    roughness: number(4),
+                    lacunarity: number(5),
+                    offset: number(6),
+                    gain: number(7),
+                };
+                noise_texture(dimensions, octaves, p * scale, number(1) * scale, number(8), coloured)
+            }
+            Operation::Voronoi(dimensions, feature, metric, hash, normalize) => {
+                let voronoi = Voronoi {
+                    hash,
+                    feature,
+                    metric,
+                    normalize,
+                    scale: number(2),
+                    detail: number(3),
+                    roughness: number(4),
+                    lacunarity: number(5),
+                    smoothness: number(6),
+                    exponent: number(7),
+                    randomness: number(8),
+                };
+                let nearest = voronoi.at(dimensions, vector(0), number(1));
+                let position = Vec3A::from_vec4(nearest.position);
+                further = Some([nearest.colour, position, splat(nearest.position.w)]);
+                splat(nearest.distance)
+            }
+            Operation::Wave(kind, axis, profile) => {
+                let wave = Wave {
+                    kind,
+                    axis,
+                    profile,
+                    distortion: number(2),
+                    detail: number(3),
+                    detail_scale: number(4),
+                    detail_roughness: number(5),
+                    phase: number(6),
+                };
+                splat(wave.at(vector(0) * number(1)))
+            }
+            Operation::Magic(depth) => magic(vector(0) * number(1), number(2), depth),
+            Operation::Gradient(kind) => splat(gradient(kind, vector(0))),
+            Operation::Checker => splat(if checker(vector(0) * number(1)) { 1.0 } else { 0.0 }),
+            Operation::Brick(offset_frequency, squash_frequency) => {
+                let brick = Brick {
+                    mortar_size: number(2),
+                    mortar_smooth: number(3),
+                    bias: number(4),
+                    width: number(5),
+                    row_height: number(6),
+                    offset: number(7),
+                    squash: number(8),
+                    offset_frequency: i32::from(offset_frequency),
+                    squash_frequency: i32::from(squash_frequency),
+                };
+                let (tint, mortar) = brick.at(vector(0) * number(1));
+                further = Some([splat(tint), Vec3A::ZERO, Vec3A::ZERO]);
+                splat(mortar)
+            }
+            Operation::WhiteNoise(dimensions) => {
+                further = Some([white_noise_colour(dimensions, vector(0), number(1)), Vec3A::ZERO, Vec3A::ZERO]);
+                splat(white_noise(dimensions, vector(0), number(1)))
+            }
+            Operation::Image(picture, projection, unassociate) => {
+                let (colour, alpha) =
+                    image_texture(picture, projection, unassociate, vector(0), number(1), context, textures);
+                further = Some([splat(alpha), Vec3A::ZERO, Vec3A::ZERO]);
+                colour
+            }
+            Operation::Environment(picture, projection) => {
+                Vec3A::from_vec4(picture.at(textures, image::environment(projection, vector(0))))
+            }
+            Operation::Mapping(kind) => mapping(kind, vector(0), vector(1), vector(2), vector(3)),
+            Operation::Rotate(kind, inverted) => {
+                rotate(kind, inverted, vector(0), vector(1), vector(2), number(3), vector(4))
+            }
+            Operation::RadialTangent(axis) => {
+                let around = surface::around(axis, vector(0));
+                let around = context.transform(Direction::Normal, Space::Object, Space::World, around);
+                let normal = vector(1);
+                normal.cross(around.cross(normal).normalize_or_zero()).normalize_or_zero()
+            }
+            Operation::Bump(width) => {
+                let axes = [Field::FootprintX, Field::FootprintY];
+                let bump = Bump {
+                    heights: [number(0), number(1), number(2)],
+                    axes: axes.map(|axis| context.read(axis, Shift::NONE) * width),
+                    strength: number(4),
+                    distance: number(5),
+                };
+                bump.normal(vector(3))
+            }
+            Operation::NormalMap(space) => normal_map(space, vector(0), number(1), vector(2), number(3), context),
+            Operation::Displacement(space) => {
+                let height = (number(0) - number(1)) * number(2);
+                match space {
+                    Space::Object => {
+                        let normal = context.transform(Direction::Normal, Space::World, Space::Object, vector(3));
+                        let moved = normal.normalize_or_zero() * height;
+                        context.transform(Direction::Vector, Space::Object, Space::World, moved)
+                    }
+                    Space::World | Space::Camera => vector(3).normalize_or_zero() * height,
+                }
+            }
+            Operation::VectorDisplacement(space) => {
+                let moved = (vector(0) - number(1)) * number(2);
+                match space {
+                    NormalSpace::World | NormalSpace::BlenderWorld => moved,
+                    NormalSpace::Object | NormalSpace::BlenderObject => {
+                        context.transform(Direction::Vector, Space::Object, Space::World, moved)
+                    }
+                    NormalSpace::Tangent => {
+                        let normal = context.read(Field::Normal, Shift::NONE);
+                        let tangent = vector(3);
+                        let across = normal.cross(tangent).normalize_or_zero() * number(4);
+                        tangent * moved.x + normal * moved.y + across * moved.z
+                    }
+                }
+            }
+        };
+        registers_write(given, instruction.result, result, further);
+    }
+}
+
+#[inline(always)]
+fn registers_write(registers: &mut Registers, place: u16, result: Vec3A, further: Option<[Vec3A; 3]>) {
+    // Results lie below FIRST_CONSTANT, so nothing is cut off.
+    registers.values[usize::from(place as u8)] = result;
+    if let Some(further) = further {
+        registers.further = further;
+    }
+}
+
+fn cosine(context: &impl Context, normal: Vec3A) -> f32 {
+    context.read(Field::Incoming, Shift::NONE).dot(normal)
+}
+
+fn backfacing(context: &impl Context) -> bool {
+    context.read(Field::Backfacing, Shift::NONE).x != 0.0
+}
+
+fn image_texture<C: Context, T: Textures>(
+    picture: Picture,
+    projection: Projection,
+    unassociate: bool,
+    p: Vec3A,
+    blend: f32,
+    context: &C,
+    textures: &T,
+) -> (Vec3A, f32) {
+    let rgba = match projection {
+        Projection::Flat => picture.at(textures, Vec2::new(p.x, p.y)),
+        Projection::Sphere => picture.at(textures, image::sphere(p)),
+        Projection::Tube => picture.at(textures, image::tube(p)),
+        Projection::Box => {
+            let normal = context.read(Field::Normal, Shift::NONE);
+            let normal = context.transform(Direction::Normal, Space::World, Space::Object, normal);
+            picture.on_box(textures, p, normal, blend)
+        }
+    };
+    let rgba = if unassociate { image::unassociated(rgba) } else { rgba };
+    (Vec3A::from_vec4(rgba), rgba.w)
+}
+
+fn normal_map<C: Context>(
+    space: NormalSpace,
+    colour: Vec3A,
+    strength: f32,
+    tangent: Vec3A,
+    sign: f32,
+    context: &C,
+) -> Vec3A {
+    let mut mapped = colour * 2.0 - Vec3A::ONE;
+    let turned = if backfacing(context) { -1.0 } else { 1.0 };
+    if space == NormalSpace::Tangent {
+        if tangent == Vec3A::ZERO {
+            return context.read(Field::Normal, Shift::NONE);
+        }
+        let normal = context.read(Field::MeshNormal, Shift::NONE);
+        let mapped = surface::tangent_space(mapped, strength, tangent, sign, normal);
+        return context.transform(Direction::Normal, Space::Object, Space::World, mapped) * turned;
+    }
+    if matches!(space, NormalSpace::BlenderObject | NormalSpace::BlenderWorld) {
+        mapped *= Vec3A::new(1.0, -1.0, -1.0);
+    }
+    if matches!(space, NormalSpace::Object | NormalSpace::BlenderObject) {
+        mapped = context.transform(Direction::Normal, Space::Object, Space::World, mapped);
+    }
+    let mapped = mapped.normalize_or_zero() * turned;
+    surface::strengthened(mapped, context.read(Field::Normal, Shift::NONE), strength)
+}

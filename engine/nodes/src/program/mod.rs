@@ -1,0 +1,132 @@
+//! A compiled graph: instructions over registers, and the layers of the surface whose inputs they compute.
+
+mod evaluate;
+mod instruction;
+
+pub use instruction::Operand;
+pub(crate) use instruction::{FIRST_CONSTANT, Instruction, MOST_OPERANDS, Operation};
+
+use crate::context::{Attribute, Context, Textures};
+use crate::table::Table;
+use glam::{Affine3A, Vec3A};
+
+/// How many values a program may hold at once.
+pub(crate) const REGISTERS: usize = 256;
+
+/// Working memory of programs: make one a thread, and run any program in it.
+pub struct Registers {
+    values: [Vec3A; REGISTERS],
+    /// Further results of the last instruction that has some.
+    further: [Vec3A; 3],
+}
+
+impl Registers {
+    /// What an instruction with result 0 has left.
+    pub(crate) fn results(&self) -> (Vec3A, [Vec3A; 3]) {
+        (self.values[0], self.further)
+    }
+}
+
+impl Default for Registers {
+    fn default() -> Self {
+        Self { values: [Vec3A::ZERO; REGISTERS], further: [Vec3A::ZERO; 3] }
+    }
+}
+
+/// What kind of closure a layer is. Inputs and options have Blender's names.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+#[expect(missing_docs, reason = "named after Blender's nodes")]
+pub enum LayerKind {
+    Principled,
+    Diffuse,
+    Glossy,
+    Metallic,
+    Glass,
+    Refraction,
+    Transparent,
+    Translucent,
+    Emission,
+    Background,
+    Sheen,
+    Toon,
+    Hair,
+    PrincipledHair,
+    Subsurface,
+    Holdout,
+    RayPortal,
+    PrincipledVolume,
+    VolumeScatter,
+    VolumeAbsorption,
+    VolumeCoefficients,
+}
+
+/// One closure of a surface or volume. Layers add up.
+#[derive(Clone, Debug)]
+pub struct Layer {
+    /// Which closure.
+    pub kind: LayerKind,
+    /// Its share: the factors of all Mix Shaders above it, multiplied.
+    pub weight: Operand,
+    /// Inputs by socket identifier. A normal or tangent that is not here is the surface's own.
+    pub inputs: Vec<(String, Operand)>,
+    /// Options that are words, such as `distribution`.
+    pub options: Vec<(String, String)>,
+}
+
+impl Layer {
+    /// An input by its socket's identifier.
+    pub fn input(&self, identifier: &str) -> Option<Operand> {
+        self.inputs.iter().find(|(name, _)| name == identifier).map(|(_, operand)| *operand)
+    }
+
+    /// An option by name.
+    pub fn option(&self, name: &str) -> Option<&str> {
+        self.options.iter().find(|(own, _)| own == name).map(|(_, word)| word.as_str())
+    }
+}
+
+/// A material's graph, ready to run.
+#[derive(Clone, Debug, Default)]
+pub struct Program {
+    /// The surface's closures.
+    pub surface: Vec<Layer>,
+    /// The volume's closures.
+    pub volume: Vec<Layer>,
+    /// By how much the surface is moved, in world space.
+    pub displacement: Option<Operand>,
+    /// The attributes that the program reads, by their place here.
+    pub attributes: Vec<Attribute>,
+    pub(crate) code: Vec<Instruction>,
+    pub(crate) constants: Vec<Vec3A>,
+    pub(crate) tables: Vec<Table>,
+    pub(crate) maps: Vec<Affine3A>,
+}
+
+impl Program {
+    /// Computes everything that the layers need at a point. Nothing is allocated.
+    pub fn run<C: Context, T: Textures>(&self, context: &C, textures: &T, registers: &mut Registers) {
+        for instruction in &self.code {
+            self.step(instruction, context, textures, registers);
+        }
+    }
+
+    /// The value of an operand, after [`run`](Self::run). A number stands in all three parts.
+    #[inline]
+    pub fn value(&self, operand: Operand, registers: &Registers) -> Vec3A {
+        if operand.0 < FIRST_CONSTANT {
+            registers.values[usize::from(operand.0 as u8)]
+        } else {
+            self.constants[usize::from(operand.0 - FIRST_CONSTANT)]
+        }
+    }
+
+    /// The value of an operand that is the same everywhere.
+    pub fn constant(&self, operand: Operand) -> Option<Vec3A> {
+        (operand.0 >= FIRST_CONSTANT).then(|| self.constants[usize::from(operand.0 - FIRST_CONSTANT)])
+    }
+
+    /// How many instructions a run takes.
+    pub fn instructions(&self) -> usize {
+        self.code.len()
+    }
+}
