@@ -65,6 +65,9 @@ class MaterialDescription:
     # False: a diffuse surface without the dielectric coat of Principled (a Diffuse BSDF node).
     specular: bool = True
     layers: list[LayerDescription] = field(default_factory=list)
+    # Instead of all that: the nodes, as JSON of what `export/graph.py` makes of them.
+    graph: str | None = None
+    pass_index: int = 0
 
 
 @dataclass

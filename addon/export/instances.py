@@ -9,7 +9,7 @@ from typing import Any
 import bpy
 
 from ..description import Report
-from . import light, mesh
+from . import light, mesh, object_info
 from .camera import rows
 from .image import Images
 from .material import Materials
@@ -52,8 +52,8 @@ class Stage:
         self._images = images
         self._report = report
         self._check_stop = check_stop
-        # By the evaluated mesh; None where it has no triangles.
-        self._meshes: dict[int, int | None] = {}
+        # By the evaluated mesh and the attributes that are asked of it; None where it has no triangles.
+        self._meshes: dict[tuple[int, frozenset[str]], int | None] = {}
 
     def send(self, depsgraph: bpy.types.Depsgraph) -> None:
         """All objects and their instances, as they are visible in this graph."""
@@ -87,6 +87,7 @@ class Stage:
             visible_shadow=holder.visible_shadow,
             asset_name=_asset(holder),
             moved=self._motion.matrices(place) if self._motion is not None else None,
+            info=(tuple(holder.color), holder.pass_index, object_info.random(holder, place)),
         )
 
     def _mesh(self, holder: bpy.types.Object, place: bpy.types.DepsgraphObjectInstance) -> int | None:
@@ -94,13 +95,17 @@ class Stage:
         # Curves, texts and metaballs come twice: as they are, and as the mesh that Blender has made of them.
         if not isinstance(data, bpy.types.Mesh):
             return None
-        key = data.as_pointer()
+        # A mesh whose users ask for different attributes is sent with each set.
+        wanted = frozenset().union(*(self._materials.wanted(slot.material) for slot in holder.material_slots))
+        key = (data.as_pointer(), wanted)
         if key not in self._meshes:
-            self._meshes[key] = self._add(data.name, data, place)
+            self._meshes[key] = self._add(data.name, data, place, wanted)
         return self._meshes[key]
 
-    def _add(self, name: str, data: bpy.types.Mesh, place: bpy.types.DepsgraphObjectInstance) -> int | None:
-        arrays = mesh.extract(data)
+    def _add(
+        self, name: str, data: bpy.types.Mesh, place: bpy.types.DepsgraphObjectInstance, wanted: frozenset[str]
+    ) -> int | None:
+        arrays = mesh.extract(data, wanted)
         if arrays is None:
             return None
         moved = self._motion.positions(place, arrays.positions) if self._motion is not None else None
@@ -110,6 +115,7 @@ class Stage:
             arrays.triangles,
             corner_normals=arrays.corner_normals,
             uv_maps=arrays.uv_maps or None,
+            attributes=arrays.attributes or None,
             material_slots=arrays.material_slots,
             moved_positions=moved,
         )

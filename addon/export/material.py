@@ -3,12 +3,14 @@
 
 from __future__ import annotations
 
+import json
 from typing import Any
 
 import bpy
 
 from ..description import MaterialDescription, Report
-from . import nodes, shaders
+from . import attributes, nodes, shaders
+from .graph import describe as describe_graph
 from .image import Images
 from .texture import Inputs
 
@@ -21,6 +23,8 @@ class Materials:
         self._images = images
         self._report = report
         self._known: dict[int, int] = {}
+        # By the material: what its graph asks of meshes.
+        self._wanted: dict[int, frozenset[str]] = {}
 
     def index(self, material: bpy.types.Material | None) -> int:
         """The engine's index of a material; an empty slot gets Blender's default grey."""
@@ -30,11 +34,29 @@ class Materials:
             self._known[key] = self._builder.add_material(described)
         return self._known[key]
 
+    def wanted(self, material: bpy.types.Material | None) -> frozenset[str]:
+        """The attributes that a material asks of meshes."""
+        self.index(material)
+        return frozenset() if material is None else self._wanted.get(material.original.as_pointer(), frozenset())
+
     def describe(self, material: bpy.types.Material) -> MaterialDescription:
-        """What the engine is told of a material."""
+        """What the engine is told of a material: by the short way, where that says all; else all of its nodes."""
+        report = Report()
+        described = self._by_the_short_way(material, report)
+        if not report.warnings:
+            return described
+        graph = describe_graph(material.node_tree, lambda node: self._image(node, material))
+        self._wanted[material.original.as_pointer()] = attributes.wanted(graph)
+        return MaterialDescription(material.name, graph=json.dumps(graph), pass_index=material.pass_index)
+
+    def _image(self, node: bpy.types.Node, material: bpy.types.Material) -> int | None:
+        associated = node.type == "TEX_ENVIRONMENT" or not node.outputs["Alpha"].is_linked
+        return self._images.index(node.image, f"Material '{material.name}'", associated=associated)
+
+    def _by_the_short_way(self, material: bpy.types.Material, report: Report) -> MaterialDescription:
         if material.grease_pencil is not None or not uses_nodes(material):
             return _plain(material)
-        inputs = Inputs(f"Material '{material.name}'", self._images, self._report)
+        inputs = Inputs(f"Material '{material.name}'", self._images, report)
         output = material.node_tree.get_output_node("CYCLES")
         if output is None:
             inputs.warn("it has no Material Output node, its surface is black")

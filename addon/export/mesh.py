@@ -3,10 +3,13 @@
 
 from __future__ import annotations
 
+from collections.abc import Iterable
 from dataclasses import dataclass, field
 
 import bpy
 import numpy as np
+
+from . import attributes
 
 # What Blender itself allows.
 MOST_UV_MAPS = 8
@@ -21,10 +24,11 @@ class MeshArrays:
     corner_normals: np.ndarray | None = None
     uv_maps: dict[str, np.ndarray] = field(default_factory=dict)
     material_slots: np.ndarray | None = None
+    attributes: dict[str, np.ndarray] = field(default_factory=dict)
 
 
-def extract(mesh: bpy.types.Mesh) -> MeshArrays | None:
-    """The arrays of a mesh in object space; None where it has no triangles."""
+def extract(mesh: bpy.types.Mesh, wanted: Iterable[str] = ()) -> MeshArrays | None:
+    """The arrays of a mesh in object space, and the attributes of these names; None where it has no triangles."""
     mesh.calc_loop_triangles()
     count = len(mesh.loop_triangles)
     if count == 0:
@@ -37,6 +41,7 @@ def extract(mesh: bpy.types.Mesh) -> MeshArrays | None:
         corner_normals=_normals(mesh, corners, triangles),
         uv_maps=_uv_maps(mesh, corners),
         material_slots=_slots(mesh, count),
+        attributes=attributes.read(mesh, wanted, corners, triangles),
     )
 
 

@@ -164,6 +164,7 @@ class SceneBuilder:
         *,
         corner_normals: npt.NDArray[np.float32] | None = None,  # (triangles, 3, 3), object space
         uv_maps: dict[str, npt.NDArray[np.float32]] | None = None,  # name -> (triangles, 3, 2)
+        attributes: dict[str, npt.NDArray[np.float32]] | None = None,  # name -> (triangles, 3, 4)
         material_slots: npt.NDArray[np.int32] | None = None,  # (triangles,) slot of each triangle
         moved_positions: tuple[npt.NDArray[np.float32], npt.NDArray[np.float32]] | None = None,  # a frame before, after
     ) -> int:
@@ -179,6 +180,7 @@ class SceneBuilder:
         visible_shadow: bool = True,
         asset_name: str | None = None,
         moved: tuple[Sequence[Sequence[float]], Sequence[Sequence[float]]] | None = None,
+        info: tuple[tuple[float, float, float, float], int, float] | None = None,  # colour, pass index, random
     ) -> None:
         """`materials[slot]` is a material index; slots past its end take the last; empty: the default grey.
 

@@ -4,12 +4,15 @@ use crate::camera::Matrix4;
 use crate::error::{Error, bad_scene};
 use crate::layer::PyLayer;
 use glam::{Affine3A, DMat4, Mat3, Mat3A};
+use petzval_nodes::{Graph as ShaderGraph, compile};
 use petzval_render::Rgb;
+use petzval_render::scene::graph::Graph;
 use petzval_render::scene::lamp::{Lamp, LampKind};
 use petzval_render::scene::material::{Channel, ImageInput, Input, Material};
 use petzval_render::scene::texture::{Extension, Interpolation};
 use petzval_render::scene::world::World;
 use pyo3::prelude::*;
+use std::sync::Arc;
 
 type Colour = (f32, f32, f32);
 
@@ -101,13 +104,25 @@ pub(crate) struct PyMaterial {
     emission_strength: f32,
     specular: bool,
     layers: Vec<PyLayer>,
+    graph: Option<String>,
+    pass_index: i32,
 }
 
-impl TryFrom<PyMaterial> for Material {
-    type Error = Error;
-
-    fn try_from(m: PyMaterial) -> Result<Self, Error> {
-        Ok(Self {
+impl PyMaterial {
+    /// The material, and what of its nodes the engine does otherwise than Blender.
+    pub(crate) fn material(self) -> Result<(Material, Vec<String>), Error> {
+        let m = self;
+        let (graph, reports) = match &m.graph {
+            None => (None, Vec::new()),
+            Some(json) => {
+                let (program, reports) = compile(&ShaderGraph::from_json(json)?);
+                let (graph, more) = Graph::new(program, m.pass_index);
+                let all = reports.iter().map(ToString::to_string).chain(more);
+                let all = all.map(|what| format!("Material '{}': {what}", m.name)).collect();
+                (Some(Arc::new(graph)), all)
+            }
+        };
+        let material = Material {
             name: m.name,
             base_color: m.base_color.input()?,
             metallic: m.metallic.input()?,
@@ -121,7 +136,9 @@ impl TryFrom<PyMaterial> for Material {
             emission_strength: m.emission_strength,
             specular: m.specular,
             layers: m.layers.into_iter().map(PyLayer::layer).collect::<Result<_, _>>()?,
-        })
+            graph,
+        };
+        Ok((material, reports))
     }
 }
 

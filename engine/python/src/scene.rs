@@ -4,12 +4,12 @@ use crate::camera::Matrix4;
 use crate::doorway::away;
 use crate::error::{Error, bad_scene, refused};
 use crate::material::{PyLight, PyMaterial, PyWorld};
-use glam::{DVec3, Vec2, Vec3};
+use glam::{DVec3, Vec2, Vec3, Vec4};
 use numpy::{PyArrayDyn, PyArrayMethods, PyReadonlyArray2, PyReadonlyArray3, PyUntypedArrayMethods};
 use petzval_render::integrator::Stage;
 use petzval_render::scene::mesh::MeshDescription;
 use petzval_render::scene::texture::Texture;
-use petzval_render::scene::{self as engine};
+use petzval_render::scene::{self as engine, ObjectInfo};
 use pyo3::prelude::*;
 use pyo3::types::PyDict;
 use std::sync::Arc;
@@ -58,10 +58,12 @@ impl SceneBuilder {
     }
 
     fn add_material(&mut self, material: PyMaterial) -> Result<usize, Error> {
-        Ok(self.builder.add_material(material.try_into()?)?)
+        let (material, reports) = material.material()?;
+        reports.into_iter().for_each(|report| self.builder.warn(report));
+        Ok(self.builder.add_material(material)?)
     }
 
-    #[pyo3(signature = (name, positions, triangles, *, corner_normals = None, uv_maps = None, material_slots = None, moved_positions = None))]
+    #[pyo3(signature = (name, positions, triangles, *, corner_normals = None, uv_maps = None, attributes = None, material_slots = None, moved_positions = None))]
     #[allow(clippy::too_many_arguments)]
     fn add_mesh(
         &mut self,
@@ -71,6 +73,7 @@ impl SceneBuilder {
         triangles: &Bound<'_, PyAny>,
         corner_normals: Option<PyReadonlyArray3<'_, f32>>,
         uv_maps: Option<&Bound<'_, PyDict>>,
+        attributes: Option<&Bound<'_, PyDict>>,
         material_slots: Option<numpy::PyReadonlyArray1<'_, i32>>,
         moved_positions: Option<[PyReadonlyArray2<'_, f32>; 2]>,
     ) -> Result<usize, Error> {
@@ -103,6 +106,13 @@ impl SceneBuilder {
                 maps.push((key, triples(&uvs)));
             }
         }
+        let mut values_by_name = Vec::new();
+        for (key, value) in attributes.into_iter().flatten() {
+            let array: PyReadonlyArray3<'_, f32> = value.extract()?;
+            let values = array.as_slice().map_err(|_| bad("an attribute is not contiguous"))?;
+            let values: Vec<Vec4> = values.chunks_exact(4).map(Vec4::from_slice).collect();
+            values_by_name.push((key.extract()?, triples(&values)));
+        }
         let material_slots = match &material_slots {
             Some(a) => {
                 let list = a.as_slice().map_err(|_| bad("material slots are not contiguous"))?;
@@ -125,6 +135,7 @@ impl SceneBuilder {
             triangles: indices.chunks_exact(3).map(|t| [t[0], t[1], t[2]]).collect(),
             corner_normals,
             uv_maps: maps,
+            attributes: values_by_name,
             material_slots,
             moved_positions,
         };
@@ -134,7 +145,7 @@ impl SceneBuilder {
 
     #[pyo3(signature = (
         object_name, mesh, matrix_world, materials, *, visible_camera = true, visible_shadow = true, asset_name = None,
-        moved = None
+        moved = None, info = None
     ))]
     #[allow(clippy::too_many_arguments)]
     fn add_instance(
@@ -147,6 +158,7 @@ impl SceneBuilder {
         visible_shadow: bool,
         asset_name: Option<&str>,
         moved: Option<[Matrix4; 2]>,
+        info: Option<((f32, f32, f32, f32), i32, f32)>,
     ) -> Result<(), Error> {
         let instance = self.builder.add_instance(
             object_name,
@@ -157,6 +169,9 @@ impl SceneBuilder {
             visible_shadow,
         )?;
         let Some(instance) = instance else { return Ok(()) };
+        if let Some((color, pass_index, random)) = info {
+            self.builder.set_info(instance, ObjectInfo { color: color.into(), pass_index, random });
+        }
         if let Some(name) = asset_name {
             self.builder.set_asset(instance, name);
         }

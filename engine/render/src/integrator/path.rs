@@ -11,7 +11,7 @@ pub use wave::Wave;
 
 use super::Stage;
 use crate::accel::{Hit, Ray, offset_origin};
-use crate::nodes::{self, Layers, Opening};
+use crate::nodes::{self, Layers, Opening, View};
 use crate::sampler::PathSampler;
 use crate::shading::mixture::Mixture;
 use crate::surface::{SurfacePoint, tangent_about_z};
@@ -107,24 +107,24 @@ pub(super) fn leave(point: &SurfacePoint, d: glam::Vec3A) -> glam::Vec3A {
 
 /// How a surface lets light through unbent.
 #[inline]
-pub(super) fn opening(scene: &Scene, hit: &Hit) -> Opening {
+pub(super) fn opening(scene: &Scene, hit: &Hit, view: &View) -> Opening {
     let instance = &scene.instances[hit.instance as usize];
     let slot = scene.meshes[instance.mesh as usize].slot(hit.triangle);
     let material = &scene.materials[instance.material(slot) as usize];
     if !material.may_be_transparent() {
         return Opening::NONE;
     }
-    nodes::opening(material, scene, hit.instance, hit.triangle, [hit.u, hit.v])
+    nodes::opening(material, scene, [hit.instance, hit.triangle], [hit.u, hit.v], view)
 }
 
 /// The layers of a surface as they scatter there.
 #[inline(never)]
-pub(super) fn mix(stage: &Stage, point: &SurfacePoint, wo: Vec3A, kept: f32, layers: &mut Layers) -> Mixture {
+pub(super) fn mix(stage: &Stage, point: &SurfacePoint, view: &View, kept: f32, layers: &mut Layers) -> Mixture {
     let material = &stage.scene.materials[point.material as usize];
-    nodes::layers(material, &stage.scene, point.instance, point.triangle, point.barycentric, layers);
-    let mut mixture = Mixture::new(point, wo, tangent_about_z(&stage.scene, point));
-    for (weight, closure) in layers.iter() {
-        mixture.add(*weight, closure, point.shading_normal);
+    nodes::layers(material, &stage.scene, [point.instance, point.triangle], point.barycentric, view, layers);
+    let mut mixture = Mixture::new(point, -view.direction, tangent_about_z(&stage.scene, point));
+    for layer in layers.iter() {
+        mixture.add(layer.weight, &layer.closure, layer.normal.unwrap_or(point.shading_normal));
     }
     mixture.finish(kept);
     mixture

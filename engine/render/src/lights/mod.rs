@@ -261,6 +261,12 @@ fn average_emission(scene: &Scene, m: &Material) -> f32 {
     if !m.emits() {
         return 0.0;
     }
+    if let Some(graph) = &m.graph {
+        return graph.brightness();
+    }
+    if m.is_layered() {
+        return m.layers.iter().map(|layer| layer.brightness(&scene.textures)).sum::<f32>().max(1e-6);
+    }
     let color = match &m.emission_color {
         Input::Constant(c) => *c,
         Input::Image(image) => scene.textures[image.texture as usize].average(),

@@ -2,11 +2,15 @@
 
 use super::LightSample;
 use super::bounds::LightBounds;
+use crate::nodes::{View, Viewer};
 use crate::scene::Scene;
 use crate::surface::{area_vector, geometric_normal, mesh_of};
 use crate::{Rgb, nodes, sampler::warp};
 use glam::{Vec3, Vec3A};
 use std::f32::consts::{FRAC_PI_2, PI};
+
+/// How a light looks at itself: what its material does by direction counts as seen from there.
+const FROM_LIGHTS: View = View { direction: Vec3A::NEG_Z, distance: 1.0, viewer: Viewer::Light, depth: 1 };
 
 /// Render space.
 #[derive(Clone, Copy, Debug)]
@@ -47,7 +51,7 @@ impl LitTriangle {
             normal: geometric_normal(placed, &mesh.corners(triangle)).into(),
             corner: a.into(),
             edges: [(b - a).into(), (c - a).into()],
-            radiance: is_even.then(|| nodes::emission(material, scene, instance, triangle, [0.0; 2])),
+            radiance: is_even.then(|| nodes::emission(material, scene, [instance, triangle], [0.0; 2], &FROM_LIGHTS)),
         }
     }
 
@@ -77,7 +81,7 @@ impl LitTriangle {
         }
         let slot = mesh_of(scene, self.instance).slot(self.triangle);
         let material = &scene.materials[scene.instances[self.instance as usize].material(slot) as usize];
-        let emitted = nodes::emission(material, scene, self.instance, self.triangle, barycentric);
+        let emitted = nodes::emission(material, scene, [self.instance, self.triangle], barycentric, &FROM_LIGHTS);
         // The weights of layers hold what their transparency leaves.
         if material.is_layered() {
             return emitted;

@@ -1,6 +1,8 @@
 //! Evaluating the layers of a material at a point of a surface.
 
+use super::point::{Images, Point, View};
 use super::{colour, number};
+use crate::scene::graph::{Graph, Source};
 use crate::scene::layer::{Closure, Layer, MOST_LAYERS, Weight};
 use crate::scene::material::Material;
 use crate::scene::mesh::Mesh;
@@ -9,9 +11,65 @@ use crate::scene::{Scene, material::Input};
 use crate::surface::mesh_of;
 use crate::{Rgb, luminance};
 use arrayvec::ArrayVec;
+use glam::Vec3A;
+use petzval_nodes::Registers;
+use std::cell::RefCell;
+
+/// A closure at one point.
+#[derive(Clone, Copy, Debug)]
+pub struct EvaluatedLayer {
+    /// What it counts.
+    pub weight: f32,
+    /// What it does.
+    pub closure: Closure<Rgb, f32>,
+    /// Instead of the surface's own, unit.
+    pub normal: Option<Vec3A>,
+    /// Instead of the surface's own, unit.
+    pub tangent: Option<Vec3A>,
+}
 
 /// The layers of a material at one point.
-pub type Layers = ArrayVec<(f32, Closure<Rgb, f32>), MOST_LAYERS>;
+pub type Layers = ArrayVec<EvaluatedLayer, MOST_LAYERS>;
+
+thread_local! {
+    /// What programs compute in.
+    static REGISTERS: RefCell<Registers> = RefCell::default();
+}
+
+/// Runs a material's program at a point, and hands on what reads its results.
+fn with_program<T>(
+    graph: &Graph,
+    scene: &Scene,
+    place: [u32; 2],
+    barycentric: [f32; 2],
+    view: &View,
+    read: impl FnOnce(&dyn Fn(Source) -> Vec3A) -> T,
+) -> T {
+    let attributes = &graph.program.attributes;
+    let point = Point::new(scene, place, barycentric, *view, attributes, graph.pass_index as f32);
+    REGISTERS.with_borrow_mut(|registers| {
+        graph.program.run(&point, &Images(&scene.textures), registers);
+        read(&|source| source.value(&graph.program, registers))
+    })
+}
+
+/// The closures of a graph, those that count nothing left out.
+fn of_graph(graph: &Graph, value: &dyn Fn(Source) -> Vec3A, to: &mut Layers) {
+    for layer in &graph.layers {
+        let weight = value(layer.weight).x;
+        if weight > 0.0 {
+            let colour = |source: &Source| finite(value(*source));
+            let number = |source: &Source| finite(value(*source)).x;
+            let direction = |source: Option<Source>| source.and_then(|source| value(source).try_normalize());
+            let (normal, tangent) = (direction(layer.normal), direction(layer.tangent));
+            to.push(EvaluatedLayer { weight, closure: layer.closure.map(colour, number), normal, tangent });
+        }
+    }
+}
+
+fn finite(value: Vec3A) -> Rgb {
+    if value.is_finite() { value.into() } else { Rgb::ZERO }
+}
 
 /// Where on which mesh, and the images to look at.
 #[derive(Clone, Copy)]
@@ -44,17 +102,21 @@ impl Place<'_> {
 pub fn layers(
     material: &Material,
     scene: &Scene,
-    instance: u32,
-    triangle: u32,
+    [instance, triangle]: [u32; 2],
     barycentric: [f32; 2],
+    view: &View,
     to: &mut Layers,
 ) {
-    let place = Place { textures: &scene.textures, mesh: mesh_of(scene, instance), triangle, barycentric };
     to.clear();
+    if let Some(graph) = &material.graph {
+        return with_program(graph, scene, [instance, triangle], barycentric, view, |value| of_graph(graph, value, to));
+    }
+    let place = Place { textures: &scene.textures, mesh: mesh_of(scene, instance), triangle, barycentric };
     for Layer { weight, closure } in material.layers.iter().take(MOST_LAYERS) {
         let weight = place.weight(weight);
         if weight > 0.0 {
-            to.push((weight, closure.map(|c| place.colour(c), |n| place.number(n))));
+            let closure = closure.map(|c| place.colour(c), |n| place.number(n));
+            to.push(EvaluatedLayer { weight, closure, normal: None, tangent: None });
         }
     }
 }
@@ -74,6 +136,16 @@ impl Opening {
     /// Of a surface that lets nothing through.
     pub const NONE: Self = Self { light: Rgb::ZERO, chance: 0.0, kept: 1.0 };
 
+    /// Of closures of which some let this light through, and the others count so much.
+    fn of(light: Rgb, rest: f32) -> Self {
+        let through = luminance(light);
+        if through <= 0.0 {
+            return Self::NONE;
+        }
+        let chance = through / (through + rest);
+        Self { light, chance, kept: if rest > 0.0 { 1.0 / (1.0 - chance) } else { 0.0 } }
+    }
+
     /// Of one that takes a share of the light, and does all else to that share.
     pub fn of_alpha(alpha: f32) -> Self {
         Self { light: Rgb::splat(1.0 - alpha), chance: 1.0 - alpha, kept: 1.0 }
@@ -81,9 +153,33 @@ impl Opening {
 }
 
 /// Of a material at a point of a triangle.
-pub fn opening(material: &Material, scene: &Scene, instance: u32, triangle: u32, barycentric: [f32; 2]) -> Opening {
+pub fn opening(
+    material: &Material,
+    scene: &Scene,
+    [instance, triangle]: [u32; 2],
+    barycentric: [f32; 2],
+    view: &View,
+) -> Opening {
     if !material.is_layered() {
         return Opening::of_alpha(super::alpha(scene, instance, triangle, barycentric));
+    }
+    if let Some(graph) = &material.graph {
+        return with_program(graph, scene, [instance, triangle], barycentric, view, |value| {
+            let (mut light, mut rest) = (Rgb::ZERO, 0.0);
+            for layer in &graph.layers {
+                let weight = value(layer.weight).x;
+                match &layer.closure {
+                    Closure::Transparent { color } => light += finite(value(*color)).max(Rgb::ZERO) * weight,
+                    Closure::Principled(p) => {
+                        let alpha = finite(value(p.alpha)).x.clamp(0.0, 1.0);
+                        light += Rgb::splat(weight * (1.0 - alpha));
+                        rest += weight * alpha;
+                    }
+                    _ => rest += weight,
+                }
+            }
+            Opening::of(light, rest)
+        });
     }
     let place = Place { textures: &scene.textures, mesh: mesh_of(scene, instance), triangle, barycentric };
     let (mut light, mut rest) = (Rgb::ZERO, 0.0);
@@ -99,23 +195,34 @@ pub fn opening(material: &Material, scene: &Scene, instance: u32, triangle: u32,
             _ => rest += weight,
         }
     }
-    let through = luminance(light);
-    if through <= 0.0 {
-        return Opening::NONE;
-    }
-    let chance = through / (through + rest);
-    Opening { light, chance, kept: if rest > 0.0 { 1.0 / (1.0 - chance) } else { 0.0 } }
+    Opening::of(light, rest)
 }
 
 /// Emitted radiance, what lies over it not taken off.
 pub(super) fn emission(
     material: &Material,
-    textures: &[Texture],
-    mesh: &Mesh,
-    triangle: u32,
+    scene: &Scene,
+    [instance, triangle]: [u32; 2],
     barycentric: [f32; 2],
+    view: &View,
 ) -> Rgb {
-    let place = Place { textures, mesh, triangle, barycentric };
+    if let Some(graph) = &material.graph {
+        return with_program(graph, scene, [instance, triangle], barycentric, view, |value| {
+            let mut sum = Rgb::ZERO;
+            for layer in &graph.layers {
+                let radiance = match &layer.closure {
+                    Closure::Emission { color, strength } => value(*color) * value(*strength).x,
+                    Closure::Principled(p) => {
+                        value(p.emission_color) * (value(p.emission_strength).x * value(p.alpha).x.clamp(0.0, 1.0))
+                    }
+                    _ => continue,
+                };
+                sum += finite(radiance).max(Rgb::ZERO) * value(layer.weight).x;
+            }
+            sum
+        });
+    }
+    let place = Place { textures: &scene.textures, mesh: mesh_of(scene, instance), triangle, barycentric };
     let mut sum = Rgb::ZERO;
     for Layer { weight, closure } in material.layers.iter().take(MOST_LAYERS) {
         let radiance = match closure {

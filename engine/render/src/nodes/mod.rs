@@ -3,8 +3,10 @@
 //! Knows textures and texture coordinates, not how the values are used.
 
 mod layers;
+mod point;
 
-pub use layers::{Layers, Opening, layers, opening};
+pub use layers::{EvaluatedLayer, Layers, Opening, layers, opening};
+pub use point::{GENERATED, View, Viewer};
 
 use crate::scene::material::{Channel, ImageInput, Input, Material};
 use crate::scene::mesh::Mesh;
@@ -104,13 +106,19 @@ pub fn alpha(scene: &Scene, instance: u32, triangle: u32, barycentric: [f32; 2])
 }
 
 /// Emitted radiance of a point of a triangle, the same on both sides, as in Cycles.
-pub fn emission(material: &Material, scene: &Scene, instance: u32, triangle: u32, barycentric: [f32; 2]) -> Rgb {
+pub fn emission(
+    material: &Material,
+    scene: &Scene,
+    [instance, triangle]: [u32; 2],
+    barycentric: [f32; 2],
+    view: &View,
+) -> Rgb {
     if !material.emits() {
         return Rgb::ZERO;
     }
     let mesh = mesh_of(scene, instance);
     if material.is_layered() {
-        return layers::emission(material, &scene.textures, mesh, triangle, barycentric);
+        return layers::emission(material, scene, [instance, triangle], barycentric, view);
     }
     let color = colour(&material.emission_color, &scene.textures, mesh, triangle, barycentric);
     color.max(Rgb::ZERO) * material.emission_strength

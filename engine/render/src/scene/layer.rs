@@ -5,7 +5,8 @@
 //! are at a point of a surface are plain [`Rgb`] and `f32`.
 
 use super::material::Input;
-use crate::Rgb;
+use super::texture::Texture;
+use crate::{Rgb, luminance};
 use std::cell::RefCell;
 
 /// Layers that a material may have; what comes after is left out.
@@ -352,6 +353,24 @@ impl Layer {
                 Closure::Principled(p) => shines(&p.emission_color, &p.emission_strength),
                 _ => false,
             }
+    }
+
+    /// About what it emits: for choosing between lights.
+    pub fn brightness(&self, textures: &[Texture]) -> f32 {
+        let colour = |input: &Input<Rgb>| match input {
+            Input::Constant(colour) => *colour,
+            Input::Image(image) => textures[image.texture as usize].average(),
+        };
+        let number = |input: &Input<f32>| match input {
+            Input::Constant(value) => *value,
+            Input::Image(image) => luminance(textures[image.texture as usize].average()),
+        };
+        let radiance = match &self.closure {
+            Closure::Emission { color, strength } => colour(color) * number(strength),
+            Closure::Principled(p) => colour(&p.emission_color) * number(&p.emission_strength),
+            _ => return 0.0,
+        };
+        luminance(radiance) * self.weight.scale
     }
 
     /// Whether any of it may let light through unbent.

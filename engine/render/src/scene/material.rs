@@ -1,8 +1,10 @@
 //! Materials as described: Blender's Principled BSDF with constant or image-driven inputs.
 
+use super::graph::Graph;
 use super::layer::{Layer, MOST_LAYERS};
 use super::texture::{Extension, Interpolation};
 use crate::Rgb;
+use std::sync::Arc;
 
 /// Which value of an image an input takes.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
@@ -85,6 +87,8 @@ pub struct Material {
     /// What the surface is made of instead of all the above, where that cannot say it. The above is for most materials
     /// all there is, and takes a shorter way.
     pub layers: Vec<Layer>,
+    /// What it is made of instead of all that, where nodes compute it.
+    pub graph: Option<Arc<Graph>>,
 }
 
 impl Material {
@@ -104,6 +108,7 @@ impl Material {
             emission_strength: 0.0,
             specular: true,
             layers: Vec::new(),
+            graph: None,
         }
     }
 
@@ -117,6 +122,9 @@ impl Material {
 
     /// Whether any of its surface may emit.
     pub fn emits(&self) -> bool {
+        if let Some(graph) = &self.graph {
+            return graph.emits();
+        }
         if self.is_layered() {
             return self.layers.iter().any(Layer::emits);
         }
@@ -125,17 +133,23 @@ impl Material {
 
     /// Whether any of its surface may let light through unbent.
     pub fn may_be_transparent(&self) -> bool {
-        self.alpha != Input::Constant(1.0) || self.layers.iter().any(Layer::may_be_transparent)
+        match &self.graph {
+            Some(graph) => graph.may_be_transparent(),
+            None => self.alpha != Input::Constant(1.0) || self.layers.iter().any(Layer::may_be_transparent),
+        }
     }
 
     /// Whether its layers say what it is made of.
     #[inline]
     pub fn is_layered(&self) -> bool {
-        !self.layers.is_empty()
+        !self.layers.is_empty() || self.graph.is_some()
     }
 
     /// Whether what it emits is the same everywhere on the surface.
     pub fn emits_evenly(&self) -> bool {
+        if let Some(graph) = &self.graph {
+            return graph.emits_evenly();
+        }
         if self.is_layered() {
             return self.layers.iter().all(|layer| !layer.emits() || layer.is_constant());
         }

@@ -1,7 +1,7 @@
 //! Triangle meshes, checked once so that nothing later needs to.
 
 use super::SceneError;
-use glam::{Vec2, Vec3};
+use glam::{Vec2, Vec3, Vec4};
 
 /// A mesh as it arrives; arrays by triangle have one entry a triangle.
 #[derive(Clone, Debug, Default)]
@@ -16,6 +16,8 @@ pub struct MeshDescription {
     pub corner_normals: Option<Vec<[Vec3; 3]>>,
     /// UV maps by name, in Blender's order.
     pub uv_maps: Vec<(String, Vec<[Vec2; 3]>)>,
+    /// What else is known at the corners, by name: what shader graphs ask for.
+    pub attributes: Vec<(String, Vec<[Vec4; 3]>)>,
     /// Material slot by triangle; `None` is slot 0.
     pub material_slots: Option<Vec<u32>>,
     /// `positions` a frame before and a frame after; `None` where the mesh keeps its shape.
@@ -35,6 +37,8 @@ pub struct Mesh {
     pub corner_normals: Option<Vec<[Vec3; 3]>>,
     /// UV maps by name.
     pub uv_maps: Vec<(String, Vec<[Vec2; 3]>)>,
+    /// What else is known at the corners, by name.
+    pub attributes: Vec<(String, Vec<[Vec4; 3]>)>,
     /// Material slot by triangle.
     pub material_slots: Option<Vec<u32>>,
     /// `positions` a frame before and a frame after.
@@ -59,6 +63,9 @@ impl Mesh {
         }
         for (name, uvs) in &d.uv_maps {
             fits(uvs.len(), &format!("UV map '{name}'"))?;
+        }
+        for (name, values) in &d.attributes {
+            fits(values.len(), &format!("attribute '{name}'"))?;
         }
         if let Some(slots) = &d.material_slots {
             fits(slots.len(), "material slots")?;
@@ -94,6 +101,7 @@ impl Mesh {
             triangles: d.triangles,
             corner_normals: d.corner_normals,
             uv_maps: d.uv_maps,
+            attributes: d.attributes,
             material_slots: d.material_slots,
             moved_positions: d.moved_positions,
         };
@@ -124,6 +132,11 @@ impl Mesh {
         }
     }
 
+    /// The values of an attribute at the corners.
+    pub fn attribute(&self, name: &str) -> Option<&[[Vec4; 3]]> {
+        self.attributes.iter().find(|(own, _)| own == name).map(|(_, values)| values.as_slice())
+    }
+
     fn keep_only(&mut self, keep: &[bool]) {
         fn filter<T: Copy>(list: &mut Vec<T>, keep: &[bool]) {
             let mut flags = keep.iter();
@@ -135,6 +148,9 @@ impl Mesh {
         }
         for (_, uvs) in &mut self.uv_maps {
             filter(uvs, keep);
+        }
+        for (_, values) in &mut self.attributes {
+            filter(values, keep);
         }
         if let Some(slots) = &mut self.material_slots {
             filter(slots, keep);

@@ -1,6 +1,7 @@
 //! What there is to photograph: a plain description comes in piece by piece ([`SceneBuilder`]), is checked, and
 //! becomes an immutable [`Scene`] in render space. Nothing here knows how light moves or what a camera is.
 
+pub mod graph;
 pub mod lamp;
 pub mod layer;
 pub mod material;
@@ -9,7 +10,7 @@ pub mod texture;
 pub mod world;
 
 use crate::Rgb;
-use glam::{Affine3A, DAffine3, DMat4, DVec3, Mat3A};
+use glam::{Affine3A, DAffine3, DMat4, DVec3, Mat3A, Vec4};
 use lamp::Lamp;
 use material::Material;
 use mesh::{Mesh, MeshDescription};
@@ -84,6 +85,25 @@ pub struct Instance {
     pub visible_shadow: bool,
     /// Object space to render space a frame before and a frame after; `None` where it stands still.
     pub moved: Option<Box<[DAffine3; 2]>>,
+    /// What shader graphs may ask of the object.
+    pub info: ObjectInfo,
+}
+
+/// What Blender's Object Info node tells.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct ObjectInfo {
+    /// In the viewport; with alpha.
+    pub color: Vec4,
+    /// Pass index.
+    pub pass_index: i32,
+    /// 0 to 1, another for each object and instance.
+    pub random: f32,
+}
+
+impl Default for ObjectInfo {
+    fn default() -> Self {
+        Self { color: Vec4::ONE, pass_index: 0, random: 0.0 }
+    }
 }
 
 impl Instance {
@@ -124,6 +144,7 @@ struct RawInstance {
     object_name: String,
     asset_name: Option<String>,
     moved: Option<[DMat4; 2]>,
+    info: ObjectInfo,
     mesh: usize,
     matrix: DMat4,
     materials: Vec<u32>,
@@ -158,6 +179,13 @@ impl SceneBuilder {
     pub fn add_texture(&mut self, texture: Texture) -> usize {
         self.textures.push(texture);
         self.textures.len() - 1
+    }
+
+    /// Notes what could not be done as described.
+    pub fn warn(&mut self, what: String) {
+        if !self.warnings.contains(&what) {
+            self.warnings.push(what);
+        }
     }
 
     /// Adds a material; gives its index. Values out of range are brought into range.
@@ -224,6 +252,7 @@ impl SceneBuilder {
             object_name: object_name.into(),
             asset_name: None,
             moved: None,
+            info: ObjectInfo::default(),
             mesh,
             matrix,
             materials: materials.iter().map(|&m| m as u32 + 1).collect(),
@@ -236,6 +265,11 @@ impl SceneBuilder {
     /// Says whose part an instance is, other than its own.
     pub fn set_asset(&mut self, instance: usize, name: &str) {
         self.instances[instance].asset_name = Some(name.into());
+    }
+
+    /// Says what shader graphs may ask of an instance's object.
+    pub fn set_info(&mut self, instance: usize, info: ObjectInfo) {
+        self.instances[instance].info = info;
     }
 
     /// Says where an instance stands a frame before and a frame after, for the pass of motion.
@@ -304,6 +338,7 @@ impl SceneBuilder {
                 Instance {
                     asset_name: raw.asset_name.unwrap_or_else(|| raw.object_name.clone()),
                     object_name: raw.object_name,
+                    info: raw.info,
                     moved: raw.moved.map(|matrices| Box::new(matrices.map(from_origin))),
                     mesh: raw.mesh as u32,
                     to_render: Affine3A::from_mat4(moved.as_mat4()),

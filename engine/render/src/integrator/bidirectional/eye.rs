@@ -10,7 +10,8 @@ use crate::lights::receiver::Receiver;
 use crate::sampler::PathSampler;
 use crate::shading::Scattering;
 use crate::surface::SurfacePoint;
-use crate::{Rgb, nodes};
+use crate::nodes::{self, View, Viewer};
+use crate::Rgb;
 use glam::Vec3A;
 
 /// Follows a ray from the camera.
@@ -130,7 +131,10 @@ impl Met<'_> {
 
     fn surface(&self, point: &SurfacePoint, hit: &Hit, distance: f32) -> Rgb {
         let Stage { scene, lights, emission, .. } = self.stage;
-        let radiance = nodes::emission(material(self.stage, point), scene, hit.instance, hit.triangle, [hit.u, hit.v]);
+        let viewer = if self.bounce == 0 { Viewer::Camera } else { Viewer::Bounce };
+        let view = View::along(self.ray, distance, viewer, self.bounce);
+        let place = [hit.instance, hit.triangle];
+        let radiance = nodes::emission(material(self.stage, point), scene, place, [hit.u, hit.v], &view);
         let (Some(to), Some(source)) = (self.receiver(), lights.triangle_source(hit.instance, hit.triangle)) else {
             return radiance;
         };
@@ -161,7 +165,8 @@ fn direct(stage: &Stage, vertex: &Vertex, u_choice: f32, u: [f32; 2], rays: &mut
     *rays += 1;
     let mut ray = vertex.ray(light.wi);
     ray.t_max = light.distance;
-    found * stage.accel.light_through(&ray, RayKind::Shadow, |hit| opening(scene, hit).light)
+    let through = |hit: &Hit| opening(scene, hit, &View::along(&ray, hit.t, Viewer::Shadow, 1)).light;
+    found * stage.accel.light_through(&ray, RayKind::Shadow, through)
 }
 
 /// What a place on a light path sends to one on the camera's path.
@@ -192,6 +197,7 @@ fn connect(stage: &Stage, eye: &Vertex, light: &Vertex, rays: &mut u32) -> Rgb {
     *rays += 1;
     // Both ends stand clear of their surfaces.
     let ray = Ray { origin, direction: gap.normalize_or(d), t_max: gap.length() };
-    let open = stage.accel.light_through(&ray, RayKind::Bounce, |hit| opening(&stage.scene, hit).light);
+    let through = |hit: &Hit| opening(&stage.scene, hit, &View::along(&ray, hit.t, Viewer::Shadow, 1)).light;
+    let open = stage.accel.light_through(&ray, RayKind::Bounce, through);
     found * weight(others) * open
 }

@@ -3,6 +3,7 @@
 use super::vertex::{Vertex, Walk};
 use super::weights::{Partial, squared, weight};
 use super::{FilmEnd, Techniques, is_dark};
+use crate::nodes::{View, Viewer};
 use crate::Rgb;
 use crate::accel::{Hit, RayKind};
 use crate::camera::from_scene::Landed;
@@ -147,7 +148,8 @@ pub(super) fn splat(
         rays += 1;
         let mut ray = vertex.ray(d);
         ray.t_max = lens.distance_from(ray.origin, d);
-        let open = stage.accel.light_through(&ray, RayKind::Camera, |hit| opening(&stage.scene, hit).light);
+        let through = |hit: &Hit| opening(&stage.scene, hit, &View::along(&ray, hit.t, Viewer::Shadow, 1)).light;
+        let open = stage.accel.light_through(&ray, RayKind::Camera, through);
         let light = light * open;
         if is_dark(light) {
             continue;

@@ -4,7 +4,7 @@ use super::weights::Partial;
 use crate::accel::{Hit, Ray, RayKind, offset_origin};
 use crate::integrator::Stage;
 use crate::integrator::path::{MOST_STEPS, leave, mix, opening};
-use crate::nodes::{self, Layers, MaterialValues};
+use crate::nodes::{self, Layers, MaterialValues, View, Viewer};
 use crate::sampler::PathSampler;
 use crate::shading::mixture::Mixture;
 use crate::shading::principled::Bsdf;
@@ -79,7 +79,7 @@ impl Surface {
     fn new(stage: &Stage, values: &MaterialValues, kept: f32, point: &SurfacePoint, wo: Vec3A) -> Self {
         let material = material(stage, point);
         if material.is_layered() {
-            return Self::Layers(mix(stage, point, wo, kept, &mut Layers::new()));
+            return Self::Layers(mix(stage, point, &View { direction: -wo, distance: 1.0, viewer: Viewer::Bounce, depth: 1 }, kept, &mut Layers::new()));
         }
         Self::One(Bsdf::new(material, values, &stage.tables[point.material as usize], point, wo))
     }
@@ -169,7 +169,7 @@ impl Walk<'_> {
             let point = SurfacePoint::new(&self.stage.scene, &hit, ray.direction);
             let [u_alpha, u_end, u_light, u_lobe] = self.sampler.next_4d();
             distance += hit.t;
-            let opening = opening(&self.stage.scene, &hit);
+            let opening = opening(&self.stage.scene, &hit, &View::along(&ray, distance, Viewer::Bounce, 1));
             let stays = 1.0 - opening.chance;
             if u_alpha >= stays {
                 through *= opening.light / opening.chance;

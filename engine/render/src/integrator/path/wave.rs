@@ -7,7 +7,7 @@ use crate::Rgb;
 use crate::accel::{Hit, Ray, RayKind, offset_origin};
 use crate::integrator::Stage;
 use crate::lights::{LightSample, receiver::Receiver};
-use crate::nodes::{self, Layers};
+use crate::nodes::{self, Layers, View, Viewer};
 use crate::sampler::PathSampler;
 use crate::shading::Scattering;
 use crate::shading::principled::Bsdf;
@@ -54,6 +54,7 @@ struct Meeting {
     point: SurfacePoint,
     /// What it counts, over the chance that it was not passed.
     kept: f32,
+    view: View,
     /// To end by chance, for the light, and for the lobe.
     u: [f32; 3],
 }
@@ -164,7 +165,8 @@ impl Wave {
             path.sampler.jump_to(CAMERA_SETS + step * SETS_PER_STEP);
             let point = SurfacePoint::new(&stage.scene, hit, path.ray.direction);
             let [u_alpha, u_end, u_light, u_lobe] = path.sampler.next_4d();
-            let opening = opening(&stage.scene, hit);
+            let view = path.view(path.travelled + hit.t);
+            let opening = opening(&stage.scene, hit, &view);
             if u_alpha >= 1.0 - opening.chance {
                 path.throughput *= opening.light / opening.chance;
                 path.travelled += hit.t;
@@ -181,7 +183,7 @@ impl Wave {
             path.emission(stage, limits, hit, &point, opening.kept, result);
             if path.bounce <= limits.max_bounces {
                 let kept = opening.kept;
-                self.meetings.push(Meeting { path: i, point, kept, u: [u_end, u_light, u_lobe] });
+                self.meetings.push(Meeting { path: i, point, kept, view, u: [u_end, u_light, u_lobe] });
             }
         }
     }
@@ -227,7 +229,7 @@ impl Wave {
         let mut constants = None;
         for number in 0..self.order.len() {
             let meeting = self.order[number] as usize;
-            let Meeting { path, point, kept, .. } = &self.meetings[meeting];
+            let Meeting { path, point, kept, view, .. } = &self.meetings[meeting];
             if point.material != current {
                 current = point.material;
                 material = &stage.scene.materials[current as usize];
@@ -236,7 +238,7 @@ impl Wave {
             }
             let wo = -self.paths[*path as usize].ray.direction;
             if material.is_layered() {
-                let mixture = mix(stage, point, wo, *kept, &mut self.layers);
+                let mixture = mix(stage, point, view, *kept, &mut self.layers);
                 self.go_on(stage, limits, meeting, &mixture);
             } else {
                 let values = constants.unwrap_or_else(|| nodes::evaluate(material, &stage.scene, point));
@@ -291,13 +293,21 @@ impl Wave {
         for Shadow { path, ray, light, bounce } in &self.shadows {
             let result = &mut self.results[*path as usize];
             result.rays += 1;
-            let free = stage.accel.light_through(ray, RayKind::Shadow, |hit| opening(&stage.scene, hit).light);
+            let free = stage.accel.light_through(ray, RayKind::Shadow, |hit| {
+                opening(&stage.scene, hit, &View::along(ray, hit.t, Viewer::Shadow, *bounce)).light
+            });
             result.radiance += limits.clamp(*light * free, *bounce);
         }
     }
 }
 
 impl Path {
+    /// How what it meets is looked at.
+    fn view(&self, distance: f32) -> View {
+        let viewer = if self.bounce == 0 { Viewer::Camera } else { Viewer::Bounce };
+        View::along(&self.ray, distance, viewer, self.bounce)
+    }
+
     /// Adds the light of lamps that the ray meets within `t_max` of where it was scattered: from there a light sample
     /// would have been taken, whatever surfaces it passed since.
     fn lamps_before(&self, stage: &Stage, limits: &Limits, t_max: f32, result: &mut PathResult) {
@@ -336,7 +346,9 @@ impl Path {
         if !material.emits() {
             return;
         }
-        let radiance = nodes::emission(material, &stage.scene, hit.instance, hit.triangle, point.barycentric) * kept;
+        let view = self.view(self.travelled + hit.t);
+        let place = [hit.instance, hit.triangle];
+        let radiance = nodes::emission(material, &stage.scene, place, point.barycentric, &view) * kept;
         let cos = -point.geometric_normal.dot(self.ray.direction);
         let pdf = self
             .chosen

@@ -1,0 +1,94 @@
+# SPDX-License-Identifier: GPL-3.0-or-later
+"""What shader graphs ask of a mesh beyond its UV maps: named attributes, colours, and coordinates in its box."""
+
+from __future__ import annotations
+
+from collections.abc import Iterable
+from typing import Any
+
+import bpy
+import numpy as np
+
+#: The engine's name for the coordinates of the undeformed mesh in its texture space.
+GENERATED = ".generated"
+#: Nodes that may ask for those: by an output, or where nothing is linked to their vector.
+_MAY_GENERATE = ("ShaderNodeTex", "ShaderNodeTangent")
+
+#: By Blender's type of an attribute: the name of its values, and how many numbers each has.
+_KINDS = {
+    "FLOAT": ("value", 1),
+    "INT": ("value", 1),
+    "INT8": ("value", 1),
+    "BOOLEAN": ("value", 1),
+    "FLOAT_VECTOR": ("vector", 3),
+    "FLOAT2": ("vector", 2),
+    "FLOAT_COLOR": ("color", 4),
+    "BYTE_COLOR": ("color", 4),
+}
+
+
+def wanted(graph: dict[str, Any]) -> frozenset[str]:
+    """The names of what a graph's nodes ask for; an empty one is the colour attribute for rendering."""
+    names = set()
+    for node in graph["nodes"]:
+        kind, options = node["type"], node["options"]
+        if kind == "ShaderNodeAttribute" and options.get("attribute_type") == "GEOMETRY":
+            names.add(options["attribute_name"])
+        elif kind == "ShaderNodeVertexColor":
+            names.add(options["layer_name"])
+        elif kind.startswith(_MAY_GENERATE):
+            names.add(GENERATED)
+    return frozenset(names)
+
+
+def read(mesh: bpy.types.Mesh, names: Iterable[str], corners: np.ndarray, triangles: np.ndarray) -> dict[str, Any]:
+    """By name: (triangles, 3, 4). `corners` and `triangles` are the loops and vertices of each triangle."""
+    found = {name: _values(mesh, name, corners, triangles) for name in names}
+    return {name: values for name, values in found.items() if values is not None}
+
+
+def _values(mesh: bpy.types.Mesh, name: str, corners: np.ndarray, triangles: np.ndarray) -> np.ndarray | None:
+    if name == GENERATED:
+        return _in_box(mesh).take(triangles, 0)
+    attribute = mesh.attributes.get(name) if name else _colour_for_rendering(mesh)
+    if attribute is None or attribute.data_type not in _KINDS:
+        return None
+    values = _four(attribute)
+    if attribute.domain == "POINT":
+        return values.take(triangles, 0)
+    if attribute.domain == "CORNER":
+        return values.take(corners, 0)
+    if attribute.domain == "FACE":
+        faces = np.empty(len(triangles), np.int32)
+        mesh.loop_triangles.foreach_get("polygon_index", faces)
+        return np.repeat(values.take(faces, 0)[:, None], 3, 1)
+    return None
+
+
+def _colour_for_rendering(mesh: bpy.types.Mesh) -> bpy.types.Attribute | None:
+    index = mesh.color_attributes.render_color_index
+    return mesh.color_attributes[index] if 0 <= index < len(mesh.color_attributes) else None
+
+
+def _four(attribute: bpy.types.Attribute) -> np.ndarray:
+    """Four numbers a value: one stands in the first three, what is missing of the others is 0, alpha 1."""
+    name, count = _KINDS[attribute.data_type]
+    kind = {"INT": np.int32, "INT8": np.int8, "BOOLEAN": bool}.get(attribute.data_type, np.float32)
+    raw = np.empty(len(attribute.data) * count, kind)
+    attribute.data.foreach_get(name, raw)
+    raw = raw.reshape(-1, count)
+    values = np.zeros((len(raw), 4), np.float32)
+    values[:, 3] = 1.0
+    values[:, : 3 if count == 1 else count] = raw
+    return values
+
+
+def _in_box(mesh: bpy.types.Mesh) -> np.ndarray:
+    """By vertex, as Cycles has it: 0 to 1 over the texture space, before modifiers moved anything."""
+    places = np.empty((len(mesh.vertices), 3), np.float32)
+    mesh.vertices.foreach_get("undeformed_co", places.reshape(-1))
+    size = np.array(mesh.texspace_size, np.float32)
+    scale = np.divide(0.5, size, out=np.zeros_like(size), where=size != 0.0)
+    values = np.zeros((len(places), 4), np.float32)
+    values[:, :3] = (places - np.array(mesh.texspace_location, np.float32)) * scale + np.float32(0.5)
+    return values

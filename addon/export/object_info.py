@@ -1,0 +1,39 @@
+# SPDX-License-Identifier: GPL-3.0-or-later
+"""The random number of an object, as Cycles' Object Info node gives it."""
+
+from __future__ import annotations
+
+import bpy
+
+_MASK = 0xFFFFFFFF
+
+
+def random(holder: bpy.types.Object, place: bpy.types.DepsgraphObjectInstance) -> float:
+    """0 to 1: by the name of an object, by what Blender numbers an instance with."""
+    number = place.random_id if place.is_instance else _hash(_of_name(holder.name), 0)
+    return (number & _MASK) / _MASK
+
+
+def _of_name(name: str) -> int:
+    number = 0
+    for byte in name.encode():
+        number = (number * 37 + byte) & _MASK
+    return number
+
+
+def _hash(x: int, y: int) -> int:
+    """Two numbers to one: the end of Jenkins's lookup3."""
+    a = b = c = (0xDEADBEEF + (2 << 2) + 13) & _MASK
+    b = (b + y) & _MASK
+    a = (a + x) & _MASK
+
+    def turned(number: int, by: int) -> int:
+        return (number << by | number >> (32 - by)) & _MASK
+
+    c = ((c ^ b) - turned(b, 14)) & _MASK
+    a = ((a ^ c) - turned(c, 11)) & _MASK
+    b = ((b ^ a) - turned(a, 25)) & _MASK
+    c = ((c ^ b) - turned(b, 16)) & _MASK
+    a = ((a ^ c) - turned(c, 4)) & _MASK
+    b = ((b ^ a) - turned(a, 14)) & _MASK
+    return ((c ^ b) - turned(b, 24)) & _MASK

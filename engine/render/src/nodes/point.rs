@@ -1,0 +1,277 @@
+//! A point of a surface as a shader graph's program asks for it.
+
+use crate::accel::{Hit, Ray};
+use crate::scene::{Instance, Scene, mesh::Mesh};
+use crate::surface::{SurfacePoint, mesh_of};
+use glam::{Affine3A, Mat3A, Vec2, Vec3, Vec3A, Vec4};
+use petzval_nodes::{
+    Attribute, AttributeKind, Context, Direction, Extension, Field, Interpolation, Shift, Space, Textures,
+};
+
+/// The name by which a mesh keeps its undeformed coordinates in its box.
+pub const GENERATED: &str = ".generated";
+
+/// Who looks at a point: what Blender's Light Path node tells.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub enum Viewer {
+    /// A ray from the camera.
+    Camera,
+    /// A ray that was scattered by a surface.
+    Bounce,
+    /// A ray that asks whether light arrives.
+    Shadow,
+    /// A light that is asked what it shines.
+    Light,
+}
+
+/// How a point is looked at.
+#[derive(Clone, Copy, Debug)]
+pub struct View {
+    /// The direction of the ray that came to the point, unit.
+    pub direction: Vec3A,
+    /// How far it came, Blender units.
+    pub distance: f32,
+    /// Who.
+    pub viewer: Viewer,
+    /// Bounces before.
+    pub depth: u32,
+}
+
+impl View {
+    /// By a ray that met something, so far from where it set out.
+    pub fn along(ray: &Ray, distance: f32, viewer: Viewer, depth: u32) -> Self {
+        Self { direction: ray.direction, distance, viewer, depth }
+    }
+}
+
+/// About what a pixel is wide at distance 1: how far heights are asked apart for a bump.
+const FOOTPRINT: f32 = 5e-4;
+
+pub(super) struct Point<'a> {
+    scene: &'a Scene,
+    instance: &'a Instance,
+    mesh: &'a Mesh,
+    attributes: &'a [Attribute],
+    material_index: f32,
+    view: View,
+    surface: SurfacePoint,
+    /// Along the surface, render space.
+    footprint: [Vec3A; 2],
+    /// By how much the weights of the second and third corner change along them.
+    along: [Vec2; 2],
+}
+
+impl<'a> Point<'a> {
+    pub(super) fn new(
+        scene: &'a Scene,
+        [instance, triangle]: [u32; 2],
+        [u, v]: [f32; 2],
+        view: View,
+        attributes: &'a [Attribute],
+        material_index: f32,
+    ) -> Self {
+        let hit = Hit { t: view.distance, u, v, instance, triangle };
+        let surface = SurfacePoint::new(scene, &hit, view.direction);
+        let mesh = mesh_of(scene, instance);
+        let instance = &scene.instances[instance as usize];
+        let normal = surface.geometric_normal;
+        let [x, y] = perpendicular(normal);
+        let size = FOOTPRINT * view.distance.max(1e-6 * surface.position.length());
+        let footprint = [x * size, y * size];
+        let along = weights_along(instance, mesh, triangle, &footprint);
+        Self { scene, instance, mesh, attributes, material_index, view, surface, footprint, along }
+    }
+
+    fn barycentric(&self, shift: Shift) -> [f32; 3] {
+        let [u, v] = self.surface.barycentric;
+        let at = Vec2::new(u, v) + self.along[0] * shift.x + self.along[1] * shift.y;
+        [1.0 - at.x - at.y, at.x, at.y]
+    }
+
+    fn interpolated<T: Copy + std::ops::Mul<f32, Output = T> + std::ops::Add<Output = T>>(
+        &self,
+        corners: &[[T; 3]],
+        shift: Shift,
+    ) -> T {
+        let [a, b, c] = corners[self.surface.triangle as usize];
+        let [wa, wb, wc] = self.barycentric(shift);
+        a * wa + b * wb + c * wc
+    }
+
+    /// Render space to Blender's world.
+    fn world(&self, position: Vec3A) -> Vec3A {
+        position + self.scene.origin.as_vec3a()
+    }
+
+    fn position(&self, shift: Shift) -> Vec3A {
+        self.world(self.surface.position + self.footprint[0] * shift.x + self.footprint[1] * shift.y)
+    }
+
+    fn object_position(&self, shift: Shift) -> Vec3A {
+        let [a, b, c] = self.mesh.corners(self.surface.triangle);
+        let [wa, wb, wc] = self.barycentric(shift);
+        Vec3A::from(a * wa + b * wb + c * wc)
+    }
+
+    fn mesh_normal(&self, shift: Shift) -> Vec3A {
+        match &self.mesh.corner_normals {
+            Some(normals) => self.interpolated(normals, shift).into(),
+            None => {
+                let [a, b, c] = self.mesh.corners(self.surface.triangle);
+                (b - a).cross(c - a).normalize_or_zero().into()
+            }
+        }
+    }
+
+    fn named(&self, name: &str, shift: Shift) -> Option<Vec4> {
+        if let Some(values) = self.mesh.attribute(name) {
+            return Some(self.interpolated(values, shift));
+        }
+        self.mesh.uv_map(Some(name)).map(|map| self.uv(map, shift))
+    }
+
+    fn uv(&self, map: usize, shift: Shift) -> Vec4 {
+        let uv: Vec2 = self.interpolated(&self.mesh.uv_maps[map].1, shift);
+        Vec4::new(uv.x, uv.y, 0.0, 1.0)
+    }
+
+    /// The direction in which u of a UV map grows, object space, at right angles to the mesh's normal; the fourth part is
+    /// the side on which v grows.
+    fn tangent(&self, map: Option<usize>) -> Vec4 {
+        let Some(map) = map else { return Vec4::ZERO };
+        let [a, b, c] = self.mesh.corners(self.surface.triangle);
+        let [ua, ub, uc] = self.mesh.uv_maps[map].1[self.surface.triangle as usize];
+        let (e, f, p, q) = (b - a, c - a, ub - ua, uc - ua);
+        let area = p.perp_dot(q);
+        let (along_u, along_v) = ((e * q.y - f * p.y) * area.signum(), (f * p.x - e * q.x) * area.signum());
+        let normal = Vec3::from(self.mesh_normal(Shift::NONE)).normalize_or_zero();
+        let tangent = (along_u - normal * normal.dot(along_u)).normalize_or_zero();
+        let side = if normal.cross(tangent).dot(along_v) < 0.0 { -1.0 } else { 1.0 };
+        tangent.extend(side)
+    }
+
+    fn generated(&self, shift: Shift) -> Vec3A {
+        if let Some(values) = self.mesh.attribute(GENERATED) {
+            return Vec3A::from_vec4(self.interpolated(values, shift));
+        }
+        self.object_position(shift)
+    }
+
+    fn flag(&self, viewer: Viewer) -> f32 {
+        f32::from(u8::from(self.view.viewer == viewer))
+    }
+}
+
+impl Context for Point<'_> {
+    fn read(&self, field: Field, shift: Shift) -> Vec3A {
+        let number = Vec3A::splat;
+        let info = &self.instance.info;
+        match field {
+            Field::Position => self.position(shift),
+            Field::Normal => self.surface.shading_normal,
+            Field::TrueNormal => self.surface.geometric_normal,
+            Field::MeshNormal => self.mesh_normal(shift),
+            Field::Incoming => -self.view.direction,
+            Field::Parametric => {
+                let [_, u, v] = self.barycentric(shift);
+                Vec3A::new(u, v, 0.0)
+            }
+            Field::Backfacing => number(f32::from(u8::from(self.surface.backfacing))),
+            Field::Pointiness => number(0.5),
+            Field::Generated => self.generated(shift),
+            Field::Object => self.object_position(shift),
+            Field::Reflection => {
+                let (n, i) = (self.surface.shading_normal, -self.view.direction);
+                n * (2.0 * n.dot(i)) - i
+            }
+            Field::FootprintX => self.footprint[0],
+            Field::FootprintY => self.footprint[1],
+            Field::ObjectLocation => self.world(self.instance.to_render.translation),
+            Field::ObjectColour => Vec3A::from_vec4(info.color),
+            Field::ObjectAlpha => number(info.color.w),
+            Field::ObjectIndex => number(info.pass_index as f32),
+            Field::ObjectRandom => number(info.random),
+            Field::MaterialIndex => number(self.material_index),
+            Field::IsCameraRay => number(self.flag(Viewer::Camera)),
+            Field::IsShadowRay => number(self.flag(Viewer::Shadow)),
+            // Which kind a bounce was is not kept: where nobody asks it makes no difference.
+            Field::IsDiffuseRay => number(self.flag(Viewer::Bounce)),
+            Field::RayLength => number(self.view.distance),
+            Field::RayDepth => number(self.view.depth as f32),
+            _ => Vec3A::ZERO,
+        }
+    }
+
+    fn attribute(&self, index: usize, shift: Shift) -> Vec4 {
+        let Attribute { kind, name } = &self.attributes[index];
+        let map = || self.mesh.uv_map((!name.is_empty()).then_some(name));
+        match kind {
+            AttributeKind::Uv => map().map_or(Vec4::ZERO, |map| self.uv(map, shift)),
+            AttributeKind::Tangent => self.tangent(map()),
+            AttributeKind::Colour | AttributeKind::Geometry => self.named(name, shift).unwrap_or(Vec4::ZERO),
+            AttributeKind::Object | AttributeKind::Instancer | AttributeKind::ViewLayer => Vec4::ZERO,
+        }
+    }
+
+    fn transform(&self, direction: Direction, from: Space, to: Space, vector: Vec3A) -> Vec3A {
+        let origin = self.scene.origin.as_vec3a();
+        let map = match (from, to) {
+            (Space::Object, Space::World) => Affine3A {
+                matrix3: self.instance.to_render.matrix3,
+                translation: self.instance.to_render.translation + origin,
+            },
+            (Space::World, Space::Object) => self.instance.to_object * Affine3A::from_translation((-origin).into()),
+            _ => Affine3A::IDENTITY,
+        };
+        match direction {
+            Direction::Point => map.transform_point3a(vector),
+            Direction::Vector => map.transform_vector3a(vector),
+            Direction::Normal => (inverse_transposed(&map.matrix3) * vector).normalize_or_zero(),
+        }
+    }
+}
+
+fn inverse_transposed(m: &Mat3A) -> Mat3A {
+    m.inverse().transpose()
+}
+
+/// Two unit vectors at right angles to a unit vector and to each other.
+fn perpendicular(n: Vec3A) -> [Vec3A; 2] {
+    let (x, y) = n.any_orthonormal_pair();
+    [x, y]
+}
+
+/// How a triangle's weights change along two vectors of its plane, render space.
+fn weights_along(instance: &Instance, mesh: &Mesh, triangle: u32, vectors: &[Vec3A; 2]) -> [Vec2; 2] {
+    let [a, b, c] = mesh.corners(triangle).map(|p| instance.to_render.transform_point3a(p.into()));
+    let (e, f) = (b - a, c - a);
+    let (ee, ef, ff) = (e.dot(e), e.dot(f), f.dot(f));
+    let determinant = ee * ff - ef * ef;
+    vectors.map(|v| {
+        if determinant <= 0.0 {
+            return Vec2::ZERO;
+        }
+        let (ve, vf) = (v.dot(e), v.dot(f));
+        Vec2::new(ff * ve - ef * vf, ee * vf - ef * ve) / determinant
+    })
+}
+
+/// The scene's images.
+pub(super) struct Images<'a>(pub(super) &'a [crate::scene::texture::Texture]);
+
+impl Textures for Images<'_> {
+    fn lookup(&self, image: usize, uv: Vec2, interpolation: Interpolation, extension: Extension) -> Vec4 {
+        use crate::scene::texture as own;
+        let interpolation = match interpolation {
+            Interpolation::Closest => own::Interpolation::Closest,
+            Interpolation::Linear | Interpolation::Cubic => own::Interpolation::Linear,
+        };
+        let extension = match extension {
+            Extension::Repeat => own::Extension::Repeat,
+            Extension::Extend => own::Extension::Extend,
+            Extension::Clip => own::Extension::Clip,
+            Extension::Mirror => own::Extension::Mirror,
+        };
+        self.0.get(image).map_or(Vec4::ZERO, |texture| texture.lookup(uv, interpolation, extension))
+    }
+}

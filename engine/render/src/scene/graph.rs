@@ -1,0 +1,275 @@
+//! A material as a compiled shader graph: closures whose inputs a program computes at each point.
+
+use super::layer::{Closure, Distribution, MOST_LAYERS, MetalKind, Principled, ThinFilm};
+use crate::luminance;
+use glam::Vec3A;
+use petzval_nodes::{Layer, LayerKind, Operand, Program, Registers};
+
+/// Where an input of a closure comes from.
+#[derive(Clone, Copy, Debug)]
+pub enum Source {
+    /// What the program computes, or a constant of it.
+    Of(Operand),
+    /// What stands for a socket that this Blender does not have.
+    Always(Vec3A),
+}
+
+impl Source {
+    /// Its value once the program has run. A number stands in all three parts.
+    #[inline]
+    pub fn value(self, program: &Program, registers: &Registers) -> Vec3A {
+        match self {
+            Self::Of(operand) => program.value(operand, registers),
+            Self::Always(value) => value,
+        }
+    }
+
+    /// Its value where that is the same everywhere.
+    pub fn constant(self, program: &Program) -> Option<Vec3A> {
+        match self {
+            Self::Of(operand) => program.constant(operand),
+            Self::Always(value) => Some(value),
+        }
+    }
+}
+
+/// One closure.
+#[derive(Clone, Debug)]
+pub struct GraphLayer {
+    /// What it counts, 0 to 1.
+    pub weight: Source,
+    /// What it does.
+    pub closure: Closure<Source, Source>,
+    /// A normal of its own, world space.
+    pub normal: Option<Source>,
+    /// A direction of its own that brushed metal follows, world space.
+    pub tangent: Option<Source>,
+}
+
+/// A program and what it is for.
+#[derive(Debug)]
+pub struct Graph {
+    /// To be run at each point.
+    pub program: Program,
+    /// The closures, which add up.
+    pub layers: Vec<GraphLayer>,
+    /// Of the material.
+    pub pass_index: i32,
+}
+
+/// Two graphs are the same if they are one.
+impl PartialEq for Graph {
+    fn eq(&self, other: &Self) -> bool {
+        std::ptr::eq(self, other)
+    }
+}
+
+impl Graph {
+    /// Of a compiled graph; and what of it the engine does otherwise than Blender, or not at all.
+    pub fn new(program: Program, pass_index: i32) -> (Self, Vec<String>) {
+        let mut reports = Vec::new();
+        let mut report = |what: &str| {
+            if !reports.iter().any(|known| known == what) {
+                reports.push(what.to_owned());
+            }
+        };
+        if program.surface.len() > MOST_LAYERS {
+            report(&format!("it has {} closures, those after the first {MOST_LAYERS} are left out", program.surface.len()));
+        }
+        let layers = program.surface.iter().take(MOST_LAYERS).filter_map(|layer| Of(layer).layer(&mut report)).collect();
+        if !program.volume.is_empty() {
+            report("volume is not supported yet, it is left out");
+        }
+        (Self { program, layers, pass_index }, reports)
+    }
+
+    /// Whether any of its surface may shine.
+    pub fn emits(&self) -> bool {
+        let shines = |color: Source, strength: Source| {
+            [color, strength].iter().all(|source| source.constant(&self.program) != Some(Vec3A::ZERO))
+        };
+        self.layers.iter().any(|layer| match &layer.closure {
+            Closure::Emission { color, strength } => shines(*color, *strength),
+            Closure::Principled(p) => shines(p.emission_color, p.emission_strength),
+            _ => false,
+        })
+    }
+
+    /// About what it emits, where it varies as if it were white: for choosing between lights.
+    pub fn brightness(&self) -> f32 {
+        let about = |source: Source| source.constant(&self.program).unwrap_or(Vec3A::ONE);
+        let of = |layer: &GraphLayer| {
+            let radiance = match &layer.closure {
+                Closure::Emission { color, strength } => about(*color) * about(*strength),
+                Closure::Principled(p) => about(p.emission_color) * about(p.emission_strength),
+                _ => return 0.0,
+            };
+            luminance(radiance.into()) * about(layer.weight).x
+        };
+        self.layers.iter().map(of).sum::<f32>().max(1e-6)
+    }
+
+    /// Whether what shines is the same everywhere.
+    pub fn emits_evenly(&self) -> bool {
+        let stands = |source: &Source| source.constant(&self.program).is_some();
+        self.layers.iter().all(|layer| match &layer.closure {
+            Closure::Emission { color, strength } => [color, strength, &layer.weight].into_iter().all(stands),
+            Closure::Principled(p) => {
+                p.emission_strength.constant(&self.program) == Some(Vec3A::ZERO)
+                    || [&p.emission_color, &p.emission_strength, &p.alpha, &layer.weight].into_iter().all(stands)
+            }
+            _ => true,
+        })
+    }
+
+    /// Whether any of its surface may let light through unbent.
+    pub fn may_be_transparent(&self) -> bool {
+        self.layers.iter().any(|layer| match &layer.closure {
+            Closure::Transparent { .. } | Closure::Holdout => true,
+            Closure::Principled(p) => p.alpha.constant(&self.program) != Some(Vec3A::ONE),
+            _ => false,
+        })
+    }
+
+    /// The indices of refraction that stand still.
+    pub fn indices(&self) -> impl Iterator<Item = f32> + '_ {
+        let sources = self.layers.iter().flat_map(|layer| match &layer.closure {
+            Closure::Glass { ior, .. } => vec![*ior],
+            Closure::Principled(p) => vec![p.ior, p.coat_ior],
+            _ => vec![],
+        });
+        sources.filter_map(|source| source.constant(&self.program)).map(|value| value.x)
+    }
+}
+
+/// A layer as Blender names its inputs.
+struct Of<'a>(&'a Layer);
+
+impl Of<'_> {
+    fn input(&self, identifier: &str, otherwise: f32) -> Source {
+        self.0.input(identifier).map_or(Source::Always(Vec3A::splat(otherwise)), Source::Of)
+    }
+
+    fn direction(&self, identifier: &str) -> Option<Source> {
+        self.0.input(identifier).map(Source::Of)
+    }
+
+    fn distribution(&self) -> Distribution {
+        match self.0.option("distribution") {
+            Some("GGX" | "SHARP") => Distribution::Ggx,
+            Some("BECKMANN") => Distribution::Beckmann,
+            Some("ASHIKHMIN_SHIRLEY") => Distribution::AshikhminShirley,
+            _ => Distribution::MultiscatterGgx,
+        }
+    }
+
+    fn film(&self) -> ThinFilm<Source> {
+        ThinFilm { thickness_nm: self.input("Thin Film Thickness", 0.0), ior: self.input("Thin Film IOR", 1.33) }
+    }
+
+    fn layer(&self, report: &mut impl FnMut(&str)) -> Option<GraphLayer> {
+        let closure = self.closure(report)?;
+        let (normal, tangent) = (self.direction("Normal"), self.direction("Tangent"));
+        Some(GraphLayer { weight: Source::Of(self.0.weight), closure, normal, tangent })
+    }
+
+    fn closure(&self, report: &mut impl FnMut(&str)) -> Option<Closure<Source, Source>> {
+        let color = self.input("Color", 0.8);
+        let (roughness, distribution) = (self.input("Roughness", 0.0), self.distribution());
+        let mut near = |what: &str| report(&format!("{what} is not supported yet, it is shown as diffuse"));
+        Some(match self.0.kind {
+            LayerKind::Principled => Closure::Principled(self.principled(report)),
+            LayerKind::Diffuse => Closure::Diffuse { color, roughness },
+            LayerKind::Translucent => Closure::Translucent { color },
+            LayerKind::Glossy => {
+                let (anisotropy, rotation) = (self.input("Anisotropy", 0.0), self.input("Rotation", 0.0));
+                Closure::Glossy { color, roughness, anisotropy, rotation, distribution }
+            }
+            LayerKind::Metallic => {
+                let is_conductor = self.0.option("fresnel_type") == Some("PHYSICAL_CONDUCTOR");
+                let names = if is_conductor { ["IOR", "Extinction"] } else { ["Base Color", "Edge Tint"] };
+                let [base, edge] = names.map(|name| self.input(name, 1.0));
+                Closure::Metal {
+                    base,
+                    edge,
+                    kind: if is_conductor { MetalKind::Conductor } else { MetalKind::Tinted },
+                    roughness,
+                    anisotropy: self.input("Anisotropy", 0.0),
+                    rotation: self.input("Rotation", 0.0),
+                    distribution,
+                    film: self.film(),
+                }
+            }
+            LayerKind::Glass => {
+                Closure::Glass { color, roughness, ior: self.input("IOR", 1.5), distribution, film: self.film() }
+            }
+            LayerKind::Refraction => {
+                Closure::Refraction { color, roughness, ior: self.input("IOR", 1.5), distribution }
+            }
+            LayerKind::Transparent => Closure::Transparent { color },
+            LayerKind::Holdout => Closure::Holdout,
+            LayerKind::Emission | LayerKind::Background => {
+                Closure::Emission { color, strength: self.input("Strength", 1.0) }
+            }
+            LayerKind::Sheen => match self.0.option("distribution") {
+                Some("ASHIKHMIN") => Closure::Velvet { color, sigma: roughness },
+                _ => Closure::Microfiber { color, roughness },
+            },
+            LayerKind::Toon => Closure::Toon {
+                color,
+                size: self.input("Size", 0.5),
+                smooth: self.input("Smooth", 0.0),
+                glossy: self.0.option("component") == Some("GLOSSY"),
+            },
+            LayerKind::Subsurface => {
+                near("Subsurface Scattering");
+                Closure::Diffuse { color, roughness: Source::Always(Vec3A::ZERO) }
+            }
+            LayerKind::Hair | LayerKind::PrincipledHair => {
+                near("Hair BSDF");
+                Closure::Diffuse { color, roughness: Source::Always(Vec3A::ZERO) }
+            }
+            LayerKind::RayPortal => {
+                report("Ray Portal is not supported yet, it is left out");
+                return None;
+            }
+            LayerKind::PrincipledVolume
+            | LayerKind::VolumeScatter
+            | LayerKind::VolumeAbsorption
+            | LayerKind::VolumeCoefficients => {
+                report("a volume's shader shows nothing on a surface");
+                return None;
+            }
+        })
+    }
+
+    fn principled(&self, report: &mut impl FnMut(&str)) -> Principled<Source, Source> {
+        if self.direction("Coat Normal").is_some() {
+            report("Principled BSDF's Coat Normal is not supported yet, its coat has the normal of the rest");
+        }
+        Principled {
+            base_color: self.input("Base Color", 0.8),
+            metallic: self.input("Metallic", 0.0),
+            roughness: self.input("Roughness", 0.5),
+            ior: self.input("IOR", 1.5),
+            alpha: self.input("Alpha", 1.0),
+            diffuse_roughness: self.input("Diffuse Roughness", 0.0),
+            specular_ior_level: self.input("Specular IOR Level", 0.5),
+            specular_tint: self.input("Specular Tint", 1.0),
+            anisotropic: self.input("Anisotropic", 0.0),
+            anisotropic_rotation: self.input("Anisotropic Rotation", 0.0),
+            transmission: self.input("Transmission Weight", 0.0),
+            coat_weight: self.input("Coat Weight", 0.0),
+            coat_roughness: self.input("Coat Roughness", 0.0),
+            coat_ior: self.input("Coat IOR", 1.5),
+            coat_tint: self.input("Coat Tint", 1.0),
+            sheen_weight: self.input("Sheen Weight", 0.0),
+            sheen_roughness: self.input("Sheen Roughness", 0.5),
+            sheen_tint: self.input("Sheen Tint", 1.0),
+            emission_color: self.input("Emission Color", 1.0),
+            emission_strength: self.input("Emission Strength", 0.0),
+            film: self.film(),
+            multiscatter: self.distribution() != Distribution::Ggx,
+        }
+    }
+}
