@@ -45,7 +45,7 @@ def stage(blender):
     return parts
 
 
-def both(parts, blender, folder, bounces: int = 8):
+def both(parts, blender, folder, bounces: int = 48):
     """Petzval's picture and Cycles's."""
     scene = blender.context.scene
     scene.petzval.filter_width = 0.0
@@ -177,11 +177,32 @@ CASES = {
     "principled, coat": principled(Base_Color=RED, Coat_Weight=1.0, Coat_Roughness=0.2, Coat_IOR=1.6),
     "principled, tinted coat": principled(Base_Color=WHITE, Coat_Weight=0.8, Coat_Tint=GREEN),
     "principled, sheen": principled(Base_Color=RED, Sheen_Weight=0.8, Sheen_Roughness=0.4, Sheen_Tint=GREEN),
+    "film on glass": lambda tree: node(
+        tree, "BsdfGlass", None, Color=WHITE, Roughness=0.2, IOR=1.5, Thin_Film_Thickness=420.0, Thin_Film_IOR=1.3
+    ),
+    "film on metal": metal(
+        "F82", Base_Color=GOLD, Edge_Tint=WHITE, Roughness=0.2, Thin_Film_Thickness=350.0, Thin_Film_IOR=1.4
+    ),
+    "film on a conductor": metal(
+        "PHYSICAL_CONDUCTOR", Roughness=0.2, Thin_Film_Thickness=500.0, Thin_Film_IOR=1.6
+    ),
+    "principled, film": principled(
+        Base_Color=RED, Roughness=0.2, Thin_Film_Thickness=600.0, Thin_Film_IOR=1.8, Specular_Tint=GREEN
+    ),
+    "principled glass, film": principled(
+        Transmission_Weight=1.0, Roughness=0.1, Thin_Film_Thickness=300.0, Thin_Film_IOR=1.2
+    ),
     "principled, half clear": principled(Base_Color=RED, Alpha=0.4, Coat_Weight=0.5),
     "principled, shining": principled(
         Base_Color=RED, Emission_Color=GREEN, Emission_Strength=0.5, Diffuse_Roughness=0.1
     ),
 }
+
+
+#: For light samples Cycles gives rough refraction of GGX a value even where no facet bends light to, beyond the greatest
+#: angle that an index allows; the rays that it sends never go there. Balls of such glass are up to 4 % brighter for it
+#: (as much as the share of light samples), and as bright as ours where the sky is not sampled.
+WITHOUT_SKY_SAMPLES = ("glass", "multiscatter glass", "refraction", "principled glass", "mix of mixes", "brushed ashikhmin-shirley")
 
 
 @pytest.mark.parametrize("name", CASES)
@@ -193,6 +214,8 @@ def test_looks_as_in_cycles(stage, blender, tmp_path, name):
     except (KeyError, RuntimeError):
         pytest.skip("this Blender has no such node or input")
     bpy.context.object.data.materials.append(made)
+    if name in WITHOUT_SKY_SAMPLES:
+        bpy.context.scene.world.cycles.sampling_method = "NONE"
     ours, theirs = both(stage, bpy, tmp_path)
     blocks = [p.reshape(SIDE // BLOCK, BLOCK, SIDE // BLOCK, BLOCK, 3).mean((1, 3)) for p in (ours, theirs)]
     mean = ours.mean((0, 1)) / theirs.mean((0, 1))

@@ -4,6 +4,7 @@
 
 use super::super::fresnel::{self, F82Tint};
 use super::super::microfacet::{MIRROR_BELOW, reflect, refract};
+use super::super::thin_film::Film;
 use super::Local;
 use crate::Rgb;
 use glam::Vec3A;
@@ -91,6 +92,10 @@ pub(in crate::shading) enum Fresnel {
     Tinted(F82Tint),
     /// A metal's index of refraction and extinction coefficient.
     Conductor([Rgb; 2]),
+    /// A film's over metal.
+    Film(Film),
+    /// A film's over a dielectric.
+    FilmedDielectric { film: Film, f0: Rgb, reflection: Rgb, transmission: Rgb },
 }
 
 impl Fresnel {
@@ -107,6 +112,11 @@ impl Fresnel {
                 (f * reflection, (Rgb::ONE - f) * transmission)
             }
             Self::Tinted(metal) => (metal.at(cos), Rgb::ZERO),
+            Self::Film(film) => (film.at(cos), Rgb::ZERO),
+            Self::FilmedDielectric { film, f0, reflection, transmission } => {
+                let f = film.tinted(cos, fresnel::f0_from_ior(eta), f0);
+                (f * reflection, (Rgb::ONE - f) * transmission)
+            }
             Self::Conductor([n, k]) => (fresnel::conductor(cos, n, k), Rgb::ZERO),
         }
     }
@@ -131,7 +141,9 @@ impl Facets {
     pub(super) fn transmits(&self) -> bool {
         match self.fresnel {
             Fresnel::Through => true,
-            Fresnel::Dielectric { transmission, .. } => transmission != Rgb::ZERO,
+            Fresnel::Dielectric { transmission, .. } | Fresnel::FilmedDielectric { transmission, .. } => {
+                transmission != Rgb::ZERO
+            }
             _ => false,
         }
     }
