@@ -183,9 +183,7 @@ CASES = {
     "film on metal": metal(
         "F82", Base_Color=GOLD, Edge_Tint=WHITE, Roughness=0.2, Thin_Film_Thickness=350.0, Thin_Film_IOR=1.4
     ),
-    "film on a conductor": metal(
-        "PHYSICAL_CONDUCTOR", Roughness=0.2, Thin_Film_Thickness=500.0, Thin_Film_IOR=1.6
-    ),
+    "film on a conductor": metal("PHYSICAL_CONDUCTOR", Roughness=0.2, Thin_Film_Thickness=500.0, Thin_Film_IOR=1.6),
     "principled, film": principled(
         Base_Color=RED, Roughness=0.2, Thin_Film_Thickness=600.0, Thin_Film_IOR=1.8, Specular_Tint=GREEN
     ),
@@ -202,7 +200,24 @@ CASES = {
 #: For light samples Cycles gives rough refraction of GGX a value even where no facet bends light to, beyond the greatest
 #: angle that an index allows; the rays that it sends never go there. Balls of such glass are up to 4 % brighter for it
 #: (as much as the share of light samples), and as bright as ours where the sky is not sampled.
-WITHOUT_SKY_SAMPLES = ("glass", "multiscatter glass", "refraction", "principled glass", "mix of mixes", "brushed ashikhmin-shirley")
+WITHOUT_SKY_SAMPLES = (
+    "glass",
+    "multiscatter glass",
+    "refraction",
+    "principled glass",
+    "mix of mixes",
+    "brushed ashikhmin-shirley",
+)
+
+
+#: Where a block may differ by more than 1 %.
+BLOCK_LIMITS = {
+    # Rational fits to the tables of the paper, which are off by as much in the lobe's shape, not in its whole.
+    "microfiber": 0.035,
+    # Tables of albedos with other steps.
+    "multiscatter glass": 0.015,
+    "brushed ashikhmin-shirley": 0.02,
+}
 
 
 @pytest.mark.parametrize("name", CASES)
@@ -217,9 +232,38 @@ def test_looks_as_in_cycles(stage, blender, tmp_path, name):
     if name in WITHOUT_SKY_SAMPLES:
         bpy.context.scene.world.cycles.sampling_method = "NONE"
     ours, theirs = both(stage, bpy, tmp_path)
+    same(name, ours, theirs, BLOCK_LIMITS.get(name, 0.01))
+
+
+def same(name: str, ours: np.ndarray, theirs: np.ndarray, limit: float) -> None:
+    """Both in the mean and block by block."""
     blocks = [p.reshape(SIDE // BLOCK, BLOCK, SIDE // BLOCK, BLOCK, 3).mean((1, 3)) for p in (ours, theirs)]
     mean = ours.mean((0, 1)) / theirs.mean((0, 1))
     apart = np.abs(blocks[0] - blocks[1]) / (blocks[1] + 0.1 * blocks[1].mean())
     print(f"{name}: mean {mean}, worst block {apart.max():.4f} at {np.unravel_index(apart.argmax(), apart.shape)}")
     assert np.abs(mean - 1.0).max() < 0.01
-    assert apart.max() < 0.01
+    assert apart.max() < limit
+
+
+#: Smooth normals on few faces: what is mirrored must not go into the ball.
+COARSE = {
+    "smooth glass": principled(Transmission_Weight=1.0, Roughness=0.0, Base_Color=WHITE),
+    "mirror": glossy("GGX", Color=GOLD, Roughness=0.0),
+    "glossy": glossy("GGX", Color=GOLD, Roughness=0.3),
+    "principled": principled(Base_Color=RED, Roughness=0.2),
+}
+
+
+@pytest.mark.parametrize("name", COARSE)
+def test_coarse_balls_look_as_in_cycles(stage, blender, tmp_path, name):
+    bpy = blender
+    bpy.data.objects.remove(bpy.context.object)
+    bpy.ops.mesh.primitive_uv_sphere_add(segments=12, ring_count=6, radius=1.0, location=(0, 0, 0))
+    bpy.ops.object.shade_smooth()
+    made, tree, surface = stage.material(name)
+    tree.links.new(COARSE[name](tree), surface)
+    bpy.context.object.data.materials.append(made)
+    ours, theirs = both(stage, bpy, tmp_path)
+    # Light samples that the triangle and its smooth normal see from different sides count in Cycles, not here; and a
+    # normal is turned away from its rim for all of a Principled here, for its mirrors alone there.
+    same(name, ours, theirs, 0.015)

@@ -117,13 +117,13 @@ pub(super) fn opening(scene: &Scene, hit: &Hit) -> Opening {
     nodes::opening(material, scene, hit.instance, hit.triangle, [hit.u, hit.v])
 }
 
-/// The layers of a surface as they scatter there.
+/// What a surface of these layers scatters at a point.
 #[inline(never)]
-pub(super) fn mix(stage: &Stage, point: &SurfacePoint, wo: Vec3A, kept: f32, layers: &mut Layers) -> Mixture {
-    let material = &stage.scene.materials[point.material as usize];
-    nodes::layers(material, &stage.scene, point.instance, point.triangle, point.barycentric, layers);
-    let mut mixture = Mixture::new(point, wo, tangent_about_z(&stage.scene, point));
-    for (weight, closure) in layers.iter() {
+pub(super) fn mix(stage: &Stage, layers: &Layers, point: &SurfacePoint, wo: Vec3A, kept: f32) -> Mixture {
+    let brushed = layers.iter().any(|(_, closure)| closure.is_brushed());
+    let tangent = if brushed { tangent_about_z(&stage.scene, point) } else { Vec3A::ZERO };
+    let mut mixture = Mixture::new(point, wo, tangent);
+    for (weight, closure) in layers {
         mixture.add(*weight, closure, point.shading_normal);
     }
     mixture.finish(kept);

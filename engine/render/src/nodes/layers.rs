@@ -6,7 +6,7 @@ use crate::scene::material::Material;
 use crate::scene::mesh::Mesh;
 use crate::scene::texture::Texture;
 use crate::scene::{Scene, material::Input};
-use crate::surface::mesh_of;
+use crate::surface::{SurfacePoint, mesh_of};
 use crate::{Rgb, luminance};
 use arrayvec::ArrayVec;
 
@@ -40,15 +40,9 @@ impl Place<'_> {
     }
 }
 
-/// What the layers of a material are at a point of a triangle. Those that count nothing are left out.
-pub fn layers(
-    material: &Material,
-    scene: &Scene,
-    instance: u32,
-    triangle: u32,
-    barycentric: [f32; 2],
-    to: &mut Layers,
-) {
+/// What the layers of a material are at a point. Those that count nothing are left out.
+pub fn layers(material: &Material, scene: &Scene, point: &SurfacePoint, to: &mut Layers) {
+    let SurfacePoint { instance, triangle, barycentric, .. } = *point;
     let place = Place { textures: &scene.textures, mesh: mesh_of(scene, instance), triangle, barycentric };
     to.clear();
     for Layer { weight, closure } in material.layers.iter().take(MOST_LAYERS) {
