@@ -120,6 +120,40 @@ def diffuse(tree, colour=RED):
     return node(tree, "BsdfDiffuse", None, Color=colour)
 
 
+def image(tree, low, high):
+    """A picture of soft stripes between two colours: the output of its texture node."""
+    import bpy
+
+    made = bpy.data.images.new("stripes", 64, 32, float_buffer=True)
+    made.colorspace_settings.name = "Non-Color"
+    part = 0.5 + 0.5 * np.sin(np.arange(64) * 2.0 * np.pi * 3 / 64)[None, :, None]
+    pixels = np.array(low) + (np.array(high) - np.array(low)) * part * np.ones((32, 1, 1))
+    made.pixels.foreach_set(np.concatenate([pixels, np.ones((32, 64, 1))], 2).astype(np.float32).reshape(-1))
+    made.pack()
+    texture = tree.nodes.new("ShaderNodeTexImage")
+    texture.image = made
+    return texture.outputs["Color"]
+
+
+def mixed_by_an_image(tree):
+    made = mix(tree, 0.5, diffuse(tree), glossy("GGX", Color=GOLD, Roughness=0.3)(tree))
+    tree.links.new(image(tree, (0.1, 0.1, 0.1), (0.9, 0.9, 0.9)), made.node.inputs[0])
+    return made
+
+
+def driven_by_images(tree):
+    made = glossy("MULTI_GGX")(tree)
+    tree.links.new(image(tree, (0.9, 0.2, 0.1), (0.2, 0.4, 0.9)), made.node.inputs["Color"])
+    tree.links.new(image(tree, (0.1, 0.1, 0.1), (0.7, 0.7, 0.7)), made.node.inputs["Roughness"])
+    return made
+
+
+def clear_by_an_image(tree):
+    made = mix(tree, 0.5, node(tree, "BsdfTransparent", None, Color=GREEN), diffuse(tree))
+    tree.links.new(image(tree, (0.0, 0.0, 0.0), (1.0, 1.0, 1.0)), made.node.inputs[0])
+    return made
+
+
 CASES = {
     "diffuse": diffuse,
     "oren-nayar": lambda tree: node(tree, "BsdfDiffuse", None, Color=RED, Roughness=0.9),
@@ -168,6 +202,9 @@ CASES = {
         mix(tree, 0.5, diffuse(tree), principled(Base_Color=GREEN, Metallic=1.0, Roughness=0.3)(tree)),
         mix(tree, 0.5, glass("GGX", Color=WHITE, Roughness=0.1, IOR=1.3)(tree), diffuse(tree, GOLD)),
     ),
+    "mixed by an image": mixed_by_an_image,
+    "driven by images": driven_by_images,
+    "clear by an image": clear_by_an_image,
     "principled": principled(Base_Color=RED),
     "principled metal": principled(Base_Color=GOLD, Metallic=1.0, Roughness=0.6, Specular_Tint=RED),
     "principled glass": principled(Base_Color=GREEN, Transmission_Weight=1.0, Roughness=0.5),

@@ -319,7 +319,7 @@ impl Scattering for Mixture {
         let lobe = chosen.unwrap_or(&self.lobes[last]);
         let local = lobe.sample(((u_lobe - below) / lobe.chance).clamp(0.0, 1.0), u)?;
         let transmitted = local.transmitted;
-        let wi = lobe.to_world(local.wi);
+        let wi = lobe.in_world(local.wi);
         let above = self.here.geometric_normal.dot(wi) > 0.0;
         if above == transmitted || (local.wi.z > 0.0) == transmitted {
             return None;

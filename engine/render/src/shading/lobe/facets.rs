@@ -167,10 +167,11 @@ impl Facets {
         }
         let (reflected, through) = self.fresnel.at(co, self.eta);
         let (value, share) = if mirrored { (reflected, reflected) } else { (through, through) };
-        let share = share.element_sum() / (reflected + through).element_sum();
-        if !(share > 0.0) {
+        let (share, total) = (share.element_sum(), (reflected + through).element_sum());
+        if share <= 0.0 {
             return (Rgb::ZERO, 0.0);
         }
+        let share = share / total;
         // Of facets seen to steradians of `wi`.
         let jacobian = if mirrored { 0.25 / co } else { -ci / (ci + co / self.eta).powi(2) };
         let both = 1.0 + self.lambda_o + self.slopes.lambda(wi);
@@ -187,7 +188,7 @@ impl Facets {
         }
         let (reflected, through) = self.fresnel.at(cos, self.eta);
         let total = (reflected + through).element_sum();
-        if !(total > 0.0) {
+        if total <= 0.0 {
             return None;
         }
         let mirrored = u_choice * total < reflected.element_sum();

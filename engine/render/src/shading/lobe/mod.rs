@@ -3,6 +3,7 @@
 mod facets;
 mod matte;
 
+use super::microfacet::{reflect, refract};
 use crate::Rgb;
 use crate::sampler::warp;
 use facets::Facets;
@@ -198,14 +199,13 @@ impl Lobe {
         if !facets.is_mirror() || self.wo.z <= 0.0 {
             return None;
         }
-        use super::microfacet::{reflect, refract};
         let own = if transmitted { refract(self.wo, Vec3A::Z, facets.eta)? } else { reflect(self.wo, Vec3A::Z) };
         // Both ends of a mirror are known to about a thousandth of a degree.
-        let same = self.to_world(own).dot(wi) > 1.0 - 1e-6;
+        let same = self.in_world(own).dot(wi) > 1.0 - 1e-6;
         same.then(|| facets.single(transmitted, self.wo))
     }
 
-    pub(super) fn to_world(&self, d: Vec3A) -> Vec3A {
+    pub(super) fn in_world(&self, d: Vec3A) -> Vec3A {
         warp::to_world(&self.frame, d).normalize()
     }
 }
@@ -215,11 +215,11 @@ impl Lobe {
 fn terminator(smooth: Vec3A, bent: Vec3A, wi: Vec3A) -> f32 {
     let (cos, across) = (bent.dot(wi), smooth.dot(bent));
     let g = smooth.dot(wi) / (cos * across);
-    if !(g < 1.0) {
-        1.0
-    } else if g < 0.0 {
+    if g < 0.0 {
         0.0
-    } else {
+    } else if g < 1.0 {
         g * (1.0 + g * (1.0 - g))
+    } else {
+        1.0
     }
 }
