@@ -60,6 +60,36 @@ def bump(t: Tree):
     t.shows(t.node("BsdfPrincipled", Roughness=0.4, Normal=bent.outputs[0]).outputs[0])
 
 
+def bump_diffuse(t: Tree):
+    wave = t.node("TexWave", Vector=t.coordinates("Object"), Scale=1.5)
+    bent = t.node("Bump", Strength=0.6, Distance=0.1, Height=wave.outputs["Fac"])
+    t.shows(t.node("BsdfDiffuse", Normal=bent.outputs[0]).outputs[0])
+
+
+def bump_metal(t: Tree):
+    wave = t.node("TexWave", Vector=t.coordinates("Object"), Scale=1.5)
+    bent = t.node("Bump", Strength=0.6, Distance=0.1, Height=wave.outputs["Fac"])
+    t.shows(t.node("BsdfAnisotropic", Roughness=0.4, Normal=bent.outputs[0]).outputs[0])
+
+
+def bump_gentle(t: Tree):
+    wave = t.node("TexWave", Vector=t.coordinates("Object"), Scale=1.5)
+    bent = t.node("Bump", Strength=0.1, Distance=0.1, Height=wave.outputs["Fac"])
+    t.shows(t.node("BsdfDiffuse", Normal=bent.outputs[0]).outputs[0])
+
+
+def tangent_normals(t: Tree):
+    noise = t.node("TexNoise", Vector=t.coordinates("UV"), Scale=5.0)
+    bent = t.node("NormalMap", Strength=0.5, Color=noise.outputs["Color"])
+    t.shows(t.node("BsdfDiffuse", Normal=bent.outputs[0]).outputs[0])
+
+
+def object_normals(t: Tree):
+    noise = t.node("TexNoise", Vector=t.coordinates("UV"), Scale=5.0)
+    bent = t.node("NormalMap", {"space": "OBJECT"}, Strength=0.3, Color=noise.outputs["Color"])
+    t.shows(t.node("BsdfDiffuse", Normal=bent.outputs[0]).outputs[0])
+
+
 def rough_by_checker(t: Tree):
     checker = t.node("TexChecker", Vector=t.coordinates("UV"), Scale=8.0, Color1=(0.1,) * 3 + (1.0,), Color2=(0.6,) * 3 + (1.0,))
     t.shows(t.node("BsdfPrincipled", Metallic=1.0, Roughness=checker.outputs["Color"]).outputs[0])
@@ -114,7 +144,7 @@ def position_math(t: Tree):
 
 
 GRAPHS = (
-    noise_ramp, generated_voronoi, bump, rough_by_checker, facing_mix, fresnel_coat, glowing_cracks, holes, object_random,
+    noise_ramp, generated_voronoi, bump, bump_diffuse, bump_metal, bump_gentle, tangent_normals, object_normals, rough_by_checker, facing_mix, fresnel_coat, glowing_cracks, holes, object_random,
     colour_attribute, position_math,
 )  # fmt: skip
 

@@ -94,7 +94,9 @@ fn indices(scene: &Scene) -> Vec<f32> {
         };
         found.extend(inputs.into_iter().filter_map(|i| if let Input::Constant(v) = i { Some(*v) } else { None }));
     }
-    found.extend(scene.materials.iter().filter_map(|material| material.graph.as_ref()).flat_map(|graph| graph.indices()));
+    found.extend(
+        scene.materials.iter().filter_map(|material| material.graph.as_ref()).flat_map(|graph| graph.indices()),
+    );
     found.sort_by(f32::total_cmp);
     found.dedup();
     found

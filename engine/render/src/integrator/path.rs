@@ -117,13 +117,13 @@ pub(super) fn opening(scene: &Scene, hit: &Hit, view: &View) -> Opening {
     nodes::opening(material, scene, [hit.instance, hit.triangle], [hit.u, hit.v], view)
 }
 
-/// The layers of a surface as they scatter there.
+/// What a surface of these layers scatters at a point.
 #[inline(never)]
-pub(super) fn mix(stage: &Stage, point: &SurfacePoint, view: &View, kept: f32, layers: &mut Layers) -> Mixture {
-    let material = &stage.scene.materials[point.material as usize];
-    nodes::layers(material, &stage.scene, [point.instance, point.triangle], point.barycentric, view, layers);
-    let mut mixture = Mixture::new(point, -view.direction, tangent_about_z(&stage.scene, point));
-    for layer in layers.iter() {
+pub(super) fn mix(stage: &Stage, layers: &Layers, point: &SurfacePoint, wo: Vec3A, kept: f32) -> Mixture {
+    let brushed = layers.iter().any(|layer| layer.closure.is_brushed());
+    let tangent = if brushed { tangent_about_z(&stage.scene, point) } else { Vec3A::ZERO };
+    let mut mixture = Mixture::new(point, wo, tangent);
+    for layer in layers {
         mixture.add(layer.weight, &layer.closure, layer.normal.unwrap_or(point.shading_normal));
     }
     mixture.finish(kept);

@@ -8,7 +8,7 @@ use crate::scene::material::Material;
 use crate::scene::mesh::Mesh;
 use crate::scene::texture::Texture;
 use crate::scene::{Scene, material::Input};
-use crate::surface::mesh_of;
+use crate::surface::{SurfacePoint, mesh_of};
 use crate::{Rgb, luminance};
 use arrayvec::ArrayVec;
 use glam::Vec3A;
@@ -98,15 +98,9 @@ impl Place<'_> {
     }
 }
 
-/// What the layers of a material are at a point of a triangle. Those that count nothing are left out.
-pub fn layers(
-    material: &Material,
-    scene: &Scene,
-    [instance, triangle]: [u32; 2],
-    barycentric: [f32; 2],
-    view: &View,
-    to: &mut Layers,
-) {
+/// What the layers of a material are at a point. Those that count nothing are left out.
+pub fn layers(material: &Material, scene: &Scene, point: &SurfacePoint, view: &View, to: &mut Layers) {
+    let SurfacePoint { instance, triangle, barycentric, .. } = *point;
     to.clear();
     if let Some(graph) = &material.graph {
         return with_program(graph, scene, [instance, triangle], barycentric, view, |value| of_graph(graph, value, to));

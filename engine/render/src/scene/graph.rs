@@ -74,9 +74,13 @@ impl Graph {
             }
         };
         if program.surface.len() > MOST_LAYERS {
-            report(&format!("it has {} closures, those after the first {MOST_LAYERS} are left out", program.surface.len()));
+            report(&format!(
+                "it has {} closures, those after the first {MOST_LAYERS} are left out",
+                program.surface.len()
+            ));
         }
-        let layers = program.surface.iter().take(MOST_LAYERS).filter_map(|layer| Of(layer).layer(&mut report)).collect();
+        let layers =
+            program.surface.iter().take(MOST_LAYERS).filter_map(|layer| Of(layer).layer(&mut report)).collect();
         if !program.volume.is_empty() {
             report("volume is not supported yet, it is left out");
         }

@@ -7,7 +7,7 @@
 use super::material::Input;
 use super::texture::Texture;
 use crate::{Rgb, luminance};
-use std::cell::RefCell;
+use std::cell::{Cell, RefCell};
 
 /// Layers that a material may have; what comes after is left out.
 pub const MOST_LAYERS: usize = 32;
@@ -283,6 +283,17 @@ impl<C, N> Closure<C, N> {
     }
 }
 
+impl<C> Closure<C, f32> {
+    /// Whether its facets are stretched along the surface's tangent.
+    pub fn is_brushed(&self) -> bool {
+        match self {
+            Self::Glossy { anisotropy, .. } | Self::Metal { anisotropy, .. } => *anisotropy != 0.0,
+            Self::Principled(p) => p.anisotropic != 0.0,
+            _ => false,
+        }
+    }
+}
+
 impl<C, N> Principled<C, N> {
     fn map<D, M>(&self, c: &mut impl FnMut(&C) -> D, n: &mut impl FnMut(&N) -> M) -> Principled<D, M> {
         Principled {
@@ -323,7 +334,10 @@ impl Layer {
 
     /// Whether nothing in it varies over the surface.
     pub fn is_constant(&self) -> bool {
-        self.textures().is_empty()
+        let varies = Cell::new(!self.weight.shares.is_empty());
+        let see = |is_image: bool| varies.set(varies.get() || is_image);
+        self.closure.map(|c| see(c.texture().is_some()), |n| see(n.texture().is_some()));
+        !varies.get()
     }
 
     /// What is not a number becomes 0.

@@ -49,10 +49,15 @@ pub struct F82Tint {
 impl F82Tint {
     /// From reflectance at normal incidence and the tint near grazing.
     pub fn new(f0: Rgb, tint: Rgb) -> Self {
+        Self::new_unbounded(f0, tint.min(Rgb::ONE))
+    }
+
+    /// The same for a tint that may be brighter than white.
+    pub fn new_unbounded(f0: Rgb, tint: Rgb) -> Self {
         // The dip term (1 - c) ^ 6 c is greatest at c = 1/7.
         const SIX_SEVENTHS: f32 = 6.0 / 7.0;
         let schlick = f0 + (Rgb::ONE - f0) * SIX_SEVENTHS.powi(5);
-        let dip = schlick * (Rgb::ONE - tint.min(Rgb::ONE)) * (7.0 / SIX_SEVENTHS.powi(6));
+        let dip = schlick * (Rgb::ONE - tint) * (7.0 / SIX_SEVENTHS.powi(6));
         Self { f0, dip }
     }
 
@@ -73,11 +78,14 @@ impl F82Tint {
 
 /// Reflectance of unpolarised light at a metal of index of refraction `n` and extinction coefficient `k`.
 pub fn conductor(cos_i: f32, n: Rgb, k: Rgb) -> Rgb {
-    let cos2 = cos_i * cos_i;
-    let sum = n * n + k * k;
-    let twice = n * (2.0 * cos_i);
-    let parallel = (sum * cos2 - twice + 1.0) / (sum * cos2 + twice + 1.0);
-    let perpendicular = (sum - twice + cos2) / (sum + twice + cos2);
+    let (cos2, sin2) = (cos_i * cos_i, 1.0 - cos_i * cos_i);
+    let root = |v: Rgb| Rgb::from(v.max(Rgb::ZERO).to_array().map(f32::sqrt));
+    let t = n * n - k * k - sin2;
+    let size = root(t * t + 4.0 * n * n * k * k);
+    let twice = 2.0 * cos_i * root(0.5 * (size + t));
+    let perpendicular = (size - twice + cos2) / (size + twice + cos2);
+    let both = size * cos2 + sin2 * sin2;
+    let parallel = perpendicular * (both - twice * sin2) / (both + twice * sin2);
     0.5 * (parallel + perpendicular)
 }
 
@@ -87,7 +95,7 @@ pub fn conductor_average(n: Rgb, k: Rgb) -> Rgb {
     let f0 = conductor(1.0, n, k);
     let plain = F82Tint::new(f0, Rgb::ONE);
     let tint = conductor(1.0 / 7.0, n, k) / plain.at(1.0 / 7.0);
-    F82Tint::new(f0, tint).average().clamp(Rgb::ZERO, Rgb::ONE)
+    F82Tint::new_unbounded(f0, tint).average().clamp(Rgb::ZERO, Rgb::ONE)
 }
 
 /// The cosine-weighted average of [`dielectric`] for `eta` >= 1 and below: Kulla and Conty's fit (2017,

@@ -5,7 +5,8 @@
 use super::energy;
 use super::fresnel;
 use super::lobe::{Fresnel, Lobe};
-use super::mixture::{Mixture, mean_roughness, metal, slopes, stretched};
+use super::mixture::{Boundary, Mixture, dielectric, mean_roughness, metal, slopes, stretched};
+use super::thin_film::Film;
 use crate::Rgb;
 use crate::scene::layer::{Distribution, MetalKind, Principled};
 use glam::Vec3A;
@@ -37,7 +38,7 @@ impl Mixture {
         }
         let metallic = p.metallic.clamp(0.0, 1.0);
         if metallic > LEAST {
-            let (law, average) = metal(MetalKind::Tinted, base, tint.min(Rgb::ONE));
+            let (law, average) = metal(MetalKind::Tinted, base, tint.min(Rgb::ONE), &p.film);
             let restored = here.restored(alpha, facing, distribution, || average);
             let frame = here.frame(facing, p.anisotropic_rotation);
             let albedo = law.at(cos, 1.0).0;
@@ -48,7 +49,8 @@ impl Mixture {
         if transmission > LEAST {
             let f0 = tint * fresnel::f0_from_ior(p.ior.max(1e-5));
             let tints = [Rgb::ONE, Rgb::from(base.to_array().map(f32::sqrt))];
-            let mut glass = here.glass(transmission, tints, f0, p.roughness, p.ior, distribution, normal);
+            let boundary = Boundary { f0, ior: p.ior, roughness: p.roughness, distribution, film: p.film };
+            let mut glass = here.glass(transmission, tints, &boundary, normal);
             glass.weight *= left;
             glass.chance *= left.element_sum() / 3.0;
             self.push(glass);
@@ -100,7 +102,8 @@ impl Mixture {
                 eta = 1.0 / eta;
             }
         }
-        if eta == 1.0 || left.max_element() <= LEAST {
+        let is_filmed = p.film.thickness_nm > Film::LEAST_NM;
+        if (eta == 1.0 && !is_filmed) || left.max_element() <= LEAST {
             return left;
         }
         let cos = normal.dot(here.wo);
@@ -109,8 +112,9 @@ impl Mixture {
         let real_f0 = fresnel::f0_from_ior(eta);
         let average = || rises(((fresnel::dielectric_average(eta) - real_f0) / (1.0 - real_f0)).clamp(0.0, 1.0));
         let weight = left * here.restored(alpha, normal, distribution, average);
-        let albedo = rises(energy::rise(eta, mean_roughness(alpha), cos)) * single_kept(alpha, cos);
-        let law = Fresnel::Dielectric { f0: tinted, reflection: Rgb::ONE, transmission: Rgb::ZERO };
+        let law = dielectric(tinted, [Rgb::ONE, Rgb::ZERO], eta, &p.film);
+        let mean = if is_filmed { law.at(cos, eta).0 } else { rises(energy::rise(eta, mean_roughness(alpha), cos)) };
+        let albedo = mean * single_kept(alpha, cos);
         let frame = here.frame(normal, p.anisotropic_rotation);
         self.push(Lobe::facets(weight, albedo, slopes(alpha, distribution), law, eta, frame, here.wo));
         beneath(left, weight * albedo)

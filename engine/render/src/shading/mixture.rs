@@ -5,9 +5,10 @@ use super::albedo::give_back;
 use super::energy;
 use super::fresnel::{self, F82Tint};
 use super::lobe::{Fresnel, Lobe, Slopes};
+use super::thin_film::Film;
 use super::{BsdfSample, Scattering};
 use crate::Rgb;
-use crate::scene::layer::{Closure, Distribution, MetalKind};
+use crate::scene::layer::{Closure, Distribution, MetalKind, ThinFilm};
 use crate::surface::SurfacePoint;
 use arrayvec::ArrayVec;
 use glam::{Quat, Vec3A};
@@ -83,8 +84,8 @@ impl Mixture {
                     }
                 }
             }
-            Closure::Metal { base, edge, kind, roughness, anisotropy, rotation, distribution, .. } => {
-                let (fresnel, average) = metal(*kind, *base, *edge);
+            Closure::Metal { base, edge, kind, roughness, anisotropy, rotation, distribution, film } => {
+                let (fresnel, average) = metal(*kind, *base, *edge, film);
                 let alpha = stretched(*roughness, *anisotropy);
                 let normal = here.reflecting(normal);
                 let restored = here.restored(alpha, normal, *distribution, || average);
@@ -92,10 +93,12 @@ impl Mixture {
                 let frame = here.frame(normal, *rotation);
                 self.push(here.facets(restored * weight, albedo, alpha, *distribution, fresnel, frame));
             }
-            Closure::Glass { color, roughness, ior, distribution, .. } => {
+            Closure::Glass { color, roughness, ior, distribution, film } => {
                 let color = color.max(Rgb::ZERO);
                 let f0 = Rgb::splat(fresnel::f0_from_ior(*ior));
-                self.push(here.glass(weight, [color; 2], f0, *roughness, *ior, *distribution, normal));
+                let boundary =
+                    Boundary { f0, ior: *ior, roughness: *roughness, distribution: *distribution, film: *film };
+                self.push(here.glass(weight, [color; 2], &boundary, normal));
             }
             Closure::Refraction { color, roughness, ior, distribution } => {
                 let alpha = [roughness * roughness; 2];
@@ -191,42 +194,68 @@ impl Here {
     }
 
     /// Facets that reflect and refract, tinted by one colour each.
-    #[allow(clippy::too_many_arguments)]
     pub(super) fn glass(
         &self,
         weight: f32,
         [reflection, transmission]: [Rgb; 2],
-        f0: Rgb,
-        roughness: f32,
-        ior: f32,
-        distribution: Distribution,
+        boundary: &Boundary,
         normal: Vec3A,
     ) -> Lobe {
-        let roughness = roughness.clamp(0.0, 1.0);
+        let roughness = boundary.roughness.clamp(0.0, 1.0);
         let normal = self.reflecting(normal);
-        let eta = self.relative_index(ior);
+        let eta = self.relative_index(boundary.ior);
         let mut restored = Rgb::ONE;
-        if distribution == Distribution::MultiscatterGgx && roughness > 0.0 {
+        if boundary.distribution == Distribution::MultiscatterGgx && roughness > 0.0 {
             let (kept, average) = energy::boundary(eta, roughness, normal.dot(self.wo));
             // What passes is most of it.
             restored = give_back(transmission, kept, average);
         }
-        let fresnel = Fresnel::Dielectric { f0: f0.min(Rgb::ONE), reflection, transmission };
+        let index = if self.backfacing { boundary.film.ior / boundary.ior.max(1e-5) } else { boundary.film.ior };
+        let film = ThinFilm { ior: index, ..boundary.film };
+        let fresnel = dielectric(boundary.f0, [reflection, transmission], eta, &film);
         let (reflected, through) = fresnel.at(normal.dot(self.wo), eta);
-        let slopes = slopes([roughness * roughness; 2], distribution);
+        let slopes = slopes([roughness * roughness; 2], boundary.distribution);
         let frame = self.frame(normal, 0.0);
         Lobe::facets(restored * weight, reflected + through, slopes, fresnel, eta, frame, self.wo)
     }
 }
 
+/// A rough dielectric that lets light through.
+pub(super) struct Boundary {
+    /// Reflectance at normal incidence, tinted.
+    pub(super) f0: Rgb,
+    pub(super) ior: f32,
+    pub(super) roughness: f32,
+    pub(super) distribution: Distribution,
+    pub(super) film: ThinFilm<f32>,
+}
+
+/// A dielectric's law; the film's index is relative to the medium above it.
+pub(super) fn dielectric(f0: Rgb, [reflection, transmission]: [Rgb; 2], eta: f32, film: &ThinFilm<f32>) -> Fresnel {
+    let f0 = f0.min(Rgb::ONE);
+    if film.thickness_nm <= Film::LEAST_NM {
+        return Fresnel::Dielectric { f0, reflection, transmission };
+    }
+    let film = Film::over_dielectric(film.thickness_nm, film.ior, eta);
+    Fresnel::FilmedDielectric { film, f0, reflection, transmission }
+}
+
 /// A metal's law, and its mean reflectance.
-pub(super) fn metal(kind: MetalKind, base: Rgb, edge: Rgb) -> (Fresnel, Rgb) {
+pub(super) fn metal(kind: MetalKind, base: Rgb, edge: Rgb, film: &ThinFilm<f32>) -> (Fresnel, Rgb) {
+    let ThinFilm { thickness_nm, ior } = *film;
+    let is_filmed = thickness_nm > Film::LEAST_NM;
     match kind {
         MetalKind::Tinted => {
-            let tinted = F82Tint::new(base.clamp(Rgb::ZERO, Rgb::ONE), edge);
-            (Fresnel::Tinted(tinted), tinted.average())
+            let f0 = base.clamp(Rgb::ZERO, Rgb::ONE);
+            let tinted = F82Tint::new(f0, edge);
+            let film = || Fresnel::Film(Film::over_tinted(thickness_nm, ior, f0, tinted));
+            (if is_filmed { film() } else { Fresnel::Tinted(tinted) }, tinted.average())
         }
-        MetalKind::Conductor => (Fresnel::Conductor([base, edge]), fresnel::conductor_average(base, edge)),
+        MetalKind::Conductor => {
+            let film = || Fresnel::Film(Film::over_conductor(thickness_nm, ior, base, edge));
+            let fresnel = if is_filmed { film() } else { Fresnel::Conductor([base, edge]) };
+            (fresnel, fresnel::conductor_average(base, edge))
+        }
     }
 }
 
@@ -290,7 +319,7 @@ impl Scattering for Mixture {
         let lobe = chosen.unwrap_or(&self.lobes[last]);
         let local = lobe.sample(((u_lobe - below) / lobe.chance).clamp(0.0, 1.0), u)?;
         let transmitted = local.transmitted;
-        let wi = lobe.to_world(local.wi);
+        let wi = lobe.in_world(local.wi);
         let above = self.here.geometric_normal.dot(wi) > 0.0;
         if above == transmitted || (local.wi.z > 0.0) == transmitted {
             return None;

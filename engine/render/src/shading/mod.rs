@@ -13,6 +13,7 @@ pub mod microfacet;
 pub mod mixture;
 pub mod normal;
 pub mod principled;
+mod thin_film;
 
 use crate::Rgb;
 use glam::Vec3A;

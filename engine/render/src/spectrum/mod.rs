@@ -114,14 +114,24 @@ impl FilmSpectrum {
     }
 }
 
-/// The film's answer, linear Rec.709 per nm, to the spectra at `nm` that a scene's red, green and blue stand for.
-fn response(nm: f64) -> DMat3 {
+/// The film's answer to even light, linear Rec.709 per nm.
+pub fn film(nm: f64) -> DVec3 {
+    let [x, y, z, ..] = row(nm);
+    DMat3::from_cols_array_2d(&REC_709_FROM_XYZ).transpose() * DVec3::new(x, y, z)
+}
+
+/// The tables' columns at a wavelength.
+fn row(nm: f64) -> [f64; 7] {
     let place = ((nm - FIRST_NM) / STEP_NM).clamp(0.0, (ROWS.len() - 1) as f64);
     let i = (place as usize).min(ROWS.len() - 2);
-    let column = |c: usize| ROWS[i][c] + (ROWS[i + 1][c] - ROWS[i][c]) * (place - i as f64);
-    let observer = DVec3::new(column(0), column(1), column(2));
-    let film = DMat3::from_cols_array_2d(&REC_709_FROM_XYZ).transpose() * observer;
-    let light = DVec3::new(column(4), column(5), column(6)) * column(3);
+    std::array::from_fn(|c| ROWS[i][c] + (ROWS[i + 1][c] - ROWS[i][c]) * (place - i as f64))
+}
+
+/// The film's answer, linear Rec.709 per nm, to the spectra at `nm` that a scene's red, green and blue stand for.
+fn response(nm: f64) -> DMat3 {
+    let film = film(nm);
+    let [.., white, red, green, blue] = row(nm);
+    let light = DVec3::new(red, green, blue) * white;
     DMat3::from_cols(film * light.x, film * light.y, film * light.z)
 }
 

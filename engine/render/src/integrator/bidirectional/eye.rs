@@ -3,15 +3,15 @@
 use super::vertex::{Vertex, Walk, material};
 use super::weights::{Partial, squared, weight};
 use super::{CameraEnd, is_dark};
+use crate::Rgb;
 use crate::accel::{Hit, Ray, RayKind};
 use crate::integrator::Stage;
 use crate::integrator::path::{CAMERA_SETS, FirstSurface, Limits, PathResult, SURE_BOUNCES, opening};
 use crate::lights::receiver::Receiver;
+use crate::nodes::{self, View, Viewer};
 use crate::sampler::PathSampler;
 use crate::shading::Scattering;
 use crate::surface::SurfacePoint;
-use crate::nodes::{self, View, Viewer};
-use crate::Rgb;
 use glam::Vec3A;
 
 /// Follows a ray from the camera.

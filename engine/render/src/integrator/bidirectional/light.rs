@@ -3,12 +3,12 @@
 use super::vertex::{Vertex, Walk};
 use super::weights::{Partial, squared, weight};
 use super::{FilmEnd, Techniques, is_dark};
-use crate::nodes::{View, Viewer};
 use crate::Rgb;
 use crate::accel::{Hit, RayKind};
 use crate::camera::from_scene::Landed;
 use crate::integrator::Stage;
 use crate::integrator::path::{Limits, SURE_BOUNCES, opening};
+use crate::nodes::{View, Viewer};
 use crate::sampler::PathSampler;
 use crate::shading::Scattering;
 

@@ -79,7 +79,10 @@ impl Surface {
     fn new(stage: &Stage, values: &MaterialValues, kept: f32, point: &SurfacePoint, wo: Vec3A) -> Self {
         let material = material(stage, point);
         if material.is_layered() {
-            return Self::Layers(mix(stage, point, &View { direction: -wo, distance: 1.0, viewer: Viewer::Bounce, depth: 1 }, kept, &mut Layers::new()));
+            let mut layers = Layers::new();
+            let view = View { direction: -wo, distance: 1.0, viewer: Viewer::Bounce, depth: 1 };
+            nodes::layers(material, &stage.scene, point, &view, &mut layers);
+            return Self::Layers(mix(stage, &layers, point, wo, kept));
         }
         Self::One(Bsdf::new(material, values, &stage.tables[point.material as usize], point, wo))
     }

@@ -9,6 +9,7 @@ use crate::integrator::Stage;
 use crate::lights::{LightSample, receiver::Receiver};
 use crate::nodes::{self, Layers, View, Viewer};
 use crate::sampler::PathSampler;
+use crate::scene::layer::Layer;
 use crate::shading::Scattering;
 use crate::shading::principled::Bsdf;
 use crate::surface::SurfacePoint;
@@ -32,6 +33,7 @@ pub struct Wave {
     shadows: Vec<Shadow>,
     /// By path, whether it goes on.
     is_alive: Vec<bool>,
+    /// Those of the material that is being looked at.
     layers: Layers,
 }
 
@@ -227,6 +229,7 @@ impl Wave {
         // What is the same for all meetings on a material, which come one after the other.
         let mut current = u32::MAX;
         let mut constants = None;
+        let mut is_even = false;
         for number in 0..self.order.len() {
             let meeting = self.order[number] as usize;
             let Meeting { path, point, kept, view, .. } = &self.meetings[meeting];
@@ -235,10 +238,17 @@ impl Wave {
                 material = &stage.scene.materials[current as usize];
                 tables = &stage.tables[current as usize];
                 constants = nodes::constants(material);
+                is_even = material.graph.is_none() && material.layers.iter().all(Layer::is_constant);
+                if is_even {
+                    nodes::layers(material, &stage.scene, point, view, &mut self.layers);
+                }
             }
             let wo = -self.paths[*path as usize].ray.direction;
             if material.is_layered() {
-                let mixture = mix(stage, point, view, *kept, &mut self.layers);
+                if !is_even {
+                    nodes::layers(material, &stage.scene, point, view, &mut self.layers);
+                }
+                let mixture = mix(stage, &self.layers, point, wo, *kept);
                 self.go_on(stage, limits, meeting, &mixture);
             } else {
                 let values = constants.unwrap_or_else(|| nodes::evaluate(material, &stage.scene, point));

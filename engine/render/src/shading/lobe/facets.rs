@@ -4,6 +4,7 @@
 
 use super::super::fresnel::{self, F82Tint};
 use super::super::microfacet::{MIRROR_BELOW, reflect, refract};
+use super::super::thin_film::Film;
 use super::Local;
 use crate::Rgb;
 use glam::Vec3A;
@@ -91,6 +92,10 @@ pub(in crate::shading) enum Fresnel {
     Tinted(F82Tint),
     /// A metal's index of refraction and extinction coefficient.
     Conductor([Rgb; 2]),
+    /// A film's over metal.
+    Film(Film),
+    /// A film's over a dielectric.
+    FilmedDielectric { film: Film, f0: Rgb, reflection: Rgb, transmission: Rgb },
 }
 
 impl Fresnel {
@@ -107,6 +112,11 @@ impl Fresnel {
                 (f * reflection, (Rgb::ONE - f) * transmission)
             }
             Self::Tinted(metal) => (metal.at(cos), Rgb::ZERO),
+            Self::Film(film) => (film.at(cos), Rgb::ZERO),
+            Self::FilmedDielectric { film, f0, reflection, transmission } => {
+                let f = film.tinted(cos, fresnel::f0_from_ior(eta), f0);
+                (f * reflection, (Rgb::ONE - f) * transmission)
+            }
             Self::Conductor([n, k]) => (fresnel::conductor(cos, n, k), Rgb::ZERO),
         }
     }
@@ -131,7 +141,9 @@ impl Facets {
     pub(super) fn transmits(&self) -> bool {
         match self.fresnel {
             Fresnel::Through => true,
-            Fresnel::Dielectric { transmission, .. } => transmission != Rgb::ZERO,
+            Fresnel::Dielectric { transmission, .. } | Fresnel::FilmedDielectric { transmission, .. } => {
+                transmission != Rgb::ZERO
+            }
             _ => false,
         }
     }
@@ -155,10 +167,11 @@ impl Facets {
         }
         let (reflected, through) = self.fresnel.at(co, self.eta);
         let (value, share) = if mirrored { (reflected, reflected) } else { (through, through) };
-        let share = share.element_sum() / (reflected + through).element_sum();
-        if !(share > 0.0) {
+        let (share, total) = (share.element_sum(), (reflected + through).element_sum());
+        if share <= 0.0 {
             return (Rgb::ZERO, 0.0);
         }
+        let share = share / total;
         // Of facets seen to steradians of `wi`.
         let jacobian = if mirrored { 0.25 / co } else { -ci / (ci + co / self.eta).powi(2) };
         let both = 1.0 + self.lambda_o + self.slopes.lambda(wi);
@@ -175,7 +188,7 @@ impl Facets {
         }
         let (reflected, through) = self.fresnel.at(cos, self.eta);
         let total = (reflected + through).element_sum();
-        if !(total > 0.0) {
+        if total <= 0.0 {
             return None;
         }
         let mirrored = u_choice * total < reflected.element_sum();

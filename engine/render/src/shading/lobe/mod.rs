@@ -3,6 +3,7 @@
 mod facets;
 mod matte;
 
+use super::microfacet::{reflect, refract};
 use crate::Rgb;
 use crate::sampler::warp;
 use facets::Facets;
@@ -198,28 +199,27 @@ impl Lobe {
         if !facets.is_mirror() || self.wo.z <= 0.0 {
             return None;
         }
-        use super::microfacet::{reflect, refract};
         let own = if transmitted { refract(self.wo, Vec3A::Z, facets.eta)? } else { reflect(self.wo, Vec3A::Z) };
         // Both ends of a mirror are known to about a thousandth of a degree.
-        let same = self.to_world(own).dot(wi) > 1.0 - 1e-6;
+        let same = self.in_world(own).dot(wi) > 1.0 - 1e-6;
         same.then(|| facets.single(transmitted, self.wo))
     }
 
-    pub(super) fn to_world(&self, d: Vec3A) -> Vec3A {
+    pub(super) fn in_world(&self, d: Vec3A) -> Vec3A {
         warp::to_world(&self.frame, d).normalize()
     }
 }
 
-/// What is left of light that arrives along `wi` where a bump bends the smooth normal to `bent`: without it the bumps'
-/// shadows would end at a hard edge (Chiang, Li and Burley 2019, "Taming the shadow terminator").
+/// What is left of light along `wi` where a bump bends the smooth normal to `bent`: the shadows that facets of such slopes
+/// throw on each other, without which those of the bumps would end at a hard edge (Conty Estevez, Lecocq and Stein 2019,
+/// "A microfacet-based shadowing function to solve the bump terminator problem").
 fn terminator(smooth: Vec3A, bent: Vec3A, wi: Vec3A) -> f32 {
-    let (cos, across) = (bent.dot(wi), smooth.dot(bent));
-    let g = smooth.dot(wi) / (cos * across);
-    if !(g < 1.0) {
-        1.0
-    } else if g < 0.0 {
-        0.0
-    } else {
-        g * (1.0 + g * (1.0 - g))
+    let (across, cos) = (smooth.dot(bent), smooth.dot(wi));
+    if cos * across * bent.dot(wi) <= 0.0 {
+        // It comes from the other side of the surface.
+        return 0.0;
     }
+    let tangent_squared = |cos: f32| (1.0 - cos * cos).max(0.0) / (cos * cos).max(1e-12);
+    let alpha_squared = (0.125 * tangent_squared(across)).min(1.0);
+    2.0 / (1.0 + (1.0 + alpha_squared * tangent_squared(cos)).sqrt())
 }
