@@ -81,7 +81,7 @@ impl Surface {
         if material.is_layered() {
             let mut layers = Layers::new();
             nodes::layers(material, &stage.scene, point, &mut layers);
-            return Self::Layers(mix(stage, &layers, point, wo, kept));
+            return Self::Layers(mix(stage, &layers, point, wo, kept, false));
         }
         Self::One(Bsdf::new(material, values, &stage.tables[point.material as usize], point, wo))
     }
