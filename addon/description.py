@@ -38,13 +38,14 @@ class LayerDescription:
     value says so, what they leave of 1. The names of the inputs are those of the engine's `scene::layer::Closure`."""
 
     # DIFFUSE | TRANSLUCENT | GLOSSY | METAL | CONDUCTOR | GLASS | REFRACTION | TRANSPARENT | EMISSION | MICROFIBER |
-    # VELVET | TOON | GLOSSY_TOON | PRINCIPLED
+    # VELVET | TOON | GLOSSY_TOON | SUBSURFACE | PRINCIPLED
     kind: str
     weight: float = 1.0
     shares: list[tuple[FloatInput, bool]] = field(default_factory=list)
     colours: dict[str, ColourInput] = field(default_factory=dict)
     numbers: dict[str, FloatInput] = field(default_factory=dict)
     distribution: str = "MULTI_GGX"  # GGX | MULTI_GGX | BECKMANN | ASHIKHMIN_SHIRLEY
+    is_skin: bool = False  # SUBSURFACE, PRINCIPLED: the free path depends on the albedo, too
 
 
 @dataclass

@@ -227,6 +227,24 @@ CASES = {
     "principled glass, film": principled(
         Transmission_Weight=1.0, Roughness=0.1, Thin_Film_Thickness=300.0, Thin_Film_IOR=1.2
     ),
+    "subsurface": lambda tree: node(
+        tree, "SubsurfaceScattering", {"falloff": "RANDOM_WALK"}, Color=GOLD, Scale=2.0, Radius=(1.0, 0.5, 0.3)
+    ),
+    "skin": lambda tree: node(
+        tree, "SubsurfaceScattering", {"falloff": "RANDOM_WALK_SKIN"}, Color=GOLD, Scale=0.2, Radius=(1.0, 0.5, 0.3)
+    ),
+    "forward subsurface": lambda tree: node(
+        tree,
+        "SubsurfaceScattering",
+        {"falloff": "RANDOM_WALK_SKIN"},
+        Color=GOLD,
+        Scale=0.3,
+        Radius=(1.0, 0.5, 0.3),
+        Anisotropy=0.6,
+    ),
+    "principled, subsurface": principled(
+        Base_Color=RED, Subsurface_Weight=0.8, Subsurface_Scale=1.0, Subsurface_Radius=(1.0, 0.4, 0.2), Roughness=0.4
+    ),
     "principled, half clear": principled(Base_Color=RED, Alpha=0.4, Coat_Weight=0.5),
     "principled, shining": principled(
         Base_Color=RED, Emission_Color=GREEN, Emission_Strength=0.5, Diffuse_Roughness=0.1

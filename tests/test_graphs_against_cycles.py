@@ -90,6 +90,33 @@ def object_normals(t: Tree):
     t.shows(t.node("BsdfDiffuse", Normal=bent.outputs[0]).outputs[0])
 
 
+def displaced(t: Tree):
+    """Displacement as a bump, under a shader that knows nothing of it."""
+    t.shows(t.node("BsdfPrincipled", Roughness=0.4).outputs[0])
+    noise = t.node("TexNoise", Vector=t.coordinates("Object"), Scale=4.0)
+    lifted = t.node("Displacement", Height=noise.outputs[0], Scale=0.1)
+    output = next(node for node in t.tree.nodes if node.type == "OUTPUT_MATERIAL")
+    t.tree.links.new(lifted.outputs[0], output.inputs["Displacement"])
+
+
+def camera_sees_red(t: Tree):
+    path = t.node("LightPath")
+    colour = t.node("Mix", {"data_type": "RGBA"}, Factor=path.outputs["Is Camera Ray"], _6=(0.1, 0.8, 0.1, 1.0), _7=(0.9, 0.1, 0.1, 1.0))
+    t.shows(t.node("BsdfDiffuse", Color=colour.outputs[2]).outputs[0])
+
+
+def image_box(t: Tree):
+    """An image from three sides."""
+    import bpy
+
+    pixels = np.ones((8, 8, 4), np.float32)
+    pixels[..., 0], pixels[..., 1] = np.linspace(0, 1, 8)[None, :], np.linspace(0, 1, 8)[:, None]
+    image = bpy.data.images.new("ramp", 8, 8, float_buffer=True)
+    image.pixels.foreach_set(pixels.ravel())
+    texture = t.node("TexImage", {"image": image, "projection": "BOX", "projection_blend": 0.2}, Vector=t.coordinates("Object"))
+    t.shows(t.node("BsdfDiffuse", Color=texture.outputs["Color"]).outputs[0])
+
+
 def rough_by_checker(t: Tree):
     checker = t.node("TexChecker", Vector=t.coordinates("UV"), Scale=8.0, Color1=(0.1,) * 3 + (1.0,), Color2=(0.6,) * 3 + (1.0,))
     t.shows(t.node("BsdfPrincipled", Metallic=1.0, Roughness=checker.outputs["Color"]).outputs[0])
@@ -144,7 +171,8 @@ def position_math(t: Tree):
 
 
 GRAPHS = (
-    noise_ramp, generated_voronoi, bump, bump_diffuse, bump_metal, bump_gentle, tangent_normals, object_normals, rough_by_checker, facing_mix, fresnel_coat, glowing_cracks, holes, object_random,
+    noise_ramp, generated_voronoi, bump, bump_diffuse, bump_metal, bump_gentle, tangent_normals, object_normals, displaced,
+    camera_sees_red, image_box, rough_by_checker, facing_mix, fresnel_coat, glowing_cracks, holes, object_random,
     colour_attribute, position_math,
 )  # fmt: skip
 

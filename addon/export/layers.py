@@ -13,6 +13,7 @@ MOST = 32
 
 #: What a Principled of the short way does not have, by the value that leaves it out.
 _WITHOUT = {
+    "subsurface_weight": 0.0,
     "coat_weight": 0.0,
     "sheen_weight": 0.0,
     "anisotropic": 0.0,

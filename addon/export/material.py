@@ -45,6 +45,13 @@ class Materials:
         described = self._by_the_short_way(material, report)
         if not report.warnings:
             return described
+        output = material.node_tree.get_output_node("CYCLES")
+        if output is None:
+            self._report.warnings += report.warnings
+            return described
+        displaced = isinstance(nodes.trace(nodes.Input(output.inputs["Displacement"])), nodes.Source)
+        if displaced and material.displacement_method != "BUMP":
+            self._report.warn(f"Material '{material.name}': displacement is shown as a bump, the mesh keeps its shape")
         graph = describe_graph(material.node_tree, lambda node: self._image(node, material))
         self._wanted[material.original.as_pointer()] = attributes.wanted(graph)
         return MaterialDescription(material.name, graph=json.dumps(graph), pass_index=material.pass_index)

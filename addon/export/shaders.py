@@ -67,17 +67,16 @@ class _Sockets:
 
 def _principled(source: nodes.Source, weight: Weight, inputs: Inputs) -> Layers:
     ask = _Sockets(source, inputs)
-    if ask.has("Subsurface Weight") and values.constant(source.input("Subsurface Weight")) != 0.0:
-        inputs.warn("Principled BSDF's Subsurface Weight is not supported yet, the surface is diffuse")
     _warn_of_vectors(source, inputs, "Normal", "Coat Normal")
     anisotropic = ask.number("Anisotropic")
     if anisotropic != 0.0:
         _warn_of_vectors(source, inputs, "Tangent")
     coat, sheen, film = ask.number("Coat Weight"), ask.number("Sheen Weight"), ask.number("Thin Film Thickness")
-    strength = ask.number("Emission Strength")
+    strength, inner = ask.number("Emission Strength"), ask.number("Subsurface Weight")
     colours = {
         "base_color": ask.colour("Base Color"),
         "specular_tint": ask.colour("Specular Tint"),
+        "subsurface_radius": ask.colour("Subsurface Radius") if inner != 0.0 else layers.WHITE,
         "coat_tint": ask.colour("Coat Tint") if coat != 0.0 else layers.WHITE,
         "sheen_tint": ask.colour("Sheen Tint") if sheen != 0.0 else layers.WHITE,
         "emission_color": ask.colour("Emission Color") if strength != 0.0 else layers.WHITE,
@@ -88,6 +87,10 @@ def _principled(source: nodes.Source, weight: Weight, inputs: Inputs) -> Layers:
         "ior": ask.number("IOR"),
         "alpha": ask.number("Alpha"),
         "diffuse_roughness": ask.number("Diffuse Roughness"),
+        "subsurface_weight": inner,
+        "subsurface_scale": ask.number("Subsurface Scale") if inner != 0.0 else 0.0,
+        "subsurface_ior": ask.number("Subsurface IOR", 1.4) if inner != 0.0 else 1.4,
+        "subsurface_anisotropy": ask.number("Subsurface Anisotropy") if inner != 0.0 else 0.0,
         "specular_ior_level": ask.number("Specular IOR Level", 0.5),
         "anisotropic": anisotropic,
         "anisotropic_rotation": ask.number("Anisotropic Rotation") if anisotropic != 0.0 else 0.0,
@@ -101,7 +104,28 @@ def _principled(source: nodes.Source, weight: Weight, inputs: Inputs) -> Layers:
         "film_thickness_nm": film,
         "film_ior": ask.number("Thin Film IOR") if film != 0.0 else 1.33,
     }
-    return [_layer("PRINCIPLED", weight, colours, numbers, distribution=source.node.distribution)]
+    node = source.node
+    is_skin = _is_skin(node.subsurface_method, inputs) if inner != 0.0 else False
+    return [_layer("PRINCIPLED", weight, colours, numbers, distribution=node.distribution, is_skin=is_skin)]
+
+
+def _is_skin(method: str, inputs: Inputs) -> bool:
+    if method == "BURLEY":
+        inputs.warn("Christensen-Burley subsurface scattering is shown as a random walk")
+    return method == "RANDOM_WALK_SKIN"
+
+
+def _subsurface(source: nodes.Source, weight: Weight, inputs: Inputs) -> Layers:
+    _warn_of_vectors(source, inputs, "Normal")
+    ask = _Sockets(source, inputs)
+    colours = {"color": ask.colour("Color"), "radius": ask.colour("Radius")}
+    numbers = {
+        "scale": ask.number("Scale"),
+        "ior": ask.number("IOR", 1.4),
+        "roughness": ask.number("Roughness", 1.0),
+        "anisotropy": ask.number("Anisotropy"),
+    }
+    return [_layer("SUBSURFACE", weight, colours, numbers, is_skin=_is_skin(source.node.falloff, inputs))]
 
 
 def _emission(source: nodes.Source, weight: Weight, inputs: Inputs) -> Layers:
@@ -115,11 +139,6 @@ def _diffuse(source: nodes.Source, weight: Weight, inputs: Inputs) -> Layers:
     # A Diffuse BSDF alone has a roughness that means this.
     roughness = ask.number("Roughness") if source.node.type == "BSDF_DIFFUSE" else 0.0
     return [_layer("DIFFUSE", weight, {"color": ask.colour("Color")}, {"roughness": roughness})]
-
-
-def _near_diffuse(source: nodes.Source, weight: Weight, inputs: Inputs) -> Layers:
-    inputs.warn(f"{source.node.bl_label} is not supported yet, it is shown as diffuse")
-    return _diffuse(source, weight, inputs)
 
 
 def _translucent(source: nodes.Source, weight: Weight, inputs: Inputs) -> Layers:
@@ -249,7 +268,7 @@ _CONVERTERS: dict[str, Callable[[nodes.Source, Weight, Inputs], Layers]] = {
     "EMISSION": _emission,
     "BSDF_DIFFUSE": _diffuse,
     "BSDF_TRANSLUCENT": _translucent,
-    "SUBSURFACE_SCATTERING": _near_diffuse,
+    "SUBSURFACE_SCATTERING": _subsurface,
     "BSDF_TOON": _toon,
     "BSDF_SHEEN": _sheen,
     "BSDF_GLOSSY": _glossy,

@@ -3,7 +3,9 @@
 use crate::error::{Error, bad_scene};
 use crate::material::{PyColour, PyNumber};
 use petzval_render::Rgb;
-use petzval_render::scene::layer::{Closure, Distribution, Layer, MetalKind, Principled, ThinFilm, Weight};
+use petzval_render::scene::layer::{
+    Closure, Distribution, Layer, MetalKind, Principled, SubsurfaceMethod, ThinFilm, Weight,
+};
 use petzval_render::scene::material::Input;
 use pyo3::prelude::*;
 use std::collections::HashMap;
@@ -16,6 +18,7 @@ pub(crate) struct PyLayer {
     colours: HashMap<String, PyColour>,
     numbers: HashMap<String, PyNumber>,
     distribution: String,
+    is_skin: bool,
 }
 
 impl PyLayer {
@@ -34,6 +37,10 @@ impl PyLayer {
     fn number(&mut self, name: &str) -> Result<Input<f32>, Error> {
         let given = self.numbers.remove(name);
         given.ok_or_else(|| bad_scene(format!("layer {}: it has no number '{name}'", self.kind)))?.input()
+    }
+
+    fn subsurface_method(&self) -> SubsurfaceMethod {
+        if self.is_skin { SubsurfaceMethod::Skin } else { SubsurfaceMethod::RandomWalk }
     }
 
     fn film(&mut self) -> Result<ThinFilm<Input<f32>>, Error> {
@@ -97,6 +104,15 @@ impl PyLayer {
                 smooth: self.number("smooth")?,
                 glossy: kind == "GLOSSY_TOON",
             },
+            "SUBSURFACE" => Closure::Subsurface {
+                color: self.colour("color")?,
+                radius: self.colour("radius")?,
+                scale: self.number("scale")?,
+                ior: self.number("ior")?,
+                roughness: self.number("roughness")?,
+                anisotropy: self.number("anisotropy")?,
+                method: self.subsurface_method(),
+            },
             "PRINCIPLED" => Closure::Principled(self.principled(distribution != Distribution::Ggx)?),
             other => return Err(bad_scene(format!("there is no kind of layer '{other}'"))),
         })
@@ -110,6 +126,12 @@ impl PyLayer {
             ior: self.number("ior")?,
             alpha: self.number("alpha")?,
             diffuse_roughness: self.number("diffuse_roughness")?,
+            subsurface_weight: self.number("subsurface_weight")?,
+            subsurface_radius: self.colour("subsurface_radius")?,
+            subsurface_scale: self.number("subsurface_scale")?,
+            subsurface_ior: self.number("subsurface_ior")?,
+            subsurface_anisotropy: self.number("subsurface_anisotropy")?,
+            subsurface_method: self.subsurface_method(),
             specular_ior_level: self.number("specular_ior_level")?,
             specular_tint: self.colour("specular_tint")?,
             anisotropic: self.number("anisotropic")?,

@@ -6,7 +6,7 @@ mod instruction;
 pub use instruction::Operand;
 pub(crate) use instruction::{FIRST_CONSTANT, Instruction, MOST_OPERANDS, Operation};
 
-use crate::context::{Attribute, Context, Textures};
+use crate::context::{Attribute, Context, Field, Textures};
 use crate::table::Table;
 use glam::{Affine3A, Vec3A};
 
@@ -123,6 +123,14 @@ impl Program {
     /// The value of an operand that is the same everywhere.
     pub fn constant(&self, operand: Operand) -> Option<Vec3A> {
         (operand.0 >= FIRST_CONSTANT).then(|| self.constants[usize::from(operand.0 - FIRST_CONSTANT)])
+    }
+
+    /// What of the point it reads.
+    pub fn reads(&self) -> impl Iterator<Item = Field> + '_ {
+        self.code.iter().filter_map(|instruction| match instruction.operation {
+            Operation::Read(field, _) => Some(field),
+            _ => None,
+        })
     }
 
     /// How many instructions a run takes.

@@ -2,6 +2,7 @@
 
 pub mod bidirectional;
 pub mod path;
+mod subsurface;
 
 use crate::accel::Accel;
 use crate::lights::{Lights, emission::Emission};

@@ -117,12 +117,13 @@ pub(super) fn opening(scene: &Scene, hit: &Hit, view: &View) -> Opening {
     nodes::opening(material, scene, [hit.instance, hit.triangle], [hit.u, hit.v], view)
 }
 
-/// What a surface of these layers scatters at a point.
+/// What a surface of these layers scatters at a point; `kept` is what it counts, and light `walks` through bodies or is
+/// scattered where it enters them.
 #[inline(never)]
-pub(super) fn mix(stage: &Stage, layers: &Layers, point: &SurfacePoint, wo: Vec3A, kept: f32) -> Mixture {
+pub(super) fn mix(stage: &Stage, layers: &Layers, point: &SurfacePoint, wo: Vec3A, kept: f32, walks: bool) -> Mixture {
     let brushed = layers.iter().any(|layer| layer.closure.is_brushed());
     let tangent = if brushed { tangent_about_z(&stage.scene, point) } else { Vec3A::ZERO };
-    let mut mixture = Mixture::new(point, wo, tangent);
+    let mut mixture = Mixture::new(point, wo, tangent, walks);
     for layer in layers {
         mixture.add(layer.weight, &layer.closure, layer.normal.unwrap_or(point.shading_normal));
     }

@@ -43,25 +43,34 @@ fn with_program<T>(
     place: [u32; 2],
     barycentric: [f32; 2],
     view: &View,
-    read: impl FnOnce(&dyn Fn(Source) -> Vec3A) -> T,
+    read: impl FnOnce(&dyn Fn(Source) -> Vec3A, &Point<'_>) -> T,
 ) -> T {
-    let attributes = &graph.program.attributes;
-    let point = Point::new(scene, place, barycentric, *view, attributes, graph.pass_index as f32);
+    let Graph { program, pass_index, .. } = graph;
+    let mut point = Point::new(scene, place, barycentric, *view, &program.attributes, *pass_index as f32);
+    let images = Images(&scene.textures);
     REGISTERS.with_borrow_mut(|registers| {
-        graph.program.run(&point, &Images(&scene.textures), registers);
-        read(&|source| source.value(&graph.program, registers))
+        if let Some(displacement) = program.displacement {
+            let mut height_at = |x, y| {
+                program.run(&point.beside(x, y), &images, registers);
+                point.along_normal(program.value(displacement, registers))
+            };
+            let heights = [height_at(0.0, 0.0), height_at(1.0, 0.0), height_at(0.0, 1.0)];
+            point.bend(heights);
+        }
+        program.run(&point, &images, registers);
+        read(&|source| source.value(program, registers), &point)
     })
 }
 
 /// The closures of a graph, those that count nothing left out.
-fn of_graph(graph: &Graph, value: &dyn Fn(Source) -> Vec3A, to: &mut Layers) {
+fn of_graph(graph: &Graph, value: &dyn Fn(Source) -> Vec3A, bent: Option<Vec3A>, to: &mut Layers) {
     for layer in &graph.layers {
         let weight = value(layer.weight).x;
         if weight > 0.0 {
             let colour = |source: &Source| finite(value(*source));
             let number = |source: &Source| finite(value(*source)).x;
             let direction = |source: Option<Source>| source.and_then(|source| value(source).try_normalize());
-            let (normal, tangent) = (direction(layer.normal), direction(layer.tangent));
+            let (normal, tangent) = (direction(layer.normal).or(bent), direction(layer.tangent));
             to.push(EvaluatedLayer { weight, closure: layer.closure.map(colour, number), normal, tangent });
         }
     }
@@ -103,7 +112,9 @@ pub fn layers(material: &Material, scene: &Scene, point: &SurfacePoint, view: &V
     let SurfacePoint { instance, triangle, barycentric, .. } = *point;
     to.clear();
     if let Some(graph) = &material.graph {
-        return with_program(graph, scene, [instance, triangle], barycentric, view, |value| of_graph(graph, value, to));
+        return with_program(graph, scene, [instance, triangle], barycentric, view, |value, point| {
+            of_graph(graph, value, point.bent_normal(), to);
+        });
     }
     let place = Place { textures: &scene.textures, mesh: mesh_of(scene, instance), triangle, barycentric };
     for Layer { weight, closure } in material.layers.iter().take(MOST_LAYERS) {
@@ -158,7 +169,7 @@ pub fn opening(
         return Opening::of_alpha(super::alpha(scene, instance, triangle, barycentric));
     }
     if let Some(graph) = &material.graph {
-        return with_program(graph, scene, [instance, triangle], barycentric, view, |value| {
+        return with_program(graph, scene, [instance, triangle], barycentric, view, |value, _| {
             let (mut light, mut rest) = (Rgb::ZERO, 0.0);
             for layer in &graph.layers {
                 let weight = value(layer.weight).x;
@@ -201,7 +212,7 @@ pub(super) fn emission(
     view: &View,
 ) -> Rgb {
     if let Some(graph) = &material.graph {
-        return with_program(graph, scene, [instance, triangle], barycentric, view, |value| {
+        return with_program(graph, scene, [instance, triangle], barycentric, view, |value, _| {
             let mut sum = Rgb::ZERO;
             for layer in &graph.layers {
                 let radiance = match &layer.closure {

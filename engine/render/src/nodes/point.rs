@@ -47,6 +47,7 @@ impl View {
 /// About what a pixel is wide at distance 1: how far heights are asked apart for a bump.
 const FOOTPRINT: f32 = 5e-4;
 
+#[derive(Clone, Copy)]
 pub(super) struct Point<'a> {
     scene: &'a Scene,
     instance: &'a Instance,
@@ -59,6 +60,9 @@ pub(super) struct Point<'a> {
     footprint: [Vec3A; 2],
     /// By how much the weights of the second and third corner change along them.
     along: [Vec2; 2],
+    /// Added to where programs look.
+    beside: Shift,
+    is_bent: bool,
 }
 
 impl<'a> Point<'a> {
@@ -79,10 +83,53 @@ impl<'a> Point<'a> {
         let size = FOOTPRINT * view.distance.max(1e-6 * surface.position.length());
         let footprint = [x * size, y * size];
         let along = weights_along(instance, mesh, triangle, &footprint);
-        Self { scene, instance, mesh, attributes, material_index, view, surface, footprint, along }
+        Self {
+            scene,
+            instance,
+            mesh,
+            attributes,
+            material_index,
+            view,
+            surface,
+            footprint,
+            along,
+            beside: Shift::NONE,
+            is_bent: false,
+        }
+    }
+
+    /// The same point, but that programs look beside it.
+    pub(super) fn beside(&self, x: f32, y: f32) -> Self {
+        Self { beside: Shift { x, y }, ..*self }
+    }
+
+    /// How far a vector of the world lifts the surface.
+    pub(super) fn along_normal(&self, vector: Vec3A) -> f32 {
+        vector.dot(self.surface.shading_normal)
+    }
+
+    /// Bends the shading normal as if the surface had these heights here and beside, along the footprint.
+    pub(super) fn bend(&mut self, [here, in_x, in_y]: [f32; 3]) {
+        let (n, [x, y]) = (self.surface.shading_normal, self.footprint);
+        let (across_y, across_x) = (y.cross(n), n.cross(x));
+        let determinant = x.dot(across_y);
+        let slope = across_y * (in_x - here) + across_x * (in_y - here);
+        let bent = n * determinant.abs() - slope * determinant.signum();
+        self.surface.shading_normal = bent.try_normalize().unwrap_or(n);
+        self.is_bent = true;
+    }
+
+    /// The shading normal where it is bent.
+    pub(super) fn bent_normal(&self) -> Option<Vec3A> {
+        self.is_bent.then_some(self.surface.shading_normal)
+    }
+
+    fn shifted(&self, shift: Shift) -> Shift {
+        Shift { x: shift.x + self.beside.x, y: shift.y + self.beside.y }
     }
 
     fn barycentric(&self, shift: Shift) -> [f32; 3] {
+        let shift = self.shifted(shift);
         let [u, v] = self.surface.barycentric;
         let at = Vec2::new(u, v) + self.along[0] * shift.x + self.along[1] * shift.y;
         [1.0 - at.x - at.y, at.x, at.y]
@@ -104,6 +151,7 @@ impl<'a> Point<'a> {
     }
 
     fn position(&self, shift: Shift) -> Vec3A {
+        let shift = self.shifted(shift);
         self.world(self.surface.position + self.footprint[0] * shift.x + self.footprint[1] * shift.y)
     }
 

@@ -1,9 +1,49 @@
 //! A material as a compiled shader graph: closures whose inputs a program computes at each point.
 
-use super::layer::{Closure, Distribution, MOST_LAYERS, MetalKind, Principled, ThinFilm};
+use super::layer::{Closure, Distribution, MOST_LAYERS, MetalKind, Principled, SubsurfaceMethod, ThinFilm};
 use crate::luminance;
 use glam::Vec3A;
-use petzval_nodes::{Layer, LayerKind, Operand, Program, Registers};
+use petzval_nodes::{Field, Layer, LayerKind, Operand, Program, Registers};
+
+/// What the engine can tell of a point. Of bounces it tells only that they are none of the camera's rays.
+const KNOWN: [Field; 26] = [
+    Field::Position,
+    Field::Normal,
+    Field::TrueNormal,
+    Field::MeshNormal,
+    Field::Incoming,
+    Field::Parametric,
+    Field::Backfacing,
+    Field::Generated,
+    Field::Object,
+    Field::Reflection,
+    Field::FootprintX,
+    Field::FootprintY,
+    Field::ObjectLocation,
+    Field::ObjectColour,
+    Field::ObjectAlpha,
+    Field::ObjectIndex,
+    Field::ObjectRandom,
+    Field::MaterialIndex,
+    Field::IsCameraRay,
+    Field::IsShadowRay,
+    Field::IsVolumeScatterRay,
+    Field::IsStrand,
+    Field::RayLength,
+    Field::RayDepth,
+    Field::PortalDepth,
+    Field::StrandIntercept,
+];
+
+/// "Random per island".
+fn in_words(field: Field) -> String {
+    let name = format!("{field:?}");
+    let words = name.char_indices().flat_map(|(i, c)| {
+        let gap = (i > 0 && c.is_uppercase()).then_some(' ');
+        gap.into_iter().chain([if i > 0 { c.to_ascii_lowercase() } else { c }])
+    });
+    words.collect()
+}
 
 /// Where an input of a closure comes from.
 #[derive(Clone, Copy, Debug)]
@@ -79,10 +119,23 @@ impl Graph {
                 program.surface.len()
             ));
         }
-        let layers =
+        let mut layers: Vec<GraphLayer> =
             program.surface.iter().take(MOST_LAYERS).filter_map(|layer| Of(layer).layer(&mut report)).collect();
         if !program.volume.is_empty() {
             report("volume is not supported yet, it is left out");
+            if program.surface.is_empty() {
+                // Nothing to see but the volume's border.
+                let [color, weight] = [Source::Always(Vec3A::ONE); 2];
+                layers.push(GraphLayer {
+                    weight,
+                    closure: Closure::Transparent { color },
+                    normal: None,
+                    tangent: None,
+                });
+            }
+        }
+        for field in program.reads().filter(|field| !KNOWN.contains(field)) {
+            report(&format!("{} is not supported yet, it is 0", in_words(field)));
         }
         (Self { program, layers, pass_index }, reports)
     }
@@ -167,6 +220,17 @@ impl Of<'_> {
         }
     }
 
+    fn subsurface_method(&self, option: &str, report: &mut impl FnMut(&str)) -> SubsurfaceMethod {
+        match self.0.option(option) {
+            Some("RANDOM_WALK_SKIN") => SubsurfaceMethod::Skin,
+            Some("BURLEY") => {
+                report("Christensen-Burley subsurface scattering is shown as a random walk");
+                SubsurfaceMethod::RandomWalk
+            }
+            _ => SubsurfaceMethod::RandomWalk,
+        }
+    }
+
     fn film(&self) -> ThinFilm<Source> {
         ThinFilm { thickness_nm: self.input("Thin Film Thickness", 0.0), ior: self.input("Thin Film IOR", 1.33) }
     }
@@ -180,7 +244,6 @@ impl Of<'_> {
     fn closure(&self, report: &mut impl FnMut(&str)) -> Option<Closure<Source, Source>> {
         let color = self.input("Color", 0.8);
         let (roughness, distribution) = (self.input("Roughness", 0.0), self.distribution());
-        let mut near = |what: &str| report(&format!("{what} is not supported yet, it is shown as diffuse"));
         Some(match self.0.kind {
             LayerKind::Principled => Closure::Principled(self.principled(report)),
             LayerKind::Diffuse => Closure::Diffuse { color, roughness },
@@ -225,12 +288,17 @@ impl Of<'_> {
                 smooth: self.input("Smooth", 0.0),
                 glossy: self.0.option("component") == Some("GLOSSY"),
             },
-            LayerKind::Subsurface => {
-                near("Subsurface Scattering");
-                Closure::Diffuse { color, roughness: Source::Always(Vec3A::ZERO) }
-            }
+            LayerKind::Subsurface => Closure::Subsurface {
+                color,
+                radius: self.input("Radius", 1.0),
+                scale: self.input("Scale", 0.05),
+                ior: self.input("IOR", 1.4),
+                roughness: self.input("Roughness", 1.0),
+                anisotropy: self.input("Anisotropy", 0.0),
+                method: self.subsurface_method("falloff", report),
+            },
             LayerKind::Hair | LayerKind::PrincipledHair => {
-                near("Hair BSDF");
+                report("Hair BSDF is not supported yet, it is shown as diffuse");
                 Closure::Diffuse { color, roughness: Source::Always(Vec3A::ZERO) }
             }
             LayerKind::RayPortal => {
@@ -258,6 +326,12 @@ impl Of<'_> {
             ior: self.input("IOR", 1.5),
             alpha: self.input("Alpha", 1.0),
             diffuse_roughness: self.input("Diffuse Roughness", 0.0),
+            subsurface_weight: self.input("Subsurface Weight", 0.0),
+            subsurface_radius: self.input("Subsurface Radius", 1.0),
+            subsurface_scale: self.input("Subsurface Scale", 0.0),
+            subsurface_ior: self.input("Subsurface IOR", 1.4),
+            subsurface_anisotropy: self.input("Subsurface Anisotropy", 0.0),
+            subsurface_method: self.subsurface_method("subsurface_method", report),
             specular_ior_level: self.input("Specular IOR Level", 0.5),
             specular_tint: self.input("Specular Tint", 1.0),
             anisotropic: self.input("Anisotropic", 0.0),

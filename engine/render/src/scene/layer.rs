@@ -36,6 +36,16 @@ pub enum MetalKind {
     Conductor,
 }
 
+/// How light goes through a body.
+#[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
+pub enum SubsurfaceMethod {
+    /// A random walk whose free path the radius gives.
+    #[default]
+    RandomWalk,
+    /// A random walk whose free path depends on the albedo, too.
+    Skin,
+}
+
 /// Scattering, emission or transparency.
 #[derive(Clone, Copy, Debug, PartialEq)]
 // Most layers of a busy material are Principled, and no layer is moved once it stands.
@@ -148,6 +158,23 @@ pub enum Closure<C, N> {
         /// About the mirrored ray.
         glossy: bool,
     },
+    /// Light that goes into the body and comes out elsewhere.
+    Subsurface {
+        /// Albedo.
+        color: C,
+        /// How far it goes, by channel, times `scale`.
+        radius: C,
+        /// Blender units.
+        scale: N,
+        /// Index of refraction where it enters.
+        ior: N,
+        /// Perceptual, where it enters.
+        roughness: N,
+        /// Forwards or backwards, -1 to 1.
+        anisotropy: N,
+        /// Of its ways.
+        method: SubsurfaceMethod,
+    },
     /// Blender's Principled BSDF with all its sockets.
     Principled(Principled<C, N>),
 }
@@ -176,6 +203,18 @@ pub struct Principled<C, N> {
     pub alpha: N,
     /// Of the diffuse base.
     pub diffuse_roughness: N,
+    /// The part of the base whose light goes into the body.
+    pub subsurface_weight: N,
+    /// How far, by channel, times the scale.
+    pub subsurface_radius: C,
+    /// Blender units.
+    pub subsurface_scale: N,
+    /// Index of refraction where it enters skin; else it is Principled's own.
+    pub subsurface_ior: N,
+    /// Forwards or backwards, -1 to 1.
+    pub subsurface_anisotropy: N,
+    /// Of its ways.
+    pub subsurface_method: SubsurfaceMethod,
     /// 0.5 leaves the reflection that the index gives.
     pub specular_ior_level: N,
     /// Tint of reflections at normal incidence (dielectric), near grazing (metal).
@@ -278,6 +317,15 @@ impl<C, N> Closure<C, N> {
             Self::Toon { color, size, smooth, glossy } => {
                 Closure::Toon { color: c(color), size: n(size), smooth: n(smooth), glossy: *glossy }
             }
+            Self::Subsurface { color, radius, scale, ior, roughness, anisotropy, method } => Closure::Subsurface {
+                color: c(color),
+                radius: c(radius),
+                scale: n(scale),
+                ior: n(ior),
+                roughness: n(roughness),
+                anisotropy: n(anisotropy),
+                method: *method,
+            },
             Self::Principled(p) => Closure::Principled(p.map(&mut c, &mut n)),
         }
     }
@@ -303,6 +351,12 @@ impl<C, N> Principled<C, N> {
             ior: n(&self.ior),
             alpha: n(&self.alpha),
             diffuse_roughness: n(&self.diffuse_roughness),
+            subsurface_weight: n(&self.subsurface_weight),
+            subsurface_radius: c(&self.subsurface_radius),
+            subsurface_scale: n(&self.subsurface_scale),
+            subsurface_ior: n(&self.subsurface_ior),
+            subsurface_anisotropy: n(&self.subsurface_anisotropy),
+            subsurface_method: self.subsurface_method,
             specular_ior_level: n(&self.specular_ior_level),
             specular_tint: c(&self.specular_tint),
             anisotropic: n(&self.anisotropic),

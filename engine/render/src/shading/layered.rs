@@ -6,9 +6,10 @@ use super::energy;
 use super::fresnel;
 use super::lobe::{Fresnel, Lobe};
 use super::mixture::{Boundary, Mixture, dielectric, mean_roughness, metal, slopes, stretched};
+use super::subsurface::Body;
 use super::thin_film::Film;
 use crate::Rgb;
-use crate::scene::layer::{Distribution, MetalKind, Principled};
+use crate::scene::layer::{Distribution, MetalKind, Principled, SubsurfaceMethod};
 use glam::Vec3A;
 
 /// Weights that count.
@@ -57,6 +58,16 @@ impl Mixture {
             left *= 1.0 - transmission;
         }
         left = self.add_dielectric(left, p, tint, facing, alpha, distribution);
+        let inner = p.subsurface_weight.clamp(0.0, 1.0);
+        if inner > LEAST {
+            let ior =
+                if p.subsurface_method == SubsurfaceMethod::Skin { p.subsurface_ior } else { specular_index(p).1 };
+            let radius = p.subsurface_radius.max(Rgb::ZERO) * p.subsurface_scale;
+            let roughness = p.roughness.clamp(0.0, 1.0);
+            let body = Body::new(base, radius, ior, roughness, p.subsurface_anisotropy, p.subsurface_method);
+            self.add_body(left * base * inner, body, normal);
+            left *= 1.0 - inner;
+        }
         self.push(Lobe::oren_nayar(left * p.base_color.max(Rgb::ZERO), base, p.diffuse_roughness, normal, here.wo));
     }
 
@@ -93,15 +104,7 @@ impl Mixture {
         distribution: Distribution,
     ) -> Rgb {
         let here = self.here;
-        let ior = p.ior.max(1e-5);
-        let (mut f0, mut eta) = (fresnel::f0_from_ior(ior), ior);
-        if p.specular_ior_level != 0.5 {
-            f0 *= 2.0 * p.specular_ior_level.max(0.0);
-            eta = fresnel::ior_from_f0(f0);
-            if ior < 1.0 {
-                eta = 1.0 / eta;
-            }
-        }
+        let (f0, eta) = specular_index(p);
         let is_filmed = p.film.thickness_nm > Film::LEAST_NM;
         if (eta == 1.0 && !is_filmed) || left.max_element() <= LEAST {
             return left;
@@ -119,6 +122,18 @@ impl Mixture {
         self.push(Lobe::facets(weight, albedo, slopes(alpha, distribution), law, eta, frame, here.wo));
         beneath(left, weight * albedo)
     }
+}
+
+/// Reflectance at normal incidence and relative index of the dielectric, as its level has them.
+fn specular_index(p: &Principled<Rgb, f32>) -> (f32, f32) {
+    let ior = p.ior.max(1e-5);
+    let f0 = fresnel::f0_from_ior(ior);
+    if p.specular_ior_level == 0.5 {
+        return (f0, ior);
+    }
+    let f0 = f0 * 2.0 * p.specular_ior_level.max(0.0);
+    let eta = fresnel::ior_from_f0(f0);
+    (f0, if ior < 1.0 { 1.0 / eta } else { eta })
 }
 
 /// What facets that reflect everything keep without the light that goes on between them.

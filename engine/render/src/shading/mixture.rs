@@ -5,6 +5,7 @@ use super::albedo::give_back;
 use super::energy;
 use super::fresnel::{self, F82Tint};
 use super::lobe::{Fresnel, Lobe, Slopes};
+use super::subsurface::{Body, Entry};
 use super::thin_film::Film;
 use super::{BsdfSample, Scattering};
 use crate::Rgb;
@@ -21,6 +22,8 @@ const LEAST: f32 = 1e-5;
 /// The BSDF of one point seen from one direction.
 pub struct Mixture {
     lobes: ArrayVec<Lobe, MOST_LOBES>,
+    /// Whether light may go into bodies; else they are diffuse.
+    pub(super) walks: bool,
     pub(super) here: Here,
 }
 
@@ -38,9 +41,9 @@ pub(super) struct Here {
 }
 
 impl Mixture {
-    /// Nothing yet, at a point; `wo` is the unit direction to where the path came from, and stretched facets lie along
-    /// `tangent`.
-    pub fn new(point: &SurfacePoint, wo: Vec3A, tangent: Vec3A) -> Self {
+    /// Nothing yet, at a point; `wo` is the unit direction to where the path came from, stretched facets lie along
+    /// `tangent`, and light `walks` through bodies or leaves them where it enters.
+    pub fn new(point: &SurfacePoint, wo: Vec3A, tangent: Vec3A, walks: bool) -> Self {
         let here = Here {
             wo,
             geometric_normal: point.geometric_normal,
@@ -48,7 +51,7 @@ impl Mixture {
             backfacing: point.backfacing,
             tangent,
         };
-        Self { lobes: ArrayVec::new(), here }
+        Self { lobes: ArrayVec::new(), walks, here }
     }
 
     /// Adds a closure about a normal. Transparency and emission are not scattering: they add nothing.
@@ -116,9 +119,45 @@ impl Mixture {
             Closure::Toon { color, size, smooth, glossy } => {
                 self.push(Lobe::toon(tinted(color), *size, *smooth, *glossy, normal, wo));
             }
+            Closure::Subsurface { color, radius, scale, ior, roughness, anisotropy, method } => {
+                let color = color.clamp(Rgb::ZERO, Rgb::ONE);
+                let radius = radius.max(Rgb::ZERO) * *scale;
+                let body = Body::new(color, radius, *ior, roughness.clamp(0.0, 1.0), *anisotropy, *method);
+                self.add_body(color * weight, body, normal);
+            }
             Closure::Principled(principled) => self.add_principled(weight, principled, normal),
             Closure::Transparent { .. } | Closure::Holdout | Closure::Emission { .. } => {}
         }
+    }
+
+    /// A lobe of light that comes out elsewhere; where it has no way to go it is diffuse.
+    pub(super) fn add_body(&mut self, weight: Rgb, body: Option<Body>, normal: Vec3A) {
+        let wo = self.here.wo;
+        match body.filter(|_| self.walks) {
+            Some(body) => self.push(Lobe::body(weight, body, self.here.reflecting(normal), wo)),
+            None => self.push(Lobe::lambert(weight, normal, wo)),
+        }
+    }
+
+    /// What scatters where light comes out of a body.
+    pub fn exit(point: &SurfacePoint) -> Self {
+        let mut mixture = Self::new(point, point.geometric_normal, Vec3A::ZERO, false);
+        mixture.push(Lobe::lambert(Rgb::ONE, point.shading_normal, point.geometric_normal));
+        mixture
+    }
+
+    /// The lobe that a uniform number chooses, and what is left of the number.
+    fn chosen(&self, u_lobe: f32) -> Option<(&Lobe, f32)> {
+        let mut below = 0.0;
+        let last = self.lobes.len().checked_sub(1)?;
+        for lobe in &self.lobes[..last] {
+            if u_lobe < below + lobe.chance {
+                return Some((lobe, (u_lobe - below) / lobe.chance));
+            }
+            below += lobe.chance;
+        }
+        let lobe = &self.lobes[last];
+        Some((lobe, ((u_lobe - below) / lobe.chance).clamp(0.0, 1.0)))
     }
 
     /// Once all closures are added: their chances.
@@ -307,17 +346,8 @@ impl Scattering for Mixture {
     }
 
     fn sample(&self, u_lobe: f32, u: [f32; 2]) -> Option<BsdfSample> {
-        let mut below = 0.0;
-        let last = self.lobes.len().checked_sub(1)?;
-        let chosen = self.lobes[..last].iter().find(|lobe| {
-            let found = u_lobe < below + lobe.chance;
-            if !found {
-                below += lobe.chance;
-            }
-            found
-        });
-        let lobe = chosen.unwrap_or(&self.lobes[last]);
-        let local = lobe.sample(((u_lobe - below) / lobe.chance).clamp(0.0, 1.0), u)?;
+        let (lobe, u_choice) = self.chosen(u_lobe)?;
+        let local = lobe.sample(u_choice, u)?;
         let transmitted = local.transmitted;
         let wi = lobe.in_world(local.wi);
         let above = self.here.geometric_normal.dot(wi) > 0.0;
@@ -331,6 +361,10 @@ impl Scattering for Mixture {
         let (value, pdf) = self.evaluate(wi);
         let usable = pdf > 0.0 && value.is_finite() && pdf.is_finite();
         usable.then(|| BsdfSample { wi, weight: value / pdf, pdf, mirror: false, transmitted })
+    }
+
+    fn enter(&self, u_lobe: f32, u: [f32; 2]) -> Option<Entry> {
+        self.chosen(u_lobe)?.0.enter(u)
     }
 
     fn mirror(&self, transmitted: bool, wi: Vec3A) -> (Rgb, f32) {

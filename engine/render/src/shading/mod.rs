@@ -13,6 +13,7 @@ pub mod microfacet;
 pub mod mixture;
 pub mod normal;
 pub mod principled;
+pub mod subsurface;
 mod thin_film;
 
 use crate::Rgb;
@@ -48,6 +49,12 @@ pub trait Scattering {
     /// A direction chosen roughly in proportion to what it scatters; `None` where the light ends here.
     /// What the choice of the lobe leaves of `u_lobe` chooses between mirrored and refracted.
     fn sample(&self, u_lobe: f32, u: [f32; 2]) -> Option<BsdfSample>;
+
+    /// A way into the body, where the lobe that [`Scattering::sample`] would choose is one of light that comes out
+    /// elsewhere.
+    fn enter(&self, _u_lobe: f32, _u: [f32; 2]) -> Option<subsurface::Entry> {
+        None
+    }
 
     /// What the mirror lobes together send along one mirrored or refracted direction, and the chance with which
     /// [`Scattering::sample`] chooses it. For paths from the light, which know both ends of a mirror before they look at

@@ -82,7 +82,7 @@ impl Surface {
             let mut layers = Layers::new();
             let view = View { direction: -wo, distance: 1.0, viewer: Viewer::Bounce, depth: 1 };
             nodes::layers(material, &stage.scene, point, &view, &mut layers);
-            return Self::Layers(mix(stage, &layers, point, wo, kept));
+            return Self::Layers(mix(stage, &layers, point, wo, kept, false));
         }
         Self::One(Bsdf::new(material, values, &stage.tables[point.material as usize], point, wo))
     }

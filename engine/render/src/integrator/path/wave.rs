@@ -6,11 +6,13 @@ use super::{CAMERA_SETS, FirstSurface, Limits, MOST_STEPS, PathResult, SETS_PER_
 use crate::Rgb;
 use crate::accel::{Hit, Ray, RayKind, offset_origin};
 use crate::integrator::Stage;
+use crate::integrator::subsurface::{Numbers, walk};
 use crate::lights::{LightSample, receiver::Receiver};
 use crate::nodes::{self, Layers, View, Viewer};
 use crate::sampler::PathSampler;
 use crate::scene::layer::Layer;
 use crate::shading::Scattering;
+use crate::shading::mixture::Mixture;
 use crate::shading::principled::Bsdf;
 use crate::surface::SurfacePoint;
 use glam::Vec3A;
@@ -51,6 +53,7 @@ struct Path {
 }
 
 /// A path at a surface that scatters it.
+#[derive(Clone, Copy)]
 struct Meeting {
     path: u32,
     point: SurfacePoint,
@@ -248,7 +251,7 @@ impl Wave {
                 if !is_even {
                     nodes::layers(material, &stage.scene, point, view, &mut self.layers);
                 }
-                let mixture = mix(stage, &self.layers, point, wo, *kept);
+                let mixture = mix(stage, &self.layers, point, wo, *kept, true);
                 self.go_on(stage, limits, meeting, &mixture);
             } else {
                 let values = constants.unwrap_or_else(|| nodes::evaluate(material, &stage.scene, point));
@@ -258,26 +261,71 @@ impl Wave {
         }
     }
 
-    /// A light sample at a meeting, and a direction.
+    /// A light sample at a meeting, and a direction; where that leads into a body, the same at the place where it comes
+    /// out.
     #[inline(always)]
     fn go_on(&mut self, stage: &Stage, limits: &Limits, meeting: usize, bsdf: &impl Scattering) {
-        let Meeting { path: i, point, u: [u_end, u_light, u_lobe], .. } = &self.meetings[meeting];
-        let path = &mut self.paths[*i as usize];
+        let Meeting { path: i, point, u, .. } = self.meetings[meeting];
+        let [u_end, u_light, u_lobe] = u;
+        let [u0, u1, u2, u3] = self.paths[i as usize].sampler.next_4d();
+        if let Some(entry) = bsdf.enter(u_lobe, [u2, u3]) {
+            let _ = self.light(stage, limits, i, &point, bsdf, [u_light, u0, u1]);
+            let mut numbers = Numbers::new([u_lobe, u2, u3]);
+            let found = walk(stage, &point, &entry, &mut numbers, &mut self.results[i as usize].rays);
+            let Some((exit, light)) = found else { return };
+            self.paths[i as usize].throughput *= light;
+            let mut four = || std::array::from_fn(|_| numbers.next());
+            let ([u_light, u0, u1, _], [u_lobe, u2, u3, _]) = (four(), four());
+            let bsdf = Mixture::exit(&exit);
+            let to = self.light(stage, limits, i, &exit, &bsdf, [u_light, u0, u1]);
+            self.turn(limits, i, &exit, &bsdf, to, [u_end, u_lobe, u2, u3]);
+        } else {
+            let to = self.light(stage, limits, i, &point, bsdf, [u_light, u0, u1]);
+            self.turn(limits, i, &point, bsdf, to, [u_end, u_lobe, u2, u3]);
+        }
+    }
+
+    /// A sample of the lights at a place.
+    #[inline(always)]
+    fn light(
+        &mut self,
+        stage: &Stage,
+        limits: &Limits,
+        path_number: u32,
+        point: &SurfacePoint,
+        bsdf: &impl Scattering,
+        [u_light, u0, u1]: [f32; 3],
+    ) -> Receiver {
+        let path = &self.paths[path_number as usize];
         let to = stage.lights.receiver(point.position, bsdf.receiving_normal(), limits.openness);
-        let [u0, u1, u2, u3] = path.sampler.next_4d();
         if !bsdf.is_mirror()
-            && let Some(light) = stage.lights.sample(&stage.scene, &to, *u_light, [u0, u1])
+            && let Some(light) = stage.lights.sample(&stage.scene, &to, u_light, [u0, u1])
         {
             let found = path.throughput * direct(bsdf, &light);
             if !light.cast_shadow {
-                self.results[*i as usize].radiance += limits.clamp(found, path.bounce);
+                self.results[path_number as usize].radiance += limits.clamp(found, path.bounce);
             } else if found != Rgb::ZERO {
                 let origin = leave(point, light.wi);
                 let ray = Ray { origin, direction: light.wi, t_max: light.distance };
-                self.shadows.push(Shadow { path: *i, ray, light: found, bounce: path.bounce });
+                self.shadows.push(Shadow { path: path_number, ray, light: found, bounce: path.bounce });
             }
         }
-        let Some(next) = bsdf.sample(*u_lobe, [u2, u3]) else { return };
+        to
+    }
+
+    /// A direction to go on in.
+    #[inline(always)]
+    fn turn(
+        &mut self,
+        limits: &Limits,
+        path_number: u32,
+        point: &SurfacePoint,
+        bsdf: &impl Scattering,
+        to: Receiver,
+        [u_end, u_lobe, u2, u3]: [f32; 4],
+    ) {
+        let path = &mut self.paths[path_number as usize];
+        let Some(next) = bsdf.sample(u_lobe, [u2, u3]) else { return };
         path.throughput *= next.weight;
         path.bounce += 1;
         let brightest = path.throughput.max_element();
@@ -286,7 +334,7 @@ impl Wave {
         }
         let go_on = brightest * limits.roulette;
         if go_on < 1.0 {
-            if *u_end >= go_on {
+            if u_end >= go_on {
                 return;
             }
             path.throughput /= go_on;
@@ -295,7 +343,7 @@ impl Wave {
         path.travelled = 0.0;
         path.ray = Ray::new(leave(point, next.wi), next.wi);
         path.start = path.ray.origin;
-        self.is_alive[*i as usize] = true;
+        self.is_alive[path_number as usize] = true;
     }
 
     /// Adds the light whose way is free, as far as it is.

@@ -4,6 +4,7 @@ mod facets;
 mod matte;
 
 use super::microfacet::{reflect, refract};
+use super::subsurface::{Body, Entry};
 use crate::Rgb;
 use crate::sampler::warp;
 use facets::Facets;
@@ -24,6 +25,7 @@ enum Kind {
     Toon(Toon),
     AshikhminShirley(AshikhminShirley),
     Facets(Facets),
+    Body(Body),
 }
 
 /// A direction that a lobe chose, in its frame.
@@ -110,6 +112,17 @@ impl Lobe {
         Self { chance: (weight * albedo).element_sum() / 3.0, ..lobe }
     }
 
+    /// `weight` holds the albedo, too.
+    pub(super) fn body(weight: Rgb, body: Body, normal: Vec3A, wo: Vec3A) -> Self {
+        Self::new(weight, warp::frame(normal), wo, |_| Kind::Body(body))
+    }
+
+    /// A way into the body, as far as the lobe is one; in world space.
+    pub(super) fn enter(&self, u: [f32; 2]) -> Option<Entry> {
+        let Kind::Body(body) = &self.kind else { return None };
+        body.enter(self.weight / self.chance, &self.frame, self.in_world(self.wo), u)
+    }
+
     pub(super) fn normal(&self) -> Vec3A {
         self.frame[2]
     }
@@ -126,7 +139,12 @@ impl Lobe {
 
     /// Single directions alone.
     pub(super) fn is_mirror(&self) -> bool {
-        matches!(&self.kind, Kind::Facets(facets) if facets.is_mirror())
+        match &self.kind {
+            Kind::Facets(facets) => facets.is_mirror(),
+            // No light sample can find a way through a body.
+            Kind::Body(_) => true,
+            _ => false,
+        }
     }
 
     /// Broad enough for the shadows of a bent normal to show.

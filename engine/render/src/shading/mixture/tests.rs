@@ -4,7 +4,7 @@
 use super::*;
 use crate::nodes::MaterialValues;
 use crate::sampler::warp;
-use crate::scene::layer::{Principled, ThinFilm};
+use crate::scene::layer::{Principled, SubsurfaceMethod, ThinFilm};
 use crate::scene::material::{Input, Material};
 use crate::shading::principled::{Bsdf, PrincipledTables};
 
@@ -35,6 +35,12 @@ fn plain() -> Principled<Rgb, f32> {
         ior: 1.5,
         alpha: 1.0,
         diffuse_roughness: 0.0,
+        subsurface_weight: 0.0,
+        subsurface_radius: Rgb::ONE,
+        subsurface_scale: 0.05,
+        subsurface_ior: 1.4,
+        subsurface_anisotropy: 0.0,
+        subsurface_method: SubsurfaceMethod::RandomWalk,
         specular_ior_level: 0.5,
         specular_tint: Rgb::ONE,
         anisotropic: 0.0,
@@ -137,7 +143,7 @@ fn point(backfacing: bool) -> SurfacePoint {
 }
 
 fn mixture(case: &Case, wo: Vec3A) -> Mixture {
-    let mut mixture = Mixture::new(&point(false), wo, Vec3A::X);
+    let mut mixture = Mixture::new(&point(false), wo, Vec3A::X, true);
     for (weight, closure) in &case.closures {
         mixture.add(*weight, closure, Vec3A::Z);
     }
@@ -270,7 +276,7 @@ fn plain_principled_is_the_same_both_ways() {
         let values = MaterialValues { base_color, metallic, roughness, transmission };
         for (wo, backfacing) in directions().into_iter().flat_map(|d| [(d, false), (d, true)]) {
             let short = Bsdf::new(&material, &values, &tables, &point(backfacing), wo);
-            let mut long = Mixture::new(&point(backfacing), wo, Vec3A::X);
+            let mut long = Mixture::new(&point(backfacing), wo, Vec3A::X, true);
             long.add(1.0, &Closure::Principled(principled), Vec3A::Z);
             long.finish(1.0);
             for u in points(64, 2) {

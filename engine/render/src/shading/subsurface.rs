@@ -1,0 +1,135 @@
+//! Bodies that light goes into: how it enters, and what it meets there.
+
+use super::microfacet::{Ggx, refract};
+use crate::Rgb;
+use crate::sampler::warp;
+use crate::scene::layer::SubsurfaceMethod;
+use glam::Vec3A;
+use std::f32::consts::PI;
+
+/// What is in a body, by channel.
+#[derive(Clone, Copy, Debug)]
+pub struct Medium {
+    /// Per Blender unit.
+    pub extinction: Rgb,
+    /// Of a single scattering.
+    pub albedo: Rgb,
+    /// Henyey and Greenstein's g.
+    pub anisotropy: f32,
+}
+
+/// Light on its way into a body.
+#[derive(Clone, Copy, Debug)]
+pub struct Entry {
+    /// Unit.
+    pub direction: Vec3A,
+    /// What it carries.
+    pub light: Rgb,
+    /// What it meets.
+    pub medium: Medium,
+}
+
+/// How a body takes light in.
+#[derive(Clone, Copy, Debug)]
+pub(super) struct Body {
+    medium: Medium,
+    /// What makes up for channels whose albedo is too low for the walk, over the surface's albedo.
+    scale: Rgb,
+    ior: f32,
+    alpha: f32,
+    is_skin: bool,
+}
+
+/// Free paths shorter than this are a surface's, Blender units.
+const LEAST_RADIUS: f32 = 1e-8;
+
+impl Body {
+    /// Of a surface's albedo, and the radius by channel; `None` where no channel has any.
+    pub(super) fn new(
+        albedo: Rgb,
+        radius: Rgb,
+        ior: f32,
+        roughness: f32,
+        anisotropy: f32,
+        method: SubsurfaceMethod,
+    ) -> Option<Self> {
+        let is_skin = method == SubsurfaceMethod::Skin;
+        let g = anisotropy.clamp(-0.99, if is_skin { 0.9 } else { 0.99 });
+        let ior = ior.clamp(1.01, 3.8);
+        if radius.min_element() < LEAST_RADIUS {
+            return None;
+        }
+        let radius = if is_skin { radius * free_path(albedo, ior) } else { radius * (0.25 / PI) };
+        let mut single = Rgb::ZERO;
+        let mut scale = Rgb::ZERO;
+        for c in 0..3 {
+            let alpha = single_albedo(albedo[c], g);
+            // A walk of a lower albedo would end at once.
+            single[c] = alpha.max(0.2);
+            scale[c] = if albedo[c] > 0.0 { alpha / single[c] / albedo[c] } else { 0.0 };
+        }
+        let extinction = Rgb::ONE / (radius * (1.0 - g)).max(Rgb::splat(1e-16));
+        let medium = Medium { extinction, albedo: single, anisotropy: g };
+        Some(Self { medium, scale, ior, alpha: if is_skin { 1.0 } else { roughness * roughness }, is_skin })
+    }
+
+    /// A way in for light that counts `weight`, which holds the surface's albedo; all in world space.
+    pub(super) fn enter(&self, weight: Rgb, frame: &[Vec3A; 3], wo: Vec3A, mut u: [f32; 2]) -> Option<Entry> {
+        let light = weight * self.scale;
+        let local = if self.is_skin && u[0] < 0.5 {
+            -warp::sample_cosine_hemisphere([2.0 * u[0], u[1]])
+        } else {
+            if self.is_skin {
+                u[0] = 2.0 * (u[0] - 0.5);
+            }
+            let wo = warp::to_local(frame, wo);
+            if wo.z <= 0.0 {
+                return None;
+            }
+            let facet = Ggx::from_roughness(self.alpha.sqrt()).sample_visible(wo, u);
+            refract(wo, facet, self.ior)?
+        };
+        Some(Entry { direction: warp::to_world(frame, local).normalize(), light, medium: self.medium })
+    }
+}
+
+/// The albedo of a single scattering with which a body of many scatterings has that albedo: Chiang, Kutz and Burley's
+/// fit for all g.
+fn single_albedo(albedo: f32, g: f32) -> f32 {
+    let a = albedo.clamp(0.0, 1.0);
+    let sum = |c: [f32; 8]| c.iter().rev().fold(0.0, |s, c| s * g + c);
+    let p = sum([1.826_052_4, -1.284_510_6, -1.799_046_3, 9.193_933, -22.821_559, 32.023_487, -23.626_48, 7.210_67]);
+    let q = 4.985_112
+        + 0.127_355_96
+            * sum([0.0, 31.149_158, -201.847_02, 841.576, -2_018.092_9, 2_731.715_6, -1_935.414_2, 559.009_05]).exp();
+    let r = sum([1.096_861, -0.394_704_06, 1.052_581_2, -8.839_637, 28.864_323, -46.880_29, 38.540_284, -12.718_104]);
+    let s = sum([0.496_310_2, 0.360_146_58, -2.151_393, 17.889_69, -55.298_4, 82.065_98, -58.510_6, 15.847_83]);
+    let t = 4.231_903
+        + 0.003_106_039_5
+            * sum([0.0, 76.731_63, -594.356_8, 2_448.883_4, -5_576.685_3, 7_116.601_7, -4_763.544_7, 1_303.531_8])
+                .exp();
+    let v = sum([2.406_03, -2.518_148_4, 9.184_949, -79.219_17, 259.082_87, -403.613_8, 302.857_12, -87.437_05]);
+    let blend = a.powf(0.25);
+    let alpha = (1.0 - blend) * p * (q * a).atan().powf(r) + blend * s * (t * a).atan().powf(v);
+    alpha.clamp(0.0, 0.999_999)
+}
+
+/// The free path of skin over its radius: the diffusion length of a dipole of that albedo (Jensen et al. 2001).
+fn free_path(albedo: Rgb, ior: f32) -> Rgb {
+    let inverse = 1.0 / ior;
+    let internal = inverse * (-1.44 * inverse + 0.71) + 0.668 + 0.0636 * ior;
+    let boundary = 4.0 / 3.0 * (1.0 + internal) / (1.0 - internal);
+    let reflected = |a: f32| {
+        let s = (3.0 * (1.0 - a)).sqrt();
+        0.5 * a * (1.0 + (-boundary * s).exp()) * (-s).exp()
+    };
+    let one = |albedo: f32| {
+        let (mut low, mut high) = (0.0f32, 1.0f32);
+        for _ in 0..24 {
+            let middle = 0.5 * (low + high);
+            if reflected(middle) < albedo { low = middle } else { high = middle }
+        }
+        (3.0 * (1.0 - 0.5 * (low + high).min(0.999_999 * 2.0))).max(1e-6).sqrt()
+    };
+    Rgb::new(one(albedo.x), one(albedo.y), one(albedo.z))
+}
