@@ -36,14 +36,18 @@ class Case:
         return "-".join([self.kind.removeprefix("ShaderNode"), self.output, self.curves, *parts]).replace(" ", "")
 
 
-MATH = """ADD SUBTRACT MULTIPLY DIVIDE MULTIPLY_ADD POWER LOGARITHM SQRT INVERSE_SQRT ABSOLUTE EXPONENT MINIMUM MAXIMUM
+def _words(text: str) -> list[str]:
+    return text.split()
+
+
+MATH = _words("""ADD SUBTRACT MULTIPLY DIVIDE MULTIPLY_ADD POWER LOGARITHM SQRT INVERSE_SQRT ABSOLUTE EXPONENT MINIMUM MAXIMUM
 LESS_THAN GREATER_THAN SIGN COMPARE SMOOTH_MIN SMOOTH_MAX ROUND FLOOR CEIL TRUNC FRACT MODULO FLOORED_MODULO WRAP SNAP
-PINGPONG SINE COSINE TANGENT ARCSINE ARCCOSINE ARCTANGENT ARCTAN2 SINH COSH TANH RADIANS DEGREES""".split()
-VECTOR_MATH = """ADD SUBTRACT MULTIPLY DIVIDE MULTIPLY_ADD CROSS_PRODUCT PROJECT REFLECT REFRACT FACEFORWARD DOT_PRODUCT
+PINGPONG SINE COSINE TANGENT ARCSINE ARCCOSINE ARCTANGENT ARCTAN2 SINH COSH TANH RADIANS DEGREES""")
+VECTOR_MATH = _words("""ADD SUBTRACT MULTIPLY DIVIDE MULTIPLY_ADD CROSS_PRODUCT PROJECT REFLECT REFRACT FACEFORWARD DOT_PRODUCT
 DISTANCE LENGTH SCALE NORMALIZE ABSOLUTE POWER SIGN MINIMUM MAXIMUM ROUND FLOOR CEIL FRACTION MODULO WRAP SNAP SINE COSINE
-TANGENT""".split()
-BLENDS = """MIX DARKEN MULTIPLY BURN LIGHTEN SCREEN DODGE ADD OVERLAY SOFT_LIGHT LINEAR_LIGHT DIFFERENCE EXCLUSION SUBTRACT
-DIVIDE HUE SATURATION COLOR VALUE""".split()
+TANGENT""")
+BLENDS = _words("""MIX DARKEN MULTIPLY BURN LIGHTEN SCREEN DODGE ADD OVERLAY SOFT_LIGHT LINEAR_LIGHT DIFFERENCE EXCLUSION SUBTRACT
+DIVIDE HUE SATURATION COLOR VALUE""")
 STEPPED = {"ROUND", "FLOOR", "CEIL", "TRUNC", "FRACT", "FRACTION", "MODULO", "FLOORED_MODULO", "WRAP", "SNAP"}
 
 
@@ -81,7 +85,12 @@ def maths() -> list[Case]:
             inputs = {"Value": "x", "Min": low, "Max": high}
             cases.append(Case("ShaderNodeClamp", "Result", {"clamp_type": kind}, inputs))
     for kind in ("POINT", "TEXTURE", "VECTOR", "NORMAL"):
-        inputs = {"Vector": "local", "Location": (0.3, -1.0, 2.0), "Rotation": (0.4, 0.9, -1.3), "Scale": (2.0, 0.5, -1.5)}
+        inputs = {
+            "Vector": "local",
+            "Location": (0.3, -1.0, 2.0),
+            "Rotation": (0.4, 0.9, -1.3),
+            "Scale": (2.0, 0.5, -1.5),
+        }
         cases.append(Case("ShaderNodeMapping", "Vector", {"vector_type": kind}, inputs))
     for kind, invert in product(("AXIS_ANGLE", "X_AXIS", "Y_AXIS", "Z_AXIS", "EULER_XYZ"), (False, True)):
         inputs = {
@@ -92,7 +101,9 @@ def maths() -> list[Case]:
             "Rotation": (0.4, 0.9, -1.3),
         }
         cases.append(Case("ShaderNodeVectorRotate", "Vector", {"rotation_type": kind, "invert": invert}, inputs))
-    for kind, pair in product(("POINT", "VECTOR", "NORMAL"), (("WORLD", "OBJECT"), ("OBJECT", "CAMERA"), ("CAMERA", "WORLD"))):
+    for kind, pair in product(
+        ("POINT", "VECTOR", "NORMAL"), (("WORLD", "OBJECT"), ("OBJECT", "CAMERA"), ("CAMERA", "WORLD"))
+    ):
         options = {"vector_type": kind, "convert_from": pair[0], "convert_to": pair[1]}
         cases.append(Case("ShaderNodeVectorTransform", "Vector", options, {"Vector": "local"}))
     cases += [Case("ShaderNodeNormal", output, {}, {"Normal": "local"}) for output in ("Normal", "Dot")]
@@ -172,7 +183,15 @@ def noises() -> list[Case]:
 
 def voronois() -> list[Case]:
     cases = []
-    base = {"Vector": "local", "W": "x", "Scale": 2.3, "Roughness": 0.6, "Lacunarity": 2.1, "Smoothness": 0.7, "Exponent": 1.7}
+    base = {
+        "Vector": "local",
+        "W": "x",
+        "Scale": 2.3,
+        "Roughness": 0.6,
+        "Lacunarity": 2.1,
+        "Smoothness": 0.7,
+        "Exponent": 1.7,
+    }
     for dimensions, feature, normalize in product(
         ("1D", "2D", "3D", "4D"), ("F1", "F2", "SMOOTH_F1", "DISTANCE_TO_EDGE", "N_SPHERE_RADIUS"), (False, True)
     ):
@@ -202,7 +221,14 @@ def voronois() -> list[Case]:
 
 def patterns() -> list[Case]:
     cases = []
-    wave = {"Vector": "local", "Scale": 1.3, "Distortion": 0.0, "Detail": 1.5, "Detail Scale": 1.2, "Detail Roughness": 0.4}
+    wave = {
+        "Vector": "local",
+        "Scale": 1.3,
+        "Distortion": 0.0,
+        "Detail": 1.5,
+        "Detail Scale": 1.2,
+        "Detail Roughness": 0.4,
+    }
     wave["Phase Offset"] = 0.7
     for profile, distortion in product(("SIN", "SAW", "TRI"), (0.0, 1.5)):
         inputs = {**wave, "Distortion": distortion}
@@ -245,7 +271,9 @@ def images() -> list[Case]:
             options = {"projection": projection, "extension": extension, "interpolation": interpolation}
             for output in ("Color", "Alpha"):
                 cases.append(Case("ShaderNodeTexImage", output, options, {"Vector": "wide"}, jumps=0.02))
-    cases.append(Case("ShaderNodeTexImage", "Color", {"projection": "BOX", "projection_blend": 0.4}, {"Vector": "wide"}))
+    cases.append(
+        Case("ShaderNodeTexImage", "Color", {"projection": "BOX", "projection_blend": 0.4}, {"Vector": "wide"})
+    )
     cases.append(Case("ShaderNodeTexImage", "Color", {}, {}))
     for projection, interpolation in product(("EQUIRECTANGULAR", "MIRROR_BALL"), ("Linear", "Closest")):
         options = {"projection": projection, "interpolation": interpolation}
@@ -264,7 +292,8 @@ def surfaces() -> list[Case]:
         "ShaderNodeRGB": ("Color",),
         "ShaderNodeValue": ("Value",),
     }
-    cases = [Case(kind, output) for kind, names in outputs.items() for output in names]
+    cases = [Case("ShaderNodeTexCoord", "Object", curves="camera")]
+    cases += [Case(kind, output) for kind, names in outputs.items() for output in names]
     for output in ("Color", "Alpha"):
         cases.append(Case("ShaderNodeVertexColor", output, {"layer_name": "Paint"}))
     for output in ("Color", "Vector", "Fac", "Alpha"):
@@ -287,6 +316,13 @@ def surfaces() -> list[Case]:
             # The slope is a difference of heights over a tenth of a pixel: their rounding, magnified.
             cases.append(Case("ShaderNodeBump", "Normal", {"invert": invert}, given, tolerance=5e-4))
     cases.append(Case("ShaderNodeBump", "Normal", {}, {"Height": 0.3}))
+    for space in ("OBJECT", "WORLD"):
+        inputs = {"Height": "x", "Midlevel": 0.2, "Scale": 1.4}
+        cases.append(Case("ShaderNodeDisplacement", "Displacement", {"space": space}, inputs))
+        cases.append(Case("ShaderNodeDisplacement", "Displacement", {"space": space}, {**inputs, "Normal": "tilted"}))
+    for space in ("TANGENT", "OBJECT", "WORLD"):
+        inputs = {"Vector": "colour", "Midlevel": 0.2, "Scale": 1.4}
+        cases.append(Case("ShaderNodeVectorDisplacement", "Displacement", {"space": space}, inputs))
     # What textures take where nothing is linked.
     cases.append(Case("ShaderNodeTexNoise", "Fac", {}, {"Scale": 3.0}))
     cases.append(Case("ShaderNodeTexVoronoi", "Distance", {}, {"Scale": 3.0}))

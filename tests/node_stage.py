@@ -12,6 +12,7 @@ from pathlib import Path
 from typing import Any
 
 import numpy as np
+
 from node_cases import Case
 
 #: Pixels along a tile.
@@ -33,11 +34,12 @@ class Stage:
         self._bpy, self._graph, self._native = bpy, graph, native
         self._columns = math.ceil(math.sqrt(len(cases)))
         self._image = _image(bpy)
+        _camera(bpy, self._columns * PITCH)
         self._tiles = {}
         self._materials = {}
         self._centres = {}
-        #: Why this Blender cannot show a case: an older one lacks an option.
-        self.unknown: dict[str, str] = {}
+        #: Cases that this Blender cannot show: an older one lacks an option.
+        self.unknown: set[str] = set()
         for number, case in enumerate(cases):
             row, column = divmod(number, self._columns)
             middle = (self._columns - 1) / 2.0
@@ -45,11 +47,10 @@ class Stage:
             self._centres[case.name] = (row, column, np.array(centre))
             try:
                 self._materials[case.name] = _Material(bpy, case, centre, self._image).material
-            except TypeError as error:
-                self.unknown[case.name] = str(error)
+            except TypeError:
+                self.unknown.add(case.name)
                 continue
             self._tiles[case.name] = _tile(bpy, centre, self._materials[case.name])
-        _camera(bpy, self._columns * PITCH)
         bpy.context.view_layer.update()
         self._expected = _photograph(bpy, folder / "values.exr", self._columns * SIDE)
         bpy.context.view_layer.material_override = _position_material(bpy)
@@ -146,7 +147,9 @@ UV_MATRIX = ((0.7, 0.2, 0.0), (-0.3, 0.6, 0.0), (0.0, 0.0, 0.0))
 
 def paint(local: np.ndarray) -> np.ndarray:
     """The colour attribute."""
-    return np.column_stack((local[:, 0] * 0.5 + 0.5, local[:, 1] * 0.4 + 0.5, *np.full((2, len(local)), ((0.3,), (0.8,)))))
+    return np.column_stack(
+        (local[:, 0] * 0.5 + 0.5, local[:, 1] * 0.4 + 0.5, *np.full((2, len(local)), ((0.3,), (0.8,))))
+    )
 
 
 def lone(local: np.ndarray) -> np.ndarray:
@@ -254,7 +257,9 @@ class _Material:
             node.image = image
         for option, value in case.options.items():
             setattr(node, option, value)
-        if case.curves:
+        if case.curves == "camera":
+            node.object = bpy.context.scene.camera
+        elif case.curves:
             _set_curves(node, case.curves)
         if case.kind == "ShaderNodeRGB":
             node.outputs[0].default_value = (0.3, 0.5, 0.7, 1.0)
@@ -263,7 +268,11 @@ class _Material:
         elif case.kind == "ShaderNodeNormal":
             node.outputs[0].default_value = (0.48, 0.6, 0.64)
         for name, value in case.inputs.items():
-            socket = next(socket for socket in node.inputs if name in (socket.identifier, socket.name) and socket.enabled or name == socket.identifier)
+            socket = next(
+                socket
+                for socket in node.inputs
+                if name in (socket.identifier, socket.name) and socket.enabled or name == socket.identifier
+            )
             if isinstance(value, str):
                 self._tree.links.new(self._source(value), socket)
             else:
@@ -295,7 +304,9 @@ class _Material:
         node.inputs["Scale"].default_value = 0.7
         given = self._source("local")
         if coordinates:
-            given = self._tree.nodes.new("ShaderNodeTexCoord").outputs[coordinates.upper() if coordinates == "uv" else coordinates.title()]
+            given = self._tree.nodes.new("ShaderNodeTexCoord").outputs[
+                coordinates.upper() if coordinates == "uv" else coordinates.title()
+            ]
         self._tree.links.new(given, node.inputs["Vector"])
         return node.outputs[0]
 

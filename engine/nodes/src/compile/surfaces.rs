@@ -1,7 +1,7 @@
 //! Nodes about the surface: Fresnel, bumps, normal maps, displacement, Light Falloff.
 
 use super::{At, Kind, Lowered, number, vector};
-use crate::context::{AttributeKind, Direction, Shift, Space};
+use crate::context::{AttributeKind, Shift, Space};
 use crate::graph::Input;
 use crate::math::MathKind;
 use crate::program::Operation;
@@ -34,7 +34,6 @@ pub(super) fn lower(at: &mut At<'_, '_>) -> Option<Lowered> {
         }),
         "ShaderNodeVectorDisplacement" => at.node.choice("space", NormalSpace::Tangent).map(|space| {
             let (tangent, sign) = at.attribute(AttributeKind::Tangent, "");
-            let tangent = at.emit(Operation::Transform(Direction::Normal, Space::Object, Space::World), &[tangent]);
             let operands = [at.vector("Vector"), at.number("Midlevel"), at.number("Scale"), tangent, sign];
             vec![vector("Displacement", at.emit(Operation::VectorDisplacement(space), &operands))]
         }),

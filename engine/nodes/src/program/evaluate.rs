@@ -208,9 +208,11 @@ impl Program {
                     }
                     NormalSpace::Tangent => {
                         let normal = context.read(Field::Normal, Shift::NONE);
+                        let normal = context.transform(Direction::Normal, Space::World, Space::Object, normal);
                         let tangent = vector(3);
                         let across = normal.cross(tangent).normalize_or_zero() * number(4);
-                        tangent * moved.x + normal * moved.y + across * moved.z
+                        let moved = tangent * moved.x + normal * moved.y + across * moved.z;
+                        context.transform(Direction::Vector, Space::Object, Space::World, moved)
                     }
                 }
             }
