@@ -264,6 +264,19 @@ def patterns() -> list[Case]:
     return cases
 
 
+def skies() -> list[Case]:
+    cases = []
+    for kind, anisotropy, output in product(("2D", "3D"), (1.0, 0.4), ("Value", "Phase", "Intensity")):
+        inputs = {"Vector": "local", "Scale": 2.3, "Frequency": 1.7, "Anisotropy": anisotropy}
+        inputs["Orientation 2D" if kind == "2D" else "Orientation 3D"] = 0.6 if kind == "2D" else (0.5, 0.7, 0.4)
+        cases.append(Case("ShaderNodeTexGabor", output, {"gabor_type": kind}, inputs, jumps=0.02))
+    for sun in ((0.3, -0.4, 0.866), (0.0, 0.9, 0.436)):
+        for turbidity in (2.2, 6.0):
+            options = {"sky_type": "PREETHAM", "sun_direction": sun, "turbidity": turbidity}
+            cases.append(Case("ShaderNodeTexSky", "Color", options, {"Vector": "tilted"}))
+    return cases
+
+
 def images() -> list[Case]:
     cases = []
     for projection in ("FLAT", "BOX", "SPHERE", "TUBE"):
@@ -330,4 +343,4 @@ def surfaces() -> list[Case]:
     return cases
 
 
-ALL = [*maths(), *colours(), *noises(), *voronois(), *patterns(), *images(), *surfaces()]
+ALL = [*maths(), *colours(), *noises(), *voronois(), *patterns(), *skies(), *images(), *surfaces()]

@@ -2,6 +2,7 @@
 
 use super::{Instruction, Operation, Program, Registers};
 use crate::context::{Context, Direction, Field, Shift, Space, Textures};
+use crate::gabor::Gabor;
 use crate::image::{self, Picture, Projection};
 use crate::math::{clamp_between, clamp_in_order, map_range};
 use crate::mix::interpolate;
@@ -158,6 +159,18 @@ impl Program {
                 further = Some([white_noise_colour(dimensions, vector(0), number(1)), Vec3A::ZERO, Vec3A::ZERO]);
                 splat(white_noise(dimensions, vector(0), number(1)))
             }
+            Operation::Gabor(kind) => {
+                let gabor = Gabor {
+                    frequency: number(2),
+                    anisotropy: number(3),
+                    orientation_rad: number(4),
+                    direction: vector(5),
+                };
+                let waves = gabor.at(kind, vector(0) * number(1));
+                further = Some([splat(waves.phase), splat(waves.intensity), Vec3A::ZERO]);
+                splat(waves.value)
+            }
+            Operation::Sky(sky) => self.skies[usize::from(sky)].at(vector(0)),
             Operation::Image(picture, projection, unassociate) => {
                 let (colour, alpha) =
                     image_texture(picture, projection, unassociate, vector(0), number(1), context, textures);

@@ -2,6 +2,7 @@
 
 use crate::colour::ColourModel;
 use crate::context::{Direction, Field, Shift, Space};
+use crate::gabor::GaborKind;
 use crate::image::{EnvironmentProjection, Picture, Projection};
 use crate::math::{MathKind, RangeKind};
 use crate::mix::Blend;
@@ -93,6 +94,10 @@ pub(crate) enum Operation {
     Brick(i16, i16),
     /// Vector, w. Further: colour.
     WhiteNoise(Dimensions),
+    /// Vector, scale, frequency, anisotropy, orientation, direction: value. Further: phase, intensity.
+    Gabor(GaborKind),
+    /// Direction.
+    Sky(u16),
     /// Vector, blend. Further: alpha.
     Image(Picture, Projection, bool),
     Environment(Picture, EnvironmentProjection),
