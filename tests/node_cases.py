@@ -153,9 +153,9 @@ def colours() -> list[Case]:
         cases.append(Case("ShaderNodeCombineColor", "Color", {"mode": model}, inputs))
     # The same physics by another sum: Cycles fits Planck's law by parts, and the observer's table is rounded.
     for kelvin in (900.0, 1500.0, 2500.0, 4000.0, 6500.0, 11000.0, 20000.0):
-        cases.append(Case("ShaderNodeBlackbody", "Color", {}, {"Temperature": kelvin}, tolerance=0.015))
+        cases.append(Case("ShaderNodeBlackbody", "Color", {}, {"Temperature": kelvin}, tolerance=2e-3))
     for nm in (350.0, 400.0, 450.0, 520.0, 589.0, 650.0, 700.0):
-        cases.append(Case("ShaderNodeWavelength", "Color", {}, {"Wavelength": nm}, tolerance=2e-3))
+        cases.append(Case("ShaderNodeWavelength", "Color", {}, {"Wavelength": nm}, tolerance=2e-4))
     return cases
 
 
@@ -273,7 +273,8 @@ def skies() -> list[Case]:
     for sun in ((0.3, -0.4, 0.866), (0.0, 0.9, 0.436)):
         for turbidity in (2.2, 6.0):
             options = {"sky_type": "PREETHAM", "sun_direction": sun, "turbidity": turbidity}
-            cases.append(Case("ShaderNodeTexSky", "Color", options, {"Vector": "tilted"}))
+            # Before 5.0 Blender's white was rounded otherwise, by about this.
+            cases.append(Case("ShaderNodeTexSky", "Color", options, {"Vector": "tilted"}, tolerance=5e-4))
     return cases
 
 
@@ -323,6 +324,9 @@ def surfaces() -> list[Case]:
         cases.append(Case("ShaderNodeLightFalloff", output, {}, {"Strength": 2.0, "Smooth": 3.0}))
     for space, strength in product(("TANGENT", "OBJECT", "WORLD", "BLENDER_OBJECT", "BLENDER_WORLD"), (1.0, 0.6)):
         cases.append(Case("ShaderNodeNormalMap", "Normal", {"space": space}, {"Strength": strength, "Color": "colour"}))
+    for space in ("TANGENT", "WORLD"):
+        options = {"space": space, "convention": "DIRECTX"}
+        cases.append(Case("ShaderNodeNormalMap", "Normal", options, {"Strength": 1.0, "Color": "colour"}))
     for noise in ("noise", "noise generated", "noise object", "noise uv"):
         for invert, inputs in product((False, True), ({}, {"Strength": 0.4, "Distance": 0.3}, {"Normal": "tilted"})):
             given = {"Height": noise, **inputs}

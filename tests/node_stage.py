@@ -47,7 +47,7 @@ class Stage:
             self._centres[case.name] = (row, column, np.array(centre))
             try:
                 self._materials[case.name] = _Material(bpy, case, centre, self._image).material
-            except TypeError:
+            except (TypeError, AttributeError):
                 self.unknown.add(case.name)
                 continue
             self._tiles[case.name] = _tile(bpy, centre, self._materials[case.name])

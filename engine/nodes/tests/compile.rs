@@ -80,6 +80,20 @@ fn what_nobody_reads_is_dropped() {
 }
 
 #[test]
+fn attributes_that_nobody_reads_are_dropped() {
+    let uv = |name: &str| node("UVMap", json!({"uv_map": name}), json!({}));
+    // The coordinates' own UV is not read, only their normal.
+    let both = node(
+        "VectorMath",
+        json!({"operation": "ADD"}),
+        json!({"Vector": link(0, "Normal"), "Vector_001": link(1, "UV")}),
+    );
+    let (program, _) = program(&[node("TexCoord", json!({}), json!({})), uv("second"), both, glow(link(2, "Vector"))]);
+    let names: Vec<_> = program.attributes.iter().map(|attribute| attribute.name.as_str()).collect();
+    assert_eq!(names, ["second"]);
+}
+
+#[test]
 fn the_same_instruction_stands_once() {
     let noise = || node("TexNoise", json!({}), json!({"Scale": 3.0, "Detail": 2.0}));
     let both = node(

@@ -6,6 +6,8 @@ use crate::graph::Input;
 use crate::math::MathKind;
 use crate::program::Operation;
 use crate::surface::NormalSpace;
+use crate::vector::VectorMathKind;
+use glam::Vec3A;
 
 pub(super) fn lower(at: &mut At<'_, '_>) -> Option<Lowered> {
     Some(match at.node.kind.as_str() {
@@ -74,15 +76,19 @@ fn bump(at: &mut At<'_, '_>) -> super::Outputs {
 
 fn normal_map(at: &mut At<'_, '_>) -> Lowered {
     let space = at.node.choice("space", NormalSpace::Tangent)?;
-    if at.node.word("convention") == Some("DIRECTX") {
-        at.report("convention DIRECTX is not supported, it is read as OPENGL");
-    }
     let (tangent, sign) = if space == NormalSpace::Tangent {
         at.attribute(AttributeKind::Tangent, at.node.word("uv_map").unwrap_or_default())
     } else {
         let zero = at.constant(0.0);
         (zero, zero)
     };
-    let operands = [at.vector("Color"), at.number("Strength"), tangent, sign];
+    let mut colour = at.vector("Color");
+    if at.node.word("convention") == Some("DIRECTX") {
+        // Green down instead of up.
+        let turned = [Vec3A::new(1.0, -1.0, 1.0), Vec3A::Y, Vec3A::ZERO].map(|parts| at.compiler.constant(parts));
+        let operation = Operation::VectorMath(VectorMathKind::MultiplyAdd);
+        colour = at.emit(operation, &[colour, turned[0], turned[1], turned[2]]);
+    }
+    let operands = [colour, at.number("Strength"), tangent, sign];
     Ok(vec![vector("Normal", at.emit(Operation::NormalMap(space), &operands))])
 }
