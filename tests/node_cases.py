@@ -3,7 +3,8 @@
 
 An input is a number, a tuple, or the name of something that varies over the surface: `local` (a vector from -1 to 1),
 `colour` (from 0 to 1), `wide` (from -1.5 to 1.9), `x`, `y`, `z` (parts of `local`), `x01` (x from 0 to 1), `tilted` (a
-normal that leans), `noise`, `noise generated`, `noise object`, `noise uv` (the Noise texture over such coordinates).
+normal that leans), `bumped` (one that Bump gives), `noise`, `noise generated`, `noise object`, `noise uv` (the Noise
+texture over such coordinates).
 """
 
 from __future__ import annotations
@@ -25,7 +26,7 @@ class Case:
     tolerance: float = 1e-4
     #: The share of points that may lie on the other side of a jump: where two programs round differently.
     jumps: float = 0.0
-    #: What is set in the node's curves or ramp: a name that the stage knows.
+    #: What is set in the node's curves, ramp or sidebar: a name that the stage knows.
     curves: str = ""
 
     @property
@@ -332,7 +333,10 @@ def surfaces() -> list[Case]:
             given = {"Height": noise, **inputs}
             # The slope is a difference of heights over a tenth of a pixel: their rounding, magnified.
             cases.append(Case("ShaderNodeBump", "Normal", {"invert": invert}, given, tolerance=5e-4))
+    cases.append(Case("ShaderNodeBump", "Normal", {}, {"Height": "noise uv", "Normal": "bumped"}, tolerance=5e-4))
     cases.append(Case("ShaderNodeBump", "Normal", {}, {"Height": 0.3}))
+    cases.append(Case("ShaderNodeFresnel", "Fac", {}, {"IOR": 1.45, "Normal": "bumped"}, tolerance=5e-4))
+    cases.append(Case("ShaderNodeUVMap", "UV", {"uv_map": "UVMap"}))
     for space in ("OBJECT", "WORLD"):
         inputs = {"Height": "x", "Midlevel": 0.2, "Scale": 1.4}
         cases.append(Case("ShaderNodeDisplacement", "Displacement", {"space": space}, inputs))
@@ -340,6 +344,11 @@ def surfaces() -> list[Case]:
     for space in ("TANGENT", "OBJECT", "WORLD"):
         inputs = {"Vector": "colour", "Midlevel": 0.2, "Scale": 1.4}
         cases.append(Case("ShaderNodeVectorDisplacement", "Displacement", {"space": space}, inputs))
+    for kind in ("POINT", "TEXTURE", "VECTOR", "NORMAL"):
+        for inputs in ({}, {"Vector": "wide"}):
+            cases.append(Case("ShaderNodeTexGradient", "Color", {}, inputs, curves=kind))
+            cases.append(Case("ShaderNodeTexImage", "Color", {"interpolation": "Linear"}, inputs, curves=kind))
+            cases.append(Case("ShaderNodeTexEnvironment", "Color", {}, inputs, curves=kind, jumps=0.02))
     # What textures take where nothing is linked.
     cases.append(Case("ShaderNodeTexNoise", "Fac", {}, {"Scale": 3.0}))
     cases.append(Case("ShaderNodeTexVoronoi", "Distance", {}, {"Scale": 3.0}))

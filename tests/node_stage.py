@@ -116,6 +116,7 @@ class Stage:
             # Cycles counts from where the camera begins to see.
             "ray_length": np.repeat(in_camera[:, 2:] - CLIP_START, 3, axis=1),
             "uv:": uv,
+            "uv:UVMap": uv,
             "tangent:": np.column_stack((np.broadcast_to(tangent / np.linalg.norm(tangent), p.shape), np.ones(len(p)))),
             "colour:Paint": paint(local),
             "geometry:Paint": paint(local),
@@ -126,6 +127,7 @@ class Stage:
             fields[f"position/{axis}"] = np.broadcast_to(step, p.shape)
             fields[f"object/{axis}"] = np.broadcast_to(step / SCALE, p.shape)
             fields[f"generated/{axis}"] = np.broadcast_to(step / (2.0 * extent), p.shape)
+            fields[f"uv:UVMap/{axis}"] = np.broadcast_to(step @ np.array(UV_MATRIX), p.shape)
             fields[f"uv:/{axis}"] = np.broadcast_to(step @ np.array(UV_MATRIX), p.shape)
         return {name: np.ascontiguousarray(values, np.float32) for name, values in fields.items()}
 
@@ -259,6 +261,10 @@ class _Material:
             setattr(node, option, value)
         if case.curves == "camera":
             node.object = bpy.context.scene.camera
+        elif case.curves in {"POINT", "TEXTURE", "VECTOR", "NORMAL"}:
+            mapping = node.texture_mapping
+            mapping.vector_type, mapping.translation = case.curves, (0.2, -0.3, 0.4)
+            mapping.rotation, mapping.scale = (0.3, 0.5, -0.2), (1.5, 0.7, 1.2)
         elif case.curves:
             _set_curves(node, case.curves)
         if case.kind == "ShaderNodeRGB":
@@ -295,6 +301,10 @@ class _Material:
             return self._vector_math("NORMALIZE", leaned)
         if name.startswith("noise"):
             return self._noise(name.removeprefix("noise").strip())
+        if name == "bumped":
+            node = self._tree.nodes.new("ShaderNodeBump")
+            self._tree.links.new(self._noise("object"), node.inputs["Height"])
+            return node.outputs[0]
         if name == "x01":
             return self._part("colour", "X")
         return self._part("local", name.upper())

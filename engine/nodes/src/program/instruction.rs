@@ -150,6 +150,9 @@ pub(crate) struct Instruction {
     pub(crate) result: u16,
 }
 
+// Some two to a line of the cache.
+const _: () = assert!(size_of::<Instruction>() == 36);
+
 impl Instruction {
     pub(crate) fn operands(&self) -> &[Operand] {
         &self.operands[..usize::from(self.count)]
