@@ -38,7 +38,7 @@ class Stage:
         self._tiles = {}
         self._materials = {}
         self._centres = {}
-        #: Cases that this Blender cannot show: an older one lacks an option.
+        #: Cases that this Blender cannot show: an older one lacks a node or option.
         self.unknown: set[str] = set()
         for number, case in enumerate(cases):
             row, column = divmod(number, self._columns)
@@ -47,7 +47,7 @@ class Stage:
             self._centres[case.name] = (row, column, np.array(centre))
             try:
                 self._materials[case.name] = _Material(bpy, case, centre, self._image).material
-            except (TypeError, AttributeError):
+            except (TypeError, AttributeError, RuntimeError):
                 self.unknown.add(case.name)
                 continue
             self._tiles[case.name] = _tile(bpy, centre, self._materials[case.name])

@@ -30,7 +30,7 @@ def stage(tmp_path_factory):
 @pytest.mark.parametrize("case", node_cases.ALL, ids=lambda case: case.name)
 def test_a_node_gives_what_it_gives_in_cycles(stage, case):
     if case.name in stage.unknown:
-        pytest.skip("this Blender does not know the option")
+        pytest.skip("this Blender does not know the node or option")
     given, reports = stage.given(case)
     expected = stage.expected(case)
     assert not reports

@@ -88,6 +88,24 @@ fn main() {
                 principled(r#""Base Color": {"node": 0, "socket": "Color"}"#),
             ],
         ),
+        (
+            "voronoi, smooth",
+            vec![
+                r#"{"type": "ShaderNodeTexVoronoi", "options": {"feature": "SMOOTH_F1"},
+                    "inputs": {"Scale": 5.0, "Randomness": 1.0, "Smoothness": 1.0}}"#
+                    .to_owned(),
+                principled(r#""Base Color": {"node": 0, "socket": "Color"}"#),
+            ],
+        ),
+        (
+            "voronoi, edges",
+            vec![
+                r#"{"type": "ShaderNodeTexVoronoi", "options": {"feature": "DISTANCE_TO_EDGE"},
+                    "inputs": {"Scale": 5.0, "Randomness": 1.0}}"#
+                    .to_owned(),
+                principled(r#""IOR": {"node": 0, "socket": "Distance"}"#),
+            ],
+        ),
     ];
     for (name, nodes) in graphs {
         let text = format!(

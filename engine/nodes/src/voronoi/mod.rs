@@ -191,13 +191,16 @@ impl Voronoi {
         let cell = p.floor();
         let local = p - cell;
         let (mut smooth, mut colour, mut position) = (0.0, Vec3A::ZERO, P::ZERO);
-        for (number, offset) in P::wider().enumerate() {
-            let point = self.point(cell, offset);
+        let points = P::wider_points(cell, self.hash, self.randomness);
+        for (number, (offset, &point)) in P::wider().zip(points.as_ref()).enumerate() {
             let distance = self.distance(point, local);
             let share = match number {
                 0 => 1.0,
                 _ => smoothstep(0.5 + 0.5 * (smooth - distance) / self.smoothness),
             };
+            if share == 0.0 {
+                continue;
+            }
             let mut correction = self.smoothness * share * (1.0 - share);
             smooth = mix(smooth, distance, share) - correction;
             correction /= 1.0 + 3.0 * self.smoothness;

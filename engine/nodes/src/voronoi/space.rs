@@ -9,23 +9,44 @@ use wide::i32x8;
 /// All steps of -1 to 1 in four dimensions, the first dimension fastest: the first 3, 9 and 27 serve fewer dimensions.
 const NEAR: [[f32; 4]; 81] = steps(3);
 /// The same of -2 to 2.
-static WIDER: [[f32; 4]; 625] = steps(5);
+const WIDER: [[f32; 4]; 625] = steps(5);
 
 /// The first 27 steps of -1 to 1 along x, y and z, for eight lanes at a time.
-static NEAR_LANES: [[[i32; 8]; 3]; 4] = lanes();
+static NEAR_LANES: [[[i32; 8]; 3]; 4] = lanes(&NEAR, 27);
+/// The same of the 125 of -2 to 2.
+static WIDER_LANES: [[[i32; 8]; 3]; 16] = lanes(&WIDER, 125);
 
-const fn lanes() -> [[[i32; 8]; 3]; 4] {
-    let mut all = [[[0; 8]; 3]; 4];
+const fn lanes<const GROUPS: usize>(steps: &[[f32; 4]], count: usize) -> [[[i32; 8]; 3]; GROUPS] {
+    let mut all = [[[0; 8]; 3]; GROUPS];
     let mut number = 0;
-    while number < 27 {
+    while number < count {
         let mut axis = 0;
         while axis < 3 {
-            all[number / 8][axis][number % 8] = NEAR[number][axis] as i32;
+            all[number / 8][axis][number % 8] = steps[number][axis] as i32;
             axis += 1;
         }
         number += 1;
     }
     all
+}
+
+/// The points of many cells about one, eight at a time; what the last group has too many is left out.
+#[inline]
+fn points_of<const COUNT: usize>(cell: Vec3A, groups: &[[[i32; 8]; 3]], randomness: f32) -> [Vec3A; COUNT] {
+    let middle = IVec3::new(cell.x as i32, cell.y as i32, cell.z as i32);
+    let mut points = [Vec3A::ZERO; COUNT];
+    for (points, cells) in points.chunks_mut(8).zip(groups) {
+        let [x, y, z] = cells3([
+            i32x8::splat(middle.x) + i32x8::new(cells[0]),
+            i32x8::splat(middle.y) + i32x8::new(cells[1]),
+            i32x8::splat(middle.z) + i32x8::new(cells[2]),
+        ]);
+        for (i, point) in points.iter_mut().enumerate() {
+            let offset = Vec3A::new(cells[0][i] as f32, cells[1][i] as f32, cells[2][i] as f32);
+            *point = offset + Vec3A::new(x[i], y[i], z[i]) * randomness;
+        }
+    }
+    points
 }
 
 fn one_point<P: Space>(cell: P, offset: P, hash: CellHash, randomness: f32) -> P {
@@ -55,6 +76,8 @@ pub(super) trait Space:
     const ZERO: Self;
     /// One for each cell at most 1 away.
     type Near: AsRef<[Self]>;
+    /// One for each cell at most 2 away.
+    type Wider: AsRef<[Self]>;
 
     fn floor(self) -> Self;
     /// Where the point of a cell lies in it, from 0 to 1.
@@ -86,6 +109,9 @@ pub(super) trait Space:
     /// The points of those cells, from the corner of the cell in the middle.
     fn near_points(cell: Self, hash: CellHash, randomness: f32) -> Self::Near;
 
+    /// The points of the cells at most 2 away.
+    fn wider_points(cell: Self, hash: CellHash, randomness: f32) -> Self::Wider;
+
     /// The cells at most 2 away.
     fn wider() -> impl Iterator<Item = Self> {
         WIDER[..5_usize.pow(Self::DIMENSIONS)].iter().map(|digits| Self::from_digits(*digits))
@@ -111,10 +137,16 @@ impl Space for f32 {
     const DIMENSIONS: u32 = 1;
     const ZERO: Self = 0.0;
     type Near = [Self; 3];
+    type Wider = [Self; 5];
 
     #[inline]
     fn near_points(cell: Self, hash: CellHash, randomness: f32) -> Self::Near {
         std::array::from_fn(|i| one_point(cell, Self::from_digits(NEAR[i]), hash, randomness))
+    }
+
+    #[inline]
+    fn wider_points(cell: Self, hash: CellHash, randomness: f32) -> Self::Wider {
+        std::array::from_fn(|i| one_point(cell, Self::from_digits(WIDER[i]), hash, randomness))
     }
 
     #[inline]
@@ -155,10 +187,16 @@ impl Space for Vec2 {
     const DIMENSIONS: u32 = 2;
     const ZERO: Self = Vec2::ZERO;
     type Near = [Self; 9];
+    type Wider = [Self; 25];
 
     #[inline]
     fn near_points(cell: Self, hash: CellHash, randomness: f32) -> Self::Near {
         std::array::from_fn(|i| one_point(cell, Self::from_digits(NEAR[i]), hash, randomness))
+    }
+
+    #[inline]
+    fn wider_points(cell: Self, hash: CellHash, randomness: f32) -> Self::Wider {
+        std::array::from_fn(|i| one_point(cell, Self::from_digits(WIDER[i]), hash, randomness))
     }
 
     #[inline]
@@ -205,27 +243,22 @@ impl Space for Vec3A {
     const DIMENSIONS: u32 = 3;
     const ZERO: Self = Vec3A::ZERO;
     type Near = [Self; 27];
+    type Wider = [Self; 125];
 
     #[inline]
     fn near_points(cell: Self, hash: CellHash, randomness: f32) -> Self::Near {
         if hash == CellHash::Lookup3 {
             return std::array::from_fn(|i| one_point(cell, Self::from_digits(NEAR[i]), hash, randomness));
         }
-        // Eight cells at a time, the last five for nothing.
-        let middle = IVec3::new(cell.x as i32, cell.y as i32, cell.z as i32);
-        let mut points = [Vec3A::ZERO; 27];
-        for (points, cells) in points.chunks_mut(8).zip(&NEAR_LANES) {
-            let [x, y, z] = cells3([
-                i32x8::splat(middle.x) + i32x8::new(cells[0]),
-                i32x8::splat(middle.y) + i32x8::new(cells[1]),
-                i32x8::splat(middle.z) + i32x8::new(cells[2]),
-            ]);
-            for (i, point) in points.iter_mut().enumerate() {
-                let offset = Vec3A::new(cells[0][i] as f32, cells[1][i] as f32, cells[2][i] as f32);
-                *point = offset + Vec3A::new(x[i], y[i], z[i]) * randomness;
-            }
+        points_of(cell, &NEAR_LANES, randomness)
+    }
+
+    #[inline]
+    fn wider_points(cell: Self, hash: CellHash, randomness: f32) -> Self::Wider {
+        if hash == CellHash::Lookup3 {
+            return std::array::from_fn(|i| one_point(cell, Self::from_digits(WIDER[i]), hash, randomness));
         }
-        points
+        points_of(cell, &WIDER_LANES, randomness)
     }
 
     #[inline]
@@ -269,10 +302,16 @@ impl Space for Vec4 {
     const DIMENSIONS: u32 = 4;
     const ZERO: Self = Vec4::ZERO;
     type Near = [Self; 81];
+    type Wider = [Self; 625];
 
     #[inline]
     fn near_points(cell: Self, hash: CellHash, randomness: f32) -> Self::Near {
         std::array::from_fn(|i| one_point(cell, Self::from_digits(NEAR[i]), hash, randomness))
+    }
+
+    #[inline]
+    fn wider_points(cell: Self, hash: CellHash, randomness: f32) -> Self::Wider {
+        std::array::from_fn(|i| one_point(cell, Self::from_digits(WIDER[i]), hash, randomness))
     }
 
     #[inline]
