@@ -328,6 +328,8 @@ def surfaces() -> list[Case]:
     for space in ("TANGENT", "WORLD"):
         options = {"space": space, "convention": "DIRECTX"}
         cases.append(Case("ShaderNodeNormalMap", "Normal", options, {"Strength": 1.0, "Color": "colour"}))
+    for in_pixels, size in ((False, 0.3), (False, 0.9), (True, 1.0), (True, 2.5)):
+        cases.append(Case("ShaderNodeWireframe", "Fac", {"use_pixel_size": in_pixels}, {"Size": size}, jumps=0.02))
     for noise in ("noise", "noise generated", "noise object", "noise uv"):
         for invert, inputs in product((False, True), ({}, {"Strength": 0.4, "Distance": 0.3}, {"Normal": "tilted"})):
             given = {"Height": noise, **inputs}

@@ -115,6 +115,7 @@ class Stage:
             "is_camera_ray": np.ones(p.shape),
             # Cycles counts from where the camera begins to see.
             "ray_length": np.repeat(in_camera[:, 2:] - CLIP_START, 3, axis=1),
+            "edge_distance": np.repeat(_edge_distance(local)[:, None], 3, axis=1),
             "uv:": uv,
             "uv:UVMap": uv,
             "tangent:": np.column_stack((np.broadcast_to(tangent / np.linalg.norm(tangent), p.shape), np.ones(len(p)))),
@@ -130,6 +131,18 @@ class Stage:
             fields[f"uv:UVMap/{axis}"] = np.broadcast_to(step @ np.array(UV_MATRIX), p.shape)
             fields[f"uv:/{axis}"] = np.broadcast_to(step @ np.array(UV_MATRIX), p.shape)
         return {name: np.ascontiguousarray(values, np.float32) for name, values in fields.items()}
+
+
+def _edge_distance(local: np.ndarray) -> np.ndarray:
+    """From the tile's four sides and the one across, between its two triangles."""
+    corners = np.array(((-1.0, -1.0), (1.0, -1.0), (1.0, 1.0), (-1.0, 1.0)))
+    corners = np.column_stack((corners, corners @ SLOPE))
+    distances = []
+    for first, second in ((0, 1), (1, 2), (2, 3), (3, 0), (0, 2)):
+        along = corners[second] - corners[first]
+        away = np.cross(along / np.linalg.norm(along), local - corners[first])
+        distances.append(np.linalg.norm(away, axis=1))
+    return np.min(distances, axis=0)
 
 
 def _footprint() -> np.ndarray:

@@ -42,6 +42,8 @@ choices! {
         Reflection = "reflection",
         InstancerGenerated = "instancer_generated",
         InstancerUv = "instancer_uv",
+        /// How far the nearest side of the triangle is, world units.
+        EdgeDistance = "edge_distance",
         /// The footprint's axes, world units.
         FootprintX = "footprint_x",
         FootprintY = "footprint_y",

@@ -312,6 +312,56 @@ fn descriptions_that_are_no_graphs_are_refused() {
 }
 
 #[test]
+fn places_that_are_no_numbers_do_no_harm() {
+    let textures = [
+        ("TexNoise", json!({"noise_dimensions": "3D"}), "Color"),
+        ("TexNoise", json!({"noise_dimensions": "4D", "noise_type": "RIDGED_MULTIFRACTAL"}), "Fac"),
+        ("TexNoise", json!({"noise_dimensions": "1D"}), "Fac"),
+        ("TexNoise", json!({"noise_dimensions": "2D"}), "Fac"),
+        ("TexVoronoi", json!({}), "Color"),
+        ("TexVoronoi", json!({"feature": "SMOOTH_F1", "voronoi_dimensions": "4D"}), "Color"),
+        ("TexVoronoi", json!({"feature": "DISTANCE_TO_EDGE", "voronoi_dimensions": "2D"}), "Distance"),
+        ("TexVoronoi", json!({"feature": "N_SPHERE_RADIUS", "cell_hash": "LOOKUP3"}), "Radius"),
+        ("TexWave", json!({}), "Color"),
+        ("TexMagic", json!({"turbulence_depth": 5}), "Color"),
+        ("TexGradient", json!({"gradient_type": "RADIAL"}), "Color"),
+        ("TexChecker", json!({}), "Color"),
+        ("TexBrick", json!({}), "Color"),
+        ("TexWhiteNoise", json!({}), "Color"),
+        ("TexGabor", json!({"gabor_type": "3D"}), "Value"),
+        ("TexImage", json!({"image": 0, "extension": "MIRROR"}), "Color"),
+        ("TexImage", json!({"image": 0, "interpolation": "Cubic", "projection": "BOX"}), "Color"),
+        ("TexEnvironment", json!({"image": 0}), "Color"),
+        ("ValToRGB", json!({"table": [[0, 0, 0, 1], [1, 1, 1, 1]]}), "Color"),
+        ("RGBCurve", json!({"table": [[0, 0, 0, 1], [1, 1, 1, 1]]}), "Color"),
+        ("Blackbody", json!({}), "Color"),
+        ("Wavelength", json!({}), "Color"),
+    ];
+    let images = vec![Pixels::new(2, vec![Vec3A::ONE.extend(1.0); 4]).expect("two rows")];
+    for (kind, options, output) in textures {
+        let names =
+            ["Vector", "W", "Scale", "Detail", "Roughness", "Fac", "Color", "Temperature", "Wavelength", "Brick Width"];
+        let inputs: serde_json::Map<_, _> = names.iter().map(|name| (name.to_string(), link(0, "Position"))).collect();
+        let nodes =
+            [node("NewGeometry", json!({}), json!({})), node(kind, options, inputs.into()), glow(link(1, output))];
+        let (program, reports) = program(&nodes);
+        assert!(reports.is_empty(), "{reports:?}");
+        for value in [f32::NAN, f32::INFINITY, f32::NEG_INFINITY, f32::MAX, f32::MIN, 1e10, -1e10, 0.0] {
+            let mut points = Points::default();
+            let column = Column { values: vec![Vec3A::splat(value).extend(1.0)], ..Column::default() };
+            assert!(points.add("position", column));
+            let mut registers = Registers::default();
+            program.run(&points.point(0, &program.attributes), &images, &mut registers);
+            // A texture of 0 is none of its kind's limits.
+            if value == 0.0 {
+                let colour = program.value(program.surface[0].input("Color").expect("a colour"), &registers);
+                assert!(colour.is_finite() || kind == "TexBrick", "{kind} {output}: {colour}");
+            }
+        }
+    }
+}
+
+#[test]
 fn bump_looks_at_three_places() {
     let position = node("NewGeometry", json!({}), json!({}));
     let height = node("TexNoise", json!({}), json!({"Vector": link(0, "Position"), "Scale": 1.0}));

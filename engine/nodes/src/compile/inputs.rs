@@ -139,10 +139,6 @@ pub(super) fn lower(at: &mut At<'_, '_>) -> Option<Lowered> {
             at.report("it is not supported, edges stay sharp");
             Ok(vec![vector("Normal", at.vector_or("Normal", At::normal))])
         }
-        "ShaderNodeWireframe" => {
-            at.report("it is not supported, there are no wires");
-            Ok(vec![number("Fac", at.constant(0.0))])
-        }
         _ => return None,
     })
 }

@@ -1,7 +1,7 @@
 //! Nodes about the surface: Fresnel, bumps, normal maps, displacement, Light Falloff.
 
 use super::{At, Kind, Lowered, number, vector};
-use crate::context::{AttributeKind, Shift, Space};
+use crate::context::{AttributeKind, Field, Shift, Space};
 use crate::graph::Input;
 use crate::math::MathKind;
 use crate::program::Operation;
@@ -26,6 +26,11 @@ pub(super) fn lower(at: &mut At<'_, '_>) -> Option<Lowered> {
             let operands = [at.number("Strength"), at.number("Smooth")];
             let outputs = [("Quadratic", 0), ("Linear", 1), ("Constant", 2)];
             Ok(outputs.map(|(name, power)| number(name, at.emit(Operation::Falloff(power), &operands))).into())
+        }
+        "ShaderNodeWireframe" => {
+            let operands = [at.number("Size"), at.read(Field::EdgeDistance)];
+            let in_pixels = at.node.truth("use_pixel_size", false);
+            Ok(vec![number("Fac", at.emit(Operation::Wireframe(in_pixels), &operands))])
         }
         "ShaderNodeBump" => Ok(bump(at)),
         "ShaderNodeNormalMap" => normal_map(at),

@@ -76,6 +76,8 @@ pub(crate) enum Operation {
     Fresnel,
     LayerFresnel,
     Facing,
+    /// Size, distance to the nearest side; whether the size is in pixels.
+    Wireframe(bool),
     /// Strength, smooth.
     Falloff(i8),
     /// Vector, w, scale, detail, roughness, lacunarity, offset, gain, distortion; with colour or without.
@@ -130,6 +132,7 @@ impl Operation {
                 | Self::LayerFresnel
                 | Self::Facing
                 | Self::Falloff(_)
+                | Self::Wireframe(_)
                 | Self::Image(..)
                 | Self::Environment(..)
                 | Self::RadialTangent(_)
