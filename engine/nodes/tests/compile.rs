@@ -234,6 +234,23 @@ fn endless_rows_of_nodes_end() {
     assert!(!reports.is_empty());
 }
 
+#[test]
+fn endless_rows_of_shaders_end() {
+    let add = |from: usize, socket: &str| {
+        node("AddShader", json!({}), json!({"Shader": link(from, socket), "Shader_001": link(from, socket)}))
+    };
+    // Each doubles the ways to the one below: 2 to the 60th.
+    let mut nodes = vec![node("BsdfDiffuse", json!({}), json!({})), add(0, "BSDF")];
+    nodes.extend((1..60).map(|i| add(i, "Shader")));
+    let (_, reports) = program(&nodes);
+    assert!(!reports.is_empty());
+    let single = |from: usize, socket: &str| node("AddShader", json!({}), json!({"Shader": link(from, socket)}));
+    let mut nodes = vec![node("BsdfDiffuse", json!({}), json!({})), single(0, "BSDF")];
+    nodes.extend((1..3000).map(|i| single(i, "Shader")));
+    let (_, reports) = program(&nodes);
+    assert!(!reports.is_empty());
+}
+
 /// A tree of sums over (2 + 3 + 4 + ...) times x: far more results than there are registers.
 fn tree_of_sums(count: usize) -> (Program, Vec<Report>) {
     let mut nodes = vec![

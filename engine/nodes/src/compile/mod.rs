@@ -54,7 +54,7 @@ type Outputs = Vec<(&'static str, Value)>;
 type Lowered = Result<Outputs, String>;
 
 /// Chains longer than this are no longer followed: they would not fit on the stack.
-const DEEPEST: usize = 500;
+const DEEPEST: usize = 1000;
 
 /// A program for a graph, and what had to be left out of it.
 pub fn compile(graph: &Graph) -> (Program, Vec<Report>) {
