@@ -12,6 +12,7 @@ from pathlib import Path
 from typing import Any
 
 import numpy as np
+
 from node_cases import Case
 
 #: Pixels along a tile.
@@ -33,11 +34,12 @@ class Stage:
         self._bpy, self._graph, self._native = bpy, graph, native
         self._columns = math.ceil(math.sqrt(len(cases)))
         self._image = _image(bpy)
+        _camera(bpy, self._columns * PITCH)
         self._tiles = {}
         self._materials = {}
         self._centres = {}
-        #: Why this Blender cannot show a case: an older one lacks an option.
-        self.unknown: dict[str, str] = {}
+        #: Cases that this Blender cannot show: an older one lacks a node or option.
+        self.unknown: set[str] = set()
         for number, case in enumerate(cases):
             row, column = divmod(number, self._columns)
             middle = (self._columns - 1) / 2.0
@@ -45,11 +47,10 @@ class Stage:
             self._centres[case.name] = (row, column, np.array(centre))
             try:
                 self._materials[case.name] = _Material(bpy, case, centre, self._image).material
-            except TypeError as error:
-                self.unknown[case.name] = str(error)
+            except (TypeError, AttributeError, RuntimeError):
+                self.unknown.add(case.name)
                 continue
             self._tiles[case.name] = _tile(bpy, centre, self._materials[case.name])
-        _camera(bpy, self._columns * PITCH)
         bpy.context.view_layer.update()
         self._expected = _photograph(bpy, folder / "values.exr", self._columns * SIDE)
         bpy.context.view_layer.material_override = _position_material(bpy)
@@ -114,7 +115,9 @@ class Stage:
             "is_camera_ray": np.ones(p.shape),
             # Cycles counts from where the camera begins to see.
             "ray_length": np.repeat(in_camera[:, 2:] - CLIP_START, 3, axis=1),
+            "edge_distance": np.repeat(_edge_distance(local)[:, None], 3, axis=1),
             "uv:": uv,
+            "uv:UVMap": uv,
             "tangent:": np.column_stack((np.broadcast_to(tangent / np.linalg.norm(tangent), p.shape), np.ones(len(p)))),
             "colour:Paint": paint(local),
             "geometry:Paint": paint(local),
@@ -125,8 +128,21 @@ class Stage:
             fields[f"position/{axis}"] = np.broadcast_to(step, p.shape)
             fields[f"object/{axis}"] = np.broadcast_to(step / SCALE, p.shape)
             fields[f"generated/{axis}"] = np.broadcast_to(step / (2.0 * extent), p.shape)
+            fields[f"uv:UVMap/{axis}"] = np.broadcast_to(step @ np.array(UV_MATRIX), p.shape)
             fields[f"uv:/{axis}"] = np.broadcast_to(step @ np.array(UV_MATRIX), p.shape)
         return {name: np.ascontiguousarray(values, np.float32) for name, values in fields.items()}
+
+
+def _edge_distance(local: np.ndarray) -> np.ndarray:
+    """From the tile's four sides and the one across, between its two triangles."""
+    corners = np.array(((-1.0, -1.0), (1.0, -1.0), (1.0, 1.0), (-1.0, 1.0)))
+    corners = np.column_stack((corners, corners @ SLOPE))
+    distances = []
+    for first, second in ((0, 1), (1, 2), (2, 3), (3, 0), (0, 2)):
+        along = corners[second] - corners[first]
+        away = np.cross(along / np.linalg.norm(along), local - corners[first])
+        distances.append(np.linalg.norm(away, axis=1))
+    return np.min(distances, axis=0)
 
 
 def _footprint() -> np.ndarray:
@@ -146,7 +162,9 @@ UV_MATRIX = ((0.7, 0.2, 0.0), (-0.3, 0.6, 0.0), (0.0, 0.0, 0.0))
 
 def paint(local: np.ndarray) -> np.ndarray:
     """The colour attribute."""
-    return np.column_stack((local[:, 0] * 0.5 + 0.5, local[:, 1] * 0.4 + 0.5, *np.full((2, len(local)), ((0.3,), (0.8,)))))
+    return np.column_stack(
+        (local[:, 0] * 0.5 + 0.5, local[:, 1] * 0.4 + 0.5, *np.full((2, len(local)), ((0.3,), (0.8,))))
+    )
 
 
 def lone(local: np.ndarray) -> np.ndarray:
@@ -254,7 +272,13 @@ class _Material:
             node.image = image
         for option, value in case.options.items():
             setattr(node, option, value)
-        if case.curves:
+        if case.curves == "camera":
+            node.object = bpy.context.scene.camera
+        elif case.curves in {"POINT", "TEXTURE", "VECTOR", "NORMAL"}:
+            mapping = node.texture_mapping
+            mapping.vector_type, mapping.translation = case.curves, (0.2, -0.3, 0.4)
+            mapping.rotation, mapping.scale = (0.3, 0.5, -0.2), (1.5, 0.7, 1.2)
+        elif case.curves:
             _set_curves(node, case.curves)
         if case.kind == "ShaderNodeRGB":
             node.outputs[0].default_value = (0.3, 0.5, 0.7, 1.0)
@@ -263,7 +287,11 @@ class _Material:
         elif case.kind == "ShaderNodeNormal":
             node.outputs[0].default_value = (0.48, 0.6, 0.64)
         for name, value in case.inputs.items():
-            socket = next(socket for socket in node.inputs if name in (socket.identifier, socket.name) and socket.enabled or name == socket.identifier)
+            socket = next(
+                socket
+                for socket in node.inputs
+                if name in (socket.identifier, socket.name) and socket.enabled or name == socket.identifier
+            )
             if isinstance(value, str):
                 self._tree.links.new(self._source(value), socket)
             else:
@@ -286,6 +314,10 @@ class _Material:
             return self._vector_math("NORMALIZE", leaned)
         if name.startswith("noise"):
             return self._noise(name.removeprefix("noise").strip())
+        if name == "bumped":
+            node = self._tree.nodes.new("ShaderNodeBump")
+            self._tree.links.new(self._noise("object"), node.inputs["Height"])
+            return node.outputs[0]
         if name == "x01":
             return self._part("colour", "X")
         return self._part("local", name.upper())
@@ -295,7 +327,9 @@ class _Material:
         node.inputs["Scale"].default_value = 0.7
         given = self._source("local")
         if coordinates:
-            given = self._tree.nodes.new("ShaderNodeTexCoord").outputs[coordinates.upper() if coordinates == "uv" else coordinates.title()]
+            given = self._tree.nodes.new("ShaderNodeTexCoord").outputs[
+                coordinates.upper() if coordinates == "uv" else coordinates.title()
+            ]
         self._tree.links.new(given, node.inputs["Vector"])
         return node.outputs[0]
 

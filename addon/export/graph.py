@@ -23,6 +23,12 @@ _ROWS = 257
 _NEW_CELLS = (5, 0, 0)
 #: Ends of the tree, by the description's name for each.
 _ENDS = {"surface": "Surface", "volume": "Volume", "displacement": "Displacement"}
+#: What a texture looks up where nothing is linked, if not generated coordinates.
+_COORDINATES = {
+    "TEX_IMAGE": ("ShaderNodeTexCoord", "UV"),
+    "TEX_ENVIRONMENT": ("ShaderNodeNewGeometry", "Position"),
+}
+_NO_MAPPING = {"Location": [0.0] * 3, "Rotation": [0.0] * 3, "Scale": [1.0] * 3}
 _VALUE_TYPES = {"VALUE", "INT", "BOOLEAN", "VECTOR", "RGBA"}
 _OPTION_TYPES = {"ENUM", "BOOLEAN", "INT", "FLOAT", "STRING"}
 
@@ -67,6 +73,36 @@ class _Walk:
             described["options"] = _options(source.node, self._image_index)
             for given in source.inputs():
                 self._describe_input(given, described)
+            self._map_coordinates(source.node, described)
+
+    def _map_coordinates(self, node: bpy.types.Node, described: dict[str, Any]) -> None:
+        """Puts the mapping in a texture node's sidebar before its coordinates, as a node of its own."""
+        mapping = getattr(node, "texture_mapping", None)
+        if mapping is None or "Vector" not in node.inputs:
+            return
+        parts = {
+            "Location": list(mapping.translation),
+            "Rotation": list(mapping.rotation),
+            "Scale": list(mapping.scale),
+        }
+        if parts == _NO_MAPPING:
+            return
+        given = described["inputs"].get("Vector")
+        if given is None:
+            kind, socket = _COORDINATES.get(node.type, ("ShaderNodeTexCoord", "Generated"))
+            given = self._add({"type": kind, "name": node.name, "options": {}, "inputs": {}}, socket)
+        mapper = {
+            "type": "ShaderNodeMapping",
+            "name": node.name,
+            "options": {"vector_type": mapping.vector_type},
+            "inputs": {"Vector": given, **parts},
+        }
+        described["inputs"]["Vector"] = self._add(mapper, "Vector")
+
+    def _add(self, described: dict[str, Any], socket: str) -> dict[str, Any]:
+        """A link to a node that the tree does not have."""
+        self.nodes.append(described)
+        return {"node": len(self.nodes) - 1, "socket": socket}
 
     def _describe_input(self, given: nodes.Input, described: dict[str, Any]) -> None:
         socket = given.socket

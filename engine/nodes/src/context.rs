@@ -35,13 +35,19 @@ choices! {
         Backfacing = "backfacing",
         Pointiness = "pointiness",
         RandomPerIsland = "random_per_island",
+        /// 0 to 1 through the undeformed mesh's bounds; for a world, the direction, as are position and object.
         Generated = "generated",
         Object = "object",
+        /// In the camera's space; z grows away from the camera.
         Camera = "camera",
+        /// On the picture, from 0 to 1 both ways.
         Window = "window",
+        /// The mirrored direction to the viewer.
         Reflection = "reflection",
         InstancerGenerated = "instancer_generated",
         InstancerUv = "instancer_uv",
+        /// How far the nearest side of the triangle is, world units.
+        EdgeDistance = "edge_distance",
         /// The footprint's axes, world units.
         FootprintX = "footprint_x",
         FootprintY = "footprint_y",
@@ -76,6 +82,7 @@ choices! {
         IsReflectionRay = "is_reflection_ray",
         IsTransmissionRay = "is_transmission_ray",
         IsVolumeScatterRay = "is_volume_scatter_ray",
+        /// From where the ray began; for a camera, from where it begins to see (clip start).
         RayLength = "ray_length",
         RayDepth = "ray_depth",
         DiffuseDepth = "diffuse_depth",
@@ -83,6 +90,7 @@ choices! {
         TransparentDepth = "transparent_depth",
         TransmissionDepth = "transmission_depth",
         PortalDepth = "portal_depth",
+        /// From the camera to the point in the camera's space, of length 1; z grows away from the camera.
         ViewVector = "view_vector",
         ViewDepth = "view_depth",
         ViewDistance = "view_distance",
@@ -94,7 +102,7 @@ choices! {
 }
 
 choices! {
-    /// A space that vectors are given in.
+    /// A space that vectors are given in. In the camera's, z grows away from the camera.
     #[expect(missing_docs, reason = "named after Blender's")]
     pub Space { World = "WORLD", Object = "OBJECT", Camera = "CAMERA" }
 }

@@ -3,61 +3,109 @@
 //! Which numbers they give is a fact of the file format: other hashes would draw other textures.
 
 use glam::{IVec2, IVec3, IVec4, Vec2, Vec3A, Vec4};
+use std::ops::BitXor;
+use wide::{i32x8, u32x8};
 
 const GOLDEN: u32 = 0xdead_beef;
 
+/// A word of 32 bits, or eight at once. Sums wrap around.
+pub(crate) trait Word: Copy + BitXor<Output = Self> {
+    fn splat(word: u32) -> Self;
+    fn plus(self, other: Self) -> Self;
+    fn minus(self, other: Self) -> Self;
+    fn turned<const BITS: u32>(self) -> Self;
+}
+
+impl Word for u32 {
+    #[inline(always)]
+    fn splat(word: u32) -> Self {
+        word
+    }
+    #[inline(always)]
+    fn plus(self, other: Self) -> Self {
+        self.wrapping_add(other)
+    }
+    #[inline(always)]
+    fn minus(self, other: Self) -> Self {
+        self.wrapping_sub(other)
+    }
+    #[inline(always)]
+    fn turned<const BITS: u32>(self) -> Self {
+        self.rotate_left(BITS)
+    }
+}
+
+impl Word for u32x8 {
+    #[inline(always)]
+    fn splat(word: u32) -> Self {
+        Self::splat(word)
+    }
+    #[inline(always)]
+    fn plus(self, other: Self) -> Self {
+        self + other
+    }
+    #[inline(always)]
+    fn minus(self, other: Self) -> Self {
+        self - other
+    }
+    #[inline(always)]
+    fn turned<const BITS: u32>(self) -> Self {
+        (self << BITS) | (self >> (32 - BITS))
+    }
+}
+
 #[inline(always)]
-fn last_mix(mut a: u32, mut b: u32, mut c: u32) -> u32 {
-    c = (c ^ b).wrapping_sub(b.rotate_left(14));
-    a = (a ^ c).wrapping_sub(c.rotate_left(11));
-    b = (b ^ a).wrapping_sub(a.rotate_left(25));
-    c = (c ^ b).wrapping_sub(b.rotate_left(16));
-    a = (a ^ c).wrapping_sub(c.rotate_left(4));
-    b = (b ^ a).wrapping_sub(a.rotate_left(14));
-    (c ^ b).wrapping_sub(b.rotate_left(24))
+fn last_mix<W: Word>(mut a: W, mut b: W, mut c: W) -> W {
+    c = (c ^ b).minus(b.turned::<14>());
+    a = (a ^ c).minus(c.turned::<11>());
+    b = (b ^ a).minus(a.turned::<25>());
+    c = (c ^ b).minus(b.turned::<16>());
+    a = (a ^ c).minus(c.turned::<4>());
+    b = (b ^ a).minus(a.turned::<14>());
+    (c ^ b).minus(b.turned::<24>())
 }
 
 /// The start value of lookup3 for a number of words.
 #[inline(always)]
-const fn start(words: u32) -> u32 {
-    GOLDEN.wrapping_add(words << 2).wrapping_add(13)
+fn start<W: Word>(words: u32) -> W {
+    W::splat(GOLDEN.wrapping_add(words << 2).wrapping_add(13))
 }
 
 #[inline(always)]
 pub(crate) fn hash1(x: u32) -> u32 {
-    let s = start(1);
-    last_mix(s.wrapping_add(x), s, s)
+    let s: u32 = start(1);
+    last_mix(s.plus(x), s, s)
 }
 
 #[inline(always)]
 pub(crate) fn hash2(x: u32, y: u32) -> u32 {
-    let s = start(2);
-    last_mix(s.wrapping_add(x), s.wrapping_add(y), s)
+    let s: u32 = start(2);
+    last_mix(s.plus(x), s.plus(y), s)
 }
 
 #[inline(always)]
-pub(crate) fn hash3(x: u32, y: u32, z: u32) -> u32 {
-    let s = start(3);
-    last_mix(s.wrapping_add(x), s.wrapping_add(y), s.wrapping_add(z))
+pub(crate) fn hash3<W: Word>(x: W, y: W, z: W) -> W {
+    let s: W = start(3);
+    last_mix(s.plus(x), s.plus(y), s.plus(z))
 }
 
 #[inline(always)]
-pub(crate) fn hash4(x: u32, y: u32, z: u32, w: u32) -> u32 {
-    let s = start(4);
-    let (mut a, mut b, mut c) = (s.wrapping_add(x), s.wrapping_add(y), s.wrapping_add(z));
-    a = a.wrapping_sub(c) ^ c.rotate_left(4);
-    c = c.wrapping_add(b);
-    b = b.wrapping_sub(a) ^ a.rotate_left(6);
-    a = a.wrapping_add(c);
-    c = c.wrapping_sub(b) ^ b.rotate_left(8);
-    b = b.wrapping_add(a);
-    a = a.wrapping_sub(c) ^ c.rotate_left(16);
-    c = c.wrapping_add(b);
-    b = b.wrapping_sub(a) ^ a.rotate_left(19);
-    a = a.wrapping_add(c);
-    c = c.wrapping_sub(b) ^ b.rotate_left(4);
-    b = b.wrapping_add(a);
-    last_mix(a.wrapping_add(w), b, c)
+pub(crate) fn hash4<W: Word>(x: W, y: W, z: W, w: W) -> W {
+    let s: W = start(4);
+    let (mut a, mut b, mut c) = (s.plus(x), s.plus(y), s.plus(z));
+    a = a.minus(c) ^ c.turned::<4>();
+    c = c.plus(b);
+    b = b.minus(a) ^ a.turned::<6>();
+    a = a.plus(c);
+    c = c.minus(b) ^ b.turned::<8>();
+    b = b.plus(a);
+    a = a.minus(c) ^ c.turned::<16>();
+    c = c.plus(b);
+    b = b.minus(a) ^ a.turned::<19>();
+    a = a.plus(c);
+    c = c.minus(b) ^ b.turned::<4>();
+    b = b.plus(a);
+    last_mix(a.plus(w), b, c)
 }
 
 /// A hash as a number from 0 to 1, both reached.
@@ -133,6 +181,23 @@ pub(crate) fn cell3(cell: IVec3) -> Vec3A {
         }
     }
     Vec3A::new(positive_unit(x), positive_unit(y), positive_unit(z))
+}
+
+/// Eight cells at once.
+#[inline(always)]
+pub(crate) fn cells3([x, y, z]: [i32x8; 3]) -> [[f32; 8]; 3] {
+    let seeded = |k: i32x8| k * i32x8::splat(FACTOR) + i32x8::splat(ADDEND);
+    let (mut x, mut y, mut z) = (seeded(x), seeded(y), seeded(z));
+    for round in 0..2 {
+        x += y * z;
+        y += z * x;
+        z += x * y;
+        if round == 0 {
+            (x, y, z) = (x ^ (x >> 16), y ^ (y >> 16), z ^ (z >> 16));
+        }
+    }
+    let unit = |k: i32x8| ((k & i32x8::splat(POSITIVE)).round_float() * (1.0 / POSITIVE as f32)).to_array();
+    [unit(x), unit(y), unit(z)]
 }
 
 #[inline]

@@ -7,7 +7,7 @@
 //! Every value is three numbers in one register; a number stands in all three, so that it is a vector or a colour at
 //! once, as Blender converts it.
 //!
-//! Who uses whom: [`choice`] → [`hash`] → [`noise`] → [`voronoi`] → [`patterns`] → [`math`] → [`vector`] → [`spectral`] →
+//! Who uses whom: [`choice`] → [`hash`] → [`noise`] → [`voronoi`] → [`patterns`] → [`gabor`] → [`math`] → [`vector`] → [`spectral`] → [`sky`] →
 //! [`colour`] → [`mix`] → [`table`] → [`context`] → [`image`] → [`surface`] → [`graph`] → [`program`] → [`compile`] →
 //! [`pixels`] → [`points`]. Each uses only those before it.
 
@@ -15,6 +15,7 @@ mod choice;
 mod colour;
 mod compile;
 mod context;
+mod gabor;
 mod graph;
 mod hash;
 mod image;
@@ -25,6 +26,7 @@ mod patterns;
 mod pixels;
 mod points;
 mod program;
+mod sky;
 mod spectral;
 mod surface;
 mod table;

@@ -59,7 +59,8 @@ impl Pixels {
         for (j, row) in up.into_iter().enumerate() {
             for (i, column) in across.into_iter().enumerate() {
                 if row * column != 0.0 {
-                    let (x, y) = (corner.x as i32 + i as i32 - 1, corner.y as i32 + j as i32 - 1);
+                    let [x, y] =
+                        [(corner.x, i), (corner.y, j)].map(|(low, step)| (low as i32).saturating_add(step as i32 - 1));
                     sum += self.pixel(x, y, extension) * (row * column);
                 }
             }

@@ -62,7 +62,7 @@ impl Points {
         Point { table: self, number, attributes }
     }
 
-    fn from_world(&self, space: Space) -> Affine3A {
+    fn world_to(&self, space: Space) -> Affine3A {
         match space {
             Space::World => Affine3A::IDENTITY,
             Space::Object => self.world_to_object,
@@ -89,7 +89,7 @@ impl Context for Point<'_> {
     }
 
     fn transform(&self, direction: Direction, from: Space, to: Space, vector: Vec3A) -> Vec3A {
-        let map = self.table.from_world(to) * self.table.from_world(from).inverse();
+        let map = self.table.world_to(to) * self.table.world_to(from).inverse();
         match direction {
             Direction::Point => map.transform_point3a(vector),
             Direction::Vector => map.transform_vector3a(vector),

@@ -2,7 +2,7 @@
 
 use crate::choice::choices;
 use crate::math::{safe_divide, safe_modulo, safe_power, sign, wrap};
-use glam::{EulerRot, Mat3A, Quat, Vec3A};
+use glam::{Affine3A, EulerRot, Mat3A, Quat, Vec3A};
 
 choices! {
     pub(crate) VectorMathKind {
@@ -130,6 +130,21 @@ pub(crate) fn mapping(kind: MappingKind, p: Vec3A, location: Vec3A, rotation_rad
         MappingKind::Texture => divide(turn.transpose() * (p - location), scale),
         MappingKind::Vector => turn * (p * scale),
         MappingKind::Normal => (turn * divide(p, scale)).normalize_or_zero(),
+    }
+}
+
+/// The same as a matrix, for all but normals.
+pub(crate) fn affine_mapping(kind: MappingKind, location: Vec3A, rotation_rad: Vec3A, scale: Vec3A) -> Affine3A {
+    let turn = euler_matrix(rotation_rad);
+    match kind {
+        MappingKind::Texture => {
+            let matrix3 = Mat3A::from_diagonal(divide(Vec3A::ONE, scale).into()) * turn.transpose();
+            Affine3A { matrix3, translation: -(matrix3 * location) }
+        }
+        _ => {
+            let translation = if kind == MappingKind::Point { location } else { Vec3A::ZERO };
+            Affine3A { matrix3: turn * Mat3A::from_diagonal(scale.into()), translation }
+        }
     }
 }
 

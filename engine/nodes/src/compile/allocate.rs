@@ -2,7 +2,7 @@
 
 use super::emit::FIRST_VIRTUAL;
 use super::{Compiler, Report};
-use crate::program::{FIRST_CONSTANT, Instruction, Layer, Operand, Program, REGISTERS};
+use crate::program::{FIRST_CONSTANT, Instruction, Layer, Operand, Operation, Program, REGISTERS};
 use glam::Vec3A;
 
 impl Compiler<'_> {
@@ -30,6 +30,7 @@ impl Compiler<'_> {
                 self.program.displacement = displacement;
                 self.program.code = std::mem::take(&mut self.code);
                 self.drop_constants();
+                self.drop_attributes();
             }
             None => {
                 let node = self.graph.surface.as_ref().map_or(0, |link| link.node);
@@ -64,6 +65,25 @@ impl Compiler<'_> {
         }
         program.displacement.iter_mut().for_each(&mut keep);
         program.constants = kept;
+    }
+}
+
+impl Compiler<'_> {
+    /// Attributes that no instruction is left to read.
+    fn drop_attributes(&mut self) {
+        let program = &mut self.program;
+        let mut kept = Vec::new();
+        for instruction in &mut program.code {
+            if let Operation::Attribute(index, _) = &mut instruction.operation {
+                let attribute = &program.attributes[usize::from(*index)];
+                let place = kept.iter().position(|other| other == attribute).unwrap_or_else(|| {
+                    kept.push(attribute.clone());
+                    kept.len() - 1
+                });
+                *index = place as u16;
+            }
+        }
+        program.attributes = kept;
     }
 }
 

@@ -139,10 +139,6 @@ pub(super) fn lower(at: &mut At<'_, '_>) -> Option<Lowered> {
             at.report("it is not supported, edges stay sharp");
             Ok(vec![vector("Normal", at.vector_or("Normal", At::normal))])
         }
-        "ShaderNodeWireframe" => {
-            at.report("it is not supported, there are no wires");
-            Ok(vec![number("Fac", at.constant(0.0))])
-        }
         _ => return None,
     })
 }
@@ -156,10 +152,8 @@ fn texture_coordinates(at: &mut At<'_, '_>) -> Lowered {
             let row = |i: usize| Vec3A::new(rows[4 * i], rows[4 * i + 1], rows[4 * i + 2]);
             let turn = glam::Mat3A::from_cols(row(0), row(1), row(2)).transpose();
             let shift = Vec3A::new(rows[3], rows[7], rows[11]);
-            at.compiler.program.maps.push(Affine3A { matrix3: turn, translation: shift });
-            let map = at.compiler.program.maps.len() - 1;
             let position = at.read(Field::Position);
-            at.emit(Operation::Affine(map as u16), &[position])
+            at.affine(Affine3A { matrix3: turn, translation: shift }, position)
         }
         Some(_) => return Err("its object's matrix is too short".to_owned()),
         None => at.read(Field::Object),

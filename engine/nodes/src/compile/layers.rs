@@ -1,11 +1,14 @@
 //! The shader nodes above an output, flattened to closures that add up.
 
-use super::{At, Compiler, Kind};
+use super::{At, Compiler, DEEPEST, Kind};
 use crate::context::Shift;
 use crate::graph::{Input, Link};
 use crate::math::MathKind;
 use crate::program::{Layer, LayerKind, Operand, Operation};
 use glam::Vec3A;
+
+/// Ways through Mix and Add Shaders double where one leads to another twice.
+const MOST_WAYS: usize = 10_000;
 
 /// More closures than any material has that a person made.
 const MOST_LAYERS: usize = 128;
@@ -57,13 +60,15 @@ fn kind_of_input(layer: LayerKind, identifier: &str) -> Kind {
 }
 
 /// Shader nodes that have been walked through to reach a closure, and its share.
+#[derive(Default)]
 struct Walk {
     layers: Vec<(usize, Layer)>,
+    ways: usize,
 }
 
 impl Compiler<'_> {
     pub(super) fn layers(&mut self, start: Option<&Link>) -> Vec<Layer> {
-        let mut walk = Walk { layers: Vec::new() };
+        let mut walk = Walk::default();
         if let Some(link) = start {
             let whole = self.constant(Vec3A::ONE);
             self.walk(link, whole, &mut walk);
@@ -79,6 +84,10 @@ impl Compiler<'_> {
         let node = &self.graph.nodes[index];
         if self.open.contains(&index) {
             return self.report(index, "its output leads back into itself, it is black");
+        }
+        walk.ways += 1;
+        if self.open.len() >= DEEPEST || walk.ways > MOST_WAYS {
+            return self.report(index, "too many shaders in a row, this one is left out");
         }
         if walk.layers.len() >= MOST_LAYERS {
             return self.report(index, "the material has too many shaders, this one is left out");

@@ -4,7 +4,7 @@ use super::{At, Lowered, number, vector};
 use crate::context::{Direction, Space};
 use crate::math::{MathKind, RangeKind};
 use crate::program::Operation;
-use crate::vector::{MappingKind, RotationKind, VectorMathKind};
+use crate::vector::{MappingKind, RotationKind, VectorMathKind, affine_mapping};
 use glam::Vec3A;
 
 pub(super) fn lower(at: &mut At<'_, '_>) -> Option<Lowered> {
@@ -65,7 +65,15 @@ fn map_range(at: &mut At<'_, '_>) -> Lowered {
 fn mapping(at: &mut At<'_, '_>) -> Lowered {
     let kind = at.node.choice("vector_type", MappingKind::Point)?;
     let operands = [at.vector("Vector"), at.vector("Location"), at.vector("Rotation"), at.vector("Scale")];
-    Ok(vec![vector("Vector", at.emit(Operation::Mapping(kind), &operands))])
+    let known = operands.map(|operand| at.compiler.known(operand));
+    // What stands still is made a matrix here: no sines at each point. Normals are no affine map.
+    let mapped = match known {
+        [None, Some(location), Some(rotation), Some(scale)] if kind != MappingKind::Normal => {
+            at.affine(affine_mapping(kind, location, rotation, scale), operands[0])
+        }
+        _ => at.emit(Operation::Mapping(kind), &operands),
+    };
+    Ok(vec![vector("Vector", mapped)])
 }
 
 fn rotate(at: &mut At<'_, '_>) -> Lowered {

@@ -12,7 +12,7 @@ mod textures;
 use crate::context::Shift;
 use crate::graph::{Graph, Input, Link, Node};
 use crate::program::{Instruction, Operand, Operation, Program, Registers};
-use glam::Vec3A;
+use glam::{Affine3A, Vec3A};
 use std::collections::{HashMap, HashSet};
 
 /// What could not be done as Blender does it.
@@ -54,7 +54,7 @@ type Outputs = Vec<(&'static str, Value)>;
 type Lowered = Result<Outputs, String>;
 
 /// Chains longer than this are no longer followed: they would not fit on the stack.
-const DEEPEST: usize = 500;
+const DEEPEST: usize = 1000;
 
 /// A program for a graph, and what had to be left out of it.
 pub fn compile(graph: &Graph) -> (Program, Vec<Report>) {
@@ -204,6 +204,16 @@ impl At<'_, '_> {
 
     fn emit_many<const N: usize>(&mut self, operation: Operation, operands: &[Operand]) -> (Operand, [Operand; N]) {
         self.compiler.emit_many(operation, operands)
+    }
+
+    /// A point through a matrix that the program keeps.
+    fn affine(&mut self, map: Affine3A, point: Operand) -> Operand {
+        let maps = &mut self.compiler.program.maps;
+        let place = maps.iter().position(|other| *other == map).unwrap_or_else(|| {
+            maps.push(map);
+            maps.len() - 1
+        });
+        self.emit(Operation::Affine(place as u16), &[point])
     }
 
     /// Whether something reads an output.

@@ -1,11 +1,13 @@
 //! Nodes about the surface: Fresnel, bumps, normal maps, displacement, Light Falloff.
 
 use super::{At, Kind, Lowered, number, vector};
-use crate::context::{AttributeKind, Direction, Shift, Space};
+use crate::context::{AttributeKind, Field, Shift, Space};
 use crate::graph::Input;
 use crate::math::MathKind;
 use crate::program::Operation;
 use crate::surface::NormalSpace;
+use crate::vector::VectorMathKind;
+use glam::Vec3A;
 
 pub(super) fn lower(at: &mut At<'_, '_>) -> Option<Lowered> {
     Some(match at.node.kind.as_str() {
@@ -25,6 +27,11 @@ pub(super) fn lower(at: &mut At<'_, '_>) -> Option<Lowered> {
             let outputs = [("Quadratic", 0), ("Linear", 1), ("Constant", 2)];
             Ok(outputs.map(|(name, power)| number(name, at.emit(Operation::Falloff(power), &operands))).into())
         }
+        "ShaderNodeWireframe" => {
+            let operands = [at.number("Size"), at.read(Field::EdgeDistance)];
+            let in_pixels = at.node.truth("use_pixel_size", false);
+            Ok(vec![number("Fac", at.emit(Operation::Wireframe(in_pixels), &operands))])
+        }
         "ShaderNodeBump" => Ok(bump(at)),
         "ShaderNodeNormalMap" => normal_map(at),
         "ShaderNodeDisplacement" => at.node.choice("space", Space::Object).map(|space| {
@@ -34,7 +41,6 @@ pub(super) fn lower(at: &mut At<'_, '_>) -> Option<Lowered> {
         }),
         "ShaderNodeVectorDisplacement" => at.node.choice("space", NormalSpace::Tangent).map(|space| {
             let (tangent, sign) = at.attribute(AttributeKind::Tangent, "");
-            let tangent = at.emit(Operation::Transform(Direction::Normal, Space::Object, Space::World), &[tangent]);
             let operands = [at.vector("Vector"), at.number("Midlevel"), at.number("Scale"), tangent, sign];
             vec![vector("Displacement", at.emit(Operation::VectorDisplacement(space), &operands))]
         }),
@@ -75,15 +81,19 @@ fn bump(at: &mut At<'_, '_>) -> super::Outputs {
 
 fn normal_map(at: &mut At<'_, '_>) -> Lowered {
     let space = at.node.choice("space", NormalSpace::Tangent)?;
-    if at.node.word("convention") == Some("DIRECTX") {
-        at.report("convention DIRECTX is not supported, it is read as OPENGL");
-    }
     let (tangent, sign) = if space == NormalSpace::Tangent {
         at.attribute(AttributeKind::Tangent, at.node.word("uv_map").unwrap_or_default())
     } else {
         let zero = at.constant(0.0);
         (zero, zero)
     };
-    let operands = [at.vector("Color"), at.number("Strength"), tangent, sign];
+    let mut colour = at.vector("Color");
+    if at.node.word("convention") == Some("DIRECTX") {
+        // Green down instead of up.
+        let turned = [Vec3A::new(1.0, -1.0, 1.0), Vec3A::Y, Vec3A::ZERO].map(|parts| at.compiler.constant(parts));
+        let operation = Operation::VectorMath(VectorMathKind::MultiplyAdd);
+        colour = at.emit(operation, &[colour, turned[0], turned[1], turned[2]]);
+    }
+    let operands = [colour, at.number("Strength"), tangent, sign];
     Ok(vec![vector("Normal", at.emit(Operation::NormalMap(space), &operands))])
 }

@@ -2,12 +2,15 @@
 
 use super::{At, Lowered, colour, number, vector};
 use crate::context::{Extension, Field, Interpolation, Shift};
+use crate::gabor::GaborKind;
 use crate::image::{EnvironmentProjection, Picture, Projection};
 use crate::mix::Blend;
 use crate::noise::{Dimensions, Fractal};
 use crate::patterns::{GradientKind, WaveAxis, WaveKind, WaveProfile};
 use crate::program::{Operand, Operation};
+use crate::sky::Preetham;
 use crate::voronoi::{CellHash, Feature, Metric};
+use glam::Vec3A;
 
 /// Cycles shows a missing image in this colour.
 const MISSING: [f32; 3] = [1.0, 0.0, 1.0];
@@ -29,6 +32,8 @@ pub(super) fn lower(at: &mut At<'_, '_>) -> Option<Lowered> {
         "ShaderNodeTexChecker" => Ok(checker(at)),
         "ShaderNodeTexBrick" => Ok(brick(at)),
         "ShaderNodeTexWhiteNoise" => white_noise(at),
+        "ShaderNodeTexGabor" => gabor(at),
+        "ShaderNodeTexSky" => sky(at),
         "ShaderNodeTexImage" => image(at),
         "ShaderNodeTexEnvironment" => environment(at),
         _ => return None,
@@ -153,6 +158,35 @@ fn white_noise(at: &mut At<'_, '_>) -> Lowered {
     let operands = [at.vector("Vector"), at.number("W")];
     let (value, [rgb]) = at.emit_many(Operation::WhiteNoise(dimensions), &operands);
     Ok(vec![number("Value", value), colour("Color", rgb)])
+}
+
+fn gabor(at: &mut At<'_, '_>) -> Lowered {
+    let kind = at.node.choice("gabor_type", GaborKind::Flat)?;
+    let operands = [
+        at.coordinates(),
+        at.number("Scale"),
+        at.number("Frequency"),
+        at.number("Anisotropy"),
+        at.number("Orientation 2D"),
+        at.vector("Orientation 3D"),
+    ];
+    let (value, [phase, intensity]) = at.emit_many(Operation::Gabor(kind), &operands);
+    Ok(vec![number("Value", value), number("Phase", phase), number("Intensity", intensity)])
+}
+
+fn sky(at: &mut At<'_, '_>) -> Lowered {
+    let kind = at.node.word("sky_type").unwrap_or_default();
+    if kind != "PREETHAM" {
+        return Err(format!("sky_type {kind} is not supported, it is black"));
+    }
+    let sun = at.node.numbers("sun_direction").unwrap_or_default();
+    let [x, y, z] = sun[..] else { return Err("it came without its sun, it is black".to_owned()) };
+    let turbidity = at.node.number("turbidity", 2.2);
+    let skies = &mut at.compiler.program.skies;
+    skies.push(Preetham::new(Vec3A::new(x, y, z), turbidity));
+    let operation = Operation::Sky((skies.len() - 1) as u16);
+    let direction = at.coordinates();
+    Ok(vec![colour("Color", at.emit(operation, &[direction]))])
 }
 
 fn image(at: &mut At<'_, '_>) -> Lowered {

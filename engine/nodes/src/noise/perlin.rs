@@ -2,6 +2,7 @@
 
 use crate::hash::{hash1, hash2, hash3, hash4};
 use glam::{Vec2, Vec3A, Vec4};
+use wide::{f32x4, f32x8, u32x8};
 
 /// Blender repeats noise beyond this, where single precision has no fractions worth the name.
 const PERIOD: f32 = 100_000.0;
@@ -52,43 +53,81 @@ pub(crate) fn noise2(p: Vec2) -> f32 {
     finite(bilinear(&corner, u, v) * 0.6616)
 }
 
-#[inline]
+/// An axis of a lattice cell: its two corners' numbers, and the way from each to the place.
+struct Sides {
+    cells: [u32; 2],
+    ways: [u32; 2],
+}
+
+impl Sides {
+    #[inline(always)]
+    fn new(cell: i32, place: f32) -> Self {
+        let ways = [place.to_bits(), (place - 1.0).to_bits()];
+        Self { cells: [cell as u32, cell.wrapping_add(1) as u32], ways }
+    }
+}
+
+/// Eight corners, of which corner i lies at the bits of i: one of two values for each, by a bit.
+#[inline(always)]
+fn by_bit<const BIT: usize>([near, far]: [u32; 2]) -> u32x8 {
+    const ALL: u32 = u32::MAX;
+    // Constants: built out of memory, the corners would wait for it.
+    let mask = match BIT {
+        0 => u32x8::new([0, ALL, 0, ALL, 0, ALL, 0, ALL]),
+        1 => u32x8::new([0, 0, ALL, ALL, 0, 0, ALL, ALL]),
+        _ => u32x8::new([0, 0, 0, 0, ALL, ALL, ALL, ALL]),
+    };
+    choose(mask, u32x8::splat(far), u32x8::splat(near))
+}
+
+/// All bits set where one bit of a hash is.
+#[inline(always)]
+fn where_set(hash: u32x8, bit: u32) -> u32x8 {
+    u32x8::ZERO - ((hash >> bit) & u32x8::splat(1))
+}
+
+/// One or the other, bit by bit.
+#[inline(always)]
+fn choose(mask: u32x8, set: u32x8, clear: u32x8) -> u32x8 {
+    clear ^ (mask & (set ^ clear))
+}
+
+/// As numbers, the sign turned where one bit of a hash is set.
+#[inline(always)]
+fn signed(bits: u32x8, hash: u32x8, bit: u32) -> f32x8 {
+    let turned = bits ^ ((hash << (31 - bit)) & u32x8::splat(0x8000_0000));
+    bytemuck::cast(turned)
+}
+
 pub(crate) fn noise3(p: Vec3A) -> f32 {
     let ((cx, x, u), (cy, y, v), (cz, z, w)) = (place(p.x), place(p.y), place(p.z));
-    let mut corner = [0.0; 8];
-    // A loop without branches: the eight corners go through vector registers.
-    for (i, value) in corner.iter_mut().enumerate() {
-        let (dx, dy, dz) = ((i & 1) as i32, ((i >> 1) & 1) as i32, (i >> 2) as i32);
-        let (fx, fy, fz) = (x - dx as f32, y - dy as f32, z - dz as f32);
-        let hash = hash3(cx.wrapping_add(dx) as u32, cy.wrapping_add(dy) as u32, cz.wrapping_add(dz) as u32) & 15;
-        let first = if hash < 8 { fx } else { fy };
-        let other = if (hash == 12) | (hash == 14) { fx } else { fz };
-        let second = if hash < 4 { fy } else { other };
-        *value = negated(first, hash & 1) + negated(second, hash & 2);
-    }
-    finite(trilinear(&corner, u, v, w) * 0.982)
+    let (sx, sy, sz) = (Sides::new(cx, x), Sides::new(cy, y), Sides::new(cz, z));
+    let hash = hash3(by_bit::<0>(sx.cells), by_bit::<1>(sy.cells), by_bit::<2>(sz.cells));
+    let (x, y, z) = (by_bit::<0>(sx.ways), by_bit::<1>(sy.ways), by_bit::<2>(sz.ways));
+    // The four low bits choose a gradient: below 8 x leads, else y; with it y below 4, x at 12 and 14, else z.
+    let (eight, four) = (where_set(hash, 3), where_set(hash, 2));
+    let (first, rest) = (choose(eight, y, x), choose(eight & four & !where_set(hash, 0), x, z));
+    let second = choose(eight | four, rest, y);
+    let corner = signed(first, hash, 0) + signed(second, hash, 1);
+    finite(trilinear(&corner.to_array(), u, v, w) * 0.982)
 }
 
 pub(crate) fn noise4(p: Vec4) -> f32 {
     let ((cx, x, u), (cy, y, v), (cz, z, w), (cw, h, s)) = (place(p.x), place(p.y), place(p.z), place(p.w));
-    let mut corner = [0.0; 16];
-    for (i, value) in corner.iter_mut().enumerate() {
-        let (dx, dy, dz, dw) = ((i & 1) as i32, ((i >> 1) & 1) as i32, ((i >> 2) & 1) as i32, (i >> 3) as i32);
-        let (fx, fy, fz, fw) = (x - dx as f32, y - dy as f32, z - dz as f32, h - dw as f32);
-        let hash = hash4(
-            cx.wrapping_add(dx) as u32,
-            cy.wrapping_add(dy) as u32,
-            cz.wrapping_add(dz) as u32,
-            cw.wrapping_add(dw) as u32,
-        ) & 31;
-        let first = if hash < 24 { fx } else { fy };
-        let second = if hash < 16 { fy } else { fz };
-        let third = if hash < 8 { fz } else { fw };
-        *value = negated(first, hash & 1) + negated(second, hash & 2) + negated(third, hash & 4);
-    }
-    let (near, far) = corner.split_at(8);
-    let side = |half: &[f32]| trilinear(half.try_into().expect("eight corners"), u, v, w);
-    finite(lerp(side(near), side(far), s) * 0.8344)
+    let (sx, sy, sz, sw) = (Sides::new(cx, x), Sides::new(cy, y), Sides::new(cz, z), Sides::new(cw, h));
+    let (x, y, z) = (by_bit::<0>(sx.ways), by_bit::<1>(sy.ways), by_bit::<2>(sz.ways));
+    let side = |number: usize| {
+        let [h, cell] = [sw.ways[number], sw.cells[number]].map(u32x8::splat);
+        let hash = hash4(by_bit::<0>(sx.cells), by_bit::<1>(sy.cells), by_bit::<2>(sz.cells), cell);
+        // The five low bits: below 24 x leads, else y; then y below 16, else z; then z below 8, else w.
+        let (sixteen, eight) = (where_set(hash, 4), where_set(hash, 3));
+        let first = choose(sixteen & eight, y, x);
+        let second = choose(sixteen, z, y);
+        let third = choose(sixteen | eight, h, z);
+        let corner = signed(first, hash, 0) + signed(second, hash, 1) + signed(third, hash, 2);
+        trilinear(&corner.to_array(), u, v, w)
+    };
+    finite(lerp(side(0), side(1), s) * 0.8344)
 }
 
 #[inline(always)]
@@ -98,8 +137,10 @@ fn bilinear(corner: &[f32; 4], u: f32, v: f32) -> f32 {
 
 #[inline(always)]
 fn trilinear(corner: &[f32; 8], u: f32, v: f32, w: f32) -> f32 {
+    // Along the last axis first: four corners at once.
     let [a, b, c, d, e, f, g, h] = *corner;
-    lerp(bilinear(&[a, b, c, d], u, v), bilinear(&[e, f, g, h], u, v), w)
+    let flat = f32x4::new([a, b, c, d]) * (1.0 - w) + f32x4::new([e, f, g, h]) * w;
+    bilinear(&flat.to_array(), u, v)
 }
 
 /// Coordinates that are no numbers give no noise.

@@ -2,6 +2,7 @@
 
 use super::{Instruction, Operation, Program, Registers};
 use crate::context::{Context, Direction, Field, Shift, Space, Textures};
+use crate::gabor::Gabor;
 use crate::image::{self, Picture, Projection};
 use crate::math::{clamp_between, clamp_in_order, map_range};
 use crate::mix::interpolate;
@@ -90,6 +91,11 @@ impl Program {
                 let length = context.read(Field::RayLength, Shift::NONE).x;
                 splat(surface::falloff(number(0), number(1), length, i32::from(power)))
             }
+            Operation::Wireframe(in_pixels) => {
+                let pixel = if in_pixels { pixel_width(context) } else { 1.0 };
+                // The triangle beside draws the other half.
+                splat(if number(1) < 0.5 * number(0) * pixel { 1.0 } else { 0.0 })
+            }
             Operation::Noise(dimensions, fractal, normalize, coloured) => {
                 let (scale, p) = (number(2), vector(0));
                 let octaves = Octaves {
@@ -158,6 +164,18 @@ impl Program {
                 further = Some([white_noise_colour(dimensions, vector(0), number(1)), Vec3A::ZERO, Vec3A::ZERO]);
                 splat(white_noise(dimensions, vector(0), number(1)))
             }
+            Operation::Gabor(kind) => {
+                let gabor = Gabor {
+                    frequency: number(2),
+                    anisotropy: number(3),
+                    orientation_rad: number(4),
+                    direction: vector(5),
+                };
+                let waves = gabor.at(kind, vector(0) * number(1));
+                further = Some([splat(waves.phase), splat(waves.intensity), Vec3A::ZERO]);
+                splat(waves.value)
+            }
+            Operation::Sky(sky) => self.skies[usize::from(sky)].at(vector(0)),
             Operation::Image(picture, projection, unassociate) => {
                 let (colour, alpha) =
                     image_texture(picture, projection, unassociate, vector(0), number(1), context, textures);
@@ -208,9 +226,11 @@ impl Program {
                     }
                     NormalSpace::Tangent => {
                         let normal = context.read(Field::Normal, Shift::NONE);
+                        let normal = context.transform(Direction::Normal, Space::World, Space::Object, normal);
                         let tangent = vector(3);
                         let across = normal.cross(tangent).normalize_or_zero() * number(4);
-                        tangent * moved.x + normal * moved.y + across * moved.z
+                        let moved = tangent * moved.x + normal * moved.y + across * moved.z;
+                        context.transform(Direction::Vector, Space::Object, Space::World, moved)
                     }
                 }
             }
@@ -230,6 +250,13 @@ fn registers_write(registers: &mut Registers, place: u16, result: Vec3A, further
 
 fn cosine(context: &impl Context, normal: Vec3A) -> f32 {
     context.read(Field::Incoming, Shift::NONE).dot(normal)
+}
+
+/// How wide the footprint looks from the viewer.
+fn pixel_width(context: &impl Context) -> f32 {
+    let incoming = context.read(Field::Incoming, Shift::NONE);
+    let seen = |axis: Field| context.read(axis, Shift::NONE).reject_from_normalized(incoming).length();
+    seen(Field::FootprintX).max(seen(Field::FootprintY))
 }
 
 fn backfacing(context: &impl Context) -> bool {

@@ -2,6 +2,7 @@
 
 use crate::colour::ColourModel;
 use crate::context::{Direction, Field, Shift, Space};
+use crate::gabor::GaborKind;
 use crate::image::{EnvironmentProjection, Picture, Projection};
 use crate::math::{MathKind, RangeKind};
 use crate::mix::Blend;
@@ -75,6 +76,8 @@ pub(crate) enum Operation {
     Fresnel,
     LayerFresnel,
     Facing,
+    /// Size, distance to the nearest side; whether the size is in pixels.
+    Wireframe(bool),
     /// Strength, smooth.
     Falloff(i8),
     /// Vector, w, scale, detail, roughness, lacunarity, offset, gain, distortion; with colour or without.
@@ -93,6 +96,10 @@ pub(crate) enum Operation {
     Brick(i16, i16),
     /// Vector, w. Further: colour.
     WhiteNoise(Dimensions),
+    /// Vector, scale, frequency, anisotropy, orientation, direction: value. Further: phase, intensity.
+    Gabor(GaborKind),
+    /// Direction.
+    Sky(u16),
     /// Vector, blend. Further: alpha.
     Image(Picture, Projection, bool),
     Environment(Picture, EnvironmentProjection),
@@ -125,6 +132,7 @@ impl Operation {
                 | Self::LayerFresnel
                 | Self::Facing
                 | Self::Falloff(_)
+                | Self::Wireframe(_)
                 | Self::Image(..)
                 | Self::Environment(..)
                 | Self::RadialTangent(_)
@@ -144,6 +152,9 @@ pub(crate) struct Instruction {
     pub(crate) count: u8,
     pub(crate) result: u16,
 }
+
+// Some two to a line of the cache.
+const _: () = assert!(size_of::<Instruction>() == 36);
 
 impl Instruction {
     pub(crate) fn operands(&self) -> &[Operand] {

@@ -7,6 +7,7 @@ pub use instruction::Operand;
 pub(crate) use instruction::{FIRST_CONSTANT, Instruction, MOST_OPERANDS, Operation};
 
 use crate::context::{Attribute, Context, Field, Textures};
+use crate::sky::Preetham;
 use crate::table::Table;
 use glam::{Affine3A, Vec3A};
 
@@ -100,6 +101,7 @@ pub struct Program {
     pub(crate) constants: Vec<Vec3A>,
     pub(crate) tables: Vec<Table>,
     pub(crate) maps: Vec<Affine3A>,
+    pub(crate) skies: Vec<Preetham>,
 }
 
 impl Program {

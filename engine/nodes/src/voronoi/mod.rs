@@ -148,6 +148,10 @@ impl Voronoi {
         a.distance(b, self.metric, self.exponent)
     }
 
+    fn near_points<P: Space>(&self, cell: P) -> P::Near {
+        P::near_points(cell, self.hash, self.randomness)
+    }
+
     /// The point of a cell, from the corner of the cell at `offset` 0.
     fn point<P: Space>(&self, cell: P, offset: P) -> P {
         offset + P::point(cell + offset, self.hash) * self.randomness
@@ -157,8 +161,7 @@ impl Voronoi {
         let cell = p.floor();
         let local = p - cell;
         let (mut least, mut nearest, mut at) = (f32::MAX, P::ZERO, P::ZERO);
-        for offset in P::around(1) {
-            let point = self.point(cell, offset);
+        for (offset, &point) in P::near().zip(self.near_points(cell).as_ref()) {
             let distance = self.distance(point, local);
             if distance < least {
                 (least, nearest, at) = (distance, offset, point);
@@ -172,8 +175,7 @@ impl Voronoi {
         let local = p - cell;
         let mut first = (f32::MAX, P::ZERO, P::ZERO);
         let mut second = first;
-        for offset in P::around(1) {
-            let point = self.point(cell, offset);
+        for (offset, &point) in P::near().zip(self.near_points(cell).as_ref()) {
             let distance = self.distance(point, local);
             if distance < first.0 {
                 second = first;
@@ -189,13 +191,16 @@ impl Voronoi {
         let cell = p.floor();
         let local = p - cell;
         let (mut smooth, mut colour, mut position) = (0.0, Vec3A::ZERO, P::ZERO);
-        for (number, offset) in P::around(2).enumerate() {
-            let point = self.point(cell, offset);
+        let points = P::wider_points(cell, self.hash, self.randomness);
+        for (number, (offset, &point)) in P::wider().zip(points.as_ref()).enumerate() {
             let distance = self.distance(point, local);
             let share = match number {
                 0 => 1.0,
                 _ => smoothstep(0.5 + 0.5 * (smooth - distance) / self.smoothness),
             };
+            if share == 0.0 {
+                continue;
+            }
             let mut correction = self.smoothness * share * (1.0 - share);
             smooth = mix(smooth, distance, share) - correction;
             correction /= 1.0 + 3.0 * self.smoothness;
@@ -240,17 +245,18 @@ impl Voronoi {
         if P::DIMENSIONS == 1 {
             return self.edge_on_a_line(cell, local);
         }
+        let points = self.near_points(cell);
         let (mut least, mut to_nearest) = (f32::MAX, P::ZERO);
-        for offset in P::around(1) {
-            let to_point = self.point(cell, offset) - local;
+        for &point in points.as_ref() {
+            let to_point = point - local;
             let square = to_point.dot(to_point);
             if square < least {
                 (least, to_nearest) = (square, to_point);
             }
         }
         let mut edge = f32::MAX;
-        for offset in P::around(1) {
-            let to_point = self.point(cell, offset) - local;
+        for &point in points.as_ref() {
+            let to_point = point - local;
             let across = to_point - to_nearest;
             let square = across.dot(across);
             if square > LEAST_SQUARE {
@@ -275,15 +281,14 @@ impl Voronoi {
         let cell = p.floor();
         let local = p - cell;
         let mut nearest = (f32::MAX, P::ZERO, P::ZERO);
-        for offset in P::around(1) {
-            let point = self.point(cell, offset);
+        for (offset, &point) in P::near().zip(self.near_points(cell).as_ref()) {
             let distance = (point - local).length();
             if distance < nearest.0 {
                 nearest = (distance, offset, point);
             }
         }
         let mut least = f32::MAX;
-        for offset in P::around(1) {
+        for offset in P::near() {
             if offset.dot(offset) == 0.0 {
                 continue;
             }

@@ -283,10 +283,11 @@ fn inverse_transposed(m: &Mat3A) -> Mat3A {
     m.inverse().transpose()
 }
 
-/// Two unit vectors at right angles to a unit vector and to each other.
+/// Two unit vectors at right angles to a unit vector and to each other: those along which Cycles asks for heights.
 fn perpendicular(n: Vec3A) -> [Vec3A; 2] {
-    let (x, y) = n.any_orthonormal_pair();
-    [x, y]
+    let first = Vec3A::new(n.z - n.y, n.x - n.z, n.y - n.x);
+    let first = first.try_normalize().unwrap_or_else(|| n.any_orthonormal_vector());
+    [first, n.cross(first)]
 }
 
 /// How a triangle's weights change along two vectors of its plane, render space.
