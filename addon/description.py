@@ -98,6 +98,8 @@ class WorldDescription:
     # Rotation of a Mapping node: world direction to texture direction, 3 x 3.
     rotation: tuple[tuple[float, float, float], ...] = ((1.0, 0.0, 0.0), (0.0, 1.0, 0.0), (0.0, 0.0, 1.0))
     visible_camera: bool = True
+    # Instead of colour and image: the nodes, as JSON of what `export/graph.py` makes of them.
+    graph: str | None = None
 
 
 @dataclass(frozen=True)

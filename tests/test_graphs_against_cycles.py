@@ -101,7 +101,13 @@ def displaced(t: Tree):
 
 def camera_sees_red(t: Tree):
     path = t.node("LightPath")
-    colour = t.node("Mix", {"data_type": "RGBA"}, Factor=path.outputs["Is Camera Ray"], _6=(0.1, 0.8, 0.1, 1.0), _7=(0.9, 0.1, 0.1, 1.0))
+    colour = t.node(
+        "Mix",
+        {"data_type": "RGBA"},
+        Factor=path.outputs["Is Camera Ray"],
+        _6=(0.1, 0.8, 0.1, 1.0),
+        _7=(0.9, 0.1, 0.1, 1.0),
+    )
     t.shows(t.node("BsdfDiffuse", Color=colour.outputs[2]).outputs[0])
 
 
@@ -113,12 +119,16 @@ def image_box(t: Tree):
     pixels[..., 0], pixels[..., 1] = np.linspace(0, 1, 8)[None, :], np.linspace(0, 1, 8)[:, None]
     image = bpy.data.images.new("ramp", 8, 8, float_buffer=True)
     image.pixels.foreach_set(pixels.ravel())
-    texture = t.node("TexImage", {"image": image, "projection": "BOX", "projection_blend": 0.2}, Vector=t.coordinates("Object"))
+    texture = t.node(
+        "TexImage", {"image": image, "projection": "BOX", "projection_blend": 0.2}, Vector=t.coordinates("Object")
+    )
     t.shows(t.node("BsdfDiffuse", Color=texture.outputs["Color"]).outputs[0])
 
 
 def rough_by_checker(t: Tree):
-    checker = t.node("TexChecker", Vector=t.coordinates("UV"), Scale=8.0, Color1=(0.1,) * 3 + (1.0,), Color2=(0.6,) * 3 + (1.0,))
+    checker = t.node(
+        "TexChecker", Vector=t.coordinates("UV"), Scale=8.0, Color1=(0.1,) * 3 + (1.0,), Color2=(0.6,) * 3 + (1.0,)
+    )
     t.shows(t.node("BsdfPrincipled", Metallic=1.0, Roughness=checker.outputs["Color"]).outputs[0])
 
 
@@ -165,7 +175,11 @@ def colour_attribute(t: Tree):
 def position_math(t: Tree):
     place = t.node("NewGeometry").outputs["Position"]
     parts = t.node("SeparateXYZ", Vector=place)
-    sine = t.node("Math", {"operation": "SINE"}, _0=t.node("Math", {"operation": "MULTIPLY"}, _0=parts.outputs["Z"], _1=9.0).outputs[0])
+    sine = t.node(
+        "Math",
+        {"operation": "SINE"},
+        _0=t.node("Math", {"operation": "MULTIPLY"}, _0=parts.outputs["Z"], _1=9.0).outputs[0],
+    )
     value = t.node("MapRange", Value=sine.outputs[0], From_Min=-1.0, From_Max=1.0, To_Min=0.1, To_Max=0.9)
     t.shows(t.node("BsdfDiffuse", Color=value.outputs[0]).outputs[0])
 

@@ -3,11 +3,13 @@
 
 from __future__ import annotations
 
+import json
+
 import bpy
 from mathutils import Matrix
 
 from ..description import Colour, Report, WorldDescription
-from . import nodes, values
+from . import graph, nodes, values
 from .camera import rows
 from .image import Images
 from .material import uses_nodes
@@ -29,9 +31,21 @@ def describe(world: bpy.types.World | None, images: Images, report: Report) -> W
         return WorldDescription()
     # Cycles keeps ray visibility of worlds in its own settings.
     visibility = getattr(world, "cycles_visibility", None)
-    description = _surface(world, Inputs(f"World '{world.name}'", images, report))
+    described = Report()
+    description = _surface(world, Inputs(f"World '{world.name}'", images, described))
+    if described.warnings:
+        description = _by_its_nodes(world, images, report)
     description.visible_camera = getattr(visibility, "camera", True)
     return description
+
+
+def _by_its_nodes(world: bpy.types.World, images: Images, report: Report) -> WorldDescription:
+    def image(node: bpy.types.Node) -> int:
+        return images.index(node.image, f"World '{world.name}'", associated=True)
+
+    if isinstance(nodes.trace(nodes.Input(world.node_tree.get_output_node("CYCLES").inputs["Volume"])), nodes.Source):
+        report.warn(f"World '{world.name}': volume is not supported yet, it is left out")
+    return WorldDescription(graph=json.dumps(graph.describe(world.node_tree, image)))
 
 
 def _surface(world: bpy.types.World, inputs: Inputs) -> WorldDescription:

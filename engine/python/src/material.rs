@@ -108,20 +108,21 @@ pub(crate) struct PyMaterial {
     pass_index: i32,
 }
 
+/// A compiled graph, and what of it the engine does otherwise than Blender.
+fn read_graph(json: Option<&str>, pass_index: i32, owner: &str) -> Result<(Option<Arc<Graph>>, Vec<String>), Error> {
+    let Some(json) = json else { return Ok((None, Vec::new())) };
+    let (program, reports) = compile(&ShaderGraph::from_json(json)?);
+    let (graph, more) = Graph::new(program, pass_index);
+    let all = reports.iter().map(ToString::to_string).chain(more);
+    Ok((Some(Arc::new(graph)), all.map(|what| format!("{owner}: {what}")).collect()))
+}
+
 impl PyMaterial {
     /// The material, and what of its nodes the engine does otherwise than Blender.
     pub(crate) fn material(self) -> Result<(Material, Vec<String>), Error> {
         let m = self;
-        let (graph, reports) = match &m.graph {
-            None => (None, Vec::new()),
-            Some(json) => {
-                let (program, reports) = compile(&ShaderGraph::from_json(json)?);
-                let (graph, more) = Graph::new(program, m.pass_index);
-                let all = reports.iter().map(ToString::to_string).chain(more);
-                let all = all.map(|what| format!("Material '{}': {what}", m.name)).collect();
-                (Some(Arc::new(graph)), all)
-            }
-        };
+        let owner = format!("Material '{}'", m.name);
+        let (graph, reports) = read_graph(m.graph.as_deref(), m.pass_index, &owner)?;
         let material = Material {
             name: m.name,
             base_color: m.base_color.input()?,
@@ -201,15 +202,21 @@ pub(crate) struct PyWorld {
     image: Option<u32>,
     rotation: [[f32; 3]; 3],
     visible_camera: bool,
+    graph: Option<String>,
 }
 
-impl From<PyWorld> for World {
-    fn from(w: PyWorld) -> Self {
-        Self {
+impl PyWorld {
+    /// The world, and what of its nodes the engine does otherwise than Blender.
+    pub(crate) fn world(self) -> Result<(World, Vec<String>), Error> {
+        let w = self;
+        let (graph, reports) = read_graph(w.graph.as_deref(), 0, "World")?;
+        let world = World {
             color: rgb(w.color),
             texture: w.image,
             rotation: Mat3A::from(Mat3::from_cols_array_2d(&w.rotation).transpose()),
             visible_camera: w.visible_camera,
-        }
+            graph,
+        };
+        Ok((world, reports))
     }
 }

@@ -187,7 +187,9 @@ impl SceneBuilder {
     }
 
     fn set_world(&mut self, world: PyWorld) -> Result<(), Error> {
-        Ok(self.builder.set_world(world.into())?)
+        let (world, reports) = world.world()?;
+        reports.into_iter().for_each(|report| self.builder.warn(report));
+        Ok(self.builder.set_world(world)?)
     }
 
     fn warnings(&self) -> Vec<String> {

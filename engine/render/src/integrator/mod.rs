@@ -6,6 +6,7 @@ mod subsurface;
 
 use crate::accel::Accel;
 use crate::lights::{Lights, emission::Emission};
+use crate::nodes;
 use crate::scene::Scene;
 use crate::scene::layer::Closure;
 use crate::scene::material::Input;
@@ -59,8 +60,9 @@ impl Stage {
     }
 
     /// The same; what is left of the stage of another frame makes it quicker.
-    pub fn after(previous: Option<&Self>, scene: Scene) -> Self {
+    pub fn after(previous: Option<&Self>, mut scene: Scene) -> Self {
         let start = Instant::now();
+        nodes::world::bake(&mut scene);
         let accel = match previous {
             Some(previous) => Accel::new_after(&previous.accel, &scene),
             None => Accel::new(&scene),

@@ -8,7 +8,7 @@ use crate::scene::{
     lamp::LampKind,
     world::{direction_to_equirectangular, equirectangular_to_direction},
 };
-use crate::{Rgb, luminance};
+use crate::{Rgb, luminance, nodes};
 use glam::{Vec2, Vec3A, Vec4Swizzles};
 use std::f32::consts::PI;
 
@@ -78,7 +78,10 @@ impl Sky {
         mut found: impl FnMut(usize, Rgb, f32),
     ) {
         if !camera || scene.world.visible_camera {
-            let (radiance, pdf) = self.image_along(scene, d);
+            let (mut radiance, pdf) = self.image_along(scene, d);
+            if camera && let Some(graph) = &scene.world.graph {
+                radiance = nodes::world::radiance(graph, &scene.textures, d, nodes::Viewer::Camera);
+            }
             found(0, radiance, pdf * self.chance(0));
         }
         for (i, &sun) in self.suns.iter().enumerate() {

@@ -4,6 +4,7 @@
 
 mod layers;
 mod point;
+pub mod world;
 
 pub use layers::{EvaluatedLayer, Layers, Opening, layers, opening};
 pub use point::{GENERATED, View, Viewer};

@@ -1,9 +1,11 @@
 //! Light from infinity: one colour, or an equirectangular image.
 
+use super::graph::Graph;
 use super::texture::{Extension, Interpolation, Texture};
 use crate::Rgb;
 use glam::{Mat3A, Vec2, Vec3A, Vec4Swizzles};
 use std::f32::consts::{PI, TAU};
+use std::sync::Arc;
 use wide::f32x4;
 
 /// The world's light.
@@ -17,11 +19,13 @@ pub struct World {
     pub rotation: Mat3A,
     /// Seen by the camera directly.
     pub visible_camera: bool,
+    /// What the camera sees of it where nodes compute it; the rest is then what surfaces see.
+    pub graph: Option<Arc<Graph>>,
 }
 
 impl Default for World {
     fn default() -> Self {
-        Self { color: Rgb::ZERO, texture: None, rotation: Mat3A::IDENTITY, visible_camera: true }
+        Self { color: Rgb::ZERO, texture: None, rotation: Mat3A::IDENTITY, visible_camera: true, graph: None }
     }
 }
 

@@ -1,0 +1,54 @@
+# SPDX-License-Identifier: GPL-3.0-or-later
+"""Worlds whose nodes are computed by direction, against Cycles in the same Blender, block by block."""
+
+from __future__ import annotations
+
+import numpy as np
+import pytest
+
+from test_closures_against_cycles import BLOCK, SIDE, both, stage  # noqa: F401 (a fixture)
+from test_graphs_against_cycles import Tree
+
+
+def clouds(t: Tree):
+    noise = t.node("TexNoise", Vector=t.coordinates("Generated"), Scale=2.0)
+    t.shows(t.node("Background", Color=t.ramp(noise.outputs[0]), Strength=1.5).outputs[0])
+
+
+def camera_sees_another(t: Tree):
+    """Lit by one colour before another."""
+    path = t.node("LightPath")
+    light = t.node("Background", Color=(0.9, 0.6, 0.3, 1.0))
+    seen = t.node("Background", Color=(0.1, 0.2, 0.5, 1.0))
+    t.shows(t.node("MixShader", _0=path.outputs["Is Camera Ray"], _1=light.outputs[0], _2=seen.outputs[0]).outputs[0])
+
+
+def gradient(t: Tree):
+    parts = t.node("SeparateXYZ", Vector=t.coordinates("Generated"))
+    t.shows(t.node("Background", Color=t.ramp(parts.outputs["Z"])).outputs[0])
+
+
+def preetham(t: Tree):
+    sky = t.node("TexSky", {"sky_type": "PREETHAM", "turbidity": 3.0})
+    t.shows(t.node("Background", Color=sky.outputs[0], Strength=0.2).outputs[0])
+
+
+@pytest.mark.parametrize("build", [clouds, camera_sees_another, gradient, preetham], ids=lambda one: one.__name__)
+def test_worlds(stage, blender, tmp_path, build):  # noqa: F811
+    scene = blender.context.scene
+    tree = stage.with_nodes(scene.world)
+    output = tree.nodes.new("ShaderNodeOutputWorld")
+    build(Tree(tree, output.inputs["Surface"]))
+    made, nodes, surface = stage.material()
+    shader = nodes.nodes.new("ShaderNodeBsdfPrincipled")
+    shader.inputs["Roughness"].default_value = 0.3
+    nodes.links.new(shader.outputs[0], surface)
+    blender.context.object.data.materials.append(made)
+    ours, theirs = both(stage, blender, tmp_path)
+    warnings = stage.part("statistics").last("Scene").warnings
+    assert not warnings, warnings
+    blocks = [picture.reshape(SIDE // BLOCK, BLOCK, SIDE // BLOCK, BLOCK, 3).mean((1, 3)) for picture in (ours, theirs)]
+    ratio = blocks[0] / blocks[1]
+    # 512 samples of 144 pixels; Cycles samples its own table of the sky.
+    assert np.abs(ratio - 1.0).max() < 0.02, ratio
+    assert abs(ours.mean() / theirs.mean() - 1.0) < 0.01
