@@ -5,7 +5,6 @@ use crate::Rgb;
 use crate::sampler::warp;
 use crate::scene::layer::SubsurfaceMethod;
 use glam::Vec3A;
-use std::f32::consts::PI;
 
 /// What is in a body, by channel.
 #[derive(Clone, Copy, Debug)]
@@ -16,6 +15,15 @@ pub struct Medium {
     pub albedo: Rgb,
     /// Henyey and Greenstein's g.
     pub anisotropy: f32,
+}
+
+impl Medium {
+    /// One that scatters to all sides alike, and looks the same after many scatterings (similarity theory).
+    pub fn even(&self) -> Self {
+        let scattering = self.albedo * (1.0 - self.anisotropy);
+        let kept = Rgb::ONE - self.albedo * self.anisotropy;
+        Self { extinction: self.extinction * kept, albedo: scattering / kept, anisotropy: 0.0 }
+    }
 }
 
 /// Light on its way into a body.
@@ -59,16 +67,17 @@ impl Body {
         if radius.min_element() < LEAST_RADIUS {
             return None;
         }
-        let radius = if is_skin { radius * free_path(albedo, ior) } else { radius * (0.25 / PI) };
+        // Of skin the radius is that of the light that comes out; else it is the free path itself.
+        let free_path = if is_skin { radius * diffusion(albedo, ior) * (1.0 - g) } else { radius };
         let mut single = Rgb::ZERO;
         let mut scale = Rgb::ZERO;
         for c in 0..3 {
-            let alpha = single_albedo(albedo[c], g);
+            let alpha = if is_skin { single_albedo(albedo[c], g) } else { van_de_hulst(albedo[c], g) };
             // A walk of a lower albedo would end at once.
             single[c] = alpha.max(0.2);
             scale[c] = if albedo[c] > 0.0 { alpha / single[c] / albedo[c] } else { 0.0 };
         }
-        let extinction = Rgb::ONE / (radius * (1.0 - g)).max(Rgb::splat(1e-16));
+        let extinction = Rgb::ONE / free_path.max(Rgb::splat(1e-16));
         let medium = Medium { extinction, albedo: single, anisotropy: g };
         Some(Self { medium, scale, ior, alpha: if is_skin { 1.0 } else { roughness * roughness }, is_skin })
     }
@@ -93,6 +102,13 @@ impl Body {
     }
 }
 
+/// The albedo of a single scattering with which a half space has that albedo (van de Hulst's approximation, inverted).
+fn van_de_hulst(albedo: f32, g: f32) -> f32 {
+    let a = albedo.clamp(0.0, 1.0);
+    let s = 4.09712 + 4.20863 * a - (9.59217 + 41.6808 * a + 17.7126 * a * a).sqrt();
+    ((1.0 - s * s) / (1.0 - g * s * s)).clamp(0.0, 0.999_999)
+}
+
 /// The albedo of a single scattering with which a body of many scatterings has that albedo: Chiang, Kutz and Burley's
 /// fit for all g.
 fn single_albedo(albedo: f32, g: f32) -> f32 {
@@ -115,7 +131,7 @@ fn single_albedo(albedo: f32, g: f32) -> f32 {
 }
 
 /// The free path of skin over its radius: the diffusion length of a dipole of that albedo (Jensen et al. 2001).
-fn free_path(albedo: Rgb, ior: f32) -> Rgb {
+fn diffusion(albedo: Rgb, ior: f32) -> Rgb {
     let inverse = 1.0 / ior;
     let internal = inverse * (-1.44 * inverse + 0.71) + 0.668 + 0.0636 * ior;
     let boundary = 4.0 / 3.0 * (1.0 + internal) / (1.0 - internal);
@@ -129,7 +145,7 @@ fn free_path(albedo: Rgb, ior: f32) -> Rgb {
             let middle = 0.5 * (low + high);
             if reflected(middle) < albedo { low = middle } else { high = middle }
         }
-        (3.0 * (1.0 - 0.5 * (low + high).min(0.999_999 * 2.0))).max(1e-6).sqrt()
+        (3.0 * (1.0 - 0.5 * (low + high))).max(1e-6).sqrt()
     };
     Rgb::new(one(albedo.x), one(albedo.y), one(albedo.z))
 }
