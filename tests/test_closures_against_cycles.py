@@ -268,6 +268,8 @@ WITHOUT_SKY_SAMPLES = (
 )
 
 
+#: What 4.5 has otherwise, and is here as in 5.x: its plain random walk is up to 6 % darker in a channel.
+OF_BLENDER_5 = ("subsurface", "backward subsurface", "principled, subsurface")
 #: Where a block may differ by more than 1 %.
 BLOCK_LIMITS = {
     # Rational fits to the tables of the paper, which are off by as much in the lobe's shape, not in its whole.
@@ -275,6 +277,8 @@ BLOCK_LIMITS = {
     # Tables of albedos with other steps.
     "multiscatter glass": 0.015,
     "brushed ashikhmin-shirley": 0.02,
+    # Blender 4.5's colours of films are a fit.
+    "principled, film": 0.02,
     # Noise of both: walks through a body are not guided here, and end by chance.
     "subsurface": 0.03,
     "backward subsurface": 0.03,
@@ -287,6 +291,8 @@ BLOCK_LIMITS = {
 @pytest.mark.parametrize("name", CASES)
 def test_looks_as_in_cycles(stage, blender, tmp_path, name):
     bpy = blender
+    if bpy.app.version < (5, 0, 0) and name in OF_BLENDER_5:
+        pytest.skip("as in Blender 5")
     made, tree, surface = stage.material(name)
     try:
         tree.links.new(CASES[name](tree), surface)

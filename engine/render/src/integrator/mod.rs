@@ -7,7 +7,7 @@ mod subsurface;
 use crate::accel::Accel;
 use crate::lights::{Lights, emission::Emission};
 use crate::scene::Scene;
-use crate::scene::layer::Closure;
+use crate::scene::closure::Closure;
 use crate::scene::material::Input;
 use crate::shading::{energy, principled::PrincipledTables};
 use rayon::prelude::*;

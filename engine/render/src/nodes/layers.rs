@@ -1,7 +1,8 @@
 //! Evaluating the layers of a material at a point of a surface.
 
 use super::{colour, number};
-use crate::scene::layer::{Closure, Layer, MOST_LAYERS, Weight};
+use crate::scene::closure::Closure;
+use crate::scene::layer::{Layer, MOST_LAYERS, Weight};
 use crate::scene::material::Material;
 use crate::scene::mesh::Mesh;
 use crate::scene::texture::Texture;

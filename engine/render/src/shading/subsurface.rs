@@ -3,7 +3,7 @@
 use super::microfacet::{Ggx, refract};
 use crate::Rgb;
 use crate::sampler::warp;
-use crate::scene::layer::SubsurfaceMethod;
+use crate::scene::closure::SubsurfaceMethod;
 use glam::Vec3A;
 
 /// What is in a body, by channel.
@@ -114,7 +114,7 @@ fn van_de_hulst(albedo: f32, g: f32) -> f32 {
 fn single_albedo(albedo: f32, g: f32) -> f32 {
     let a = albedo.clamp(0.0, 1.0);
     let sum = |c: [f32; 8]| c.iter().rev().fold(0.0, |s, c| s * g + c);
-    let p = sum([1.826_052_4, -1.284_510_6, -1.799_046_3, 9.193_933, -22.821_559, 32.023_487, -23.626_48, 7.210_67]);
+    let p = sum([1.826_052_4, -1.284_510_6, -1.799_046_3, 9.193_933, -22.821_56, 32.023_487, -23.626_48, 7.210_67]);
     let q = 4.985_112
         + 0.127_355_96
             * sum([0.0, 31.149_158, -201.847_02, 841.576, -2_018.092_9, 2_731.715_6, -1_935.414_2, 559.009_05]).exp();
@@ -122,8 +122,7 @@ fn single_albedo(albedo: f32, g: f32) -> f32 {
     let s = sum([0.496_310_2, 0.360_146_58, -2.151_393, 17.889_69, -55.298_4, 82.065_98, -58.510_6, 15.847_83]);
     let t = 4.231_903
         + 0.003_106_039_5
-            * sum([0.0, 76.731_63, -594.356_8, 2_448.883_4, -5_576.685_3, 7_116.601_7, -4_763.544_7, 1_303.531_8])
-                .exp();
+            * sum([0.0, 76.731_63, -594.356_8, 2_448.883_4, -5_576.685, 7_116.602, -4_763.545, 1_303.531_8]).exp();
     let v = sum([2.406_03, -2.518_148_4, 9.184_949, -79.219_17, 259.082_87, -403.613_8, 302.857_12, -87.437_05]);
     let blend = a.powf(0.25);
     let alpha = (1.0 - blend) * p * (q * a).atan().powf(r) + blend * s * (t * a).atan().powf(v);
@@ -148,4 +147,40 @@ fn diffusion(albedo: Rgb, ior: f32) -> Rgb {
         (3.0 * (1.0 - 0.5 * (low + high))).max(1e-6).sqrt()
     };
     Rgb::new(one(albedo.x), one(albedo.y), one(albedo.z))
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    /// The brighter a body, the whiter what is in it; and black and white stay what they are.
+    #[test]
+    fn single_albedos_rise_with_the_bodys() {
+        for g in [0.0, 0.5, -0.5] {
+            for fit in [van_de_hulst, single_albedo] {
+                // The fits are off by about this at their ends.
+                assert!(
+                    fit(0.0, g).abs() < 0.01 && (fit(1.0, g) - 1.0).abs() < 0.01,
+                    "{} {}",
+                    fit(0.0, g),
+                    fit(1.0, g)
+                );
+                for i in 0..20 {
+                    let (a, b) = (i as f32 / 20.0, (i + 1) as f32 / 20.0);
+                    assert!(fit(a, g) < fit(b, g), "{a} at {g}");
+                }
+            }
+        }
+    }
+
+    /// The even medium absorbs as much, and turns as much of the light.
+    #[test]
+    fn an_even_medium_is_alike() {
+        let medium = Medium { extinction: Rgb::new(1.0, 2.0, 9.0), albedo: Rgb::new(0.5, 0.9, 0.99), anisotropy: 0.7 };
+        let even = medium.even();
+        let absorbs = |m: &Medium| m.extinction * (Rgb::ONE - m.albedo);
+        let turns = |m: &Medium| m.extinction * m.albedo * (1.0 - m.anisotropy);
+        assert!((absorbs(&medium) - absorbs(&even)).abs().max_element() < 1e-5);
+        assert!((turns(&medium) - turns(&even)).abs().max_element() < 1e-5 && even.anisotropy == 0.0);
+    }
 }
