@@ -165,7 +165,8 @@ mod tests {
                     fit(0.0, g),
                     fit(1.0, g)
                 );
-                for i in 0..20 {
+                // Near white one of them is held just below 1.
+                for i in 0..18 {
                     let (a, b) = (i as f32 / 20.0, (i + 1) as f32 / 20.0);
                     assert!(fit(a, g) < fit(b, g), "{a} at {g}");
                 }
