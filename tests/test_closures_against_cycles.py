@@ -228,7 +228,10 @@ CASES = {
         Transmission_Weight=1.0, Roughness=0.1, Thin_Film_Thickness=300.0, Thin_Film_IOR=1.2
     ),
     "subsurface": lambda tree: node(
-        tree, "SubsurfaceScattering", {"falloff": "RANDOM_WALK"}, Color=GOLD, Scale=2.0, Radius=(1.0, 0.5, 0.3)
+        tree, "SubsurfaceScattering", {"falloff": "RANDOM_WALK"}, Color=GOLD, Scale=0.2, Radius=(1.0, 0.5, 0.3)
+    ),
+    "backward subsurface": lambda tree: node(
+        tree, "SubsurfaceScattering", {"falloff": "RANDOM_WALK"}, Color=GOLD, Scale=0.2, Anisotropy=-0.4
     ),
     "skin": lambda tree: node(
         tree, "SubsurfaceScattering", {"falloff": "RANDOM_WALK_SKIN"}, Color=GOLD, Scale=0.2, Radius=(1.0, 0.5, 0.3)
@@ -243,7 +246,7 @@ CASES = {
         Anisotropy=0.6,
     ),
     "principled, subsurface": principled(
-        Base_Color=RED, Subsurface_Weight=0.8, Subsurface_Scale=1.0, Subsurface_Radius=(1.0, 0.4, 0.2), Roughness=0.4
+        Base_Color=RED, Subsurface_Weight=0.8, Subsurface_Scale=0.1, Subsurface_Radius=(1.0, 0.4, 0.2), Roughness=0.4
     ),
     "principled, half clear": principled(Base_Color=RED, Alpha=0.4, Coat_Weight=0.5),
     "principled, shining": principled(
@@ -265,6 +268,8 @@ WITHOUT_SKY_SAMPLES = (
 )
 
 
+#: What 4.5 has otherwise, and is here as in 5.x: its plain random walk is up to 6 % darker in a channel.
+OF_BLENDER_5 = ("subsurface", "backward subsurface", "principled, subsurface")
 #: Where a block may differ by more than 1 %.
 BLOCK_LIMITS = {
     # Rational fits to the tables of the paper, which are off by as much in the lobe's shape, not in its whole.
@@ -272,12 +277,22 @@ BLOCK_LIMITS = {
     # Tables of albedos with other steps.
     "multiscatter glass": 0.015,
     "brushed ashikhmin-shirley": 0.02,
+    # Blender 4.5's colours of films are a fit.
+    "principled, film": 0.02,
+    # Noise of both: walks through a body are not guided here, and end by chance.
+    "subsurface": 0.03,
+    "backward subsurface": 0.03,
+    "skin": 0.03,
+    "forward subsurface": 0.03,
+    "principled, subsurface": 0.03,
 }
 
 
 @pytest.mark.parametrize("name", CASES)
 def test_looks_as_in_cycles(stage, blender, tmp_path, name):
     bpy = blender
+    if bpy.app.version < (5, 0, 0) and name in OF_BLENDER_5:
+        pytest.skip("as in Blender 5")
     made, tree, surface = stage.material(name)
     try:
         tree.links.new(CASES[name](tree), surface)

@@ -3,9 +3,8 @@
 use crate::error::{Error, bad_scene};
 use crate::material::{PyColour, PyNumber};
 use petzval_render::Rgb;
-use petzval_render::scene::layer::{
-    Closure, Distribution, Layer, MetalKind, Principled, SubsurfaceMethod, ThinFilm, Weight,
-};
+use petzval_render::scene::closure::{Closure, Distribution, MetalKind, Principled, SubsurfaceMethod, ThinFilm};
+use petzval_render::scene::layer::{Layer, Weight};
 use petzval_render::scene::material::Input;
 use pyo3::prelude::*;
 use std::collections::HashMap;

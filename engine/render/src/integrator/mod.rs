@@ -8,7 +8,7 @@ use crate::accel::Accel;
 use crate::lights::{Lights, emission::Emission};
 use crate::nodes;
 use crate::scene::Scene;
-use crate::scene::layer::Closure;
+use crate::scene::closure::Closure;
 use crate::scene::material::Input;
 use crate::shading::{energy, principled::PrincipledTables};
 use rayon::prelude::*;

@@ -3,6 +3,7 @@
 //!
 //! Many paths go on together: see [`Wave`].
 
+mod choice;
 mod pilot;
 mod wave;
 

@@ -11,6 +11,8 @@ use std::f32::consts::TAU;
 
 /// Scatterings after which a walk is given up.
 const MOST_STEPS: u32 = 256;
+/// Scatterings after which their direction no longer matters.
+const EVEN_AFTER: u32 = 10;
 /// Surfaces of other bodies that a stretch may pass.
 const MOST_PASSED: u32 = 16;
 
@@ -44,9 +46,12 @@ pub(super) fn walk(
 ) -> Option<(SurfacePoint, Rgb)> {
     let inwards = -point.geometric_normal;
     let mut ray = Ray::new(offset_origin(point.position, inwards, point.position_error), entry.direction);
-    let medium = &entry.medium;
+    let mut medium = entry.medium;
     let mut light = entry.light;
     for step in 0..MOST_STEPS {
+        if step == EVEN_AFTER {
+            medium = medium.even();
+        }
         // A channel, by what it may still bring.
         let chances = light * medium.albedo;
         let total = chances.element_sum();

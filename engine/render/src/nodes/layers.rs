@@ -2,8 +2,9 @@
 
 use super::point::{Images, Point, View};
 use super::{colour, number};
+use crate::scene::closure::Closure;
 use crate::scene::graph::{Graph, Source};
-use crate::scene::layer::{Closure, Layer, MOST_LAYERS, Weight};
+use crate::scene::layer::{Layer, MOST_LAYERS, Weight};
 use crate::scene::material::Material;
 use crate::scene::mesh::Mesh;
 use crate::scene::texture::Texture;

@@ -5,7 +5,7 @@ use crate::Rgb;
 use crate::nodes::Viewer;
 use crate::scene::Scene;
 use crate::scene::graph::Graph;
-use crate::scene::layer::Closure;
+use crate::scene::closure::Closure;
 use crate::scene::texture::Texture;
 use crate::scene::world::equirectangular_to_direction;
 use glam::{Mat3A, Vec2, Vec3A, Vec4};

@@ -1,6 +1,7 @@
 //! A material as a compiled shader graph: closures whose inputs a program computes at each point.
 
-use super::layer::{Closure, Distribution, MOST_LAYERS, MetalKind, Principled, SubsurfaceMethod, ThinFilm};
+use super::closure::{Closure, Distribution, MetalKind, Principled, SubsurfaceMethod, ThinFilm};
+use super::layer::MOST_LAYERS;
 use crate::luminance;
 use glam::Vec3A;
 use petzval_nodes::{Field, Layer, LayerKind, Operand, Program, Registers};

@@ -1,6 +1,7 @@
 //! What there is to photograph: a plain description comes in piece by piece ([`SceneBuilder`]), is checked, and
 //! becomes an immutable [`Scene`] in render space. Nothing here knows how light moves or what a camera is.
 
+pub mod closure;
 pub mod graph;
 pub mod lamp;
 pub mod layer;

@@ -9,7 +9,7 @@ use super::mixture::{Boundary, Mixture, dielectric, mean_roughness, metal, slope
 use super::subsurface::Body;
 use super::thin_film::Film;
 use crate::Rgb;
-use crate::scene::layer::{Distribution, MetalKind, Principled, SubsurfaceMethod};
+use crate::scene::closure::{Distribution, MetalKind, Principled, SubsurfaceMethod};
 use glam::Vec3A;
 
 /// Weights that count.

@@ -9,7 +9,7 @@ use super::subsurface::{Body, Entry};
 use super::thin_film::Film;
 use super::{BsdfSample, Scattering};
 use crate::Rgb;
-use crate::scene::layer::{Closure, Distribution, MetalKind, ThinFilm};
+use crate::scene::closure::{Closure, Distribution, MetalKind, ThinFilm};
 use crate::surface::SurfacePoint;
 use arrayvec::ArrayVec;
 use glam::{Quat, Vec3A};

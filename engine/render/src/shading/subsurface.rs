@@ -3,9 +3,8 @@
 use super::microfacet::{Ggx, refract};
 use crate::Rgb;
 use crate::sampler::warp;
-use crate::scene::layer::SubsurfaceMethod;
+use crate::scene::closure::SubsurfaceMethod;
 use glam::Vec3A;
-use std::f32::consts::PI;
 
 /// What is in a body, by channel.
 #[derive(Clone, Copy, Debug)]
@@ -16,6 +15,15 @@ pub struct Medium {
     pub albedo: Rgb,
     /// Henyey and Greenstein's g.
     pub anisotropy: f32,
+}
+
+impl Medium {
+    /// One that scatters to all sides alike, and looks the same after many scatterings (similarity theory).
+    pub fn even(&self) -> Self {
+        let scattering = self.albedo * (1.0 - self.anisotropy);
+        let kept = Rgb::ONE - self.albedo * self.anisotropy;
+        Self { extinction: self.extinction * kept, albedo: scattering / kept, anisotropy: 0.0 }
+    }
 }
 
 /// Light on its way into a body.
@@ -59,16 +67,17 @@ impl Body {
         if radius.min_element() < LEAST_RADIUS {
             return None;
         }
-        let radius = if is_skin { radius * free_path(albedo, ior) } else { radius * (0.25 / PI) };
+        // Of skin the radius is that of the light that comes out; else it is the free path itself.
+        let free_path = if is_skin { radius * diffusion(albedo, ior) * (1.0 - g) } else { radius };
         let mut single = Rgb::ZERO;
         let mut scale = Rgb::ZERO;
         for c in 0..3 {
-            let alpha = single_albedo(albedo[c], g);
+            let alpha = if is_skin { single_albedo(albedo[c], g) } else { van_de_hulst(albedo[c], g) };
             // A walk of a lower albedo would end at once.
             single[c] = alpha.max(0.2);
             scale[c] = if albedo[c] > 0.0 { alpha / single[c] / albedo[c] } else { 0.0 };
         }
-        let extinction = Rgb::ONE / (radius * (1.0 - g)).max(Rgb::splat(1e-16));
+        let extinction = Rgb::ONE / free_path.max(Rgb::splat(1e-16));
         let medium = Medium { extinction, albedo: single, anisotropy: g };
         Some(Self { medium, scale, ior, alpha: if is_skin { 1.0 } else { roughness * roughness }, is_skin })
     }
@@ -93,12 +102,19 @@ impl Body {
     }
 }
 
+/// The albedo of a single scattering with which a half space has that albedo (van de Hulst's approximation, inverted).
+fn van_de_hulst(albedo: f32, g: f32) -> f32 {
+    let a = albedo.clamp(0.0, 1.0);
+    let s = 4.09712 + 4.20863 * a - (9.59217 + 41.6808 * a + 17.7126 * a * a).sqrt();
+    ((1.0 - s * s) / (1.0 - g * s * s)).clamp(0.0, 0.999_999)
+}
+
 /// The albedo of a single scattering with which a body of many scatterings has that albedo: Chiang, Kutz and Burley's
 /// fit for all g.
 fn single_albedo(albedo: f32, g: f32) -> f32 {
     let a = albedo.clamp(0.0, 1.0);
     let sum = |c: [f32; 8]| c.iter().rev().fold(0.0, |s, c| s * g + c);
-    let p = sum([1.826_052_4, -1.284_510_6, -1.799_046_3, 9.193_933, -22.821_559, 32.023_487, -23.626_48, 7.210_67]);
+    let p = sum([1.826_052_4, -1.284_510_6, -1.799_046_3, 9.193_933, -22.821_56, 32.023_487, -23.626_48, 7.210_67]);
     let q = 4.985_112
         + 0.127_355_96
             * sum([0.0, 31.149_158, -201.847_02, 841.576, -2_018.092_9, 2_731.715_6, -1_935.414_2, 559.009_05]).exp();
@@ -106,8 +122,7 @@ fn single_albedo(albedo: f32, g: f32) -> f32 {
     let s = sum([0.496_310_2, 0.360_146_58, -2.151_393, 17.889_69, -55.298_4, 82.065_98, -58.510_6, 15.847_83]);
     let t = 4.231_903
         + 0.003_106_039_5
-            * sum([0.0, 76.731_63, -594.356_8, 2_448.883_4, -5_576.685_3, 7_116.601_7, -4_763.544_7, 1_303.531_8])
-                .exp();
+            * sum([0.0, 76.731_63, -594.356_8, 2_448.883_4, -5_576.685, 7_116.602, -4_763.545, 1_303.531_8]).exp();
     let v = sum([2.406_03, -2.518_148_4, 9.184_949, -79.219_17, 259.082_87, -403.613_8, 302.857_12, -87.437_05]);
     let blend = a.powf(0.25);
     let alpha = (1.0 - blend) * p * (q * a).atan().powf(r) + blend * s * (t * a).atan().powf(v);
@@ -115,7 +130,7 @@ fn single_albedo(albedo: f32, g: f32) -> f32 {
 }
 
 /// The free path of skin over its radius: the diffusion length of a dipole of that albedo (Jensen et al. 2001).
-fn free_path(albedo: Rgb, ior: f32) -> Rgb {
+fn diffusion(albedo: Rgb, ior: f32) -> Rgb {
     let inverse = 1.0 / ior;
     let internal = inverse * (-1.44 * inverse + 0.71) + 0.668 + 0.0636 * ior;
     let boundary = 4.0 / 3.0 * (1.0 + internal) / (1.0 - internal);
@@ -129,7 +144,44 @@ fn free_path(albedo: Rgb, ior: f32) -> Rgb {
             let middle = 0.5 * (low + high);
             if reflected(middle) < albedo { low = middle } else { high = middle }
         }
-        (3.0 * (1.0 - 0.5 * (low + high).min(0.999_999 * 2.0))).max(1e-6).sqrt()
+        (3.0 * (1.0 - 0.5 * (low + high))).max(1e-6).sqrt()
     };
     Rgb::new(one(albedo.x), one(albedo.y), one(albedo.z))
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    /// The brighter a body, the whiter what is in it; and black and white stay what they are.
+    #[test]
+    fn single_albedos_rise_with_the_bodys() {
+        for g in [0.0, 0.5, -0.5] {
+            for fit in [van_de_hulst, single_albedo] {
+                // The fits are off by about this at their ends.
+                assert!(
+                    fit(0.0, g).abs() < 0.01 && (fit(1.0, g) - 1.0).abs() < 0.01,
+                    "{} {}",
+                    fit(0.0, g),
+                    fit(1.0, g)
+                );
+                // Near white one of them is held just below 1.
+                for i in 0..18 {
+                    let (a, b) = (i as f32 / 20.0, (i + 1) as f32 / 20.0);
+                    assert!(fit(a, g) < fit(b, g), "{a} at {g}");
+                }
+            }
+        }
+    }
+
+    /// The even medium absorbs as much, and turns as much of the light.
+    #[test]
+    fn an_even_medium_is_alike() {
+        let medium = Medium { extinction: Rgb::new(1.0, 2.0, 9.0), albedo: Rgb::new(0.5, 0.9, 0.99), anisotropy: 0.7 };
+        let even = medium.even();
+        let absorbs = |m: &Medium| m.extinction * (Rgb::ONE - m.albedo);
+        let turns = |m: &Medium| m.extinction * m.albedo * (1.0 - m.anisotropy);
+        assert!((absorbs(&medium) - absorbs(&even)).abs().max_element() < 1e-5);
+        assert!((turns(&medium) - turns(&even)).abs().max_element() < 1e-5 && even.anisotropy == 0.0);
+    }
 }

@@ -2,6 +2,7 @@
 //! order of their materials, then all shadow rays are traced. Each step does one kind of work on memory that stays in
 //! the cache. What a path finds does not depend on which others go with it.
 
+use super::choice::{Chosen, power_heuristic};
 use super::{CAMERA_SETS, FirstSurface, Limits, MOST_STEPS, PathResult, SETS_PER_STEP, leave, mix, opening};
 use crate::Rgb;
 use crate::accel::{Hit, Ray, RayKind, offset_origin};
@@ -70,33 +71,6 @@ struct Shadow {
     ray: Ray,
     light: Rgb,
     bounce: u32,
-}
-
-/// How the current ray was chosen: what light it finds is weighted by this.
-#[derive(Clone, Copy)]
-enum Chosen {
-    /// By the camera or a mirror: no light sample competes.
-    Alone,
-    /// By a surface's scattering, with this density per steradian; and where a light sample competed.
-    WithPdf(f32, Receiver),
-}
-
-impl Chosen {
-    /// The weight of light found by this ray that a light sample finds with density `light_pdf`.
-    fn weight(self, light_pdf: f32) -> f32 {
-        match self {
-            Self::Alone => 1.0,
-            Self::WithPdf(pdf, _) => power_heuristic(pdf, light_pdf),
-        }
-    }
-
-    /// Where a light sample competed.
-    fn receiver(&self) -> Option<&Receiver> {
-        match self {
-            Self::Alone => None,
-            Self::WithPdf(_, to) => Some(to),
-        }
-    }
 }
 
 impl Wave {
@@ -422,15 +396,4 @@ fn direct(bsdf: &impl Scattering, light: &LightSample) -> Rgb {
     let weight = if light.point_like { 1.0 } else { power_heuristic(light.pdf, pdf) };
     let contribution = value * light.radiance * (weight / light.pdf);
     if contribution.is_finite() { contribution } else { Rgb::ZERO }
-}
-
-/// Weight of a sample of density `a` where another technique has density `b` (exponent 2).
-#[inline]
-fn power_heuristic(a: f32, b: f32) -> f32 {
-    if b == 0.0 {
-        return 1.0;
-    }
-    // As a ratio: squares of large densities overflow.
-    let r = b / a;
-    1.0 / (1.0 + r * r)
 }

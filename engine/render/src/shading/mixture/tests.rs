@@ -4,7 +4,7 @@
 use super::*;
 use crate::nodes::MaterialValues;
 use crate::sampler::warp;
-use crate::scene::layer::{Principled, SubsurfaceMethod, ThinFilm};
+use crate::scene::closure::{Principled, SubsurfaceMethod, ThinFilm};
 use crate::scene::material::{Input, Material};
 use crate::shading::principled::{Bsdf, PrincipledTables};
 

@@ -1,0 +1,41 @@
+//! How a ray was chosen, and what the light that it finds counts beside light samples.
+
+use crate::lights::receiver::Receiver;
+
+/// How the current ray was chosen: what light it finds is weighted by this.
+#[derive(Clone, Copy)]
+pub(super) enum Chosen {
+    /// By the camera or a mirror: no light sample competes.
+    Alone,
+    /// By a surface's scattering, with this density per steradian; and where a light sample competed.
+    WithPdf(f32, Receiver),
+}
+
+impl Chosen {
+    /// The weight of light found by this ray that a light sample finds with density `light_pdf`.
+    pub(super) fn weight(self, light_pdf: f32) -> f32 {
+        match self {
+            Self::Alone => 1.0,
+            Self::WithPdf(pdf, _) => power_heuristic(pdf, light_pdf),
+        }
+    }
+
+    /// Where a light sample competed.
+    pub(super) fn receiver(&self) -> Option<&Receiver> {
+        match self {
+            Self::Alone => None,
+            Self::WithPdf(_, to) => Some(to),
+        }
+    }
+}
+
+/// Weight of a sample of density `a` where another technique has density `b` (exponent 2).
+#[inline]
+pub(super) fn power_heuristic(a: f32, b: f32) -> f32 {
+    if b == 0.0 {
+        return 1.0;
+    }
+    // As a ratio: squares of large densities overflow.
+    let r = b / a;
+    1.0 / (1.0 + r * r)
+}

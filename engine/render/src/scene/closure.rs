@@ -1,0 +1,350 @@
+//! Closures: what a surface does with light, as Blender's shader nodes name it.
+//!
+//! A closure is generic over how its inputs are given: `C` colours, `N` numbers.
+
+/// How the facets of a rough surface are tilted.
+#[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
+pub enum Distribution {
+    /// GGX, each ray meeting one facet.
+    Ggx,
+    /// GGX with the light that goes on from facet to facet.
+    #[default]
+    MultiscatterGgx,
+    /// Beckmann.
+    Beckmann,
+    /// Ashikhmin and Shirley's. Reflects alone.
+    AshikhminShirley,
+}
+
+/// What a metal's two colours mean.
+#[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
+pub enum MetalKind {
+    /// Reflectance at normal incidence, and its tint at 82 degrees.
+    #[default]
+    Tinted,
+    /// Index of refraction and extinction coefficient.
+    Conductor,
+}
+
+/// How light goes through a body.
+#[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
+pub enum SubsurfaceMethod {
+    /// A random walk whose free path the radius gives.
+    #[default]
+    RandomWalk,
+    /// A random walk whose free path depends on the albedo, too.
+    Skin,
+}
+
+/// Scattering, emission or transparency.
+#[derive(Clone, Copy, Debug, PartialEq)]
+// Most layers of a busy material are Principled, and no layer is moved once it stands.
+#[allow(clippy::large_enum_variant)]
+pub enum Closure<C, N> {
+    /// Oren and Nayar's, Lambert's where `roughness` is 0.
+    Diffuse {
+        /// Albedo.
+        color: C,
+        /// 0 to 1.
+        roughness: N,
+    },
+    /// Lambert's on the far side.
+    Translucent {
+        /// Albedo.
+        color: C,
+    },
+    /// A mirror of facets without Fresnel's law.
+    Glossy {
+        /// Of the reflection.
+        color: C,
+        /// Perceptual.
+        roughness: N,
+        /// -1 to 1, as the Glossy node has it.
+        anisotropy: N,
+        /// Turns of the tangent.
+        rotation: N,
+        /// Of its facets.
+        distribution: Distribution,
+    },
+    /// A metal.
+    Metal {
+        /// Reflectance at normal incidence, or the index of refraction.
+        base: C,
+        /// Tint near grazing, or the extinction coefficient.
+        edge: C,
+        /// Which of both.
+        kind: MetalKind,
+        /// Perceptual.
+        roughness: N,
+        /// 0 to 1, as Principled has it.
+        anisotropy: N,
+        /// Turns of the tangent.
+        rotation: N,
+        /// Of its facets.
+        distribution: Distribution,
+        /// Over it.
+        film: ThinFilm<N>,
+    },
+    /// Reflects and refracts by Fresnel's law.
+    Glass {
+        /// Tint of both.
+        color: C,
+        /// Perceptual.
+        roughness: N,
+        /// Index of refraction.
+        ior: N,
+        /// Of its facets.
+        distribution: Distribution,
+        /// Over it.
+        film: ThinFilm<N>,
+    },
+    /// Refracts all that is not totally reflected, and reflects nothing.
+    Refraction {
+        /// Tint.
+        color: C,
+        /// Perceptual.
+        roughness: N,
+        /// Index of refraction.
+        ior: N,
+        /// Of its facets.
+        distribution: Distribution,
+    },
+    /// Lets light through unbent.
+    Transparent {
+        /// What of it.
+        color: C,
+    },
+    /// A hole in the picture.
+    Holdout,
+    /// Shines.
+    Emission {
+        /// Colour.
+        color: C,
+        /// Radiance is colour times this.
+        strength: N,
+    },
+    /// Cloth, by transformed cosines (Zeltner, Burley and Chiang 2022).
+    Microfiber {
+        /// Tint.
+        color: C,
+        /// 0 to 1.
+        roughness: N,
+    },
+    /// Cloth, by Ashikhmin's distribution.
+    Velvet {
+        /// Tint.
+        color: C,
+        /// Spread of the fibres.
+        sigma: N,
+    },
+    /// A disk of light as in drawings, about the normal or about the mirrored ray.
+    Toon {
+        /// Tint.
+        color: C,
+        /// 0 to 1: of a right angle.
+        size: N,
+        /// How much further it fades.
+        smooth: N,
+        /// About the mirrored ray.
+        glossy: bool,
+    },
+    /// Light that goes into the body and comes out elsewhere.
+    Subsurface {
+        /// Albedo.
+        color: C,
+        /// How far it goes, by channel, times `scale`.
+        radius: C,
+        /// Blender units.
+        scale: N,
+        /// Index of refraction where it enters.
+        ior: N,
+        /// Perceptual, where it enters.
+        roughness: N,
+        /// Forwards or backwards, -1 to 1.
+        anisotropy: N,
+        /// Of its ways.
+        method: SubsurfaceMethod,
+    },
+    /// Blender's Principled BSDF with all its sockets.
+    Principled(Principled<C, N>),
+}
+
+/// A film on a surface, thin enough to colour what it reflects.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct ThinFilm<N> {
+    /// Nanometres; none at 0.
+    pub thickness_nm: N,
+    /// Index of refraction.
+    pub ior: N,
+}
+
+/// Blender's Principled BSDF (4.x and 5.x).
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct Principled<C, N> {
+    /// Albedo of the diffuse base and of metal; its square root tints transmission.
+    pub base_color: C,
+    /// 0 dielectric to 1 metal.
+    pub metallic: N,
+    /// Perceptual.
+    pub roughness: N,
+    /// Index of refraction.
+    pub ior: N,
+    /// 0 lets everything through unbent.
+    pub alpha: N,
+    /// Of the diffuse base.
+    pub diffuse_roughness: N,
+    /// The part of the base whose light goes into the body.
+    pub subsurface_weight: N,
+    /// How far, by channel, times the scale.
+    pub subsurface_radius: C,
+    /// Blender units.
+    pub subsurface_scale: N,
+    /// Index of refraction where it enters skin; else it is Principled's own.
+    pub subsurface_ior: N,
+    /// Forwards or backwards, -1 to 1.
+    pub subsurface_anisotropy: N,
+    /// Of its ways.
+    pub subsurface_method: SubsurfaceMethod,
+    /// 0.5 leaves the reflection that the index gives.
+    pub specular_ior_level: N,
+    /// Tint of reflections at normal incidence (dielectric), near grazing (metal).
+    pub specular_tint: C,
+    /// 0 to 1.
+    pub anisotropic: N,
+    /// Turns of the tangent.
+    pub anisotropic_rotation: N,
+    /// 0 opaque to 1 glass.
+    pub transmission: N,
+    /// Of the clear coat.
+    pub coat_weight: N,
+    /// Perceptual.
+    pub coat_roughness: N,
+    /// Index of refraction.
+    pub coat_ior: N,
+    /// What the coat leaves of light that passes it.
+    pub coat_tint: C,
+    /// Of the cloth over all.
+    pub sheen_weight: N,
+    /// 0 to 1.
+    pub sheen_roughness: N,
+    /// Tint.
+    pub sheen_tint: C,
+    /// Emitted colour.
+    pub emission_color: C,
+    /// Emitted radiance is colour times this.
+    pub emission_strength: N,
+    /// Over metal, glass and the dielectric.
+    pub film: ThinFilm<N>,
+    /// Whether light goes on from facet to facet.
+    pub multiscatter: bool,
+}
+
+impl<N> ThinFilm<N> {
+    fn map<M>(&self, n: &mut impl FnMut(&N) -> M) -> ThinFilm<M> {
+        ThinFilm { thickness_nm: n(&self.thickness_nm), ior: n(&self.ior) }
+    }
+}
+
+impl<C, N> Closure<C, N> {
+    /// The same closure with its inputs given in another way.
+    pub fn map<D, M>(&self, mut c: impl FnMut(&C) -> D, mut n: impl FnMut(&N) -> M) -> Closure<D, M> {
+        match self {
+            Self::Diffuse { color, roughness } => Closure::Diffuse { color: c(color), roughness: n(roughness) },
+            Self::Translucent { color } => Closure::Translucent { color: c(color) },
+            Self::Glossy { color, roughness, anisotropy, rotation, distribution } => Closure::Glossy {
+                color: c(color),
+                roughness: n(roughness),
+                anisotropy: n(anisotropy),
+                rotation: n(rotation),
+                distribution: *distribution,
+            },
+            Self::Metal { base, edge, kind, roughness, anisotropy, rotation, distribution, film } => Closure::Metal {
+                base: c(base),
+                edge: c(edge),
+                kind: *kind,
+                roughness: n(roughness),
+                anisotropy: n(anisotropy),
+                rotation: n(rotation),
+                distribution: *distribution,
+                film: film.map(&mut n),
+            },
+            Self::Glass { color, roughness, ior, distribution, film } => Closure::Glass {
+                color: c(color),
+                roughness: n(roughness),
+                ior: n(ior),
+                distribution: *distribution,
+                film: film.map(&mut n),
+            },
+            Self::Refraction { color, roughness, ior, distribution } => Closure::Refraction {
+                color: c(color),
+                roughness: n(roughness),
+                ior: n(ior),
+                distribution: *distribution,
+            },
+            Self::Transparent { color } => Closure::Transparent { color: c(color) },
+            Self::Holdout => Closure::Holdout,
+            Self::Emission { color, strength } => Closure::Emission { color: c(color), strength: n(strength) },
+            Self::Microfiber { color, roughness } => Closure::Microfiber { color: c(color), roughness: n(roughness) },
+            Self::Velvet { color, sigma } => Closure::Velvet { color: c(color), sigma: n(sigma) },
+            Self::Toon { color, size, smooth, glossy } => {
+                Closure::Toon { color: c(color), size: n(size), smooth: n(smooth), glossy: *glossy }
+            }
+            Self::Subsurface { color, radius, scale, ior, roughness, anisotropy, method } => Closure::Subsurface {
+                color: c(color),
+                radius: c(radius),
+                scale: n(scale),
+                ior: n(ior),
+                roughness: n(roughness),
+                anisotropy: n(anisotropy),
+                method: *method,
+            },
+            Self::Principled(p) => Closure::Principled(p.map(&mut c, &mut n)),
+        }
+    }
+}
+
+impl<C> Closure<C, f32> {
+    /// Whether its facets are stretched along the surface's tangent.
+    pub fn is_brushed(&self) -> bool {
+        match self {
+            Self::Glossy { anisotropy, .. } | Self::Metal { anisotropy, .. } => *anisotropy != 0.0,
+            Self::Principled(p) => p.anisotropic != 0.0,
+            _ => false,
+        }
+    }
+}
+
+impl<C, N> Principled<C, N> {
+    fn map<D, M>(&self, c: &mut impl FnMut(&C) -> D, n: &mut impl FnMut(&N) -> M) -> Principled<D, M> {
+        Principled {
+            base_color: c(&self.base_color),
+            metallic: n(&self.metallic),
+            roughness: n(&self.roughness),
+            ior: n(&self.ior),
+            alpha: n(&self.alpha),
+            diffuse_roughness: n(&self.diffuse_roughness),
+            subsurface_weight: n(&self.subsurface_weight),
+            subsurface_radius: c(&self.subsurface_radius),
+            subsurface_scale: n(&self.subsurface_scale),
+            subsurface_ior: n(&self.subsurface_ior),
+            subsurface_anisotropy: n(&self.subsurface_anisotropy),
+            subsurface_method: self.subsurface_method,
+            specular_ior_level: n(&self.specular_ior_level),
+            specular_tint: c(&self.specular_tint),
+            anisotropic: n(&self.anisotropic),
+            anisotropic_rotation: n(&self.anisotropic_rotation),
+            transmission: n(&self.transmission),
+            coat_weight: n(&self.coat_weight),
+            coat_roughness: n(&self.coat_roughness),
+            coat_ior: n(&self.coat_ior),
+            coat_tint: c(&self.coat_tint),
+            sheen_weight: n(&self.sheen_weight),
+            sheen_roughness: n(&self.sheen_roughness),
+            sheen_tint: c(&self.sheen_tint),
+            emission_color: c(&self.emission_color),
+            emission_strength: n(&self.emission_strength),
+            film: self.film.map(n),
+            multiscatter: self.multiscatter,
+        }
+    }
+}
