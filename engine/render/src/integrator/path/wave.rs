@@ -54,7 +54,6 @@ struct Path {
 }
 
 /// A path at a surface that scatters it.
-#[derive(Clone, Copy)]
 struct Meeting {
     path: u32,
     point: SurfacePoint,
@@ -239,85 +238,24 @@ impl Wave {
     /// out.
     #[inline(always)]
     fn go_on(&mut self, stage: &Stage, limits: &Limits, meeting: usize, bsdf: &impl Scattering) {
-        let Meeting { path: i, point, u, .. } = self.meetings[meeting];
-        let [u_end, u_light, u_lobe] = u;
-        let [u0, u1, u2, u3] = self.paths[i as usize].sampler.next_4d();
-        if let Some(entry) = bsdf.enter(u_lobe, [u2, u3]) {
-            let _ = self.light(stage, limits, i, &point, bsdf, [u_light, u0, u1]);
-            let mut numbers = Numbers::new([u_lobe, u2, u3]);
-            let found = walk(stage, &point, &entry, &mut numbers, &mut self.results[i as usize].rays);
-            let Some((exit, light)) = found else { return };
-            self.paths[i as usize].throughput *= light;
-            let mut four = || std::array::from_fn(|_| numbers.next());
-            let ([u_light, u0, u1, _], [u_lobe, u2, u3, _]) = (four(), four());
-            let bsdf = Mixture::exit(&exit);
-            let to = self.light(stage, limits, i, &exit, &bsdf, [u_light, u0, u1]);
-            self.turn(limits, i, &exit, &bsdf, to, [u_end, u_lobe, u2, u3]);
-        } else {
-            let to = self.light(stage, limits, i, &point, bsdf, [u_light, u0, u1]);
-            self.turn(limits, i, &point, bsdf, to, [u_end, u_lobe, u2, u3]);
-        }
-    }
-
-    /// A sample of the lights at a place.
-    #[inline(always)]
-    fn light(
-        &mut self,
-        stage: &Stage,
-        limits: &Limits,
-        path_number: u32,
-        point: &SurfacePoint,
-        bsdf: &impl Scattering,
-        [u_light, u0, u1]: [f32; 3],
-    ) -> Receiver {
-        let path = &self.paths[path_number as usize];
-        let to = stage.lights.receiver(point.position, bsdf.receiving_normal(), limits.openness);
-        if !bsdf.is_mirror()
-            && let Some(light) = stage.lights.sample(&stage.scene, &to, u_light, [u0, u1])
-        {
-            let found = path.throughput * direct(bsdf, &light);
-            if !light.cast_shadow {
-                self.results[path_number as usize].radiance += limits.clamp(found, path.bounce);
-            } else if found != Rgb::ZERO {
-                let origin = leave(point, light.wi);
-                let ray = Ray { origin, direction: light.wi, t_max: light.distance };
-                self.shadows.push(Shadow { path: path_number, ray, light: found, bounce: path.bounce });
-            }
-        }
-        to
-    }
-
-    /// A direction to go on in.
-    #[inline(always)]
-    fn turn(
-        &mut self,
-        limits: &Limits,
-        path_number: u32,
-        point: &SurfacePoint,
-        bsdf: &impl Scattering,
-        to: Receiver,
-        [u_end, u_lobe, u2, u3]: [f32; 4],
-    ) {
-        let path = &mut self.paths[path_number as usize];
-        let Some(next) = bsdf.sample(u_lobe, [u2, u3]) else { return };
-        path.throughput *= next.weight;
-        path.bounce += 1;
-        let brightest = path.throughput.max_element();
-        if brightest <= 0.0 {
+        let Meeting { path: i, point, u: [u_end, u_light, u_lobe], .. } = &self.meetings[meeting];
+        let (path, result) = (&mut self.paths[*i as usize], &mut self.results[*i as usize]);
+        let [u0, u1, u2, u3] = path.sampler.next_4d();
+        let at = Place { stage, limits, path: *i, point };
+        let to = at.light(path, result, &mut self.shadows, bsdf, [*u_light, u0, u1]);
+        let is_alive = &mut self.is_alive[*i as usize];
+        let Some(entry) = bsdf.enter(*u_lobe, [u2, u3]) else {
+            *is_alive = at.turn(path, bsdf, to, [*u_end, *u_lobe, u2, u3]);
             return;
-        }
-        let go_on = brightest * limits.roulette;
-        if go_on < 1.0 {
-            if u_end >= go_on {
-                return;
-            }
-            path.throughput /= go_on;
-        }
-        path.chosen = if next.mirror { Chosen::Alone } else { Chosen::WithPdf(next.pdf, to) };
-        path.travelled = 0.0;
-        path.ray = Ray::new(leave(point, next.wi), next.wi);
-        path.start = path.ray.origin;
-        self.is_alive[path_number as usize] = true;
+        };
+        let mut numbers = Numbers::new([*u_lobe, u2, u3]);
+        let Some((exit, light)) = walk(stage, point, &entry, &mut numbers, &mut result.rays) else { return };
+        path.throughput *= light;
+        let mut four = || std::array::from_fn(|_| numbers.next());
+        let ([u_light, u0, u1, _], [u_lobe, u2, u3, _]) = (four(), four());
+        let (at, bsdf) = (Place { point: &exit, ..at }, Mixture::exit(&exit));
+        let to = at.light(path, result, &mut self.shadows, &bsdf, [u_light, u0, u1]);
+        *is_alive = at.turn(path, &bsdf, to, [*u_end, u_lobe, u2, u3]);
     }
 
     /// Adds the light whose way is free, as far as it is.
@@ -330,6 +268,68 @@ impl Wave {
             });
             result.radiance += limits.clamp(*light * free, *bounce);
         }
+    }
+}
+
+/// Where a path scatters.
+#[derive(Clone, Copy)]
+struct Place<'a> {
+    stage: &'a Stage,
+    limits: &'a Limits,
+    path: u32,
+    point: &'a SurfacePoint,
+}
+
+impl Place<'_> {
+    /// A sample of the lights.
+    #[inline(always)]
+    fn light(
+        &self,
+        path: &Path,
+        result: &mut PathResult,
+        shadows: &mut Vec<Shadow>,
+        bsdf: &impl Scattering,
+        [u_light, u0, u1]: [f32; 3],
+    ) -> Receiver {
+        let Self { stage, limits, point, .. } = self;
+        let to = stage.lights.receiver(point.position, bsdf.receiving_normal(), limits.openness);
+        if !bsdf.is_mirror()
+            && let Some(light) = stage.lights.sample(&stage.scene, &to, u_light, [u0, u1])
+        {
+            let found = path.throughput * direct(bsdf, &light);
+            if !light.cast_shadow {
+                result.radiance += limits.clamp(found, path.bounce);
+            } else if found != Rgb::ZERO {
+                let origin = leave(point, light.wi);
+                let ray = Ray { origin, direction: light.wi, t_max: light.distance };
+                shadows.push(Shadow { path: self.path, ray, light: found, bounce: path.bounce });
+            }
+        }
+        to
+    }
+
+    /// A direction to go on in; whether there is one.
+    #[inline(always)]
+    fn turn(&self, path: &mut Path, bsdf: &impl Scattering, to: Receiver, [u_end, u_lobe, u2, u3]: [f32; 4]) -> bool {
+        let Some(next) = bsdf.sample(u_lobe, [u2, u3]) else { return false };
+        path.throughput *= next.weight;
+        path.bounce += 1;
+        let brightest = path.throughput.max_element();
+        if brightest <= 0.0 {
+            return false;
+        }
+        let go_on = brightest * self.limits.roulette;
+        if go_on < 1.0 {
+            if u_end >= go_on {
+                return false;
+            }
+            path.throughput /= go_on;
+        }
+        path.chosen = if next.mirror { Chosen::Alone } else { Chosen::WithPdf(next.pdf, to) };
+        path.travelled = 0.0;
+        path.ray = Ray::new(leave(self.point, next.wi), next.wi);
+        path.start = path.ray.origin;
+        true
     }
 }
 
