@@ -3,7 +3,7 @@
 
 #![allow(dead_code, reason = "each bench takes what it needs")]
 
-use glam::{Affine3A, DMat4, DVec3, Mat3A, Vec3};
+use glam::{Affine3A, DMat4, DVec3, Vec3};
 use petzval_render::Rgb;
 use petzval_render::camera::{Camera, CameraDescription, Model, Spectrum};
 use petzval_render::integrator::Stage;
@@ -167,7 +167,7 @@ pub(crate) fn scene(n: u32) -> Scene {
         })
         .collect();
     let sky = builder.add_texture(Texture::from_floats("sky", 256, 128, &pixels, false).unwrap());
-    let world = World { color: Rgb::ONE, texture: Some(sky as u32), rotation: Mat3A::IDENTITY, visible_camera: true };
+    let world = World { color: Rgb::ONE, texture: Some(sky as u32), ..World::default() };
     builder.set_world(world).unwrap();
     builder.build(EYE)
 }

@@ -121,7 +121,7 @@ impl Graph {
             ));
         }
         let mut layers: Vec<GraphLayer> =
-            program.surface.iter().take(MOST_LAYERS).filter_map(|layer| Of(layer).layer(&mut report)).collect();
+            program.surface.iter().take(MOST_LAYERS).filter_map(|layer| Of(layer, &program).layer(&mut report)).collect();
         if !program.volume.is_empty() {
             report("volume is not supported yet, it is left out");
             if program.surface.is_empty() {
@@ -201,7 +201,7 @@ impl Graph {
 }
 
 /// A layer as Blender names its inputs.
-struct Of<'a>(&'a Layer);
+struct Of<'a>(&'a Layer, &'a Program);
 
 impl Of<'_> {
     fn input(&self, identifier: &str, otherwise: f32) -> Source {
@@ -239,7 +239,15 @@ impl Of<'_> {
     fn layer(&self, report: &mut impl FnMut(&str)) -> Option<GraphLayer> {
         let closure = self.closure(report)?;
         let (normal, tangent) = (self.direction("Normal"), self.direction("Tangent"));
+        if tangent.is_some() && self.is_brushed() {
+            report("a tangent of its own is not supported yet, brushed metal turns about the object's z axis");
+        }
         Some(GraphLayer { weight: Source::Of(self.0.weight), closure, normal, tangent })
+    }
+
+    fn is_brushed(&self) -> bool {
+        let names = ["Anisotropic", "Anisotropy"].into_iter();
+        names.filter_map(|name| self.0.input(name)).any(|input| self.1.constant(input) != Some(Vec3A::ZERO))
     }
 
     fn closure(&self, report: &mut impl FnMut(&str)) -> Option<Closure<Source, Source>> {
