@@ -14,6 +14,9 @@ use pyo3::prelude::*;
 use pyo3::types::PyDict;
 use std::sync::Arc;
 
+/// Colour, pass index, random number.
+type PyObjectInfo = ((f32, f32, f32, f32), i32, f32);
+
 /// Takes a scene apart from Python, piece by piece.
 #[pyclass]
 #[derive(Default)]
@@ -158,7 +161,7 @@ impl SceneBuilder {
         visible_shadow: bool,
         asset_name: Option<&str>,
         moved: Option<[Matrix4; 2]>,
-        info: Option<((f32, f32, f32, f32), i32, f32)>,
+        info: Option<PyObjectInfo>,
     ) -> Result<(), Error> {
         let instance = self.builder.add_instance(
             object_name,

@@ -120,8 +120,12 @@ impl Graph {
                 program.surface.len()
             ));
         }
-        let mut layers: Vec<GraphLayer> =
-            program.surface.iter().take(MOST_LAYERS).filter_map(|layer| Of(layer, &program).layer(&mut report)).collect();
+        let mut layers: Vec<GraphLayer> = program
+            .surface
+            .iter()
+            .take(MOST_LAYERS)
+            .filter_map(|layer| Of(layer, &program).layer(&mut report))
+            .collect();
         if !program.volume.is_empty() {
             report("volume is not supported yet, it is left out");
             if program.surface.is_empty() {
