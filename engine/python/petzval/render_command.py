@@ -96,7 +96,7 @@ def add_parser(subparsers: argparse._SubParsersAction) -> None:
     p.add_argument(
         "--blue-noise",
         choices=("on", "off"),
-        help="errors of neighbouring pixels cancel; off to join ranges of samples",
+        help="errors of neighbouring pixels cancel; off to join ranges of samples, and with --noise-threshold",
     )
     p.add_argument("--sample-offset", type=_natural, metavar="N", help="number of the first sample")
     p.add_argument("--resolution", type=_pixels, metavar="WxH")

@@ -70,24 +70,7 @@ fn main() -> Result<(), Box<dyn Error>> {
 }
 
 fn settings([width, height]: [u32; 2], samples: u32, noise_threshold: f32, seed: u32) -> Settings {
-    Settings {
-        width,
-        height,
-        samples,
-        noise_threshold,
-        min_samples: 0,
-        seed,
-        sample_offset: 0,
-        blue_noise: false,
-        threads: 0,
-        max_bounces: 8,
-        clamp_indirect: 0.0,
-        filter_width_px: 1.5,
-        transparent_film: false,
-        pipeline: Default::default(),
-        with_data: false,
-        integrator: Default::default(),
-    }
+    Settings { width, height, samples, noise_threshold, seed, max_bounces: 8, ..Settings::default() }
 }
 
 /// Relative; as seen; as seen in bad blocks.

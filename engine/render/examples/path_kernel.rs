@@ -61,18 +61,11 @@ fn main() -> Result<(), Box<dyn Error>> {
             height: size[1],
             samples,
             seed,
-            sample_offset: 0,
             blue_noise,
-            noise_threshold: 0.0,
-            min_samples: 0,
             threads: 1,
             max_bounces: 8,
-            clamp_indirect: 0.0,
             filter_width_px: 0.0,
-            transparent_film: false,
-            pipeline: Default::default(),
-            with_data: false,
-            integrator: Default::default(),
+            ..Settings::default()
         };
         let job = Job::start(stage.clone(), stage::camera(model, wavelength_nm, size), settings)?;
         while !job.wait(Duration::from_secs(1)) {}

@@ -57,18 +57,10 @@ fn settings(samples: u32, noise_threshold: f32, seed: u32) -> Settings {
         height: HEIGHT,
         samples,
         seed,
-        sample_offset: 0,
-        blue_noise: false,
         noise_threshold,
-        min_samples: 0,
         threads: 2,
         max_bounces: 2,
-        clamp_indirect: 0.0,
-        filter_width_px: 1.5,
-        transparent_film: false,
-        pipeline: Pipeline::Auto,
-        with_data: false,
-        integrator: Integrator::Path,
+        ..Settings::default()
     }
 }
 

@@ -61,18 +61,10 @@ fn settings(integrator: Integrator, samples: u32, seed: u32) -> Settings {
         height: HEIGHT,
         samples,
         seed,
-        sample_offset: 0,
-        blue_noise: false,
-        noise_threshold: 0.0,
-        min_samples: 0,
         threads: 2,
         max_bounces: 5,
-        clamp_indirect: 0.0,
-        filter_width_px: 1.5,
-        transparent_film: false,
-        pipeline: Pipeline::Auto,
-        with_data: false,
         integrator,
+        ..Settings::default()
     }
 }
 

@@ -81,15 +81,13 @@ impl Node {
 
     /// Around all children.
     pub(super) fn bounds(&self) -> Bounds {
-        let plane = |side: usize| {
-            let at = |axis: usize| {
-                let planes = &self.planes[axis][side][..(self.leaves >> INDEX_BITS) as usize];
-                let plane = if side == 0 { planes.iter().min() } else { planes.iter().max() };
-                on_axis(plane.copied().unwrap_or(0), self.origin[axis], self.step[axis]) as f32
-            };
-            Vec3A::new(at(0), at(1), at(2)).extend(0.0)
-        };
-        Bounds { min: plane(0), max: plane(1) }
+        self.boxes().fold(Bounds::EMPTY, |all, one| all.union(&one))
+    }
+
+    /// How many children there are.
+    #[inline(always)]
+    fn count(&self) -> u32 {
+        self.leaves >> INDEX_BITS
     }
 
     /// How many children are inner nodes: the first.
@@ -105,12 +103,12 @@ impl Node {
 
     /// In order.
     pub(super) fn children(&self) -> impl Iterator<Item = Child> + '_ {
-        (0..self.leaves >> INDEX_BITS).map(|i| self.child(i))
+        (0..self.count()).map(|i| self.child(i))
     }
 
     /// Of the children, as the grid has them.
     pub(super) fn boxes(&self) -> impl Iterator<Item = Bounds> + '_ {
-        (0..(self.leaves >> INDEX_BITS) as usize).map(|i| {
+        (0..self.count() as usize).map(|i| {
             let corner = |side: usize| {
                 let at = |axis: usize| on_axis(self.planes[axis][side][i], self.origin[axis], self.step[axis]) as f32;
                 Vec3A::new(at(0), at(1), at(2)).extend(0.0)
@@ -141,7 +139,7 @@ impl Node {
             enter = numbers(simd, &self.planes[axis][side]).mul_add(step, f32x8::splat(simd, near)).max(enter);
             leave = numbers(simd, &self.planes[axis][side ^ 1]).mul_add(step, f32x8::splat(simd, far)).min(leave);
         }
-        let there = (1 << (self.leaves >> INDEX_BITS)) - 1;
+        let there = (1 << self.count()) - 1;
         (enter.simd_le(leave).to_bitmask() as u32 & there, enter)
     }
 }

@@ -1,4 +1,4 @@
-//! Trees of a scene whose shapes move: the boxes are drawn anew around the same triangles in the same order, in a quarter
+//! Trees of a scene whose shapes move: the boxes are drawn anew around the same triangles in the same order, in a third
 //! of a build's time; unless they have moved so far apart that rays would pay more for it.
 
 use super::Accel;

@@ -48,6 +48,30 @@ pub struct Settings {
     pub integrator: Integrator,
 }
 
+/// What the add-on starts from, for a picture of 1920 x 1080.
+impl Default for Settings {
+    fn default() -> Self {
+        Self {
+            width: 1920,
+            height: 1080,
+            samples: 64,
+            noise_threshold: 0.0,
+            min_samples: 0,
+            seed: 0,
+            blue_noise: false,
+            sample_offset: 0,
+            threads: 0,
+            max_bounces: 12,
+            clamp_indirect: 0.0,
+            filter_width_px: 1.5,
+            transparent_film: false,
+            pipeline: Pipeline::Auto,
+            with_data: false,
+            integrator: Integrator::Path,
+        }
+    }
+}
+
 /// A setting out of range.
 #[derive(Debug, thiserror::Error)]
 pub enum SettingsError {

@@ -13,18 +13,10 @@ fn settings(samples: u32, threads: usize) -> Settings {
         height: 50,
         samples,
         seed: 4,
-        sample_offset: 0,
-        blue_noise: false,
-        noise_threshold: 0.0,
-        min_samples: 0,
         threads,
         max_bounces: 4,
-        clamp_indirect: 0.0,
-        filter_width_px: 1.5,
-        transparent_film: false,
-        pipeline: Pipeline::Auto,
         with_data: true,
-        integrator: Integrator::Path,
+        ..Settings::default()
     }
 }
 

@@ -43,24 +43,7 @@ fn stage() -> Arc<Stage> {
 
 fn settings(pipeline: Pipeline, samples: u32, seed: u32) -> Settings {
     let [width, height] = SIZE;
-    Settings {
-        width,
-        height,
-        samples,
-        seed,
-        sample_offset: 0,
-        blue_noise: false,
-        noise_threshold: 0.0,
-        min_samples: 0,
-        threads: 0,
-        max_bounces: 0,
-        clamp_indirect: 0.0,
-        filter_width_px: 1.5,
-        transparent_film: false,
-        pipeline,
-        with_data: true,
-        integrator: crate::integrator::Integrator::Path,
-    }
+    Settings { width, height, samples, seed, max_bounces: 0, pipeline, with_data: true, ..Settings::default() }
 }
 
 /// All of them, also where light lands in any order.

@@ -6,7 +6,7 @@
 use crate::studio::{lens, white_world};
 use petzval_render::camera::{Camera, CameraDescription};
 use petzval_render::film::TILE_SIZE;
-use petzval_render::integrator::{Integrator, Stage};
+use petzval_render::integrator::Stage;
 use petzval_render::job::{Job, Settings};
 use petzval_render::pipeline::Pipeline;
 use std::sync::Arc;
@@ -34,18 +34,11 @@ impl Field {
                 height,
                 samples: if pipeline == Pipeline::SceneFirst { 32 } else { 16 },
                 seed,
-                sample_offset: 0,
-                blue_noise: false,
-                noise_threshold: 0.0,
-                min_samples: 0,
                 threads: 2,
                 max_bounces: 0,
-                clamp_indirect: 0.0,
                 filter_width_px,
-                transparent_film: false,
                 pipeline,
-                with_data: false,
-                integrator: Integrator::Path,
+                ..Settings::default()
             };
             let job = Job::start(stage.clone(), Camera::new(d, width, height).unwrap(), settings).unwrap();
             assert!(job.wait(Duration::from_secs(300)));

@@ -3,7 +3,7 @@
 use glam::{DMat4, DVec3, Vec3};
 use petzval_render::Rgb;
 use petzval_render::camera::{Camera, CameraDescription, Model, Spectrum};
-use petzval_render::integrator::{Integrator, Stage};
+use petzval_render::integrator::Stage;
 use petzval_render::job::{Job, Settings};
 use petzval_render::pipeline::Pipeline;
 use petzval_render::scene::material::{Input, Material};
@@ -111,18 +111,11 @@ pub(crate) fn shoot(stage: &Arc<Stage>, d: &CameraDescription, e: &Exposure, see
         height,
         samples: e.samples,
         seed,
-        sample_offset: 0,
-        blue_noise: false,
-        noise_threshold: 0.0,
-        min_samples: 0,
         threads: 2,
         max_bounces: 0,
-        clamp_indirect: 0.0,
         filter_width_px: 0.0,
-        transparent_film: false,
         pipeline: e.pipeline,
-        with_data: false,
-        integrator: Integrator::Path,
+        ..Settings::default()
     };
     let job = Job::start(stage.clone(), Camera::new(d, width, height).unwrap(), settings).unwrap();
     assert!(job.wait(Duration::from_secs(300)));
