@@ -4,8 +4,9 @@ DEMO_SCENE = tests/scenes/demo.blend
 DEMO_LENS = lenses/wide-angle-smith-f3.4.lens
 DEMO_OPTIONS =
 BENCH_OPTIONS =
+PARITY_OPTIONS =
 
-.PHONY: help demo test test-all lint setup build extension speed price bench numerics clean
+.PHONY: help demo test test-all lint setup build extension speed price bench parity numerics clean
 
 help: ## what there is to make
 	@sed -n 's/^\([a-z-]*\):.*## \(.*\)/\1\t\2/p' Makefile | expand -t 12
@@ -50,6 +51,10 @@ price: build ## what each camera and pipeline costs, into docs/camera-price.md
 bench: build ## Petzval beside Cycles and Mitsuba, into docs/performance.md; BENCH_OPTIONS=--quick to try
 	@tools/setup-python.sh bench
 	@PYTHONPATH=tools .venv-bench/bin/python -m bench $(BENCH_OPTIONS)
+
+parity: build ## Petzval beside Cycles, scene by scene, into docs/parity.md; PARITY_OPTIONS="--only sun" to try
+	@tools/setup-python.sh bench
+	@PYTHONPATH=tools .venv-bench/bin/python -m parity $(PARITY_OPTIONS)
 
 numerics: ## hold the lens tracer against exact numbers, and write docs/numerics.md
 	@cargo run --release --quiet -p petzval-optics --example numerics

@@ -1,0 +1,55 @@
+# SPDX-License-Identifier: GPL-3.0-or-later
+"""Small scenes of one feature each, for Petzval and Cycles to render alike: `SCENES`, by name.
+
+Made by script when they are asked for, in the Blender that imports this; nothing is kept in files.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Callable
+from dataclasses import dataclass
+
+import bpy
+
+
+@dataclass(frozen=True)
+class ParityScene:
+    """A scene that both are to render alike."""
+
+    name: str
+    #: The chapter of the page that lists it: the module's name.
+    chapter: str
+    title: str
+    #: Fills an empty file with it.
+    fill: Callable[[], None]
+    #: How far the mean of a block of pixels may be off, relative.
+    tolerance: float
+    #: Why the tolerance is more than a hundredth.
+    why: str
+    #: Warnings that it is right to give: each a part of one.
+    warns: tuple[str, ...]
+
+    def open(self) -> None:
+        """Makes it the scene that is open."""
+        bpy.ops.wm.read_factory_settings(use_empty=True)
+        bpy.context.scene.render.engine = "CYCLES"
+        self.fill()
+
+
+SCENES: dict[str, ParityScene] = {}
+
+
+def scene(title: str, tolerance: float = 0.01, why: str = "", warns: tuple[str, ...] = ()):
+    """Puts the function below it among the scenes, under its own name."""
+    assert tolerance <= 0.01 or why, title
+
+    def added(fill: Callable[[], None]):
+        name, chapter = fill.__name__, fill.__module__.rsplit(".", 1)[-1]
+        assert name not in SCENES, name
+        SCENES[name] = ParityScene(name, chapter, title, fill, tolerance, why, warns)
+        return fill
+
+    return added
+
+
+from . import surfaces, textures, coordinates, lamps, worlds, shapes  # noqa: E402, F401, I001 (they add to SCENES, in this order)

@@ -1,0 +1,118 @@
+# SPDX-License-Identifier: GPL-3.0-or-later
+"""`python -m parity [--samples N] [--only NAME ...] [--scenes FOLDER]`, in the environment .venv-bench, tools/ on the path.
+
+Renders every parity scene by Petzval and by Cycles, and writes docs/parity.md with its pictures. With --only the page stays
+as it is. What has been rendered with as many samples is not rendered again unless --again says so.
+"""
+
+from __future__ import annotations
+
+import argparse
+import json
+import os
+import subprocess
+import sys
+from pathlib import Path
+
+from . import MARK, compare, page
+
+TOP = Path(__file__).resolve().parents[2]
+WORK = TOP / "output" / "parity"
+
+
+def main() -> int:
+    asked = argparse.ArgumentParser(prog="parity", description="Compares Petzval with Cycles, scene by scene.")
+    asked.add_argument("--samples", type=int, default=512, help="a pixel, in each program")
+    asked.add_argument("--size", default="160x120", help="of a picture")
+    asked.add_argument("--only", nargs="+", metavar="NAME", help="these scenes alone; the page stays as it is")
+    asked.add_argument("--scenes", default=os.environ.get("PETZVAL_SCENES"), help="a folder of .blend files to try too")
+    asked.add_argument("--again", action="store_true", help="render also what has been rendered")
+    options = asked.parse_args()
+    size = tuple(map(int, options.size.split("x")))
+    python = next((p for v in ("52", "45") if (p := TOP / f".venv-bpy{v}" / "bin" / "python").exists()), None)
+    if python is None:
+        print("petzval: no environment with bpy: make build", file=sys.stderr)
+        return 1
+    run = Run(python, size, options.samples, options.again)
+    try:
+        scenes = run.listed()
+    except subprocess.CalledProcessError as error:
+        print(f"petzval: the scenes cannot be listed: {error.stderr.strip().splitlines()[-1]}", file=sys.stderr)
+        return 1
+    results = {}
+    chosen = options.only or scenes
+    unknown = [name for name in chosen if name not in scenes]
+    if unknown:
+        print(f"petzval: no parity scene {', '.join(unknown)}: see tests/scenes/parity_scenes", file=sys.stderr)
+        return 1
+    for name in chosen:
+        results[name] = run.one(name, WORK / name)
+        say(name, results[name])
+    others = {}
+    if options.scenes and not options.only:
+        for path in sorted(Path(options.scenes).rglob("*.blend")):
+            others[path.stem] = run.one(str(path), WORK / "others" / path.stem)
+            say(path.stem, others[path.stem])
+    if not options.only:
+        page.write(TOP / "docs", WORK, scenes, results, others, size, options.samples)
+    return int(any("failed" in one for one in results.values()))
+
+
+def say(name: str, found: dict) -> None:
+    keys = [key for key in ("skipped", "failed", "black") if key in found]
+    numbers = [f"{key} {found[key]:.4f}" for key in ("flip", "flip_of_halves", "worst_block", "mean") if key in found]
+    print(f"{name:26s}", *(f"{key}: {found[key]}" for key in keys), *numbers, flush=True)
+
+
+class Run:
+    """Renders scenes, each in a process of its own."""
+
+    def __init__(self, python: Path, size: tuple[int, int], samples: int, again: bool) -> None:
+        self.python, self.numbers, self.again = python, [*map(str, size), str(samples)], again
+        paths = [TOP / "tools", TOP / "tests" / "scenes", *filter(None, [os.environ.get("PYTHONPATH")])]
+        self.environment = {**os.environ, "PYTHONPATH": os.pathsep.join(map(str, paths))}
+
+    def listed(self) -> dict[str, dict]:
+        """The parity scenes: chapter, title, tolerance, why, by name."""
+        code = (
+            "import json, os; from dataclasses import asdict; from parity_scenes import SCENES\n"
+            f"print({MARK!r} + json.dumps({{name: {{**asdict(one), 'fill': None}} for name, one in SCENES.items()}}), flush=True)\n"
+            "os._exit(0)"
+        )
+        done = subprocess.run(
+            [self.python, "-c", code], capture_output=True, text=True, env=self.environment, check=True
+        )
+        return _marked(done.stdout)
+
+    def one(self, scene: str, folder: Path) -> dict:
+        """Renders and compares; what cannot be rendered says why."""
+        kept = folder / "found.json"
+        if kept.exists() and not self.again:
+            found = json.loads(kept.read_text())
+            if found.get("numbers") == self.numbers:
+                return found
+        folder.mkdir(parents=True, exist_ok=True)
+        command = [self.python, "-m", "parity.job", scene, folder, *self.numbers]
+        try:
+            done = subprocess.run(
+                command, capture_output=True, text=True, env=self.environment, check=False, timeout=1800
+            )
+        except subprocess.TimeoutExpired:
+            return {"failed": "not done after half an hour"}
+        found = _marked(done.stdout)
+        if found is None:
+            last = (done.stderr.strip().splitlines() or ["it said nothing"])[-1]
+            return {"failed": f"exit {done.returncode}: {last}"}
+        if "skipped" not in found:
+            found |= compare.compare(folder)
+        kept.write_text(json.dumps({**found, "numbers": self.numbers}, indent=1) + "\n")
+        return found
+
+
+def _marked(said: str) -> dict | None:
+    line = next((line for line in said.splitlines() if line.startswith(MARK)), None)
+    return json.loads(line[len(MARK) :]) if line else None
+
+
+if __name__ == "__main__":
+    sys.exit(main())
