@@ -276,6 +276,18 @@ def skies() -> list[Case]:
             options = {"sky_type": "PREETHAM", "sun_direction": sun, "turbidity": turbidity}
             # Before 5.0 Blender's white was rounded otherwise, by about this.
             cases.append(Case("ShaderNodeTexSky", "Color", options, {"Vector": "tilted"}, tolerance=5e-4))
+            options = {**options, "sky_type": "HOSEK_WILKIE", "ground_albedo": 0.3}
+            cases.append(Case("ShaderNodeTexSky", "Color", options, {"Vector": "tilted"}, tolerance=5e-4))
+    # Blender 4 has the first, 5 the others.
+    scattered = ("NISHITA", "SINGLE_SCATTERING", "MULTIPLE_SCATTERING")
+    for kind, elevation, altitude in product(scattered, (0.05, 0.7, -0.03, 2.0), (0.0, 8000.0)):
+        dust = "dust_density" if kind == "NISHITA" else "aerosol_density"
+        options = {
+            "sky_type": kind, "sun_disc": False, "sun_elevation": elevation, "sun_rotation": 0.9, "altitude": altitude,
+            "air_density": 1.2, dust: 0.7, "ozone_density": 1.5,
+        }  # fmt: skip
+        # A sky with a sun's disc takes no coordinates: test_worlds_against_cycles.py has it.
+        cases.append(Case("ShaderNodeTexSky", "Color", options, {"Vector": "tilted"}, tolerance=1e-3))
     return cases
 
 

@@ -33,7 +33,41 @@ def preetham(t: Tree):
     t.shows(t.node("Background", Color=sky.outputs[0], Strength=0.2).outputs[0])
 
 
-@pytest.mark.parametrize("build", [clouds, camera_sees_another, gradient, preetham], ids=lambda one: one.__name__)
+def scattered(kind: str, elevation: float, **settings):
+    """A sky with its sun, dimmed like a photographer would."""
+
+    def build(t: Tree):
+        import bpy
+
+        older = bpy.app.version < (5, 0, 0)
+        sky_type = "NISHITA" if older and kind == "SINGLE_SCATTERING" else kind
+        if older and kind == "MULTIPLE_SCATTERING":
+            pytest.skip("this Blender has no such sky")
+        sky = t.node("TexSky", {"sky_type": sky_type, "sun_elevation": elevation, "sun_rotation": 2.6, **settings})
+        t.shows(t.node("Background", Color=sky.outputs[0], Strength=0.1).outputs[0])
+
+    build.__name__ = f"{kind.lower()}_{elevation}_{'_'.join(settings)}"
+    return build
+
+
+def hosek(t: Tree):
+    sky = t.node("TexSky", {"sky_type": "HOSEK_WILKIE", "turbidity": 4.0, "sun_direction": (0.3, -0.4, 0.6)})
+    t.shows(t.node("Background", Color=sky.outputs[0], Strength=1.0).outputs[0])
+
+
+SKIES = [
+    scattered("SINGLE_SCATTERING", 0.6),
+    scattered("MULTIPLE_SCATTERING", 0.6),
+    # The sun half below the horizon.
+    scattered("MULTIPLE_SCATTERING", 0.0, sun_size=0.1),
+    scattered("SINGLE_SCATTERING", 0.2, sun_size=0.05, sun_intensity=0.3, altitude=2000.0),
+    scattered("MULTIPLE_SCATTERING", 0.5, sun_disc=False),
+]
+
+
+@pytest.mark.parametrize(
+    "build", [*SKIES, hosek, clouds, camera_sees_another, gradient, preetham], ids=lambda one: one.__name__
+)
 def test_worlds(stage, blender, tmp_path, build):  # noqa: F811
     scene = blender.context.scene
     tree = stage.with_nodes(scene.world)

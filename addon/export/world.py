@@ -15,15 +15,6 @@ from .image import Images
 from .material import uses_nodes
 from .texture import Inputs
 
-#: The average of Blender's skies without the sun's disk, for as long as the engine cannot make them.
-PLAIN_SKIES = {
-    "HOSEK_WILKIE": (0.07, 0.11, 0.17),
-    "PREETHAM": (0.42, 0.60, 1.06),
-    "NISHITA": (3.27, 3.53, 3.73),
-    "SINGLE_SCATTERING": (3.20, 3.50, 3.73),
-    "MULTIPLE_SCATTERING": (3.53, 4.83, 6.62),
-}
-
 
 def describe(world: bpy.types.World | None, images: Images, report: Report) -> WorldDescription:
     """What the engine is told of the world; none is black."""
@@ -95,9 +86,6 @@ def _background(source: nodes.Source, inputs: Inputs) -> WorldDescription:
 
 
 def _plain(node: bpy.types.Node, start: nodes.Input, strength: float, inputs: Inputs) -> WorldDescription:
-    if node.type == "TEX_SKY":
-        inputs.warn("Sky Texture is not supported yet, a plain sky colour is used")
-        return WorldDescription(color=_times(PLAIN_SKIES.get(node.sky_type, (1.0, 1.0, 1.0)), strength))
     inputs.warn(f"{node.bl_label} is not supported yet, one colour is used")
     colour = values.estimate(start) or nodes.value(start.socket)
     return WorldDescription(color=_times(colour[:3], strength))

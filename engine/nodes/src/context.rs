@@ -143,6 +143,11 @@ pub struct Attribute {
 
 /// The point that is shaded.
 pub trait Context {
+    /// True if skies show the discs of their suns.
+    fn shows_sun(&self) -> bool {
+        true
+    }
+
     /// A field, at the point or beside it.
     fn read(&self, field: Field, shift: Shift) -> Vec3A;
     /// An attribute by its place in [`Program::attributes`](crate::Program::attributes); what is missing is zero.

@@ -41,3 +41,4 @@ pub use graph::{Graph, Input, Link, Node, Parsing};
 pub use pixels::Pixels;
 pub use points::{Column, Points};
 pub use program::{Layer, LayerKind, Operand, Program, Registers};
+pub use sky::SunDisc;

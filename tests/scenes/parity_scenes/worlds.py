@@ -3,6 +3,7 @@
 
 from __future__ import annotations
 
+import bpy
 import numpy as np
 
 from . import scene
@@ -12,8 +13,6 @@ from .studio import CREAM, GOLD, RED, WHITE, Tree, ball, empty_studio, image, mo
 def _under(build) -> None:
     """Things under a world, without a wall to hide it."""
     empty_studio(lit=False)
-    import bpy
-
     wall = next(one for one in bpy.data.objects if one.type == "MESH" and one.location.y > 3)
     bpy.data.objects.remove(wall)
     world(build)
@@ -52,6 +51,26 @@ def preetham():
     def build(t: Tree):
         sky = t.node("TexSky", {"sky_type": "PREETHAM", "turbidity": 3.0, "sun_direction": (0.4, -0.3, 0.6)})
         t.shows(t.node("Background", Color=sky.outputs[0], Strength=0.15).outputs[0])
+
+    _under(build)
+
+
+@scene("Hosek and Wilkie's sky")
+def hosek():
+    def build(t: Tree):
+        sky = t.node("TexSky", {"sky_type": "HOSEK_WILKIE", "turbidity": 4.0, "sun_direction": (0.4, -0.3, 0.6)})
+        t.shows(t.node("Background", Color=sky.outputs[0], Strength=1.5).outputs[0])
+
+    _under(build)
+
+
+@scene("A sky of scattered light, and its sun")
+def scattering():
+    def build(t: Tree):
+        older = "SINGLE_SCATTERING" not in bpy.types.ShaderNodeTexSky.bl_rna.properties["sky_type"].enum_items
+        settings = {"sky_type": "NISHITA" if older else "MULTIPLE_SCATTERING", "sun_rotation": 2.4, "sun_size": 0.02}
+        sky = t.node("TexSky", {**settings, "sun_elevation": 0.5})
+        t.shows(t.node("Background", Color=sky.outputs[0], Strength=0.06).outputs[0])
 
     _under(build)
 

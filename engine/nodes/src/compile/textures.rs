@@ -8,7 +8,10 @@ use crate::mix::Blend;
 use crate::noise::{Dimensions, Fractal};
 use crate::patterns::{GradientKind, WaveAxis, WaveKind, WaveProfile};
 use crate::program::{Operand, Operation};
-use crate::sky::Preetham;
+use crate::sky::Sky;
+use crate::sky::atmosphere::{Atmosphere, AtmosphereSettings, Scattering};
+use crate::sky::hosek::Hosek;
+use crate::sky::preetham::Preetham;
 use crate::voronoi::{CellHash, Feature, Metric};
 use glam::Vec3A;
 
@@ -175,15 +178,39 @@ fn gabor(at: &mut At<'_, '_>) -> Lowered {
 }
 
 fn sky(at: &mut At<'_, '_>) -> Lowered {
-    let kind = at.node.word("sky_type").unwrap_or_default();
-    if kind != "PREETHAM" {
-        return Err(format!("sky_type {kind} is not supported, it is black"));
-    }
-    let sun = at.node.numbers("sun_direction").unwrap_or_default();
-    let [x, y, z] = sun[..] else { return Err("it came without its sun, it is black".to_owned()) };
-    let turbidity = at.node.number("turbidity", 2.2);
+    let node = at.node;
+    let sun = || match node.numbers("sun_direction").unwrap_or_default()[..] {
+        [x, y, z] => Ok(Vec3A::new(x, y, z)),
+        _ => Err("it came without its sun, it is black".to_owned()),
+    };
+    let turbidity = node.number("turbidity", 2.2);
+    let made = match node.word("sky_type").unwrap_or_default() {
+        "PREETHAM" => Sky::Preetham(Preetham::new(sun()?, turbidity)),
+        "HOSEK_WILKIE" => Sky::Hosek(Box::new(Hosek::new(sun()?, turbidity, node.number("ground_albedo", 0.3)))),
+        kind @ ("NISHITA" | "SINGLE_SCATTERING" | "MULTIPLE_SCATTERING") => {
+            Sky::Atmosphere(Box::new(Atmosphere::new(AtmosphereSettings {
+                scattering: match kind {
+                    "MULTIPLE_SCATTERING" => Scattering::Multiple,
+                    _ => Scattering::Once { older: kind == "NISHITA" },
+                },
+                sun_disc: node.truth("sun_disc", true),
+                sun_diameter_rad: node.number("sun_size", 0.009_512),
+                sun_intensity: node.number("sun_intensity", 1.0),
+                sun_elevation_rad: node.number("sun_elevation", 0.261_8),
+                sun_rotation_rad: node.number("sun_rotation", 0.0),
+                altitude_m: node.number("altitude", 0.0),
+                // Blender 4 calls aerosols dust.
+                densities: [
+                    node.number("air_density", 1.0),
+                    node.number("aerosol_density", node.number("dust_density", 1.0)),
+                    node.number("ozone_density", 1.0),
+                ],
+            })))
+        }
+        kind => return Err(format!("sky_type {kind} is not supported, it is black")),
+    };
     let skies = &mut at.compiler.program.skies;
-    skies.push(Preetham::new(Vec3A::new(x, y, z), turbidity));
+    skies.push(made);
     let operation = Operation::Sky((skies.len() - 1) as u16);
     let direction = at.coordinates();
     Ok(vec![colour("Color", at.emit(operation, &[direction]))])

@@ -175,7 +175,7 @@ impl Program {
                 further = Some([splat(waves.phase), splat(waves.intensity), Vec3A::ZERO]);
                 splat(waves.value)
             }
-            Operation::Sky(sky) => self.skies[usize::from(sky)].at(vector(0)),
+            Operation::Sky(sky) => self.skies[usize::from(sky)].at(vector(0), context.shows_sun()),
             Operation::Image(picture, projection, unassociate) => {
                 let (colour, alpha) =
                     image_texture(picture, projection, unassociate, vector(0), number(1), context, textures);

@@ -7,7 +7,7 @@ pub use instruction::Operand;
 pub(crate) use instruction::{FIRST_CONSTANT, Instruction, MOST_OPERANDS, Operation};
 
 use crate::context::{Attribute, Context, Field, Textures};
-use crate::sky::Preetham;
+use crate::sky::{Sky, SunDisc};
 use crate::table::Table;
 use glam::{Affine3A, Vec3A};
 
@@ -101,7 +101,7 @@ pub struct Program {
     pub(crate) constants: Vec<Vec3A>,
     pub(crate) tables: Vec<Table>,
     pub(crate) maps: Vec<Affine3A>,
-    pub(crate) skies: Vec<Preetham>,
+    pub(crate) skies: Vec<Sky>,
 }
 
 impl Program {
@@ -133,6 +133,11 @@ impl Program {
             Operation::Read(field, _) => Some(field),
             _ => None,
         })
+    }
+
+    /// The suns that its skies show.
+    pub fn suns(&self) -> impl Iterator<Item = SunDisc> + '_ {
+        self.skies.iter().filter_map(Sky::sun)
     }
 
     /// How many instructions a run takes.

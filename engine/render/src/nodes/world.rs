@@ -1,17 +1,20 @@
 //! A world of nodes: what shines from a direction, and an image of it all, which lights are chosen by.
 
 use super::point::Images;
-use crate::Rgb;
 use crate::nodes::Viewer;
+use crate::sampler::warp::{frame, sample_disk, to_world};
 use crate::scene::Scene;
 use crate::scene::closure::Closure;
 use crate::scene::graph::Graph;
+use crate::scene::lamp::{Lamp, LampKind};
 use crate::scene::texture::Texture;
 use crate::scene::world::equirectangular_to_direction;
-use glam::{Mat3A, Vec2, Vec3A, Vec4};
-use petzval_nodes::{Attribute, Context, Direction, Field, Registers, Shift, Space};
+use crate::{Rgb, luminance};
+use glam::{Affine3A, Mat3A, Vec2, Vec3A, Vec4};
+use petzval_nodes::{Attribute, Context, Direction, Field, Registers, Shift, Space, SunDisc};
 use rayon::prelude::*;
 use std::cell::RefCell;
+use std::f32::consts::PI;
 use std::sync::Arc;
 
 /// Columns and rows of the image: half a degree and less.
@@ -23,10 +26,15 @@ const WITHIN: usize = 2;
 struct Infinity<'a> {
     direction: Vec3A,
     viewer: Viewer,
+    shows_sun: bool,
     attributes: &'a [Attribute],
 }
 
 impl Context for Infinity<'_> {
+    fn shows_sun(&self) -> bool {
+        self.shows_sun
+    }
+
     fn read(&self, field: Field, _: Shift) -> Vec3A {
         match field {
             Field::Position | Field::Generated | Field::Object | Field::Reflection | Field::MeshNormal => {
@@ -53,10 +61,14 @@ thread_local! {
     static REGISTERS: RefCell<Registers> = RefCell::default();
 }
 
-/// The radiance that arrives from a direction (unit, pointing away from the scene).
+/// The radiance that arrives from a direction (unit, pointing away from the scene), that of suns included.
 pub fn radiance(graph: &Graph, textures: &[Texture], direction: Vec3A, viewer: Viewer) -> Rgb {
+    radiance_of(graph, textures, direction, viewer, true)
+}
+
+fn radiance_of(graph: &Graph, textures: &[Texture], direction: Vec3A, viewer: Viewer, shows_sun: bool) -> Rgb {
     let program = &graph.program;
-    let place = Infinity { direction, viewer, attributes: &program.attributes };
+    let place = Infinity { direction, viewer, shows_sun, attributes: &program.attributes };
     REGISTERS.with_borrow_mut(|registers| {
         program.run(&place, &Images(textures), registers);
         let mut sum = Vec3A::ZERO;
@@ -71,10 +83,13 @@ pub fn radiance(graph: &Graph, textures: &[Texture], direction: Vec3A, viewer: V
     })
 }
 
-/// Gives a world of nodes the image, or the one colour, that surfaces see of it.
+/// Gives a world of nodes the image, or the one colour, that surfaces see of it; and lamps for the suns of its skies, which
+/// are too small for the image.
 pub fn bake(scene: &mut Scene) {
     let Some(graph) = scene.world.graph.clone() else { return };
     let graph: &Arc<Graph> = &graph;
+    let suns: Vec<Lamp> = graph.program.suns().filter_map(|disc| sun(graph, &scene.textures, disc)).collect();
+    scene.lamps.extend(suns);
     let [columns, rows] = SIZE;
     let textures = &scene.textures;
     let pixel = |i: usize| {
@@ -83,7 +98,8 @@ pub fn bake(scene: &mut Scene) {
         for k in 0..WITHIN * WITHIN {
             let x = ((i % columns) as f32 + place(k % WITHIN)) / columns as f32;
             let y = ((i / columns) as f32 + place(k / WITHIN)) / rows as f32;
-            sum += radiance(graph, textures, equirectangular_to_direction(Vec2::new(x, y)), Viewer::Bounce);
+            let direction = equirectangular_to_direction(Vec2::new(x, y));
+            sum += radiance_of(graph, textures, direction, Viewer::Bounce, false);
         }
         sum / (WITHIN * WITHIN) as f32
     };
@@ -98,4 +114,38 @@ pub fn bake(scene: &mut Scene) {
     let Ok(texture) = Texture::from_floats("world", columns, rows, &values, false) else { return };
     (world.color, world.texture) = (Rgb::ONE, Some(scene.textures.len() as u32));
     scene.textures.push(texture);
+}
+
+/// The lamp that shines like a sky's sun: as bright all over as the disc is on average, after what the other nodes make of it.
+/// Of a disc that the horizon hides in part it is a smaller one, in the middle of what is seen.
+fn sun(graph: &Graph, textures: &[Texture], disc: SunDisc) -> Option<Lamp> {
+    /// Places in the disc, along each side of the square that is bent into it.
+    const SIDE: usize = 32;
+    let sin_most = (0.5 * disc.diameter_rad).sin();
+    let axes = frame(disc.direction);
+    let (mut mean, mut middle, mut seen) = (Rgb::ZERO, Vec3A::ZERO, 0.0);
+    for i in 0..SIDE * SIDE {
+        let u = [i % SIDE, i / SIDE].map(|k| (k as f32 + 0.5) / SIDE as f32);
+        let p = sample_disk(u) * sin_most;
+        let direction = to_world(&axes, p.extend((1.0 - p.length_squared()).max(0.0).sqrt()).into());
+        let shine = |shows_sun| radiance_of(graph, textures, direction, Viewer::Bounce, shows_sun);
+        let light = shine(true) - shine(false);
+        mean += light / (SIDE * SIDE) as f32;
+        if luminance(light) > 0.0 {
+            middle += direction;
+            seen += 1.0 / (SIDE * SIDE) as f32;
+        }
+    }
+    let axes = frame(middle.normalize_or(disc.direction));
+    let is_there = sin_most > 0.0 && mean.is_finite() && mean.max_element() > 0.0;
+    is_there.then(|| Lamp {
+        object_name: "the world's sun".to_owned(),
+        kind: LampKind::Sun { half_angle_rad: 0.5 * disc.diameter_rad * f32::sqrt(seen) },
+        // Across the beam, as a sun's strength counts.
+        color: mean.max(Rgb::ZERO) * (PI * sin_most * sin_most),
+        // The camera sees the disc itself.
+        visible_camera: false,
+        cast_shadow: true,
+        to_render: Affine3A { matrix3: Mat3A::from_cols(axes[0], axes[1], axes[2]), translation: Vec3A::ZERO },
+    })
 }
