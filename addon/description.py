@@ -69,6 +69,8 @@ class MaterialDescription:
     # Instead of all that: the nodes, as JSON of what `export/graph.py` makes of them.
     graph: str | None = None
     pass_index: int = 0
+    # Of those nodes: BUMP | DISPLACEMENT | BOTH.
+    displacement_method: str = "BUMP"
 
 
 @dataclass

@@ -133,14 +133,15 @@ class _Photograph:
         export.send_scene(self.depsgraph, builder, self.report, self._check_stop, motion)
         self.report.warnings += builder.warnings()
         sync_seconds = time.perf_counter() - began
-        for warning in self.report.warnings:
-            self.host.report({"WARNING"}, warning)
 
         self._tell("Building trees", 0.0)
         position = tuple(row[3] for row in camera.matrix_world[:3])
         previous = persistent.previous(self.depsgraph)
         scene = loop.stoppable(lambda: builder.build(position, settings.threads, previous), self._stop_asked)
         persistent.keep(self.depsgraph, scene)
+        self.report.warnings += scene.warnings()
+        for warning in self.report.warnings:
+            self.host.report({"WARNING"}, warning)
         self._tell("Preparing the lens", 0.0)
         if camera.autofocus is not None:
             self._focus(native, scene, camera, width, height)

@@ -93,7 +93,7 @@ WHAT_IS_MISSING = {
     "hair_simple": ["hair"],
     "plasma_ball": ["orthographic"],
     "space_sky_nebula": ["panoramic"],
-    "polyhaven_brick_ball": ["displacement"],
+    "polyhaven_brick_ball": ["adaptive subdivision"],
 }
 
 

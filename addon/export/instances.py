@@ -78,6 +78,11 @@ class Stage:
         for flag, words in (("is_holdout", "holdout"), ("is_shadow_catcher", "shadow catcher")):
             if getattr(holder, flag):
                 self._report.warn(f"Object '{holder.name}': {words} is not supported yet, it is shown as it is")
+        if _is_diced(holder):
+            self._report.warn(
+                f"Object '{holder.name}': adaptive subdivision is not supported yet, it is divided as often as its "
+                "modifier's render levels say"
+            )
         self._builder.add_instance(
             holder.name,
             index,
@@ -127,3 +132,12 @@ class Stage:
                 self._report.warn(
                     f"Object '{holder.name}': hair particles ('{system.name}') are not supported yet, left out"
                 )
+
+
+def _is_diced(holder: bpy.types.Object) -> bool:
+    """Whether Cycles would divide it by what a pixel sees of it."""
+    if not holder.modifiers or holder.modifiers[-1].type != "SUBSURF" or not holder.modifiers[-1].show_render:
+        return False
+    # Before Blender 5 the object says so.
+    ours = getattr(holder.modifiers[-1], "use_adaptive_subdivision", None)
+    return ours if ours is not None else getattr(holder.cycles, "use_adaptive_subdivision", False)

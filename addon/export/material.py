@@ -49,12 +49,14 @@ class Materials:
         if output is None:
             self._report.warnings += report.warnings
             return described
-        displaced = isinstance(nodes.trace(nodes.Input(output.inputs["Displacement"])), nodes.Source)
-        if displaced and material.displacement_method != "BUMP":
-            self._report.warn(f"Material '{material.name}': displacement is shown as a bump, the mesh keeps its shape")
         graph = describe_graph(material.node_tree, lambda node: self._image(node, material))
         self._wanted[material.original.as_pointer()] = attributes.wanted(graph)
-        return MaterialDescription(material.name, graph=json.dumps(graph), pass_index=material.pass_index)
+        return MaterialDescription(
+            material.name,
+            graph=json.dumps(graph),
+            pass_index=material.pass_index,
+            displacement_method=material.displacement_method,
+        )
 
     def _image(self, node: bpy.types.Node, material: bpy.types.Material) -> int | None:
         associated = node.type == "TEX_ENVIRONMENT" or not node.outputs["Alpha"].is_linked

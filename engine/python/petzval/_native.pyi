@@ -197,6 +197,8 @@ class SceneBuilder:
         afterwards. The camera's position keeps f32 exact near it."""
 
 class Scene:
+    def warnings(self) -> list[str]:
+        """What had to be left out when it was built."""
     @property
     def triangle_count(self) -> int: ...
     @property

@@ -6,7 +6,7 @@ use crate::layer::PyLayer;
 use glam::{Affine3A, DMat4, Mat3, Mat3A};
 use petzval_nodes::{Graph as ShaderGraph, compile};
 use petzval_render::Rgb;
-use petzval_render::scene::graph::Graph;
+use petzval_render::scene::graph::{Displacement, Graph};
 use petzval_render::scene::lamp::{Lamp, LampKind};
 use petzval_render::scene::material::{Channel, ImageInput, Input, Material};
 use petzval_render::scene::texture::{Extension, Interpolation};
@@ -106,13 +106,20 @@ pub(crate) struct PyMaterial {
     layers: Vec<PyLayer>,
     graph: Option<String>,
     pass_index: i32,
+    displacement_method: String,
 }
 
 /// A compiled graph, and what of it the engine does otherwise than Blender.
-fn read_graph(json: Option<&str>, pass_index: i32, owner: &str) -> Result<(Option<Arc<Graph>>, Vec<String>), Error> {
+fn read_graph(
+    json: Option<&str>,
+    pass_index: i32,
+    displacement: Displacement,
+    owner: &str,
+) -> Result<(Option<Arc<Graph>>, Vec<String>), Error> {
     let Some(json) = json else { return Ok((None, Vec::new())) };
     let (program, reports) = compile(&ShaderGraph::from_json(json)?);
-    let (graph, more) = Graph::new(program, pass_index);
+    let (mut graph, more) = Graph::new(program, pass_index);
+    graph.displacement = displacement;
     let all = reports.iter().map(ToString::to_string).chain(more);
     Ok((Some(Arc::new(graph)), all.map(|what| format!("{owner}: {what}")).collect()))
 }
@@ -122,7 +129,12 @@ impl PyMaterial {
     pub(crate) fn material(self) -> Result<(Material, Vec<String>), Error> {
         let m = self;
         let owner = format!("Material '{}'", m.name);
-        let (graph, reports) = read_graph(m.graph.as_deref(), m.pass_index, &owner)?;
+        let displacement = match m.displacement_method.as_str() {
+            "DISPLACEMENT" => Displacement::Vertices,
+            "BOTH" => Displacement::Both,
+            _ => Displacement::Bump,
+        };
+        let (graph, reports) = read_graph(m.graph.as_deref(), m.pass_index, displacement, &owner)?;
         let material = Material {
             name: m.name,
             base_color: m.base_color.input()?,
@@ -209,7 +221,7 @@ impl PyWorld {
     /// The world, and what of its nodes the engine does otherwise than Blender.
     pub(crate) fn world(self) -> Result<(World, Vec<String>), Error> {
         let w = self;
-        let (graph, reports) = read_graph(w.graph.as_deref(), 0, "World")?;
+        let (graph, reports) = read_graph(w.graph.as_deref(), 0, Displacement::default(), "World")?;
         let world = World {
             color: rgb(w.color),
             texture: w.image,

@@ -237,6 +237,10 @@ impl Scene {
         self.stage.scene.instances.len()
     }
 
+    fn warnings(&self) -> Vec<String> {
+        self.stage.warnings.clone()
+    }
+
     #[getter]
     fn bvh_seconds(&self) -> f64 {
         self.stage.build_seconds

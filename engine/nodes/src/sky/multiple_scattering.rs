@@ -88,7 +88,7 @@ impl Air {
 
     fn matter(&self, height_km: f32) -> Matter {
         let log = height_km.max(1e-4).ln();
-        let ozone = 3.785_474e20 * (-(log - 3.226_61).powi(2) * 5.555_555_6 - log).exp();
+        let ozone = 3.785_474e20 * (-(log - 3.226_61).powi(2) * 5.555_556 - log).exp();
         let aerosols = AEROSOLS * (-height_km / AEROSOL_SCALE_KM).exp() + AEROSOLS_EVERYWHERE;
         let aerosols = aerosols * self.densities.y;
         let air = AIR * (-0.077_719_71 * height_km.powf(1.163_642_4)).exp() * self.densities.x;

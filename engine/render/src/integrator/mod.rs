@@ -49,6 +49,8 @@ pub struct Stage {
     pub emission: Emission,
     /// By material.
     pub tables: Vec<Arc<PrincipledTables>>,
+    /// What had to be left out.
+    pub warnings: Vec<String>,
     /// Wall time that it took, s.
     pub build_seconds: f64,
 }
@@ -63,6 +65,7 @@ impl Stage {
     pub fn after(previous: Option<&Self>, mut scene: Scene) -> Self {
         let start = Instant::now();
         nodes::world::bake(&mut scene);
+        let warnings = nodes::displacement::displace(&mut scene);
         let accel = match previous {
             Some(previous) => Accel::new_after(&previous.accel, &scene),
             None => Accel::new(&scene),
@@ -82,7 +85,7 @@ impl Stage {
             .collect();
         let tables = scene.materials.iter().map(|m| known[&PrincipledTables::key(m)].clone()).collect();
         let build_seconds = start.elapsed().as_secs_f64();
-        Self { scene, accel, lights, emission, tables, build_seconds }
+        Self { scene, accel, lights, emission, tables, warnings, build_seconds }
     }
 }
 

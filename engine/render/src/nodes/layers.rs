@@ -3,7 +3,7 @@
 use super::point::{Images, Point, View};
 use super::{colour, number};
 use crate::scene::closure::Closure;
-use crate::scene::graph::{Graph, Source};
+use crate::scene::graph::{Displacement, Graph, Source};
 use crate::scene::layer::{Layer, MOST_LAYERS, Weight};
 use crate::scene::material::Material;
 use crate::scene::mesh::Mesh;
@@ -50,7 +50,10 @@ fn with_program<T>(
     let mut point = Point::new(scene, place, barycentric, *view, &program.attributes, *pass_index as f32);
     let images = Images(&scene.textures);
     REGISTERS.with_borrow_mut(|registers| {
-        if let Some(displacement) = program.displacement {
+        if let Some(displacement) = program.displacement.filter(|_| graph.displacement.bends()) {
+            if graph.displacement == Displacement::Both {
+                point = point.undisplaced_normal().map_or(point, |normal| point.with_normal(normal));
+            }
             let mut height_at = |x, y| {
                 program.run(&point.beside(x, y), &images, registers);
                 point.along_normal(program.value(displacement, registers))

@@ -2,6 +2,7 @@
 //!
 //! Knows textures and texture coordinates, not how the values are used.
 
+pub mod displacement;
 mod layers;
 mod point;
 pub mod world;

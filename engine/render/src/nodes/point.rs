@@ -11,6 +11,9 @@ use petzval_nodes::{
 /// The name by which a mesh keeps its undeformed coordinates in its box.
 pub const GENERATED: &str = ".generated";
 
+/// The name by which a mesh whose vertices were moved keeps the normals that it had.
+pub(super) const UNDISPLACED_NORMAL: &str = ".undisplaced_normal";
+
 /// Who looks at a point: what Blender's Light Path node tells.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub enum Viewer {
@@ -101,6 +104,20 @@ impl<'a> Point<'a> {
     /// The same point, but that programs look beside it.
     pub(super) fn beside(&self, x: f32, y: f32) -> Self {
         Self { beside: Shift { x, y }, ..*self }
+    }
+
+    /// The same point with a shading normal of another, unit, render space.
+    pub(super) fn with_normal(mut self, normal: Vec3A) -> Self {
+        self.surface.shading_normal = normal;
+        self
+    }
+
+    /// The shading normal before the mesh's vertices were moved, on the viewer's side.
+    pub(super) fn undisplaced_normal(&self) -> Option<Vec3A> {
+        let normals = self.mesh.attribute(UNDISPLACED_NORMAL)?;
+        let normal = Vec3A::from_vec4(self.interpolated(normals, Shift::NONE));
+        let normal = (self.instance.normal_to_render * normal).try_normalize()?;
+        Some(if normal.dot(self.surface.geometric_normal) < 0.0 { -normal } else { normal })
     }
 
     /// How far a vector of the world lifts the surface.

@@ -96,6 +96,32 @@ pub struct Graph {
     pub layers: Vec<GraphLayer>,
     /// Of the material.
     pub pass_index: i32,
+    /// What its displacement does.
+    pub displacement: Displacement,
+}
+
+/// What a material's displacement does.
+#[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
+pub enum Displacement {
+    /// Bends normals.
+    #[default]
+    Bump,
+    /// Moves the mesh's vertices.
+    Vertices,
+    /// Both.
+    Both,
+}
+
+impl Displacement {
+    /// Whether it bends normals.
+    pub fn bends(self) -> bool {
+        self != Self::Vertices
+    }
+
+    /// Whether it moves vertices.
+    pub fn moves(self) -> bool {
+        self != Self::Bump
+    }
 }
 
 /// Two graphs are the same if they are one.
@@ -142,7 +168,7 @@ impl Graph {
         for field in program.reads().filter(|field| !KNOWN.contains(field)) {
             report(&format!("{} is not supported yet, it is 0", in_words(field)));
         }
-        (Self { program, layers, pass_index }, reports)
+        (Self { program, layers, pass_index, displacement: Displacement::default() }, reports)
     }
 
     /// Whether any of its surface may shine.

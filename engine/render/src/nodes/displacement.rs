@@ -1,0 +1,117 @@
+//! Displacement that moves vertices: the program of a material is run at each vertex of its meshes, and the mesh takes a new
+//! shape before trees are built.
+
+use super::point::{Images, Point, UNDISPLACED_NORMAL, View};
+use crate::nodes::Viewer;
+use crate::scene::Scene;
+use crate::scene::graph::{Displacement, Graph};
+use crate::scene::mesh::{Mesh, MeshDescription};
+use glam::{Vec3, Vec3A};
+use petzval_nodes::Registers;
+use rayon::prelude::*;
+
+/// Moves the vertices of every mesh whose material says so; of a mesh that several objects share, as the first has it. What had
+/// to be left out is said.
+pub fn displace(scene: &mut Scene) -> Vec<String> {
+    let mut warnings = Vec::new();
+    for mesh in 0..scene.meshes.len() {
+        let Some(instance) = scene.instances.iter().position(|one| one.mesh as usize == mesh) else { continue };
+        let Some(offsets) = offsets(scene, instance) else { continue };
+        let owner = &scene.instances[instance];
+        let graphs = owner.materials.iter().filter_map(|&i| scene.materials[i as usize].graph.as_deref());
+        let bends = graphs.map(|graph| graph.displacement).any(|one| one == Displacement::Both);
+        match Mesh::new(moved(&scene.meshes[mesh], &offsets, bends)) {
+            Ok((moved, warning)) => {
+                scene.meshes[mesh] = moved;
+                warnings.extend(warning);
+            }
+            Err(error) => warnings.push(format!("{error}; it keeps its shape")),
+        }
+    }
+    warnings
+}
+
+/// By how much each vertex of an instance's mesh is moved, object space; `None` if none is.
+fn offsets(scene: &Scene, instance: usize) -> Option<Vec<Vec3>> {
+    let owner = &scene.instances[instance];
+    let mesh = &scene.meshes[owner.mesh as usize];
+    let graph_of = |slot: u32| -> Option<&Graph> {
+        let graph = scene.materials[owner.material(slot) as usize].graph.as_deref()?;
+        (graph.displacement.moves() && graph.program.displacement.is_some()).then_some(graph)
+    };
+    let slots = mesh.material_slots.as_ref().map_or(1, |slots| slots.iter().max().map_or(1, |most| most + 1));
+    if !(0..slots).any(|slot| graph_of(slot).is_some()) {
+        return None;
+    }
+    // A vertex between materials or at a seam is moved as the first triangle that has it says, as in Cycles.
+    let mut first = vec![None; mesh.positions.len()];
+    for (i, corners) in mesh.triangles.iter().enumerate() {
+        if graph_of(mesh.slot(i as u32)).is_some() {
+            for (corner, &vertex) in corners.iter().enumerate() {
+                first[vertex as usize].get_or_insert((i as u32, corner));
+            }
+        }
+    }
+    let normals = vertex_normals(mesh);
+    let offset = |registers: &mut Registers, vertex: usize| -> Vec3 {
+        let Some((triangle, corner)) = first[vertex] else { return Vec3::ZERO };
+        let Some(graph) = graph_of(mesh.slot(triangle)) else { return Vec3::ZERO };
+        let Some(displacement) = graph.program.displacement else { return Vec3::ZERO };
+        let normal = (owner.normal_to_render * Vec3A::from(normals[vertex])).normalize_or(Vec3A::Z);
+        // Looked at from above, from about as far as the triangle is wide.
+        let [a, b, c] = mesh.corners(triangle);
+        let width = owner.to_render.transform_vector3((b - a).abs().max((c - a).abs())).length();
+        let view = View { direction: -normal, distance: width, viewer: Viewer::Bounce, depth: 0 };
+        let barycentric = [[0.0, 0.0], [1.0, 0.0], [0.0, 1.0]][corner];
+        let Graph { program, pass_index, .. } = graph;
+        let place = [instance as u32, triangle];
+        let point = Point::new(scene, place, barycentric, view, &program.attributes, *pass_index as f32);
+        program.run(&point.with_normal(normal), &Images(&scene.textures), registers);
+        let moved = owner.to_object.matrix3 * program.value(displacement, registers);
+        if moved.is_finite() { moved.into() } else { Vec3::ZERO }
+    };
+    Some((0..mesh.positions.len()).into_par_iter().map_init(Registers::default, offset).collect())
+}
+
+/// The mean of the unit normals of the triangles at each vertex.
+fn vertex_normals(mesh: &Mesh) -> Vec<Vec3> {
+    let mut sums = vec![Vec3::ZERO; mesh.positions.len()];
+    for (i, corners) in mesh.triangles.iter().enumerate() {
+        let normal = face_normal(mesh.corners(i as u32));
+        corners.iter().for_each(|&vertex| sums[vertex as usize] += normal);
+    }
+    sums.into_iter().map(Vec3::normalize_or_zero).collect()
+}
+
+fn face_normal([a, b, c]: [Vec3; 3]) -> Vec3 {
+    (b - a).cross(c - a).normalize_or_zero()
+}
+
+/// The mesh with its vertices moved. Triangles that were flat are flat again; the others get the means of the new normals. The
+/// old ones are kept where a bump, which is of the whole displacement, is to bend them.
+fn moved(mesh: &Mesh, offsets: &[Vec3], bends: bool) -> MeshDescription {
+    let shift = |positions: &[Vec3]| positions.iter().zip(offsets).map(|(p, offset)| *p + *offset).collect();
+    let positions: Vec<Vec3> = shift(&mesh.positions);
+    let shape = Mesh { positions, ..mesh.clone() };
+    let new = vertex_normals(&shape);
+    let corner_normals = mesh.corner_normals.as_ref().map(|old| {
+        let of = |(i, old): (usize, &[Vec3; 3])| {
+            let before = face_normal(mesh.corners(i as u32));
+            let is_flat = old.iter().all(|normal| normal.distance_squared(before) < 1e-8);
+            let flat = face_normal(shape.corners(i as u32));
+            shape.triangles[i].map(|vertex| if is_flat { flat } else { new[vertex as usize] })
+        };
+        old.iter().enumerate().map(of).collect()
+    });
+    let Mesh { name, positions, triangles, uv_maps, mut attributes, material_slots, moved_positions, .. } = shape;
+    if bends {
+        let old = |i: usize| match &mesh.corner_normals {
+            Some(normals) => normals[i],
+            None => [face_normal(mesh.corners(i as u32)); 3],
+        };
+        let old = (0..triangles.len()).map(|i| old(i).map(|normal| normal.extend(0.0))).collect();
+        attributes.push((UNDISPLACED_NORMAL.to_owned(), old));
+    }
+    let moved_positions = moved_positions.map(|moved| moved.map(|positions| shift(&positions)));
+    MeshDescription { name, positions, triangles, corner_normals, uv_maps, attributes, material_slots, moved_positions }
+}
