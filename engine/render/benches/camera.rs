@@ -37,6 +37,7 @@ fn camera(model: Model, lens: &str, spectrum: Option<Spectrum>) -> Camera {
         scale_mm_per_unit: DVec3::splat(1000.0),
         wavelength_nm: if spectrum.is_none() { Some(587.5618) } else { None },
         spectrum: spectrum.unwrap_or_default(),
+        precision: Default::default(),
         exposure: None,
     };
     Camera::new(&d, SIZE[0], SIZE[1]).unwrap()
