@@ -83,7 +83,6 @@ fn bench(c: &mut Criterion) {
         });
     };
     alone("pinhole", &camera(Model::Pinhole, "", None));
-    alone("wide-angle-smith-f3.4/alone", &camera(Model::Lens, "wide-angle-smith-f3.4", Some(Spectrum::Visible)));
     for name in ["wide-angle-smith-f3.4", "double-gauss-f1.35", "laikin-fisheye-170"] {
         for (kind, spectrum) in [("one wavelength", None), ("film first", Some(Spectrum::Visible))] {
             let camera = camera(Model::Lens, name, spectrum);

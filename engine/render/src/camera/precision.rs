@@ -43,7 +43,7 @@ pub struct Chosen {
     /// f32, or else f64.
     pub is_single: bool,
     /// By how many pixels single precision moves a ray, at most; infinite where it loses rays that double precision has,
-    /// or finds some that it has not.
+    /// finds some that it has not, or cannot hold what they count.
     pub error_px: f64,
 }
 
@@ -110,6 +110,8 @@ fn worst_px(
     let mut worst: f64 = 0.0;
     for (i, request) in requests.iter().enumerate() {
         let error = match (short.lead(i), long.lead(i)) {
+            // Of a lens of light years, say.
+            (Some(lead), _) if !(lead.density > 0.0 && lead.density.is_finite()) => f64::INFINITY,
             (Some(lead), Some(_)) => {
                 let tracer = &tracers[lens.spectrum.sample(request.u_wavelength)];
                 let back = tracer.from_scene(backwards(&lead)).ok();

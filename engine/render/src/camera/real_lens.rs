@@ -151,7 +151,7 @@ impl RealLens {
         self.map_seconds
     }
 
-    /// A ray for a picture point, or `None` where it is lost in the lens. Of many, each costs a tenth in a batch.
+    /// A ray for a picture point, or `None` where it is lost in the lens. Many are quicker in a batch.
     pub fn sample(&self, p: Vec2, u_lens: [f32; 2], u_wavelength: f32) -> Option<CameraRay> {
         let mut ray = Vec::with_capacity(1);
         let request = Request { place: p, u_lens, u_wavelength, ..Request::default() };

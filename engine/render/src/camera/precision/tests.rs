@@ -85,6 +85,18 @@ fn double_precision_stays_where_it_is_needed() {
     }
 }
 
+/// Squares of its lengths are no numbers of single precision.
+#[test]
+fn a_lens_of_a_thousand_light_years_has_double_precision() {
+    let shipped = Path::new(env!("CARGO_MANIFEST_DIR")).join("../../lenses/tessar-brendel.lens");
+    let camera = camera(&shipped, [1920, 1080], |d| {
+        d.focal_scale = Some(1e20);
+        (d.film_width_mm, d.film_height_mm) = (1e20 * d.film_width_mm, 1e20 * d.film_height_mm);
+    });
+    let chosen = camera.traced_lens().unwrap().precision();
+    assert!(!chosen.is_single && chosen.error_px == f64::INFINITY, "{}", chosen.error_px);
+}
+
 /// The measure sees what it is for: rays that go elsewhere, and rays that are lost.
 #[test]
 fn another_lens_is_told_apart() {
