@@ -52,6 +52,17 @@ FILM_MODES = (
     ("SIZE", "Film Size", "A film of its own size; the picture is the largest part of it with the picture's shape"),
 )
 
+PRECISIONS = (
+    (
+        "AUTO",
+        "Automatic",
+        "Single precision where it moves no ray by more than a hundredth of a pixel, else double",
+        "",
+        0,
+    ),
+    ("F32", "Single", "The quicker one, whatever it moves", "", 1),
+    ("F64", "Double", "The exact one", "", 2),
+)
 SPECTRA = (
     ("VISIBLE", "Visible Light", "Light of all visible wavelengths, each bent as the glass bends it", "", 0),
     (

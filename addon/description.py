@@ -143,6 +143,7 @@ class CameraDescription:
     scale_mm_per_unit: tuple[float, float, float] = (1000.0, 1000.0, 1000.0)
     wavelength_nm: float | None = None  # None: all that `spectrum` says
     spectrum: str = "VISIBLE"  # VISIBLE | THREE
+    precision: str = "AUTO"  # AUTO | F32 | F64: of the numbers in which rays leave through the lens
     # Shutter (s), ISO, lumens of a watt; None: radiance one is one in the middle of the picture.
     exposure: tuple[float, float, float] | None = None
 

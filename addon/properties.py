@@ -26,6 +26,7 @@ from .choices import (
     INTEGRATORS,
     MODELS,
     PIPELINES,
+    PRECISIONS,
     SPECTRA,
 )
 
@@ -266,6 +267,12 @@ class PetzvalCamera(bpy.types.PropertyGroup):
     )
     spectrum: EnumProperty(
         name="Spectrum", description="The wavelengths in which the picture is taken", items=SPECTRA, update=_changed
+    )
+    precision: EnumProperty(
+        name="Precision",
+        description="Of the numbers in which rays leave through the lens; the statistics say what single precision changes",
+        items=PRECISIONS,
+        update=_changed,
     )
     wavelength: FloatProperty(
         name="Wavelength",

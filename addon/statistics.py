@@ -26,12 +26,22 @@ class LastRender:
         if self.stats.get("samples_most", self.stats["samples"]) != self.stats["samples"]:
             least, mean, most = self.stats["samples"], self.stats["samples_mean"], self.stats["samples_most"]
             samples = f"{least} to {most} samples, {mean:.1f} in the mean"
-        return [
+        lines = [
             f"{self.stats['lens']}, {self.stats['width']} x {self.stats['height']}, {samples}"
             + (" (stopped)" if self.stopped else ""),
             f"sync {seconds['sync']:.2f} s, trees {seconds['bvh']:.2f} s, render {seconds['render']:.2f} s",
             f"{100.0 * lost:.2f} % of the camera rays lost in the lens",
         ]
+        if precision := self.stats.get("precision"):
+            lines.append(_precision(precision))
+        return lines
+
+
+def _precision(precision: dict[str, Any]) -> str:
+    number = {"f32": "single", "f64": "double"}[precision["chosen"]]
+    error = precision["f32_error_px"]
+    moved = "loses rays" if error is None else f"moves them by up to {error:.2g} pixels"
+    return f"rays leave through the lens in {number} precision; single {moved}"
 
 
 def keep(scene_name: str, render: LastRender) -> None:

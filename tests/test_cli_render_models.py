@@ -135,3 +135,25 @@ def test_without_lens_or_camera_the_file_decides(blender, cli_render):
     # The scene was saved with a pinhole.
     done, _, stats = cli_render("--samples", 1)
     assert done.returncode == 0 and stats["lens"] == "pinhole"
+
+
+@pytest.mark.once
+def test_precision(cli_render):
+    """Chosen by what it changes; the other one is as good as the same picture."""
+    lens = ("--lens", "tessar-brendel", "--film", "60x40", "--samples", 16)
+    pictures = {}
+    for asked, chosen in ((), "f32"), (("--precision", "f64"), "f64"), (("--precision", "f32"), "f32"):
+        done, out, stats = cli_render(*lens, *asked, name=f"{len(pictures)}.exr")
+        assert done.returncode == 0, done.stderr
+        precision = stats["precision"]
+        assert (precision["asked"], precision["chosen"]) == (asked[1] if asked else "auto", chosen)
+        # 48 x 32 pixels: far fewer than single precision tells apart.
+        assert 0.0 < precision["f32_error_px"] < 1e-3 and precision["tolerance_px"] == 0.01
+        pictures[asked] = picture(out)[..., :3]
+    auto, double, single = pictures.values()
+    assert (auto == single).all() and (auto != double).any()
+    # The same random numbers, rays within thousandths of a pixel: only where one meets an edge a path may part.
+    assert abs(auto.mean() / double.mean() - 1.0) < 1e-3
+    assert (abs(auto - double) < 0.01 * double.max()).mean() > 0.99
+    done, _, stats = cli_render("--camera", "pinhole", "--samples", 1)
+    assert done.returncode == 0 and stats["precision"] is None

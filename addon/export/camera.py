@@ -51,6 +51,7 @@ def describe(
         scale_mm_per_unit=scale(settings, scene),
         wavelength_nm=settings.wavelength if settings.spectrum == "SINGLE" else None,
         spectrum="THREE" if settings.spectrum == "THREE" else "VISIBLE",
+        precision=settings.precision,
         exposure=_exposure(settings),
     )
     _focus(description, camera, report)

@@ -44,6 +44,8 @@ class PETZVAL_CAMERA_PT_lens(CameraPanel, bpy.types.Panel):
         row.prop(settings, "spectrum")
         if settings.spectrum == "SINGLE":
             layout.prop(settings, "wavelength")
+        if settings.model == "LENS":
+            layout.prop(settings, "precision")
 
 
 def _blenders_film(layout, camera: bpy.types.Camera) -> None:

@@ -12,6 +12,7 @@
 //! Sampling is rejection-free and its density exact, whatever the outline is: an error of the map costs noise, never
 //! bias.
 
+mod aims;
 mod axis;
 mod cell;
 mod ellipse;
@@ -27,10 +28,11 @@ use crate::focus::FilmPlane;
 use crate::system::System;
 use crate::trace::Tracer;
 
+pub use aims::PupilSamples;
+use aims::Slices;
 use axis::Axis;
 use cell::Cell;
 use ellipse::{Ellipse, carried_on, conjugate_rotate, midway};
-pub use lanes::PupilSamples;
 use lanes::Spot;
 use outline::{Outline, Place, Probe};
 
@@ -74,6 +76,7 @@ pub struct PupilMap {
     cells: Vec<Cell>,
     /// By radius, if nothing else counts.
     spots: Vec<Spot>,
+    slices: Vec<Slices>,
 }
 
 /// A film point and the cell that it lies in.
@@ -176,11 +179,13 @@ impl PupilMap {
             ellipses_by_azimuth: !is_symmetric,
             cells: Vec::new(),
             spots: Vec::new(),
+            slices: Vec::new(),
         };
         map.fill(&Probe::new(tracers, reference_z, glass_radius));
         if map.is_plain {
             map.spots =
                 (0..map.radius.cells).map(|r| Spot::new(&map.cells[r], map.ellipses[r], map.ellipses[r + 1])).collect();
+            map.slices = map.cells.iter().map(Slices::new).collect();
         }
         map
     }
@@ -340,7 +345,7 @@ impl PupilMap {
     fn sample_defensively(&self, located: &Located<'_>, [first, second]: [f64; 2]) -> PupilSample {
         let share = if located.cell.density() > 0.0 { DEFENSIVE_SHARE } else { 1.0 };
         let (sin, cos) = (TAU * second).sin_cos();
-        let flat = DVec2::new(cos, sin) * (self.glass_radius * (first / share).sqrt());
+        let flat = DVec2::new(cos, sin) * (self.glass_radius * (first / share).min(1.0).sqrt());
         PupilSample { target: flat.extend(self.reference_z), pdf_per_mm2: self.density(located, flat) }
     }
 

@@ -1,6 +1,7 @@
 //! A ray through a lens, either way: the ray that leaves it, or the surface and reason that ended it.
 
 mod bundle;
+mod fate;
 mod spectral;
 mod step;
 
@@ -147,7 +148,7 @@ impl Tracer {
     }
 
     /// The same lens with rims, stop and obstructions taken away: all rays that its surfaces can carry.
-    pub(crate) fn without_rims(&self) -> Self {
+    pub fn without_rims(&self) -> Self {
         let open = |step: &Step| Step {
             clear_squared: f64::INFINITY,
             obstruction_squared: 0.0,

@@ -78,6 +78,11 @@ def add_parser(subparsers: argparse._SubParsersAction) -> None:
     p.add_argument("--shift", type=_pair, metavar="X,Y", help="the lens right and up against the film, mm")
     p.add_argument("--scale", type=_triple, metavar="X,Y,Z", help="millimetres for one Blender unit along each axis")
     p.add_argument("--spectrum", type=_wavelengths, metavar="visible|rgb|NM", help="all wavelengths, three, or one")
+    p.add_argument(
+        "--precision",
+        choices=("auto", "f32", "f64"),
+        help="of rays on their way out of the lens; auto: f32 where it moves none by more than 0.01 pixel",
+    )
     p.add_argument("--pipeline", choices=("film", "scene", "hero"), help="default: hero where the glass disperses")
     p.add_argument(
         "--integrator", choices=("path", "bdpt"), help="bdpt: from the lights, too; default: as the scene has it"
@@ -173,6 +178,7 @@ def _checked(a: argparse.Namespace) -> dict:
         "shift_mm": a.shift,
         "scale_mm": a.scale,
         "spectrum": _spectrum(dict(a.effect), a.spectrum),
+        "precision": a.precision,
         "pipeline": a.pipeline,
         "integrator": {"path": "PATH", "bdpt": "BIDIRECTIONAL", None: None}[a.integrator],
         "samples": a.samples,

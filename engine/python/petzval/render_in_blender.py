@@ -240,6 +240,8 @@ def _apply_camera(scene: Any, data: Any, o: dict, addon: Any) -> None:
         own.spectrum, own.wavelength = "SINGLE", o["spectrum"]
     elif o["spectrum"]:
         own.spectrum = o["spectrum"]
+    if o["precision"]:
+        own.precision = o["precision"].upper()
     for option, name in (("tilt_rad", "tilt"), ("swing_rad", "swing")):
         if o[option] is not None:
             setattr(own, name, o[option])

@@ -6,6 +6,7 @@ use glam::{DMat4, DVec3};
 use petzval_optics::diaphragm::ApertureMask;
 use petzval_optics::focus::{Anchor, Focusing, Relation};
 use petzval_render::camera::exposure::PhysicalExposure;
+use petzval_render::camera::precision::Precision;
 use petzval_render::camera::{self, CameraDescription, Model, Spectrum};
 use pyo3::prelude::*;
 use serde_json::json;
@@ -68,6 +69,7 @@ pub(crate) struct PyCamera {
     scale_mm_per_unit: (f64, f64, f64),
     wavelength_nm: Option<f64>,
     spectrum: String,
+    precision: String,
     /// Shutter (s), film speed (ISO), lumens of a watt.
     exposure: Option<(f64, f64, f64)>,
 }
@@ -95,6 +97,15 @@ impl TryFrom<PyCamera> for CameraDescription {
             "THREE" => Spectrum::Three,
             other => {
                 let what = format!("camera '{}': there is no spectrum '{other}'; use VISIBLE or THREE", c.object_name);
+                return Err(refused(what));
+            }
+        };
+        let precision = match c.precision.as_str() {
+            "AUTO" => Precision::Auto,
+            "F32" => Precision::Single,
+            "F64" => Precision::Double,
+            other => {
+                let what = format!("camera '{}': there is no precision '{other}'; use AUTO, F32 or F64", c.object_name);
                 return Err(refused(what));
             }
         };
@@ -151,6 +162,7 @@ impl TryFrom<PyCamera> for CameraDescription {
             scale_mm_per_unit: DVec3::new(sx, sy, sz),
             wavelength_nm: c.wavelength_nm,
             spectrum,
+            precision,
             exposure: c.exposure.map(|(shutter_s, iso, lumens_per_watt)| PhysicalExposure {
                 shutter_s,
                 iso,

@@ -6,6 +6,7 @@ use crate::error::{Error, refused};
 use crate::scene::Scene;
 use numpy::{PyArray1, PyArray3, PyArrayMethods};
 use petzval_render::camera::imaging::Imaging;
+use petzval_render::camera::precision::TOLERANCE_PX;
 use petzval_render::camera::{Camera, CameraDescription};
 use petzval_render::film::cryptomatte::{self, MatteLayer};
 use petzval_render::film::data::DataPass;
@@ -218,6 +219,15 @@ impl Job {
         if let Some(lens) = self.job.camera().traced_lens() {
             seconds["pupil_map"] = json!(lens.map_seconds());
         }
+        let precision = self.job.camera().traced_lens().map(|lens| {
+            let chosen = lens.precision();
+            json!({
+                "asked": chosen.asked.name(),
+                "chosen": chosen.name(),
+                "f32_error_px": chosen.error_px.is_finite().then_some(chosen.error_px),
+                "tolerance_px": TOLERANCE_PX,
+            })
+        });
         json!({
             "seconds": seconds,
             "trees_refitted": self.job.stage().accel.refitted(),
@@ -232,6 +242,7 @@ impl Job {
             "seed": settings.seed,
             "threads": s.threads,
             "lens": self.job.camera().name(),
+            "precision": precision,
             "pipeline": self.job.pipeline().name(),
             "integrator": settings.integrator.name(),
             "width": settings.width,

@@ -37,6 +37,7 @@ fn camera(model: Model, lens: &str, spectrum: Option<Spectrum>) -> Camera {
         scale_mm_per_unit: DVec3::splat(1000.0),
         wavelength_nm: if spectrum.is_none() { Some(587.5618) } else { None },
         spectrum: spectrum.unwrap_or_default(),
+        precision: Default::default(),
         exposure: None,
     };
     Camera::new(&d, SIZE[0], SIZE[1]).unwrap()
@@ -82,7 +83,6 @@ fn bench(c: &mut Criterion) {
         });
     };
     alone("pinhole", &camera(Model::Pinhole, "", None));
-    alone("wide-angle-smith-f3.4/alone", &camera(Model::Lens, "wide-angle-smith-f3.4", Some(Spectrum::Visible)));
     for name in ["wide-angle-smith-f3.4", "double-gauss-f1.35", "laikin-fisheye-170"] {
         for (kind, spectrum) in [("one wavelength", None), ("film first", Some(Spectrum::Visible))] {
             let camera = camera(Model::Lens, name, spectrum);

@@ -36,6 +36,7 @@ pub struct Ray {
 
 impl Ray {
     /// Without end.
+    #[inline]
     pub fn new(origin: Vec3A, direction: Vec3A) -> Self {
         Self { origin, direction, t_max: f32::INFINITY }
     }

@@ -47,6 +47,7 @@ fn description(model: Model, lens: &str) -> CameraDescription {
         scale_mm_per_unit: DVec3::splat(1000.0),
         wavelength_nm: None,
         spectrum: Spectrum::Visible,
+        precision: Default::default(),
         exposure: None,
     }
 }

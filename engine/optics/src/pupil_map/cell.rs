@@ -31,15 +31,15 @@ pub(super) struct Sector {
     /// To the next corner.
     pub(super) edge: DVec2,
     /// Share of the area in the sectors before it.
-    start: f64,
+    pub(super) start: f64,
     /// One over its own share.
-    inverse_share: f64,
+    pub(super) inverse_share: f64,
     /// Where it begins, as a part of the way to its outer edge: more than 0 behind an obstruction.
     pub(super) inner: f64,
 }
 
 /// Entries of the guide: more find the sector at once more often and take more of the cache.
-const GUIDE: usize = 256;
+pub(super) const GUIDE: usize = 256;
 // Numbers of sectors fit the guide.
 const _: () = assert!(ANGLES <= 1 << u8::BITS);
 
@@ -114,6 +114,16 @@ impl Cell {
         self.sectors.iter().chain(self.sectors.first()).map(|sector| sector.corner)
     }
 
+    /// At equal angles; none if no light arrives.
+    pub(super) fn sectors(&self) -> &[Sector] {
+        &self.sectors
+    }
+
+    /// The sector in which each of [`GUIDE`] equal parts of the area begins; none if no light arrives.
+    pub(super) fn guide(&self) -> &[u8] {
+        &self.guide
+    }
+
     /// Squared radii between which every direction is inside.
     pub(super) fn surely(&self) -> [f64; 2] {
         self.surely
@@ -130,7 +140,7 @@ impl Cell {
 
     /// The sector that `u` chooses, and how far along its edge.
     #[inline]
-    pub(super) fn sector(&self, u: f64) -> (&Sector, f64) {
+    fn sector(&self, u: f64) -> (&Sector, f64) {
         let part = ((u * GUIDE as f64) as i32 as usize).min(GUIDE - 1);
         let mut i = usize::from(self.guide[part]);
         let mut sector = &self.sectors[i];
@@ -162,10 +172,13 @@ impl Cell {
             _ => guess,
         }];
         let out = point.perp_dot(sector.edge) / sector.corner.perp_dot(sector.edge);
-        // Rounding must not put a sample outside of its own sector.
-        (sector.inner - 1e-12..=1.0 + 1e-12).contains(&out)
+        // Rounding must not put a sample outside of its own sector, nor that of single precision.
+        (sector.inner - ROUNDINGS..=1.0 + ROUNDINGS).contains(&out)
     }
 }
+
+/// Of a sample in single precision, in units of the way to the edge: 8 of them.
+const ROUNDINGS: f64 = 4.0 * f32::EPSILON as f64;
 
 /// The sector of a point, or a neighbour of it.
 #[inline]

@@ -1,4 +1,4 @@
-//! Several targets at once, and the density of several, that in single precision.
+//! The density of several targets at once, in single precision.
 //!
 //! Rays of one packet come from film points near each other: they nearly always share a cell of the map.
 
@@ -17,14 +17,14 @@ macro_rules! spots {
         }
 
         /// Those of several film points.
-        struct Spots<const N: usize> {
-            $($field: [f32; N],)*
+        pub(super) struct Spots<const N: usize> {
+            $(pub(super) $field: [f32; N],)*
         }
 
         impl<const N: usize> Spots<N> {
             /// Of the cells with these numbers, which are whole and often all the same.
             #[inline]
-            fn of(all: &[Spot], cell: &[f32; N]) -> Self {
+            pub(super) fn of(all: &[Spot], cell: &[f32; N]) -> Self {
                 let first = &all[cell[0] as i32 as usize];
                 let mut spots = Self { $($field: [first.$field; N],)* };
                 if cell.iter().any(|&c| c != cell[0]) {
@@ -79,78 +79,7 @@ impl Spot {
     }
 }
 
-/// Several of [`super::PupilSample`].
-#[derive(Clone, Copy, Debug)]
-pub struct PupilSamples<const N: usize> {
-    /// x and y in lens space, mm.
-    pub target: [[f64; N]; 2],
-    /// Densities with which they were chosen, per mm² of the reference plane.
-    pub pdf_per_mm2: [f64; N],
-}
-
 impl PupilMap {
-    /// [`Self::sample`] for each of `N` film points (x, y and z, mm) and two numbers for each, to the last bit.
-    #[inline]
-    pub fn samples<const N: usize>(&self, film: &[[f64; N]; 3], u: &[[f64; N]; 2]) -> PupilSamples<N> {
-        let mut all = PupilSamples { target: [[0.0; N]; 2], pdf_per_mm2: [0.0; N] };
-        const { assert!(N > 0 && N <= 64) };
-        let mut alone =
-            if self.is_plain { self.samples_on_plain_film(film, u, &mut all) } else { u64::MAX >> (64 - N) };
-        while alone != 0 {
-            let i = alone.trailing_zeros() as usize;
-            let one = self.sample(DVec3::new(film[0][i], film[1][i], film[2][i]), [u[0][i], u[1][i]]);
-            (all.target[0][i], all.target[1][i], all.pdf_per_mm2[i]) = (one.target.x, one.target.y, one.pdf_per_mm2);
-            alone &= alone - 1;
-        }
-        all
-    }
-
-    /// All but those that are returned as bits: they go anywhere on the glass.
-    #[inline]
-    fn samples_on_plain_film<const N: usize>(
-        &self,
-        film: &[[f64; N]; 3],
-        u: &[[f64; N]; 2],
-        all: &mut PupilSamples<N>,
-    ) -> u64 {
-        let [mut cosine, mut sine, mut place] = [[0.0f64; N]; 3];
-        for i in 0..N {
-            let (x, y) = (film[0][i], film[1][i]);
-            let radius = (x * x + y * y).sqrt();
-            let inverse = radius.max(f64::MIN_POSITIVE).recip();
-            (cosine[i], sine[i]) = if radius > 0.0 { (x * inverse, y * inverse) } else { (1.0, 0.0) };
-            place[i] = radius;
-        }
-        // Of the ellipse, the point of the edge, and the sector's inner end.
-        let [mut cx, mut cy, mut sx, mut sy, mut ex, mut ey, mut inner, mut density] = [[0.0f64; N]; 8];
-        let mut alone = 0;
-        for i in 0..N {
-            let (r, r_in) = self.radius.locate(place[i]);
-            let cell = &self.cells[r];
-            if u[0][i] < DEFENSIVE_SHARE || cell.density() == 0.0 {
-                alone |= 1 << i;
-                continue;
-            }
-            let (sector, across) = cell.sector((u[0][i] - DEFENSIVE_SHARE) * (1.0 / (1.0 - DEFENSIVE_SHARE)));
-            let ellipse = self.ellipses[r].lerp(self.ellipses[r + 1], r_in);
-            let edge = sector.corner + sector.edge * across;
-            (cx[i], cy[i], ex[i], ey[i]) = (ellipse.centre.x, ellipse.centre.y, edge.x, edge.y);
-            (sx[i], sy[i]) = (ellipse.semi_axes.x, ellipse.semi_axes.y);
-            (inner[i], density[i]) = (sector.inner, cell.density());
-        }
-        let glass_squared = self.glass_radius * self.glass_radius;
-        for i in 0..N {
-            let begin = inner[i] * inner[i];
-            let out = (begin + u[1][i] * (1.0 - begin)).sqrt();
-            let (x, y) = (ex[i] * out * sx[i] + cx[i], ey[i] * out * sy[i] + cy[i]);
-            let (x, y) = (cosine[i] * x - sine[i] * y, sine[i] * x + cosine[i] * y);
-            let anywhere = if x * x + y * y <= glass_squared { self.glass_density } else { 0.0 };
-            (all.target[0][i], all.target[1][i]) = (x, y);
-            all.pdf_per_mm2[i] = (1.0 - DEFENSIVE_SHARE) * (density[i] / (sx[i] * sy[i])) + DEFENSIVE_SHARE * anywhere;
-        }
-        alone
-    }
-
     /// [`Self::pdf`] of `N` targets (x and y, mm) from as many film points (x, y and z, mm).
     #[inline]
     pub fn pdfs<const N: usize>(&self, film: &[[f32; N]; 3], target: &[[f32; N]; 2]) -> [f32; N] {
@@ -246,13 +175,7 @@ mod tests {
                 let places: [glam::Vec3; 8] = std::array::from_fn(place);
                 let films = [0, 1, 2].map(|axis| places.map(|p| p[axis]));
                 let together = map.pdfs(&films, &target);
-                let wide = [0, 1, 2].map(|axis| films[axis].map(f64::from));
-                let u = [0.3137, 0.4729].map(|by| std::array::from_fn(|i| f64::from(part(i, by))));
-                let samples = map.samples(&wide, &u);
                 for i in 0..8 {
-                    let one = map.sample(DVec3::new(wide[0][i], wide[1][i], wide[2][i]), [u[0][i], u[1][i]]);
-                    let of_all = (samples.target[0][i], samples.target[1][i], samples.pdf_per_mm2[i]);
-                    assert_eq!(of_all, (one.target.x, one.target.y, one.pdf_per_mm2));
                     let alone = map.pdf_of(&films, &target, i);
                     let film = DVec3::new(films[0][i].into(), films[1][i].into(), films[2][i].into());
                     lit += usize::from(f64::from(alone) * map.pupil_area_mm2(film) > 0.5);

@@ -6,6 +6,7 @@
 
 use glam::DVec3;
 
+use super::fate::Fate;
 use super::spectral::{LINES, Leaving};
 use super::step::{Action, Step};
 use super::{Failure, Lost, Ray, Tracer, Travel, Way};
@@ -26,7 +27,7 @@ pub struct Bundle<R = f64> {
     /// x, y, z of the origins, seen from the vertex that the rays are at, then of the directions. There may be more than
     /// there are rays; to trace, the last register is filled up with rays along the axis.
     numbers: [Vec<R>; 6],
-    lost: Vec<Option<Lost>>,
+    fates: Vec<Fate>,
     is_traced: bool,
 }
 
@@ -53,22 +54,22 @@ impl<R: Real> Tracer<R> {
 impl<R: Real> Bundle<R> {
     /// An empty one for rays along `way`.
     pub(super) fn along(way: Way<R>) -> Self {
-        Self { way, numbers: Default::default(), lost: Vec::new(), is_traced: false }
+        Self { way, numbers: Default::default(), fates: Vec::new(), is_traced: false }
     }
 
     /// Number of rays.
     pub fn len(&self) -> usize {
-        self.lost.len()
+        self.fates.len()
     }
 
     /// True if there is no ray.
     pub fn is_empty(&self) -> bool {
-        self.lost.is_empty()
+        self.fates.is_empty()
     }
 
     /// Takes all rays out, and keeps the memory.
     pub fn clear(&mut self) {
-        self.lost.clear();
+        self.fates.clear();
         self.is_traced = false;
     }
 
@@ -82,7 +83,7 @@ impl<R: Real> Bundle<R> {
     #[inline]
     pub(super) fn push_times(&mut self, ray: Ray, count: usize) {
         let (p, d) = self.way.enter(ray);
-        let first = self.lost.len();
+        let first = self.fates.len();
         let rays = first + count;
         if self.numbers[5].len() < rays {
             self.grow(rays);
@@ -94,29 +95,24 @@ impl<R: Real> Bundle<R> {
         dx[first..rays].fill(d.x);
         dy[first..rays].fill(d.y);
         dz[first..rays].fill(d.z);
-        self.lost.resize(rays, None);
+        self.fates.resize(rays, Fate::THROUGH);
     }
 
-    /// Adds the first `count` of some rays in lens space: x, y, z of their origins, then of their directions.
+    /// Adds the first `count` of some rays by where they cross the plane that touches the vertex of the first surface on
+    /// their way: x and y there, mm, then their directions. It takes no roundings.
     #[inline]
-    pub(super) fn push_some<const N: usize>(&mut self, rays: &[[f64; N]; 6], count: usize) {
-        let first = self.lost.len();
-        let end = first + count;
+    pub(super) fn push_crossing<const N: usize>(&mut self, rays: &[[R; N]; 5], count: usize) {
+        let first = self.fates.len();
         if self.numbers[5].len() < first + N {
             self.grow(first + N);
         }
-        let mut near = [[R::ZERO; N]; 6];
-        for i in 0..N {
-            let at = |column: usize| rays[column][i];
-            let ray = Ray { origin: DVec3::new(at(0), at(1), at(2)), direction: DVec3::new(at(3), at(4), at(5)) };
-            let (p, d) = self.way.enter(ray);
-            (near[0][i], near[1][i], near[2][i]) = (p.x, p.y, p.z);
-            (near[3][i], near[4][i], near[5][i]) = (d.x, d.y, d.z);
+        let [x, y, z, dx, dy, dz] = &mut self.numbers;
+        let there = first..first + N;
+        for (column, numbers) in [x, y, dx, dy, dz].into_iter().zip(rays) {
+            column[there.clone()].copy_from_slice(numbers);
         }
-        for (column, numbers) in self.numbers.iter_mut().zip(&near) {
-            column[first..first + N].copy_from_slice(numbers);
-        }
-        self.lost.resize(end, None);
+        z[there].fill(R::ZERO);
+        self.fates.resize(first + count, Fate::THROUGH);
     }
 
     /// Makes room for so many rays, and then some.
@@ -141,7 +137,7 @@ impl<R: Real> Bundle<R> {
     #[inline]
     pub fn result(&self, i: usize) -> Result<Ray, Lost> {
         debug_assert!(self.is_traced, "trace the bundle first");
-        if let Some(lost) = self.lost[i] {
+        if let Some(lost) = self.fates[i].lost() {
             return Err(lost);
         }
         let [x, y, z, dx, dy, dz] = &self.numbers;
@@ -150,29 +146,29 @@ impl<R: Real> Bundle<R> {
         Ok(self.way.leave(origin, direction))
     }
 
-    /// The rays from `first` on where they left the lens, in lens space, as [`Self::result`] has them: x, y, z, then their
-    /// directions; and a bit for each that got through, the first the lowest. What the numbers of the others mean, nobody
-    /// knows.
+    /// The rays from `first` on where they left the lens: x, y and z from the last vertex on the way, then their
+    /// directions, whose length is 1; and a bit for each that got through, the first the lowest. What the numbers of the
+    /// others mean, nobody knows.
     #[inline]
-    pub(super) fn results<const N: usize>(&self, first: usize) -> ([[f64; N]; 6], u32) {
+    pub(super) fn results<const N: usize>(&self, first: usize, rays: &mut [[R; N]; 6]) -> u32 {
         debug_assert!(self.is_traced, "trace the bundle first");
         const { assert!(N <= 32 && BLOCK.is_multiple_of(N)) };
-        let lost = self.lost[first..].iter().take(N);
-        let through = lost.enumerate().fold(0, |bits, (i, lost)| bits | u32::from(lost.is_none()) << i);
-        let mut rays = [[0.0; N]; 6];
+        let fates = self.fates[first..].iter().take(N);
+        let through = fates.enumerate().fold(0, |bits, (i, fate)| bits | u32::from(fate.is_through()) << i);
         for (column, numbers) in rays.iter_mut().zip(&self.numbers) {
             // The room is of whole blocks.
-            for (number, other) in column.iter_mut().zip(&numbers[first..first + N]) {
-                *number = other.to_f64();
+            column.copy_from_slice(&numbers[first..first + N]);
+        }
+        let [_, _, _, dx, dy, dz] = rays;
+        let [half, more] = [R::from_f64(0.5), R::from_f64(1.5)];
+        // As `Way::leave` does it, whose roundings those of R are.
+        for _ in 0..2 {
+            for i in 0..N {
+                let factor = more - half * (dx[i] * dx[i] + dy[i] * dy[i] + dz[i] * dz[i]);
+                (dx[i], dy[i], dz[i]) = (dx[i] * factor, dy[i] * factor, dz[i] * factor);
             }
         }
-        let [x, y, z, dx, dy, dz] = &mut rays;
-        for i in 0..N {
-            let left = self.way.leave(DVec3::new(x[i], y[i], z[i]), DVec3::new(dx[i], dy[i], dz[i]));
-            z[i] = left.origin.z;
-            (dx[i], dy[i], dz[i]) = (left.direction.x, left.direction.y, left.direction.z);
-        }
-        (rays, through)
+        through
     }
 
     /// What became of the [`LINES`] rays from `first` on.
@@ -189,7 +185,7 @@ impl<R: Real> Bundle<R> {
                 group(dy, first),
                 group(dz, first),
             ],
-            lost: &self.lost[first..first + LINES],
+            fates: &self.fates[first..first + LINES],
         }
     }
 
@@ -197,12 +193,12 @@ impl<R: Real> Bundle<R> {
     #[inline]
     pub fn is_through(&self, i: usize) -> bool {
         debug_assert!(self.is_traced, "trace the bundle first");
-        self.lost[i].is_none()
+        self.fates[i].is_through()
     }
 
     /// How many rays got through.
     pub fn passed(&self) -> usize {
-        self.lost.iter().filter(|lost| lost.is_none()).count()
+        self.fates.iter().filter(|fate| fate.is_through()).count()
     }
 }
 
@@ -254,12 +250,12 @@ impl<R: Real> LaneKernel<R> for Trace<'_, R> {
 
     #[inline(always)]
     fn run<L: Lane<Real = R>>(self, zero: L) {
-        let Bundle { numbers, lost, .. } = self.bundle;
+        let Bundle { numbers, fates, .. } = self.bundle;
         let axis = [R::ZERO, R::ZERO, R::ZERO, R::ZERO, R::ZERO, self.way.steps[0].side];
-        let rays = lost.len().next_multiple_of(L::WIDTH);
+        let rays = fates.len().next_multiple_of(L::WIDTH);
         for (column, number) in numbers.iter_mut().zip(axis) {
             // The room is a power of two: of whole registers.
-            column[lost.len()..rays].fill(number);
+            column[fates.len()..rays].fill(number);
         }
         // Rays that only fill a register up have the numbers of those before them, or these: no interface.
         let mut at_lines = [[R::ONE; BLOCK], [R::ZERO; BLOCK]];
@@ -274,7 +270,7 @@ impl<R: Real> LaneKernel<R> for Trace<'_, R> {
                 dy: &mut dy[block.clone()],
                 dz: &mut dz[block],
             };
-            let mut lost = Losses { lost: &mut lost[first..], surface: 0 };
+            let mut lost = Losses { fates: &mut fates[first..], surface: 0 };
             for (i, step) in self.way.steps.iter().enumerate() {
                 lost.surface = self.way.surface(i);
                 match &self.lines {
@@ -293,7 +289,7 @@ impl<R: Real> LaneKernel<R> for Trace<'_, R> {
 /// Where lost rays are noted.
 pub(super) struct Losses<'a> {
     /// Of the rays of a block.
-    pub(super) lost: &'a mut [Option<Lost>],
+    pub(super) fates: &'a mut [Fate],
     /// The surface that they are at.
     pub(super) surface: usize,
 }
@@ -302,8 +298,8 @@ impl Losses<'_> {
     /// Notes the loss of the ray at `place`, if it is the first: a ray that is lost goes on beside the others.
     fn note(&mut self, place: usize, reason: Failure) {
         // The last register may be wider than what is left of the rays.
-        if let Some(lost) = self.lost.get_mut(place) {
-            lost.get_or_insert(Lost { surface: self.surface, reason });
+        if let Some(fate) = self.fates.get_mut(place).filter(|fate| fate.is_through()) {
+            *fate = Lost { surface: self.surface, reason }.into();
         }
     }
 }

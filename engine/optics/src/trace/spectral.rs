@@ -8,6 +8,7 @@ use std::sync::Arc;
 use glam::DVec3;
 
 use super::bundle::{Block, Bundle, Lines, Losses, Trace};
+use super::fate::Fate;
 use super::step::Action;
 use super::{Lost, Ray, Tracer, Travel, Way};
 use crate::diaphragm::Diaphragm;
@@ -43,14 +44,14 @@ pub struct SpectralBundle<R = f64> {
 pub struct Leaving<'a, R> {
     /// x, y, z from the last vertex on the way, then of the directions, whose length is 1 but for roundings.
     pub numbers: [&'a [R; LINES]; 6],
-    pub(super) lost: &'a [Option<Lost>],
+    pub(super) fates: &'a [Fate],
 }
 
 impl<R> Leaving<'_, R> {
     /// A bit for each that got through, the first the lowest. What the numbers of the others mean, nobody knows.
     #[inline]
     pub fn through(&self) -> u32 {
-        self.lost.iter().enumerate().fold(0, |bits, (i, lost)| bits | u32::from(lost.is_none()) << i)
+        self.fates.iter().enumerate().fold(0, |bits, (i, fate)| bits | u32::from(fate.is_through()) << i)
     }
 }
 
@@ -104,14 +105,14 @@ impl LaneKernel<f64> for Packet<'_> {
         let (p, d) = way.enter(self.ray);
         let [mut x, mut y, mut z, mut dx, mut dy, mut dz] = [p.x, p.y, p.z, d.x, d.y, d.z].map(|n| [n; LINES]);
         let mut block = Block { x: &mut x, y: &mut y, z: &mut z, dx: &mut dx, dy: &mut dy, dz: &mut dz };
-        let mut reasons = [None; LINES];
-        let mut lost = Losses { lost: &mut reasons, surface: 0 };
+        let mut fates = [Fate::THROUGH; LINES];
+        let mut lost = Losses { fates: &mut fates, surface: 0 };
         for (i, (step, table)) in way.steps.iter().zip(tables.iter()).enumerate() {
             lost.surface = i;
             let interfaces = table.each_ref().map(|numbers| &numbers[self.first..self.first + LINES]);
             block.step(zero, step, Some(interfaces), &self.tracer.diaphragm, &mut lost);
         }
-        std::array::from_fn(|i| match reasons[i] {
+        std::array::from_fn(|i| match fates[i].lost() {
             Some(lost) => Err(lost),
             None => Ok(way.leave(DVec3::new(x[i], y[i], z[i]), DVec3::new(dx[i], dy[i], dz[i]))),
         })
@@ -168,12 +169,12 @@ impl<R: Real> SpectralBundle<R> {
         self.first.push(line as u32);
     }
 
-    /// Adds the first rays of some in lens space, as many as there are `lines`: x, y, z of their origins, then of their
-    /// directions. For bundles of one line a ray.
+    /// Adds the first of some rays, as many as there are `lines`, by where they cross the plane that touches the vertex of
+    /// the first surface on their way: x and y there, mm, then their directions. For bundles of one line a ray.
     #[inline]
-    pub fn push_some<const N: usize>(&mut self, rays: &[[f64; N]; 6], lines: impl ExactSizeIterator<Item = usize>) {
+    pub fn push_crossing<const N: usize>(&mut self, rays: &[[R; N]; 5], lines: impl ExactSizeIterator<Item = usize>) {
         assert!(self.group == 1 && lines.len() <= N, "each ray has one line");
-        self.rays.push_some(rays, lines.len());
+        self.rays.push_crossing(rays, lines.len());
         self.first.extend(lines.map(|line| line as u32));
     }
 
@@ -184,11 +185,14 @@ impl<R: Real> SpectralBundle<R> {
         self.rays.leaving(i * LINES)
     }
 
-    /// The [`LINES`] rays from `first` on where they left the lens, as far as there are so many: x, y, z in lens space, then
-    /// their directions; and a bit for each that got through, the first the lowest.
-    #[inline]
-    pub fn results(&self, first: usize) -> ([[f64; LINES]; 6], u32) {
-        self.rays.results(first)
+    /// The [`LINES`] rays from `first` on where they left the lens, as far as there are so many: x, y and z from the last
+    /// vertex on the way, then their directions, whose length is 1; and a bit for each that got through, the first the
+    /// lowest.
+    ///
+    /// A call, not inlined: with arrays in memory the compiler works on whole registers.
+    #[inline(never)]
+    pub fn results(&self, first: usize, rays: &mut [[R; LINES]; 6]) -> u32 {
+        self.rays.results(first, rays)
     }
 
     /// What became of ray `i`.

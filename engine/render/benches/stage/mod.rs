@@ -208,6 +208,7 @@ pub(crate) fn camera(model: Model, wavelength_nm: Option<f64>, [width, height]: 
         scale_mm_per_unit: DVec3::splat(1000.0),
         wavelength_nm,
         spectrum: Spectrum::Visible,
+        precision: Default::default(),
         exposure: None,
     };
     Camera::new(&d, width, height).unwrap()

@@ -2,52 +2,56 @@
 //! hold.
 
 use super::CameraRay;
+use super::outward::{Outward, OutwardBatch};
 use super::packet::{Led, Request, backwards};
 use super::real_lens::{Lead, RealLens};
-use crate::accel::Ray;
 use crate::sampler::raster::Raster;
-use glam::{DMat3, DVec3, Vec3A};
 use petzval_optics::trace::{LINES, SpectralBundle, Travel};
+
+/// The way out in the numbers that were chosen for it.
+pub(super) enum Out {
+    Single(Outward<f32>),
+    Double(Outward<f64>),
+}
+
+enum OutBatch {
+    Single(OutwardBatch<f32>),
+    Double(OutwardBatch<f64>),
+}
 
 /// Memory for batches of one lens.
 pub struct LensBatch {
-    out: SpectralBundle,
+    out: OutBatch,
     back: SpectralBundle<f32>,
-    /// By request: the density of its choice.
-    densities: Vec<f64>,
+}
+
+/// Calls a method of the way out, and hands it its part of a batch.
+macro_rules! on_the_way_out {
+    ($lens:expr, $batch:expr, |$out:ident, $memory:ident| $call:expr) => {
+        match (&$lens.out, $batch) {
+            (Out::Single($out), OutBatch::Single($memory)) => $call,
+            (Out::Double($out), OutBatch::Double($memory)) => $call,
+            _ => unreachable!("a batch is for the lens that made it"),
+        }
+    };
 }
 
 impl RealLens {
     /// For batches of this lens.
     pub fn batch(&self) -> LensBatch {
-        let lines = &self.film_lines;
-        LensBatch {
-            out: lines.out.bundle(Travel::FromFilm, 1),
-            back: lines.back_in_short.bundle(Travel::FromScene, LINES),
-            densities: Vec::new(),
-        }
+        let out = match &self.out {
+            Out::Single(out) => OutBatch::Single(out.batch()),
+            Out::Double(out) => OutBatch::Double(out.batch()),
+        };
+        LensBatch { out, back: self.film_lines.back_in_short.bundle(Travel::FromScene, LINES) }
     }
 
-    /// [`Self::sample`] for each request, to the last bit (on a shifted film but for roundings).
+    /// [`Self::sample`] for each request, to the last bit.
     pub fn sample_batch(&self, requests: &[Request], batch: &mut LensBatch, rays: &mut Vec<Option<CameraRay>>) {
-        self.lead_batch(requests, batch);
-        if self.mount.scale().is_none() {
-            rays.extend(requests.iter().enumerate().map(|(i, request)| {
-                batch.lead(i).map(|lead| self.weighted(self.spectrum.sample(request.u_wavelength), &lead))
-            }));
-            return;
-        }
-        for (group, some) in requests.chunks(LINES).enumerate() {
-            let first = group * LINES;
-            let (out, through) = batch.out.results(first);
-            let [x, y, z, dx, dy, dz] = self.mount.to_render_some(&out);
-            for (i, request) in some.iter().enumerate() {
-                let ray = Ray::new(Vec3A::new(x[i], y[i], z[i]), Vec3A::new(dx[i], dy[i], dz[i]));
-                let line = self.spectrum.sample(request.u_wavelength);
-                let is_through = through >> i & 1 != 0;
-                rays.push(is_through.then(|| CameraRay { ray, weight: self.weight(line, batch.densities[first + i]) }));
-            }
-        }
+        on_the_way_out!(self, &mut batch.out, |out, memory| {
+            out.trace(self, requests, memory);
+            out.finish(self, requests, memory, rays);
+        });
     }
 
     /// [`Self::lead_all`] for each request; the wavelengths that do not lead in numbers of single precision.
@@ -58,7 +62,7 @@ impl RealLens {
         batch: &mut LensBatch,
         led: &mut Vec<Option<Led>>,
     ) {
-        self.lead_batch(requests, batch);
+        on_the_way_out!(self, &mut batch.out, |out, memory| out.trace(self, requests, memory));
         batch.back.clear();
         for (i, request) in requests.iter().enumerate() {
             if let Some(lead) = batch.lead(i) {
@@ -83,62 +87,11 @@ impl RealLens {
         }));
     }
 
-    fn lead_batch(&self, requests: &[Request], batch: &mut LensBatch) {
-        let LensBatch { out, densities, .. } = batch;
-        out.clear();
-        densities.clear();
-        let line = |request: &Request| self.spectrum.sample(request.u_wavelength);
-        match self.mount.frame.flat() {
-            Some((axes, middle)) => {
-                for some in requests.chunks(LINES) {
-                    let (rays, some_densities) = self.aim_some(&axes, middle, some);
-                    out.push_some(&rays, some.iter().map(line));
-                    densities.extend_from_slice(&some_densities[..some.len()]);
-                }
-            }
-            None => {
-                for request in requests {
-                    let (ray, density) = self.aim_out(request.place, request.u_lens);
-                    out.push(ray, line(request));
-                    densities.push(density);
-                }
-            }
-        }
-        self.film_lines.out.trace(out);
-    }
-
-    /// [`Self::aim_out`] for at most as many requests as fill a register, from a flat film with these axes and this middle:
-    /// x, y, z of the origins, then of the directions, and the densities.
-    #[inline]
-    fn aim_some(&self, axes: &DMat3, middle: DVec3, requests: &[Request]) -> ([[f64; LINES]; 6], [f64; LINES]) {
-        let mut places = [[0.0f64; LINES]; 2];
-        let mut u = [[0.5f64; LINES]; 2];
-        for (i, request) in requests.iter().enumerate() {
-            (places[0][i], places[1][i]) = (f64::from(request.place.x), f64::from(request.place.y));
-            (u[0][i], u[1][i]) = (f64::from(request.u_lens[0]), f64::from(request.u_lens[1]));
-        }
-        let info = &self.mount.info;
-        let (right, up, away) = (axes.x_axis, axes.y_axis, axes.z_axis);
-        let mut film = [[0.0f64; LINES]; 3];
-        for i in 0..LINES {
-            let (u_mm, v_mm) = (-places[0][i] * info.picture_width_mm, -places[1][i] * info.picture_height_mm);
-            film[0][i] = middle.x + right.x * u_mm + up.x * v_mm;
-            film[1][i] = middle.y + right.y * u_mm + up.y * v_mm;
-            film[2][i] = middle.z + right.z * u_mm + up.z * v_mm;
-        }
-        let aims = self.map.samples(&film, &u);
-        let plane_z = self.map.reference_plane_z();
-        let [mut dx, mut dy, mut dz, mut density] = [[0.0f64; LINES]; 4];
-        for i in 0..LINES {
-            let (x, y, z) = (aims.target[0][i] - film[0][i], aims.target[1][i] - film[1][i], plane_z - film[2][i]);
-            let distance2 = x * x + y * y + z * z;
-            let inverse = distance2.sqrt().recip();
-            let cosines = ((away.x * x + away.y * y + away.z * z) * z).abs();
-            (dx[i], dy[i], dz[i]) = (x * inverse, y * inverse, z * inverse);
-            density[i] = aims.pdf_per_mm2[i] * distance2 * distance2 / cosines;
-        }
-        let [x, y, z] = film;
-        ([x, y, z, dx, dy, dz], density)
+    /// What becomes of one request at the wavelength that it chooses.
+    pub(super) fn lead(&self, request: &Request) -> Option<Lead> {
+        let mut batch = self.batch();
+        on_the_way_out!(self, &mut batch.out, |out, memory| out.trace(self, std::slice::from_ref(request), memory));
+        batch.lead(0)
     }
 }
 
@@ -146,7 +99,10 @@ impl LensBatch {
     /// What became of request `i`.
     #[inline]
     fn lead(&self, i: usize) -> Option<Lead> {
-        self.out.result(i).ok().map(|out| Lead { out, density: self.densities[i] })
+        match &self.out {
+            OutBatch::Single(out) => out.lead(i),
+            OutBatch::Double(out) => out.lead(i),
+        }
     }
 }
 

@@ -86,6 +86,7 @@ fn description(model: Model, file: &LensFile, focal_length_mm: f64, f_number: f6
         scale_mm_per_unit: DVec3::splat(1000.0),
         wavelength_nm: Some(587.5618),
         spectrum: Spectrum::Visible,
+        precision: Default::default(),
         exposure: None,
     }
 }

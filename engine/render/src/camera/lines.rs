@@ -9,8 +9,6 @@ const _: () = assert!(SET_SIZE == LINES);
 
 /// The lens at all of the film's wavelengths.
 pub(super) struct FilmLines {
-    /// Line by wavelength of the film.
-    pub(super) out: SpectralTracer,
     /// A group of lines for each set.
     pub(super) back: SpectralTracer,
     /// The same for whole batches: a wavelength that did not lead lands within some 1e-6 of the lens's size of its place,
@@ -31,9 +29,8 @@ impl FilmLines {
         let line = |set: usize, i: usize| &tracers[set + i.min(size - 1) * sets];
         let by_set: Vec<&Tracer> = (0..sets).flat_map(|set| (0..LINES).map(move |i| line(set, i))).collect();
         let back = SpectralTracer::new(&by_set);
-        let out = SpectralTracer::new(&tracers.iter().collect::<Vec<_>>());
         let columns = |w: &FilmWavelength| [0, 1, 2].map(|i| w.response.col(i).extend(0.0));
         let responses = spectrum.wavelengths().iter().map(columns).collect();
-        Self { out, back_in_short: back.cast(), back, size, sets, responses }
+        Self { back_in_short: back.cast(), back, size, sets, responses }
     }
 }

@@ -14,8 +14,10 @@ pub mod image_based;
 pub mod imaging;
 mod lines;
 mod mount;
+mod outward;
 pub mod packet;
 pub mod pinhole;
+pub mod precision;
 pub mod real_lens;
 pub mod scene_side;
 pub mod setup;
@@ -33,6 +35,7 @@ use petzval_optics::focus::{FocusError, Focusing};
 use petzval_optics::formats::lens::LensFileError;
 use petzval_optics::system::SystemError;
 use pinhole::Pinhole;
+use precision::Precision;
 use real_lens::RealLens;
 use setup::LensInfo;
 use std::path::PathBuf;
@@ -170,6 +173,8 @@ pub struct CameraDescription {
     pub wavelength_nm: Option<f64>,
     /// For lenses that treat wavelengths differently.
     pub spectrum: Spectrum,
+    /// Of the numbers in which rays are traced from the film through the lens.
+    pub precision: Precision,
     /// `None`: a uniform world of radiance one makes the middle of the film one, whatever the f-number.
     pub exposure: Option<PhysicalExposure>,
 }

@@ -40,6 +40,16 @@ impl Mount {
         &self.axes
     }
 
+    /// Vectors of lens space to render space, with its scale.
+    pub(super) fn vectors(&self) -> &DMat3 {
+        &self.vectors
+    }
+
+    /// The z in lens space of what stands at the camera's origin.
+    pub(super) fn origin_z_mm(&self) -> f64 {
+        self.origin_z_mm
+    }
+
     /// The film point of a picture point, lens space: the picture on the film is turned by half a turn.
     #[inline]
     pub(super) fn film_at(&self, p: Vec2) -> FilmPoint {
@@ -80,20 +90,6 @@ impl Mount {
             None => (self.vectors * ray.direction).normalize(),
         };
         Ray::new(origin.as_vec3a(), direction.as_vec3a())
-    }
-
-    /// [`Self::to_render`] for several, where all axes have one scale: x, y, z of origins, then of directions.
-    #[inline]
-    pub(super) fn to_render_some<const N: usize>(&self, rays: &[[f64; N]; 6]) -> [[f32; N]; 6] {
-        let mut there = [[0.0f32; N]; 6];
-        let [x, y, z, dx, dy, dz] = rays;
-        for i in 0..N {
-            let origin = self.vectors * DVec3::new(x[i], y[i], z[i] - self.origin_z_mm);
-            let direction = self.axes * DVec3::new(dx[i], dy[i], dz[i]);
-            (there[0][i], there[1][i], there[2][i]) = (origin.x as f32, origin.y as f32, origin.z as f32);
-            (there[3][i], there[4][i], there[5][i]) = (direction.x as f32, direction.y as f32, direction.z as f32);
-        }
-        there
     }
 
     /// A point of render space in lens space.

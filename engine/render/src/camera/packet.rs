@@ -208,9 +208,8 @@ pub struct Request {
 impl RealLens {
     /// A ray as [`Self::sample`] has it, with what all wavelengths of its set make of it.
     pub fn lead_all(&self, request: &Request, raster: &Raster) -> Option<Led> {
-        let (set, leader) = self.leader(request.u_wavelength);
-        let index = set + leader * self.spectrum.sets();
-        let lead = self.lead(index, request.place, request.u_lens)?;
+        let (set, _) = self.leader(request.u_wavelength);
+        let lead = self.lead(request)?;
         let arrivals = self.arrivals(set, backwards(&lead), raster, request.u_pixels);
         Some(self.joined(request, &lead, arrivals, raster))
     }

@@ -5,17 +5,22 @@
 //! uniform world of radiance one.
 
 use super::arrive::ShortFilm;
+use super::batch::Out;
 use super::focal_surface::FocalSurface;
 use super::lines::FilmLines;
 use super::mount::Mount;
+use super::outward::Outward;
+use super::packet::Request;
+use super::precision::Chosen;
 use super::setup::{D_LINE_NM, LensInfo};
 use super::{CameraDescription, CameraError, CameraRay, Spectrum};
 use crate::spectrum::FilmSpectrum;
 use glam::{DMat3, Mat3, Vec2};
 use petzval_optics::entrance_map::EntranceMap;
+use petzval_optics::lane::Real;
 use petzval_optics::pupil_map::{PupilMap, on_axis_throughput};
 use petzval_optics::system::System;
-use petzval_optics::trace::{Ray as LensRay, Tracer};
+use petzval_optics::trace::{Ray as LensRay, SpectralTracer, Tracer};
 use std::sync::OnceLock;
 use std::time::Instant;
 
@@ -45,6 +50,8 @@ pub struct RealLens {
     pub(super) map: PupilMap,
     map_seconds: f64,
     pub(super) film_lines: FilmLines,
+    pub(super) out: Out,
+    precision: Chosen,
     /// For packets, if there are any and the film is flat.
     pub(super) short_film: Option<ShortFilm>,
     system: System,
@@ -100,7 +107,28 @@ impl RealLens {
         let (sets, size) = (spectrum.sets(), spectrum.set_size());
         let short_film = ShortFilm::new(&mount, system.last_vertex_z_mm(), &lines, sets, size);
         let (focal, entrance) = (OnceLock::new(), OnceLock::new());
-        Ok(Self { mount, spectrum, lines, map, map_seconds, film_lines, short_film, system, focal, entrance })
+        let out = Out::Double(outward(&mount, &system, &spectrum, &lines));
+        let precision = Chosen::double(d.precision);
+        let mut lens = Self {
+            mount,
+            spectrum,
+            lines,
+            map,
+            map_seconds,
+            film_lines,
+            out,
+            precision,
+            short_film,
+            system,
+            focal,
+            entrance,
+        };
+        let single = lens.outward();
+        lens.precision = Chosen::measure(d.precision, &lens, &single, [width, height]);
+        if lens.precision.is_single {
+            lens.out = Out::Single(single);
+        }
+        Ok(lens)
     }
 
     /// What the lens does in this camera.
@@ -108,16 +136,27 @@ impl RealLens {
         &self.mount.info
     }
 
+    /// Its way out in numbers of some kind.
+    pub(super) fn outward<R: Real>(&self) -> Outward<R> {
+        outward(&self.mount, &self.system, &self.spectrum, &self.lines)
+    }
+
+    /// In which numbers rays leave through the lens, and why.
+    pub fn precision(&self) -> &Chosen {
+        &self.precision
+    }
+
     /// Wall time that the map of the pupil took, s.
     pub fn map_seconds(&self) -> f64 {
         self.map_seconds
     }
 
-    /// A ray for a picture point, or `None` where it is lost in the lens.
-    #[inline]
+    /// A ray for a picture point, or `None` where it is lost in the lens. Many are quicker in a batch.
     pub fn sample(&self, p: Vec2, u_lens: [f32; 2], u_wavelength: f32) -> Option<CameraRay> {
-        let index = self.spectrum.sample(u_wavelength);
-        self.lead(index, p, u_lens).map(|lead| self.weighted(index, &lead))
+        let mut ray = Vec::with_capacity(1);
+        let request = Request { place: p, u_lens, u_wavelength, ..Request::default() };
+        self.sample_batch(&[request], &mut self.batch(), &mut ray);
+        ray.pop().flatten()
     }
 
     /// What a ray at the film's wavelength number `index` counts.
@@ -130,13 +169,6 @@ impl RealLens {
     #[inline]
     pub(super) fn weight(&self, index: usize, density: f64) -> Mat3 {
         self.spectrum.wavelengths()[index].response * (self.lines[index].gain / density) as f32
-    }
-
-    /// A ray for a picture point at the film's wavelength number `index`.
-    #[inline]
-    pub(super) fn lead(&self, index: usize, p: Vec2, u_lens: [f32; 2]) -> Option<Lead> {
-        let (ray, density) = self.aim_out(p, u_lens);
-        self.lines[index].tracer.from_film(ray).ok().map(|out| Lead { out, density })
     }
 
     /// A ray from a picture point to the lens, lens space, and the density of its choice as [`Lead`] has it.
@@ -180,6 +212,12 @@ impl RealLens {
             EntranceMap::new(&tracers, &self.system)
         })
     }
+}
+
+/// The way out in numbers of some kind.
+fn outward<R: Real>(mount: &Mount, system: &System, spectrum: &FilmSpectrum, lines: &[Line]) -> Outward<R> {
+    let tracers: Vec<&Tracer> = lines.iter().map(|line| &line.tracer).collect();
+    Outward::new(mount, system.last_vertex_z_mm(), SpectralTracer::new(&tracers).cast(), spectrum, lines)
 }
 
 /// One over the exposure of the film's middle at each wavelength. It changes smoothly, so a parabola through

@@ -46,6 +46,7 @@ fn description(model: Model) -> CameraDescription {
         scale_mm_per_unit: DVec3::splat(1000.0),
         wavelength_nm: Some(587.5618),
         spectrum: Spectrum::Visible,
+        precision: Default::default(),
         exposure: None,
     }
 }

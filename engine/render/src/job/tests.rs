@@ -48,6 +48,7 @@ fn description(model: Model) -> CameraDescription {
         scale_mm_per_unit: DVec3::splat(1000.0),
         wavelength_nm: None,
         spectrum: crate::camera::Spectrum::Visible,
+        precision: Default::default(),
         exposure: None,
     }
 }

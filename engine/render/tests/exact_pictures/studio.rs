@@ -45,6 +45,7 @@ pub(crate) fn lens(name: &str) -> CameraDescription {
         scale_mm_per_unit: DVec3::splat(1000.0),
         wavelength_nm: Some(D_LINE_NM),
         spectrum: Spectrum::Visible,
+        precision: Default::default(),
         exposure: None,
     }
 }
