@@ -97,6 +97,19 @@ def wanted_normals(bpy, name: str) -> np.ndarray:
     return np.array([[mesh.corner_normals[loop].vector for loop in one.loops] for one in mesh.loop_triangles])
 
 
+def test_a_mesh_that_is_being_edited(parts, blender):
+    """A file may be saved, and rendered, in edit mode; then Blender's evaluated mesh is empty."""
+    blender.ops.mesh.primitive_cube_add(size=2.0, location=(1.0, 2.0, 3.0))
+    cube = blender.context.object
+    cube.modifiers.new("Subdivision", "SUBSURF").render_levels = 1
+    blender.ops.object.mode_set(mode="EDIT")
+    recorder, warnings, _ = parts.sent()
+    assert not warnings
+    (instance,) = recorder.of(cube.name)
+    same_triangles(recorder.corners(instance), evaluated_corners(blender, cube.name))
+    blender.ops.object.mode_set(mode="OBJECT")
+
+
 @pytest.mark.parametrize("shade", ["smooth", "some sharp edges", "some flat faces", "custom"])
 def test_smooth_normals(parts, blender, shade):
     blender.ops.mesh.primitive_uv_sphere_add(segments=8, ring_count=6)

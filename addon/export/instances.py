@@ -104,7 +104,8 @@ class Stage:
         wanted = frozenset().union(*(self._materials.wanted(slot.material) for slot in holder.material_slots))
         key = (data.as_pointer(), wanted)
         if key not in self._meshes:
-            self._meshes[key] = self._add(data.name, data, place, wanted)
+            with mesh.shape(holder, data) as shape:
+                self._meshes[key] = self._add(data.name, shape, place, wanted)
         return self._meshes[key]
 
     def _add(

@@ -3,7 +3,8 @@
 
 from __future__ import annotations
 
-from collections.abc import Iterable
+from collections.abc import Iterable, Iterator
+from contextlib import contextmanager
 from dataclasses import dataclass, field
 
 import bpy
@@ -25,6 +26,19 @@ class MeshArrays:
     uv_maps: dict[str, np.ndarray] = field(default_factory=dict)
     material_slots: np.ndarray | None = None
     attributes: dict[str, np.ndarray] = field(default_factory=dict)
+
+
+@contextmanager
+def shape(holder: bpy.types.Object, data: bpy.types.Mesh) -> Iterator[bpy.types.Mesh]:
+    """An object's mesh; of one that is being edited, what it is now: its data are empty until then."""
+    if not data.is_editmode:
+        yield data
+        return
+    made = holder.to_mesh()
+    try:
+        yield made
+    finally:
+        holder.to_mesh_clear()
 
 
 def extract(mesh: bpy.types.Mesh, wanted: Iterable[str] = ()) -> MeshArrays | None:

@@ -45,7 +45,9 @@ class Frame(dict[Key, Placed]):
                 continue
             pointer = data.as_pointer()
             if pointer not in known:
-                known[pointer] = mesh.positions(data) if _may_deform(holder) else None
+                # What is being edited stands still.
+                deforms = _may_deform(holder) and not data.is_editmode
+                known[pointer] = mesh.positions(data) if deforms else None
             found[key(place)] = Placed(rows(place.matrix_world), known[pointer])
         return found
 
