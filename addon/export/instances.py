@@ -14,6 +14,7 @@ from .camera import rows
 from .image import Images
 from .material import Materials
 from .motion import Motion
+from .visibility import hidden_from
 
 #: Objects whose surface Blender can hand over as a mesh.
 WITH_SURFACE = {"MESH", "CURVE", "SURFACE", "FONT", "META"}
@@ -83,8 +84,7 @@ class Stage:
             index,
             rows(place.matrix_world),
             [self._materials.index(slot.material) for slot in holder.material_slots],
-            visible_camera=holder.visible_camera,
-            visible_shadow=holder.visible_shadow,
+            hidden_from=hidden_from(holder),
             asset_name=_asset(holder),
             moved=self._motion.matrices(place) if self._motion is not None else None,
             info=(tuple(holder.color), holder.pass_index, object_info.random(holder, place)),

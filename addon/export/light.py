@@ -14,6 +14,7 @@ from .camera import rows
 from .image import Images
 from .material import uses_nodes
 from .texture import Inputs
+from .visibility import hidden_from
 
 
 def describe(holder: bpy.types.Object, matrix: Matrix, images: Images, report: Report) -> LightDescription:
@@ -24,7 +25,9 @@ def describe(holder: bpy.types.Object, matrix: Matrix, images: Images, report: R
         kind=light.type,
         matrix_world=rows(matrix),
         color=_colour(light, Inputs(f"Light '{light.name}'", images, report)),
-        visible_camera=holder.visible_camera,
+        hidden_from=hidden_from(holder),
+        # Cycles's own setting; without Cycles nothing limits it.
+        max_bounces=getattr(getattr(light, "cycles", None), "max_bounces", 1024),
         cast_shadow=light.use_shadow,
     )
     if light.type in {"POINT", "SPOT"}:

@@ -176,8 +176,7 @@ class SceneBuilder:
         matrix_world: Sequence[Sequence[float]],
         materials: Sequence[int],
         *,
-        visible_camera: bool = True,
-        visible_shadow: bool = True,
+        hidden_from: Sequence[str] = (),
         asset_name: str | None = None,
         moved: tuple[Sequence[Sequence[float]], Sequence[Sequence[float]]] | None = None,
         info: tuple[tuple[float, float, float, float], int, float] | None = None,  # colour, pass index, random

@@ -3,7 +3,7 @@
 use crate::camera::Matrix4;
 use crate::doorway::away;
 use crate::error::{Error, bad_scene, refused};
-use crate::material::{PyLight, PyMaterial, PyWorld};
+use crate::material::{PyLight, PyMaterial, PyWorld, visible};
 use glam::{DVec3, Vec2, Vec3, Vec4};
 use numpy::{PyArrayDyn, PyArrayMethods, PyReadonlyArray2, PyReadonlyArray3, PyUntypedArrayMethods};
 use petzval_render::integrator::Stage;
@@ -147,8 +147,8 @@ impl SceneBuilder {
     }
 
     #[pyo3(signature = (
-        object_name, mesh, matrix_world, materials, *, visible_camera = true, visible_shadow = true, asset_name = None,
-        moved = None, info = None
+        object_name, mesh, matrix_world, materials, *, hidden_from = Vec::new(), asset_name = None, moved = None,
+        info = None
     ))]
     #[allow(clippy::too_many_arguments)]
     fn add_instance(
@@ -157,21 +157,14 @@ impl SceneBuilder {
         mesh: usize,
         matrix_world: Matrix4,
         materials: Vec<usize>,
-        visible_camera: bool,
-        visible_shadow: bool,
+        hidden_from: Vec<String>,
         asset_name: Option<&str>,
         moved: Option<[Matrix4; 2]>,
         info: Option<PyObjectInfo>,
     ) -> Result<(), Error> {
-        let instance = self.builder.add_instance(
-            object_name,
-            mesh,
-            matrix_world.into(),
-            &materials,
-            visible_camera,
-            visible_shadow,
-        )?;
+        let instance = self.builder.add_instance(object_name, mesh, matrix_world.into(), &materials, true, true)?;
         let Some(instance) = instance else { return Ok(()) };
+        self.builder.set_visible(instance, visible(&hidden_from, object_name)?);
         if let Some((color, pass_index, random)) = info {
             self.builder.set_info(instance, ObjectInfo { color: color.into(), pass_index, random });
         }

@@ -9,6 +9,7 @@ use super::lamp::emission::on_disk;
 use super::triangle::LitTriangle;
 use super::{Emitter, Lights, Source};
 use crate::accel::{Hit, Ray, offset_origin};
+use crate::nodes::{View, Way};
 use crate::sampler::{distribution::AliasTable, warp};
 use crate::scene::Scene;
 use crate::surface::SurfacePoint;
@@ -227,7 +228,7 @@ fn emit_triangle(
     let direction = warp::to_world(&warp::frame(out), local).normalize();
     let hit = Hit { t: 0.0, u, v, instance: triangle.instance, triangle: triangle.triangle };
     let point = SurfacePoint::new(scene, &hit, -out);
-    let strength = triangle.radiance(scene, [u, v]);
+    let strength = triangle.radiance(scene, [u, v], &View { direction: -direction, distance: 1.0, way: Way::LIGHT });
     let origin = offset_origin(point.position, out, point.position_error);
     EmittedRay { ray: Ray::new(origin, direction), source, strength, cos: local.z }
 }

@@ -2,7 +2,9 @@
 
 use super::LightSample;
 use super::bounds::LightBounds;
+use crate::nodes::Way;
 use crate::scene::lamp::{Lamp, LampKind};
+use crate::scene::visibility::Rays;
 use crate::{Rgb, luminance, sampler::warp};
 use glam::{Mat3A, Vec3A};
 use std::f32::consts::{FRAC_PI_2, PI};
@@ -16,7 +18,8 @@ pub struct PreparedLamp {
     color: Rgb,
     axes: Mat3A,
     center: Vec3A,
-    visible_camera: bool,
+    reaches: Rays,
+    max_bounces: u32,
     cast_shadow: bool,
     /// Radiance of a lamp with extent; radiant intensity of one without (sun: irradiance).
     strength: Rgb,
@@ -49,7 +52,8 @@ impl PreparedLamp {
             color: lamp.color,
             axes: lamp.to_render.matrix3,
             center: lamp.to_render.translation,
-            visible_camera: lamp.visible_camera,
+            reaches: lamp.reaches,
+            max_bounces: lamp.max_bounces,
             cast_shadow: lamp.cast_shadow,
             strength,
         }
@@ -59,8 +63,14 @@ impl PreparedLamp {
         self.kind
     }
 
-    pub(super) fn visible_camera(&self) -> bool {
-        self.visible_camera
+    /// Whether a ray that came this way may find it. How many bounces it had is not asked, as in Cycles.
+    pub(super) fn is_found_by(&self, way: Way) -> bool {
+        self.reaches.all_of(way.finds())
+    }
+
+    /// Itself, if it still lights what a path meets after so many bounces.
+    pub(super) fn lit_after(&self, way: Way) -> Option<&Self> {
+        (u32::from(way.depth) <= self.max_bounces).then_some(self)
     }
 
     /// Watts, for choosing; a sun's, per unit of area.
@@ -136,6 +146,7 @@ impl PreparedLamp {
                     pdf: distance * distance / (cos * area_of(size, ellipse)),
                     point_like: false,
                     cast_shadow: self.cast_shadow,
+                    reaches: self.reaches,
                 })
             }
         }
@@ -196,6 +207,7 @@ impl PreparedLamp {
             pdf: 1.0,
             point_like: true,
             cast_shadow: self.cast_shadow,
+            reaches: self.reaches,
         };
         if half_angle_rad <= 0.0 {
             return base;
@@ -220,6 +232,7 @@ impl PreparedLamp {
             pdf: 1.0,
             point_like: true,
             cast_shadow: self.cast_shadow,
+            reaches: self.reaches,
         };
         if radius <= 0.0 {
             return Some(base);
@@ -278,6 +291,7 @@ impl PreparedLamp {
             pdf: distance * distance / (cos * PI * radius * radius),
             point_like: false,
             cast_shadow: self.cast_shadow,
+            reaches: self.reaches,
         })
     }
 

@@ -12,9 +12,10 @@ pub mod sky;
 pub mod tree;
 mod triangle;
 
+use crate::nodes::Way;
 use crate::scene::material::{Input, Material};
 use crate::scene::mesh::Mesh;
-use crate::scene::{Scene, lamp::LampKind};
+use crate::scene::{Scene, lamp::LampKind, visibility::Rays};
 use crate::{Rgb, luminance};
 use bounds::LightBounds;
 use glam::Vec3A;
@@ -41,6 +42,8 @@ pub struct LightSample {
     pub point_like: bool,
     /// Objects throw shadows in it.
     pub cast_shadow: bool,
+    /// The kinds of ray that find it, and so the closures that it lights.
+    pub reaches: Rays,
 }
 
 /// One of a scene's sources of light: lamps and emissive triangles, then the world and the suns.
@@ -108,9 +111,9 @@ impl Lights {
         self.receiver(position, None, 0.5)
     }
 
-    /// Light at a place; `None` where none was found.
-    pub fn sample(&self, scene: &Scene, to: &Receiver, u_choice: f32, u: [f32; 2]) -> Option<LightSample> {
-        self.sample_source(scene, to, u_choice, u).map(|(sample, _)| sample)
+    /// Light at a place that a path came to by `way`, as it is counted there; `None` where none was found.
+    pub fn sample(&self, scene: &Scene, to: &Receiver, u_choice: f32, u: [f32; 2], way: Way) -> Option<LightSample> {
+        self.sample_source(scene, to, u_choice, u, way).map(|(sample, _)| sample)
     }
 
     /// Light at a place, and where it comes from.
@@ -120,19 +123,20 @@ impl Lights {
         to: &Receiver,
         u_choice: f32,
         u: [f32; 2],
+        way: Way,
     ) -> Option<(LightSample, Source)> {
         let from = to.position;
         let chance = to.sky_chance;
         if u_choice < chance {
-            let (mut sample, index) = self.sky.sample(scene, &self.lamps, u_choice / chance, u)?;
+            let (mut sample, index) = self.sky.sample(scene, &self.lamps, u_choice / chance, u, way)?;
             sample.pdf *= chance;
             return Some((sample, self.sky_source(index)));
         }
         let rest = ((u_choice - chance) / (1.0 - chance)).min(1.0 - f32::EPSILON);
         let (index, probability) = self.tree.as_ref()?.sample(to, rest)?;
         let mut sample = match &self.local[index] {
-            Emitter::Lamp(i) => self.lamps[*i as usize].sample(from, u)?,
-            Emitter::Triangle(triangle) => triangle.sample(scene, from, u)?,
+            Emitter::Lamp(i) => self.lamps[*i as usize].lit_after(way)?.sample(from, u)?,
+            Emitter::Triangle(triangle) => triangle.sample(scene, from, u, way)?,
         };
         sample.pdf *= probability * (1.0 - chance);
         Some((sample, Source(index)))
@@ -155,11 +159,11 @@ impl Lights {
         from: Vec3A,
         d: Vec3A,
         t_max: f32,
-        camera: bool,
+        way: Way,
         to: Option<&Receiver>,
         mut found: impl FnMut(Rgb, f32),
     ) {
-        self.lamp_sources_along(from, d, t_max, camera, to, |_, radiance, pdf| found(radiance, pdf));
+        self.lamp_sources_along(from, d, t_max, way, to, |_, radiance, pdf| found(radiance, pdf));
     }
 
     /// The same with which of them it is.
@@ -168,7 +172,7 @@ impl Lights {
         from: Vec3A,
         d: Vec3A,
         t_max: f32,
-        camera: bool,
+        way: Way,
         to: Option<&Receiver>,
         mut found: impl FnMut(Source, Rgb, f32),
     ) {
@@ -176,7 +180,7 @@ impl Lights {
             // Lamps come first.
             let Emitter::Lamp(i) = *emitter else { break };
             let lamp = &self.lamps[i as usize];
-            if camera && !lamp.visible_camera() {
+            if !lamp.is_found_by(way) {
                 continue;
             }
             if let Some((radiance, pdf)) = lamp.hit(from, d, t_max) {
@@ -191,15 +195,8 @@ impl Lights {
 
     /// Calls `found(radiance, pdf)` for what shines from infinity along `d`: the world, and suns with extent. `to` is
     /// where a light sample would have been taken.
-    pub fn sky_along(
-        &self,
-        scene: &Scene,
-        d: Vec3A,
-        camera: bool,
-        to: Option<&Receiver>,
-        mut found: impl FnMut(Rgb, f32),
-    ) {
-        self.sky_sources_along(scene, d, camera, to, |_, radiance, pdf| found(radiance, pdf));
+    pub fn sky_along(&self, scene: &Scene, d: Vec3A, way: Way, to: Option<&Receiver>, mut found: impl FnMut(Rgb, f32)) {
+        self.sky_sources_along(scene, d, way, to, |_, radiance, pdf| found(radiance, pdf));
     }
 
     /// The same with which of them it is.
@@ -207,12 +204,12 @@ impl Lights {
         &self,
         scene: &Scene,
         d: Vec3A,
-        camera: bool,
+        way: Way,
         to: Option<&Receiver>,
         mut found: impl FnMut(Source, Rgb, f32),
     ) {
         let chance = to.map_or(0.0, |to| to.sky_chance);
-        self.sky.along(scene, &self.lamps, d, camera, |index, radiance, pdf| {
+        self.sky.along(scene, &self.lamps, d, way, |index, radiance, pdf| {
             found(self.sky_source(index), radiance, pdf * chance);
         });
     }

@@ -1,8 +1,8 @@
 //! A world of nodes: what shines from a direction, and an image of it all, which lights are chosen by.
 
 use super::point::Images;
+use super::way::Way;
 use crate::Rgb;
-use crate::nodes::Viewer;
 use crate::scene::Scene;
 use crate::scene::closure::Closure;
 use crate::scene::graph::Graph;
@@ -22,7 +22,7 @@ const WITHIN: usize = 2;
 /// A direction as a program asks for it.
 struct Infinity<'a> {
     direction: Vec3A,
-    viewer: Viewer,
+    way: Way,
     attributes: &'a [Attribute],
 }
 
@@ -33,9 +33,8 @@ impl Context for Infinity<'_> {
                 self.direction
             }
             Field::Normal | Field::TrueNormal | Field::Incoming => -self.direction,
-            Field::IsCameraRay => Vec3A::splat(f32::from(u8::from(self.viewer == Viewer::Camera))),
             Field::ObjectColour | Field::ObjectAlpha => Vec3A::ONE,
-            _ => Vec3A::ZERO,
+            _ => self.way.read(field).map_or(Vec3A::ZERO, Vec3A::splat),
         }
     }
 
@@ -54,9 +53,9 @@ thread_local! {
 }
 
 /// The radiance that arrives from a direction (unit, pointing away from the scene).
-pub fn radiance(graph: &Graph, textures: &[Texture], direction: Vec3A, viewer: Viewer) -> Rgb {
+pub fn radiance(graph: &Graph, textures: &[Texture], direction: Vec3A, way: Way) -> Rgb {
     let program = &graph.program;
-    let place = Infinity { direction, viewer, attributes: &program.attributes };
+    let place = Infinity { direction, way, attributes: &program.attributes };
     REGISTERS.with_borrow_mut(|registers| {
         program.run(&place, &Images(textures), registers);
         let mut sum = Vec3A::ZERO;
@@ -83,7 +82,7 @@ pub fn bake(scene: &mut Scene) {
         for k in 0..WITHIN * WITHIN {
             let x = ((i % columns) as f32 + place(k % WITHIN)) / columns as f32;
             let y = ((i / columns) as f32 + place(k / WITHIN)) / rows as f32;
-            sum += radiance(graph, textures, equirectangular_to_direction(Vec2::new(x, y)), Viewer::Bounce);
+            sum += radiance(graph, textures, equirectangular_to_direction(Vec2::new(x, y)), Way::LIGHT);
         }
         sum / (WITHIN * WITHIN) as f32
     };

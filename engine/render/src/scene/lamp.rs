@@ -1,5 +1,6 @@
 //! Blender's lamps as described: point, spot, sun and area.
 
+use super::visibility::Rays;
 use crate::Rgb;
 use glam::{Affine3A, Vec3A};
 
@@ -49,12 +50,28 @@ pub struct Lamp {
     pub kind: LampKind,
     /// Watts by channel; for a sun, watts per square metre.
     pub color: Rgb,
-    /// Seen by the camera directly.
-    pub visible_camera: bool,
+    /// The kinds of ray that find it: of those that a surface scatters, the closures that it lights.
+    pub reaches: Rays,
+    /// Scatterings after which it no longer lights anything.
+    pub max_bounces: u32,
     /// Is shadowed by objects.
     pub cast_shadow: bool,
     /// Lamp axes to render space.
     pub to_render: Affine3A,
+}
+
+impl Default for Lamp {
+    fn default() -> Self {
+        Self {
+            object_name: String::new(),
+            kind: LampKind::Point { radius: 0.0, soft: false },
+            color: Rgb::ONE,
+            reaches: Rays::ALL,
+            max_bounces: u32::MAX,
+            cast_shadow: true,
+            to_render: Affine3A::IDENTITY,
+        }
+    }
 }
 
 impl Lamp {
