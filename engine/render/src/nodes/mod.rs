@@ -2,6 +2,7 @@
 //!
 //! Knows textures and texture coordinates, not how the values are used.
 
+pub mod lamp;
 mod layers;
 mod point;
 mod way;

@@ -5,16 +5,18 @@ use petzval_nodes::Field;
 
 /// Of a path's last scattering, what it was; and how many there were of each kind.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
+// Moved about as one word.
+#[repr(C, align(8))]
 pub struct Way {
     is: u8,
+    /// Reflected without a peak; at most 255 are counted.
+    pub diffuse: u8,
+    /// Reflected about a peak.
+    pub glossy: u8,
+    /// Let through and scattered.
+    pub transmission: u8,
     /// Scatterings in all.
     pub depth: u16,
-    /// Reflected without a peak.
-    pub diffuse: u16,
-    /// Reflected about a peak.
-    pub glossy: u16,
-    /// Let through and scattered.
-    pub transmission: u16,
     /// Surfaces passed unbent.
     pub transparent: u16,
 }
@@ -47,13 +49,12 @@ impl Way {
         } else {
             GLOSSY
         };
-        let one = |yes: bool| u16::from(yes);
         Self {
             is: lobe | if is_transmitted { TRANSMITTED } else { REFLECTED },
             depth: self.depth + 1,
-            diffuse: self.diffuse + one(is_matte && !is_transmitted),
-            glossy: self.glossy + one(!is_matte && !is_transmitted),
-            transmission: self.transmission + one(is_transmitted),
+            diffuse: self.diffuse.saturating_add(u8::from(is_matte && !is_transmitted)),
+            glossy: self.glossy.saturating_add(u8::from(!is_matte && !is_transmitted)),
+            transmission: self.transmission.saturating_add(u8::from(is_transmitted)),
             transparent: self.transparent,
         }
     }

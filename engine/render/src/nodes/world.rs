@@ -58,16 +58,21 @@ pub fn radiance(graph: &Graph, textures: &[Texture], direction: Vec3A, way: Way)
     let place = Infinity { direction, way, attributes: &program.attributes };
     REGISTERS.with_borrow_mut(|registers| {
         program.run(&place, &Images(textures), registers);
-        let mut sum = Vec3A::ZERO;
-        for layer in &graph.layers {
-            if let Closure::Emission { color, strength } = &layer.closure {
-                let [color, strength, weight] =
-                    [*color, *strength, layer.weight].map(|source| source.value(program, registers));
-                sum += (color * strength.x).max(Vec3A::ZERO) * weight.x;
-            }
-        }
-        if sum.is_finite() { sum.into() } else { Rgb::ZERO }
+        emitted(graph, registers)
     })
+}
+
+/// What the closures of a program that has run shine.
+pub(super) fn emitted(graph: &Graph, registers: &Registers) -> Rgb {
+    let mut sum = Vec3A::ZERO;
+    for layer in &graph.layers {
+        if let Closure::Emission { color, strength } = &layer.closure {
+            let [color, strength, weight] =
+                [*color, *strength, layer.weight].map(|source| source.value(&graph.program, registers));
+            sum += (color * strength.x).max(Vec3A::ZERO) * weight.x;
+        }
+    }
+    if sum.is_finite() { sum.into() } else { Rgb::ZERO }
 }
 
 /// Gives a world of nodes the image, or the one colour, that surfaces see of it.
