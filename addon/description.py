@@ -92,7 +92,10 @@ class LightDescription:
     spread_rad: float = 3.141592653589793  # AREA
     spot_angle_rad: float = 0.785  # SPOT: full cone
     spot_blend: float = 0.15
+    # What the colour is multiplied by: the nodes, as JSON of what `export/graph.py` makes of them.
+    graph: str | None = None
     hidden_from: tuple[str, ...] = ()  # of RAYS: as an object, and so what it does not light
+    sets: tuple[int, int] = (0, 0)  # of objects that it lights, and that throw shadows in its light
     max_bounces: int = 1024  # after which it lights nothing
     cast_shadow: bool = True
 

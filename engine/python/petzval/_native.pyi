@@ -177,6 +177,7 @@ class SceneBuilder:
         materials: Sequence[int],
         *,
         hidden_from: Sequence[str] = (),
+        links: tuple[int, int, int, int] | None = None,  # `Links.of` of `addon/export/linking.py`
         asset_name: str | None = None,
         moved: tuple[Sequence[Sequence[float]], Sequence[Sequence[float]]] | None = None,
         info: tuple[tuple[float, float, float, float], int, float] | None = None,  # colour, pass index, random

@@ -6,11 +6,12 @@ use crate::layer::PyLayer;
 use glam::{Affine3A, DMat4, Mat3, Mat3A};
 use petzval_nodes::{Graph as ShaderGraph, compile};
 use petzval_render::Rgb;
+use petzval_render::nodes::lamp;
 use petzval_render::scene::graph::Graph;
 use petzval_render::scene::lamp::{Lamp, LampKind};
 use petzval_render::scene::material::{Channel, ImageInput, Input, Material};
 use petzval_render::scene::texture::{Extension, Interpolation};
-use petzval_render::scene::visibility::Rays;
+use petzval_render::scene::visibility::{Rays, Sets};
 use petzval_render::scene::world::World;
 use pyo3::prelude::*;
 use std::sync::Arc;
@@ -168,13 +169,16 @@ pub(crate) struct PyLight {
     spread_rad: f32,
     spot_angle_rad: f32,
     spot_blend: f32,
+    graph: Option<String>,
     hidden_from: Vec<String>,
+    sets: (u8, u8),
     max_bounces: u32,
     cast_shadow: bool,
 }
 
 impl PyLight {
-    pub(crate) fn lamp(self) -> Result<(Lamp, DMat4), Error> {
+    /// The lamp, where it stands, and what of its nodes the engine does otherwise than Blender.
+    pub(crate) fn lamp(self) -> Result<(Lamp, DMat4, Vec<String>), Error> {
         let unknown = |what: &str, value: &str| bad_scene(format!("light '{}': no {what} '{value}'", self.object_name));
         let reaches = visible(&self.hidden_from, &self.object_name)?;
         let kind = match self.kind.as_str() {
@@ -197,16 +201,23 @@ impl PyLight {
             },
             other => return Err(unknown("kind of light", other)),
         };
+        let owner = format!("Light '{}'", self.object_name);
+        let (graph, mut reports) = read_graph(self.graph.as_deref(), 0, &owner)?;
+        for field in graph.iter().flat_map(|graph| lamp::unknown(graph)) {
+            reports.push(format!("{owner}: {field:?} is not supported in a light yet, it is 0"));
+        }
         let lamp = Lamp {
             object_name: self.object_name,
             kind,
             color: rgb(self.color),
+            graph,
             reaches,
+            sets: Sets { receivers: self.sets.0 & 63, blockers: self.sets.1 & 63 },
             max_bounces: self.max_bounces,
             cast_shadow: self.cast_shadow,
             to_render: Affine3A::IDENTITY,
         };
-        Ok((lamp, self.matrix_world.into()))
+        Ok((lamp, self.matrix_world.into(), reports))
     }
 }
 

@@ -130,6 +130,7 @@ impl Emission {
         let from_lamp = match lights.lamp(source) {
             Some(lamp) => {
                 let pdf = lamp.arrival_pdf(at, direction, distance)?;
+                radiance *= lamp.shine(scene, at, -direction, distance, Way::LIGHT);
                 point_like = lamp.is_point_like();
                 if point_like && source.0 < lights.local.len() {
                     radiance /= distance * distance;
@@ -187,7 +188,7 @@ impl super::lamp::PreparedLamp {
 
 impl Lights {
     /// The lamp that a source is, if it is one.
-    fn lamp(&self, source: Source) -> Option<&super::lamp::PreparedLamp> {
+    pub(super) fn lamp(&self, source: Source) -> Option<&super::lamp::PreparedLamp> {
         let index = match self.local.get(source.0) {
             Some(Emitter::Lamp(i)) => *i,
             Some(Emitter::Triangle { .. }) => return None,

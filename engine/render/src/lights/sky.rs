@@ -7,6 +7,7 @@ use crate::sampler::distribution::{AliasTable, Grid2d};
 use crate::scene::{
     Scene,
     lamp::LampKind,
+    visibility::Sets,
     world::{direction_to_equirectangular, equirectangular_to_direction},
 };
 use crate::{Rgb, luminance, nodes};
@@ -67,7 +68,7 @@ impl Sky {
         let (index, probability, _) = self.choice.as_ref()?.sample(u_choice.min(1.0 - f32::EPSILON));
         let mut sample = match index {
             0 => self.sample_image(scene, u)?,
-            i => lamps[self.suns[i - 1] as usize].lit_after(way)?.sample(Vec3A::ZERO, u)?,
+            i => lamps[self.suns[i - 1] as usize].light(scene, Vec3A::ZERO, u, way)?,
         };
         sample.pdf *= probability;
         Some((sample, index))
@@ -98,6 +99,7 @@ impl Sky {
                 continue;
             }
             if let Some((radiance, pdf)) = lamp.hit_sun(d) {
+                let radiance = radiance * lamp.shine(scene, Vec3A::ZERO, d, f32::INFINITY, way.light());
                 found(i + 1, radiance, pdf * self.chance(i + 1));
             }
         }
@@ -132,6 +134,7 @@ impl Sky {
             point_like: false,
             cast_shadow: true,
             reaches: scene.world.visible,
+            sets: Sets::EVERYTHING,
         })
     }
 

@@ -84,7 +84,7 @@ fn densities_of_hits_are_those_of_samples() {
                 .sample(&scene, &at(&lights, from), u[0], [u[1] * 0.98 + 0.01, u[2] * 0.98 + 0.01], Way::CAMERA)
                 .unwrap();
             let mut found = None;
-            lights.lamps_along(from, s.wi, f32::INFINITY, Way::BOUNCE, Some(&at(&lights, from)), |r, pdf| {
+            lights.lamps_along(&scene, from, s.wi, f32::INFINITY, Way::BOUNCE, Some(&at(&lights, from)), |r, pdf| {
                 found = Some((r, pdf))
             });
             lights.sky_along(&scene, s.wi, Way::BOUNCE, Some(&at(&lights, from)), |r, pdf| {

@@ -4,7 +4,7 @@ use super::LightSample;
 use super::bounds::LightBounds;
 use crate::nodes::{View, Way};
 use crate::scene::Scene;
-use crate::scene::visibility::Rays;
+use crate::scene::visibility::{Rays, Sets};
 use crate::surface::{area_vector, geometric_normal, mesh_of};
 use crate::{Rgb, nodes, sampler::warp};
 use glam::{Vec3, Vec3A};
@@ -24,6 +24,7 @@ pub(super) struct LitTriangle {
     pub(super) two_sided: bool,
     /// The kinds of ray that its object shows itself to.
     reaches: Rays,
+    sets: Sets,
     /// Emitted power, for choosing.
     pub(super) power: f32,
     /// Blender units squared.
@@ -50,6 +51,7 @@ impl LitTriangle {
             triangle,
             two_sided,
             reaches: placed.visible,
+            sets: placed.links.sets,
             power: brightness * area * PI * if two_sided { 2.0 } else { 1.0 },
             area,
             normal: geometric_normal(placed, &mesh.corners(triangle)).into(),
@@ -57,6 +59,11 @@ impl LitTriangle {
             edges: [(b - a).into(), (c - a).into()],
             radiance: is_even.then(|| nodes::emission(material, scene, [instance, triangle], [0.0; 2], &FROM_LIGHTS)),
         }
+    }
+
+    /// What it lights, and what throws shadows in its light.
+    pub(super) fn sets(&self) -> Sets {
+        self.sets
     }
 
     /// Unit, on the front.
@@ -115,6 +122,7 @@ impl LitTriangle {
             point_like: false,
             cast_shadow: true,
             reaches: self.reaches,
+            sets: self.sets,
         })
     }
 }

@@ -17,7 +17,7 @@ use lamp::Lamp;
 use material::Material;
 use mesh::{Mesh, MeshDescription};
 use texture::Texture;
-use visibility::Rays;
+use visibility::{Links, Rays};
 use world::World;
 
 /// What was wrong with a piece of the description.
@@ -84,6 +84,8 @@ pub struct Instance {
     pub materials: Vec<u32>,
     /// What it shows itself to.
     pub visible: Rays,
+    /// Which lights light it, and in which it throws shadows.
+    pub links: Links,
     /// Object space to render space a frame before and a frame after; `None` where it stands still.
     pub moved: Option<Box<[DAffine3; 2]>>,
     /// What shader graphs may ask of the object.
@@ -150,6 +152,7 @@ struct RawInstance {
     matrix: DMat4,
     materials: Vec<u32>,
     visible: Rays,
+    links: Links,
 }
 
 /// Collects a scene's pieces in any order in which each piece comes after those that it names.
@@ -259,6 +262,7 @@ impl SceneBuilder {
             visible: Rays::ALL
                 .without(if visible_camera { Rays::NONE } else { Rays::CAMERA })
                 .without(if visible_shadow { Rays::NONE } else { Rays::SHADOW }),
+            links: Links::default(),
         });
         Ok(Some(self.instances.len() - 1))
     }
@@ -271,6 +275,11 @@ impl SceneBuilder {
     /// Says what an instance shows itself to.
     pub fn set_visible(&mut self, instance: usize, to: Rays) {
         self.instances[instance].visible = to;
+    }
+
+    /// Says which lights light an instance, and in which it throws shadows.
+    pub fn set_links(&mut self, instance: usize, links: Links) {
+        self.instances[instance].links = links;
     }
 
     /// Says what shader graphs may ask of an instance's object.
@@ -353,6 +362,7 @@ impl SceneBuilder {
                     mirrored: linear.determinant() < 0.0,
                     materials: if raw.materials.is_empty() { vec![0] } else { raw.materials },
                     visible: raw.visible,
+                    links: raw.links,
                 }
             })
             .collect();

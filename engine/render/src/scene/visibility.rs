@@ -76,3 +76,46 @@ impl Default for Rays {
         Self::ALL
     }
 }
+
+/// Which of the scene's sets of objects an emitter lights, and which stand in its way. Set 0 is everything.
+#[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
+pub struct Sets {
+    /// What it lights; below 64.
+    pub receivers: u8,
+    /// What throws shadows in its light; below 64.
+    pub blockers: u8,
+}
+
+impl Sets {
+    /// Of lights that nobody linked.
+    pub const EVERYTHING: Self = Self { receivers: 0, blockers: 0 };
+}
+
+/// How an object takes part in light linking.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub struct Links {
+    /// The sets of receivers that it is in, a bit each.
+    pub receives: u64,
+    /// The sets of blockers that it is in.
+    pub blocks: u64,
+    /// Of what it shines itself.
+    pub sets: Sets,
+}
+
+impl Default for Links {
+    fn default() -> Self {
+        Self { receives: u64::MAX, blocks: u64::MAX, sets: Sets::EVERYTHING }
+    }
+}
+
+impl Links {
+    /// Whether light of an emitter of these sets reaches it.
+    pub fn takes_light_of(&self, emitter: Sets) -> bool {
+        self.receives >> emitter.receivers & 1 == 1
+    }
+
+    /// Whether it throws shadows in that light.
+    pub fn blocks_light_of(&self, emitter: Sets) -> bool {
+        self.blocks >> emitter.blockers & 1 == 1
+    }
+}

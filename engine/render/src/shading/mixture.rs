@@ -364,6 +364,8 @@ impl Scattering for Mixture {
         (value, pdf)
     }
 
+    #[cold]
+    #[inline(never)]
     fn evaluate_some(&self, wi: Vec3A, rays: Rays) -> (Rgb, f32) {
         let Here { geometric_normal, smooth_normal, .. } = self.here;
         let above = geometric_normal.dot(wi) > 0.0;

@@ -344,6 +344,8 @@ impl Scattering for Bsdf {
         (self.diffuse * (cos * FRAC_1_PI), self.chance[3] * warp::cosine_hemisphere_pdf(cos))
     }
 
+    #[cold]
+    #[inline(never)]
     fn evaluate_some(&self, wi: Vec3A, rays: Rays) -> (Rgb, f32) {
         let mut part = self.clone();
         part.keep(rays);

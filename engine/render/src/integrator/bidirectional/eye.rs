@@ -121,7 +121,7 @@ impl Met<'_> {
         let Stage { scene, lights, emission, .. } = self.stage;
         let Ray { origin, direction, .. } = *self.ray;
         let to = self.receiver();
-        lights.lamp_sources_along(origin, direction, t_max, self.way(), to.as_ref(), |source, radiance, pdf| {
+        lights.lamp_sources_along(scene, origin, direction, t_max, self.way(), to.as_ref(), |source, radiance, pdf| {
             // Every lamp that can be met has extent: the distance does not matter.
             found(radiance * self.weight(pdf, emission.density(scene, lights, source, direction, 1.0)));
         });

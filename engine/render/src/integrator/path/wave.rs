@@ -11,7 +11,8 @@ use crate::integrator::subsurface::{Numbers, walk};
 use crate::lights::{LightSample, receiver::Receiver};
 use crate::nodes::{self, Layers, View, Way};
 use crate::sampler::PathSampler;
-use crate::scene::{layer::Layer, visibility::Rays};
+use crate::scene::layer::Layer;
+use crate::scene::visibility::{Rays, Sets};
 use crate::shading::Scattering;
 use crate::shading::mixture::Mixture;
 use crate::shading::principled::Bsdf;
@@ -50,6 +51,8 @@ struct Path {
     travelled: f32,
     /// Where the ray was scattered.
     start: Vec3A,
+    /// By which instance.
+    from: u32,
     sampler: PathSampler,
 }
 
@@ -70,6 +73,7 @@ struct Shadow {
     ray: Ray,
     light: Rgb,
     way: Way,
+    sets: Sets,
 }
 
 impl Wave {
@@ -93,6 +97,7 @@ impl Wave {
             way: Way::CAMERA,
             travelled: 0.0,
             start: ray.origin,
+            from: 0,
             sampler,
         });
     }
@@ -264,11 +269,14 @@ impl Wave {
 
     /// Adds the light whose way is free, as far as it is.
     fn shadow(&mut self, stage: &Stage, limits: &Limits) {
-        for Shadow { path, ray, light, way } in &self.shadows {
+        for Shadow { path, ray, light, way, sets } in &self.shadows {
             let result = &mut self.results[*path as usize];
             result.rays += 1;
             let mut left = limits.shadows_pass(*way);
             let free = stage.accel.light_through(ray, Rays::SHADOW, |hit| {
+                if sets.blockers != 0 && !stage.scene.instances[hit.instance as usize].links.blocks_light_of(*sets) {
+                    return Rgb::ONE;
+                }
                 if left == 0 {
                     return Rgb::ZERO;
                 }
@@ -304,6 +312,7 @@ impl Place<'_> {
         let to = stage.lights.receiver(point.position, bsdf.receiving_normal(), limits.openness);
         if !bsdf.is_mirror()
             && let Some(light) = stage.lights.sample(&stage.scene, &to, u_light, [u0, u1], path.way)
+            && let Some(light) = self.linked(light)
         {
             let found = path.throughput * direct(bsdf, &light);
             if !light.cast_shadow {
@@ -311,10 +320,22 @@ impl Place<'_> {
             } else if found != Rgb::ZERO {
                 let origin = leave(point, light.wi);
                 let ray = Ray { origin, direction: light.wi, t_max: light.distance };
-                shadows.push(Shadow { path: self.path, ray, light: found, way: path.way });
+                shadows.push(Shadow { path: self.path, ray, light: found, way: path.way, sets: light.sets });
             }
         }
         to
+    }
+
+    /// A light sample, if the light lights this object. Where it has shadows of its own it counts as if no ray found it: see
+    /// [`Path::finds`].
+    #[inline(always)]
+    fn linked(&self, light: LightSample) -> Option<LightSample> {
+        if !self.stage.lights.is_linked() {
+            return Some(light);
+        }
+        let links = &self.stage.scene.instances[self.point.instance as usize].links;
+        let point_like = light.point_like || light.sets.blockers != 0;
+        links.takes_light_of(light.sets).then_some(LightSample { point_like, ..light })
     }
 
     /// A direction to go on in; whether there is one.
@@ -338,6 +359,7 @@ impl Place<'_> {
         path.travelled = 0.0;
         path.ray = Ray::new(leave(self.point, next.wi), next.wi);
         path.start = path.ray.origin;
+        path.from = self.point.instance;
         true
     }
 }
@@ -348,6 +370,18 @@ impl Path {
         View::along(&self.ray, distance, self.way)
     }
 
+    /// Whether light that the ray found counts: not where its emitter does not light the object that it comes from, nor
+    /// where it has shadows of its own, which the ray knows nothing of.
+    #[inline(always)]
+    fn finds(&self, stage: &Stage, sets: impl FnOnce() -> Sets) -> bool {
+        if !stage.lights.is_linked() || self.way.is_camera() {
+            return true;
+        }
+        let sets = sets();
+        let is_alone = self.chosen.receiver().is_none();
+        stage.scene.instances[self.from as usize].links.takes_light_of(sets) && (is_alone || sets.blockers == 0)
+    }
+
     /// Adds the light of lamps that the ray meets within `t_max` of where it was scattered: from there a light sample
     /// would have been taken, whatever surfaces it passed since.
     fn lamps_before(&self, stage: &Stage, limits: &Limits, t_max: f32, result: &mut PathResult) {
@@ -355,11 +389,23 @@ impl Path {
             return;
         }
         let to = self.chosen.receiver();
-        stage.lights.lamps_along(self.start, self.ray.direction, t_max, self.way, to, |radiance, pdf| {
-            result.radiance +=
-                limits.clamp(self.throughput * radiance * self.chosen.weight(pdf), u32::from(self.way.depth));
-            result.hit = true;
-        });
+        let Stage { scene, lights, .. } = stage;
+        lights.lamp_sources_along(
+            scene,
+            self.start,
+            self.ray.direction,
+            t_max,
+            self.way,
+            to,
+            |source, radiance, pdf| {
+                if !self.finds(stage, || lights.sets(source)) {
+                    return;
+                }
+                result.radiance +=
+                    limits.clamp(self.throughput * radiance * self.chosen.weight(pdf), u32::from(self.way.depth));
+                result.hit = true;
+            },
+        );
     }
 
     /// Adds the light of the world and of suns.
@@ -368,7 +414,10 @@ impl Path {
         if self.way.is_camera() && limits.hide_sky {
             return;
         }
-        stage.lights.sky_along(&stage.scene, self.ray.direction, self.way, to, |radiance, pdf| {
+        stage.lights.sky_sources_along(&stage.scene, self.ray.direction, self.way, to, |source, radiance, pdf| {
+            if !self.finds(stage, || stage.lights.sets(source)) {
+                return;
+            }
             result.radiance +=
                 limits.clamp(self.throughput * radiance * self.chosen.weight(pdf), u32::from(self.way.depth));
         });
@@ -385,7 +434,7 @@ impl Path {
         result: &mut PathResult,
     ) {
         let material = &stage.scene.materials[point.material as usize];
-        if !material.emits() {
+        if !material.emits() || !self.finds(stage, || stage.scene.instances[hit.instance as usize].links.sets) {
             return;
         }
         let view = self.view(self.travelled + hit.t);

@@ -197,8 +197,9 @@ fn densities_agree_from_both_ends() {
             let to = lights.receiver_between(p);
             let wi = -e.ray.direction;
             let mut met = None;
-            lights
-                .lamp_sources_along(p, wi, f32::INFINITY, Way::BOUNCE, Some(&to), |s, r, pdf| met = Some((s, r, pdf)));
+            lights.lamp_sources_along(&scene, p, wi, f32::INFINITY, Way::BOUNCE, Some(&to), |s, r, pdf| {
+                met = Some((s, r, pdf))
+            });
             if met.is_none() && lights.local.is_empty() || name.contains("sun") {
                 lights.sky_sources_along(&scene, wi, Way::BOUNCE, Some(&to), |s, r, pdf| {
                     if s == e.source {
@@ -255,7 +256,7 @@ fn densities_integrate_to_one() {
                     sum += f64::from(etendue * emission.density(&scene, &lights, Source(0), wi, t));
                 }
             } else {
-                lights.lamp_sources_along(p, wi, f32::INFINITY, Way::BOUNCE, None, |s, radiance, _| {
+                lights.lamp_sources_along(&scene, p, wi, f32::INFINITY, Way::BOUNCE, None, |s, radiance, _| {
                     // Beyond its spread a lamp is dark, and no ray is chosen.
                     if radiance != Rgb::ZERO {
                         sum += f64::from(etendue * emission.density(&scene, &lights, s, wi, 1.0));
