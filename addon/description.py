@@ -180,6 +180,7 @@ class SettingsDescription:
     glossy_bounces: int = NO_LIMIT
     transmission_bounces: int = NO_LIMIT
     transparent_bounces: int = NO_LIMIT
+    transparent_shadows: int = NO_LIMIT  # surfaces passed by shadow rays, those of the path before included
     # After a diffuse bounce.
     reflective_caustics: bool = True
     refractive_caustics: bool = True

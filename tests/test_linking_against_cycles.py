@@ -45,7 +45,7 @@ def test_links(studio, blender, tmp_path, kind, state, role):  # noqa: F811
     same(ours, theirs)
     if state == "EXCLUDE" or (state == "INCLUDE" and role == "receiver"):
         setattr(holder.light_linking, f"{role}_collection", None)
-        differs(ours, studio.render(tmp_path, "all.exr")[..., :3], 0.002)
+        differs(ours, studio.render(tmp_path, "all.exr")[..., :3], 0.0005)
 
 
 def test_collections_within_collections(studio, blender, tmp_path):  # noqa: F811

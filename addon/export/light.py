@@ -14,8 +14,8 @@ from ..description import Colour, LightDescription
 from . import graph
 from .camera import rows
 from .image import Images
-from .material import uses_nodes
 from .linking import Links
+from .material import uses_nodes
 from .visibility import hidden_from
 
 

@@ -24,7 +24,11 @@ def bounces(scene: bpy.types.Scene) -> dict[str, int | bool]:
     """By the name of the engine's setting: limits that Blender keeps in Cycles's settings, where there is Cycles."""
     cycles = getattr(scene, "cycles", None)
     found = {f"{kind}_bounces": getattr(cycles, f"{kind}_bounces", NO_LIMIT) for kind in KINDS}
-    found["transparent_bounces"] = getattr(cycles, "transparent_max_bounces", NO_LIMIT)
+    if cycles is not None:
+        # Before 5.0 paths passed one surface more than this says.
+        most = cycles.transparent_max_bounces
+        found["transparent_bounces"] = most + (bpy.app.version < (5, 0, 0))
+        found["transparent_shadows"] = most
     return found | {f"{kind}_caustics": getattr(cycles, f"caustics_{kind}", True) for kind in CAUSTICS}
 
 

@@ -96,14 +96,16 @@ pub struct KindLimits {
     pub transmission: u32,
     /// Surfaces passed unbent.
     pub transparent: u32,
+    /// The same for rays that ask whether light arrives, those of the path before them included.
+    pub transparent_shadows: u32,
     /// What paths meet after a diffuse scattering mirrors and bends light.
     pub caustics: Caustics,
 }
 
 impl Default for KindLimits {
     fn default() -> Self {
-        let [diffuse, glossy, transmission, transparent] = [u32::MAX; 4];
-        Self { diffuse, glossy, transmission, transparent, caustics: Caustics::ALL }
+        let [diffuse, glossy, transmission, transparent, transparent_shadows] = [u32::MAX; 5];
+        Self { diffuse, glossy, transmission, transparent, transparent_shadows, caustics: Caustics::ALL }
     }
 }
 
@@ -128,7 +130,7 @@ impl Limits {
     /// Surfaces that a ray from there to a light may pass.
     #[inline]
     pub(super) fn shadows_pass(&self, way: Way) -> u32 {
-        self.kinds.transparent.saturating_sub(u32::from(way.transparent))
+        self.kinds.transparent_shadows.saturating_sub(u32::from(way.transparent))
     }
 
     /// What mirrors and bends light where a path came this way.
