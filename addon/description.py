@@ -11,6 +11,11 @@ from dataclasses import dataclass, field
 #: Models of the camera that are made from a lens file.
 OF_LENS_FILE = ("LENS", "IMAGE_BASED", "PARAXIAL", "THICK")
 
+#: Kinds of ray that things may be hidden from.
+RAYS = ("CAMERA", "DIFFUSE", "GLOSSY", "TRANSMISSION", "VOLUME_SCATTER", "SHADOW")
+#: Bounces that nobody counts.
+NO_LIMIT = 2**32 - 1
+
 Colour = tuple[float, float, float]
 Matrix4 = tuple[tuple[float, float, float, float], ...]
 
@@ -89,7 +94,11 @@ class LightDescription:
     spread_rad: float = 3.141592653589793  # AREA
     spot_angle_rad: float = 0.785  # SPOT: full cone
     spot_blend: float = 0.15
-    visible_camera: bool = True
+    # What the colour is multiplied by: the nodes, as JSON of what `export/graph.py` makes of them.
+    graph: str | None = None
+    hidden_from: tuple[str, ...] = ()  # of RAYS: as an object, and so what it does not light
+    sets: tuple[int, int] = (0, 0)  # of objects that it lights, and that throw shadows in its light
+    max_bounces: int = 1024  # after which it lights nothing
     cast_shadow: bool = True
 
 
@@ -99,7 +108,7 @@ class WorldDescription:
     image: int | None = None  # equirectangular, as Blender maps it; multiplied by `color`
     # Rotation of a Mapping node: world direction to texture direction, 3 x 3.
     rotation: tuple[tuple[float, float, float], ...] = ((1.0, 0.0, 0.0), (0.0, 1.0, 0.0), (0.0, 0.0, 1.0))
-    visible_camera: bool = True
+    hidden_from: tuple[str, ...] = ()  # of RAYS
     # Instead of colour and image: the nodes, as JSON of what `export/graph.py` makes of them.
     graph: str | None = None
 
@@ -169,6 +178,15 @@ class SettingsDescription:
     sample_offset: int = 0
     threads: int = 0
     max_bounces: int = 12
+    # Of those, how many of each kind.
+    diffuse_bounces: int = NO_LIMIT
+    glossy_bounces: int = NO_LIMIT
+    transmission_bounces: int = NO_LIMIT
+    transparent_bounces: int = NO_LIMIT
+    transparent_shadows: int = NO_LIMIT  # surfaces passed by shadow rays, those of the path before included
+    # After a diffuse bounce.
+    reflective_caustics: bool = True
+    refractive_caustics: bool = True
     clamp_indirect: float = 0.0  # most radiance that light after a bounce may add to a sample; 0: no limit
     filter_width_px: float = 1.5
     transparent_film: bool = False

@@ -14,7 +14,7 @@ import numpy as np
 
 from . import export, loop, passes, persistent, statistics, tiles
 from .description import CameraDescription, Report, SettingsDescription, focused
-from .export import aperture_mask
+from .export import aperture_mask, visibility
 from .export import camera as camera_export
 from .export.errors import ExportError
 from .export.motion import Frame, Motion
@@ -226,7 +226,8 @@ class _Photograph:
             blue_noise=own.use_blue_noise,
             sample_offset=own.sample_offset,
             threads=render.threads if render.threads_mode == "FIXED" else 0,
-            max_bounces=own.max_bounces,
+            max_bounces=visibility.most_bounces(self.scene),
+            **visibility.bounces(self.scene),
             clamp_indirect=own.clamp_indirect,
             filter_width_px=own.filter_width,
             pipeline=own.pipeline,

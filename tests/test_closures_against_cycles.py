@@ -51,8 +51,6 @@ def both(parts, blender, folder, bounces: int = 48):
     scene.petzval.filter_width = 0.0
     scene.petzval.clamp_indirect = 0.0
     scene.petzval.max_bounces = bounces
-    ours = parts.render(folder, "petzval.exr")[..., :3]
-    scene.render.engine = "CYCLES"
     cycles = scene.cycles
     cycles.device, cycles.samples, cycles.use_denoising, cycles.use_adaptive_sampling = "CPU", SAMPLES, False, False
     cycles.sample_clamp_indirect, cycles.blur_glossy = 0.0, 0.0
@@ -60,6 +58,8 @@ def both(parts, blender, folder, bounces: int = 48):
         setattr(cycles, f"{kind}_bounces", bounces)
     cycles.pixel_filter_type = "BOX"
     scene.camera.data.dof.use_dof = False
+    ours = parts.render(folder, "petzval.exr")[..., :3]
+    scene.render.engine = "CYCLES"
     try:
         theirs = parts.render(folder, "cycles.exr")[..., :3]
     finally:

@@ -33,8 +33,6 @@ def both(parts, blender, folder):
     """Petzval's picture and Cycles's."""
     scene = blender.context.scene
     scene.petzval.filter_width = 0.0
-    ours = parts.render(folder, "petzval.exr")[..., :3]
-    scene.render.engine = "CYCLES"
     cycles = scene.cycles
     cycles.device, cycles.samples, cycles.use_denoising, cycles.use_adaptive_sampling = "CPU", SAMPLES, False, False
     cycles.sample_clamp_indirect, cycles.blur_glossy = 0.0, 0.0
@@ -42,6 +40,8 @@ def both(parts, blender, folder):
         setattr(cycles, f"{kind}_bounces", 12)
     cycles.pixel_filter_type = "BOX"
     scene.camera.data.dof.use_dof = False
+    ours = parts.render(folder, "petzval.exr")[..., :3]
+    scene.render.engine = "CYCLES"
     try:
         theirs = parts.render(folder, "cycles.exr")[..., :3]
     finally:

@@ -339,8 +339,8 @@ def test_what_is_hidden_is_not_sent(parts, blender):
     squares["Seen"].hide_set(True)
     recorder, _, _ = parts.sent()
     assert {one["name"] for one in recorder.instances} == {"Seen", "Hidden camera", "Hidden shadow"}
-    assert not recorder.of("Hidden camera")[0]["visible_camera"] and recorder.of("Hidden camera")[0]["visible_shadow"]
-    assert not recorder.of("Hidden shadow")[0]["visible_shadow"]
+    assert recorder.of("Hidden camera")[0]["hidden_from"] == ("CAMERA",)
+    assert recorder.of("Hidden shadow")[0]["hidden_from"] == ("SHADOW",)
 
 
 def test_a_camera_ray_passes_what_the_camera_must_not_see(parts, tmp_path):

@@ -31,7 +31,15 @@ def send_scene(
     materials = Materials(builder, images, report)
     scene = depsgraph.scene_eval
     builder.set_world(world.describe(scene.world, images, report))
-    Stage(builder, materials, images, report, check_stop, motion).send(depsgraph)
+    stage = Stage(builder, materials, images, report, check_stop, motion)
+    stage.send(depsgraph)
+    if stage.is_selective and scene.petzval.integrator == "BIDIRECTIONAL":
+        report.warn(
+            f"Scene '{scene.name}': bidirectional paths know of no ray visibility but the camera's and shadows', and of no "
+            "light linking"
+        )
+    if depsgraph.view_layer_eval.lightgroups:
+        report.warn(f"Scene '{scene.name}': light groups are not supported yet, no pictures of them are made")
     if scene.render.use_motion_blur:
         report.warn(
             f"Scene '{scene.name}': motion blur is supported for the lens's settings only yet, that of objects is left out"

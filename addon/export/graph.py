@@ -8,6 +8,7 @@ from __future__ import annotations
 
 from collections.abc import Callable
 from functools import cache
+from pathlib import Path
 from typing import Any
 
 import bpy
@@ -153,6 +154,8 @@ def _options(node: bpy.types.Node, image_index: ImageIndex) -> dict[str, Any]:
         options["unassociate"] = False
     elif node.type == "TEX_VORONOI":
         options["cell_hash"] = "PCG" if bpy.app.version >= _NEW_CELLS else "LOOKUP3"
+    elif node.type == "TEX_IES":
+        options["ies_text"] = _luminaire(node)
     elif node.type in {"VALUE", "RGB", "NORMAL"}:
         value = nodes.value(node.outputs[0])
         options["value"] = list(value[:3]) if isinstance(value, tuple) else value
@@ -164,6 +167,18 @@ def _options(node: bpy.types.Node, image_index: ImageIndex) -> dict[str, Any]:
     elif node.type == "TEX_COORD" and node.object is not None:
         options["object_matrix"] = [list(row) for row in node.object.matrix_world.inverted_safe()]
     return options
+
+
+def _luminaire(node: bpy.types.Node) -> str | None:
+    """The text of an IES file; None where there is none."""
+    if node.mode == "INTERNAL":
+        return None if node.ies is None else node.ies.as_string()
+    library = node.id_data.library
+    path = Path(bpy.path.abspath(node.filepath, library=library)) if node.filepath else None
+    try:
+        return path.read_text(encoding="latin-1") if path is not None else None
+    except OSError:
+        return None
 
 
 def _curves(mapping: bpy.types.CurveMapping) -> dict[str, Any]:

@@ -12,8 +12,10 @@ from ..description import Report
 from . import light, mesh, object_info
 from .camera import rows
 from .image import Images
+from .linking import Links
 from .material import Materials
 from .motion import Motion
+from .visibility import hidden_from
 
 #: Objects whose surface Blender can hand over as a mesh.
 WITH_SURFACE = {"MESH", "CURVE", "SURFACE", "FONT", "META"}
@@ -52,26 +54,30 @@ class Stage:
         self._images = images
         self._report = report
         self._check_stop = check_stop
+        #: Something is hidden from some bounces alone, or lights some objects alone.
+        self.is_selective = False
         # By the evaluated mesh and the attributes that are asked of it; None where it has no triangles.
         self._meshes: dict[tuple[int, frozenset[str]], int | None] = {}
 
     def send(self, depsgraph: bpy.types.Depsgraph) -> None:
         """All objects and their instances, as they are visible in this graph."""
+        links = Links(depsgraph, self._report)
         for place in depsgraph.object_instances:
             self._check_stop()
             holder = place.object
             self._warn_of_particles(holder)
             if not place.show_self:
                 continue
+            self.is_selective |= links.any or bool({"DIFFUSE", "GLOSSY", "TRANSMISSION"} & {*hidden_from(holder)})
             if holder.type in WITH_SURFACE:
-                self._surface(holder, place)
+                self._surface(holder, place, links)
             elif holder.type == "LIGHT":
-                described = light.describe(holder, place.matrix_world, self._images, self._report)
+                described = light.describe(holder, place.matrix_world, self._images, links)
                 self._builder.add_light(described)
             elif holder.type in NOT_YET:
                 self._report.warn(f"Object '{holder.name}': {NOT_YET[holder.type]} are not supported yet, left out")
 
-    def _surface(self, holder: bpy.types.Object, place: bpy.types.DepsgraphObjectInstance) -> None:
+    def _surface(self, holder: bpy.types.Object, place: bpy.types.DepsgraphObjectInstance, links: Links) -> None:
         index = self._mesh(holder, place)
         if index is None:
             return
@@ -88,8 +94,8 @@ class Stage:
             index,
             rows(place.matrix_world),
             [self._materials.index(slot.material) for slot in holder.material_slots],
-            visible_camera=holder.visible_camera,
-            visible_shadow=holder.visible_shadow,
+            hidden_from=hidden_from(holder),
+            links=links.of(holder),
             asset_name=_asset(holder),
             moved=self._motion.matrices(place) if self._motion is not None else None,
             info=(tuple(holder.color), holder.pass_index, object_info.random(holder, place)),

@@ -3,28 +3,35 @@
 
 from __future__ import annotations
 
+import json
 from math import acos, atan, cos, pi, sin, tan
+from typing import Any
 
 import bpy
 from mathutils import Matrix
 
-from ..description import Colour, LightDescription, Report
-from . import nodes
+from ..description import Colour, LightDescription
+from . import graph
 from .camera import rows
 from .image import Images
+from .linking import Links
 from .material import uses_nodes
-from .texture import Inputs
+from .visibility import hidden_from
 
 
-def describe(holder: bpy.types.Object, matrix: Matrix, images: Images, report: Report) -> LightDescription:
+def describe(holder: bpy.types.Object, matrix: Matrix, images: Images, links: Links) -> LightDescription:
     """What the engine is told of a lamp object; `matrix` is where this instance of it stands."""
     light = holder.data
     description = LightDescription(
         object_name=holder.name,
         kind=light.type,
         matrix_world=rows(matrix),
-        color=_colour(light, Inputs(f"Light '{light.name}'", images, report)),
-        visible_camera=holder.visible_camera,
+        color=_colour(light),
+        graph=_nodes(light, images),
+        hidden_from=hidden_from(holder),
+        sets=links.sets(holder),
+        # Cycles's own setting; without Cycles nothing limits it.
+        max_bounces=getattr(getattr(light, "cycles", None), "max_bounces", 1024),
         cast_shadow=light.use_shadow,
     )
     if light.type in {"POINT", "SPOT"}:
@@ -44,27 +51,34 @@ def describe(holder: bpy.types.Object, matrix: Matrix, images: Images, report: R
     return description
 
 
-def _colour(light: bpy.types.Light, inputs: Inputs) -> Colour:
+def _colour(light: bpy.types.Light) -> Colour:
     # Exposure and temperature came with 4.5.
     strength = light.energy * 2.0 ** getattr(light, "exposure", 0.0)
     colour = [part * strength for part in light.color]
     if getattr(light, "use_temperature", False):
         colour = [a * b for a, b in zip(colour, light.temperature_color, strict=True)]
-    if uses_nodes(light):
-        colour = [a * b for a, b in zip(colour, _node_colour(light, inputs), strict=True)]
     return tuple(colour)
 
 
-def _node_colour(light: bpy.types.Light, inputs: Inputs) -> Colour:
-    output = light.node_tree.get_output_node("CYCLES")
-    found = None if output is None else nodes.trace(nodes.Input(output.inputs["Surface"]))
-    if not isinstance(found, nodes.Source):
-        return (0.0, 0.0, 0.0)
-    if found.node.type != "EMISSION":
-        inputs.warn(f"{found.node.bl_label} is not supported in a light yet, the nodes are left out")
-        return (1.0, 1.0, 1.0)
-    strength = inputs.constant(found.input("Strength"))
-    return tuple(part * strength for part in inputs.constant(found.input("Color")))
+def _nodes(light: bpy.types.Light, images: Images) -> str | None:
+    """What the engine is told of a light's nodes; a new light's, which change nothing, are left out."""
+    if not uses_nodes(light):
+        return None
+    described = graph.describe(light.node_tree, lambda node: _image(node, light, images))
+    return None if described["nodes"] and _is_plain(described) else json.dumps(described)
+
+
+def _image(node: bpy.types.Node, light: bpy.types.Light, images: Images) -> int | None:
+    associated = node.type == "TEX_ENVIRONMENT" or not node.outputs["Alpha"].is_linked
+    return images.index(node.image, f"Light '{light.name}'", associated=associated)
+
+
+def _is_plain(described: dict[str, Any]) -> bool:
+    """Whether it is one Emission as Blender makes it."""
+    first, *more = described["nodes"]
+    inputs = first["inputs"]
+    one = first["type"] == "ShaderNodeEmission" and inputs["Color"] == [1.0] * 3 and inputs["Strength"] == 1.0
+    return one and not more
 
 
 def _cone(light: bpy.types.Light, matrix: Matrix) -> tuple[float, float]:

@@ -9,7 +9,7 @@ import bpy
 from mathutils import Matrix
 
 from ..description import Colour, Report, WorldDescription
-from . import graph, nodes, values
+from . import graph, nodes, values, visibility
 from .camera import rows
 from .image import Images
 from .material import uses_nodes
@@ -20,13 +20,11 @@ def describe(world: bpy.types.World | None, images: Images, report: Report) -> W
     """What the engine is told of the world; none is black."""
     if world is None:
         return WorldDescription()
-    # Cycles keeps ray visibility of worlds in its own settings.
-    visibility = getattr(world, "cycles_visibility", None)
     described = Report()
     description = _surface(world, Inputs(f"World '{world.name}'", images, described))
     if described.warnings:
         description = _by_its_nodes(world, images, report)
-    description.visible_camera = getattr(visibility, "camera", True)
+    description.hidden_from = visibility.world_hidden_from(world)
     return description
 
 

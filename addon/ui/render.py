@@ -66,7 +66,19 @@ class PETZVAL_RENDER_PT_light_paths(_RenderPanel, bpy.types.Panel):
         row = layout.row()
         row.active = is_path and is_lens
         row.prop(settings, "pipeline")
-        layout.prop(settings, "max_bounces", text="Bounces")
+        cycles = getattr(context.scene, "cycles", None)
+        own = cycles is None or settings.is_property_set("max_bounces")
+        column = layout.column(align=True)
+        column.prop(settings if own else cycles, "max_bounces", text="Bounces")
+        if cycles is not None:
+            # Blender keeps these in Cycles's settings: a scene has one set of them.
+            for kind in ("diffuse", "glossy", "transmission"):
+                column.prop(cycles, f"{kind}_bounces", text=kind.capitalize())
+            column.prop(cycles, "transparent_max_bounces", text="Transparent")
+            row = layout.row(heading="Caustics", align=True)
+            row.active = is_path
+            row.prop(cycles, "caustics_reflective", text="Reflective", toggle=True)
+            row.prop(cycles, "caustics_refractive", text="Refractive", toggle=True)
         row = layout.row()
         row.active = is_path
         row.prop(settings, "clamp_indirect")

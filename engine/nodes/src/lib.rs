@@ -8,7 +8,7 @@
 //! once, as Blender converts it.
 //!
 //! Who uses whom: [`choice`] → [`hash`] → [`noise`] → [`voronoi`] → [`patterns`] → [`gabor`] → [`math`] → [`vector`] → [`spectral`] → [`sky`] →
-//! [`colour`] → [`mix`] → [`table`] → [`context`] → [`image`] → [`surface`] → [`graph`] → [`program`] → [`compile`] →
+//! [`ies`] → [`colour`] → [`mix`] → [`table`] → [`context`] → [`image`] → [`surface`] → [`graph`] → [`program`] → [`compile`] →
 //! [`pixels`] → [`points`]. Each uses only those before it.
 
 mod choice;
@@ -18,6 +18,7 @@ mod context;
 mod gabor;
 mod graph;
 mod hash;
+mod ies;
 mod image;
 mod math;
 mod mix;

@@ -176,8 +176,8 @@ class SceneBuilder:
         matrix_world: Sequence[Sequence[float]],
         materials: Sequence[int],
         *,
-        visible_camera: bool = True,
-        visible_shadow: bool = True,
+        hidden_from: Sequence[str] = (),
+        links: tuple[int, int, int, int] | None = None,  # `Links.of` of `addon/export/linking.py`
         asset_name: str | None = None,
         moved: tuple[Sequence[Sequence[float]], Sequence[Sequence[float]]] | None = None,
         info: tuple[tuple[float, float, float, float], int, float] | None = None,  # colour, pass index, random

@@ -5,9 +5,10 @@ use crate::doorway::{away, here};
 use crate::error::Error;
 use crate::scene::Scene;
 use glam::{DVec3, Vec2};
-use petzval_render::accel::{Ray, RayKind};
+use petzval_render::accel::Ray;
 use petzval_render::camera::CameraDescription;
 use petzval_render::camera::autofocus::{Focused, on_picture_point, on_three_points};
+use petzval_render::scene::visibility::Rays;
 use pyo3::prelude::*;
 use serde_json::json;
 use std::cell::RefCell;
@@ -26,7 +27,7 @@ pub(crate) fn autofocus_json(
     let from_middle = Vec2::new(point.0, point.1) - 0.5;
     let stage = scene.stage.clone();
     let found = away(py, || {
-        let nearest = |ray: &_| stage.accel.closest(ray, RayKind::Camera).map(|hit| hit.t);
+        let nearest = |ray: &_| stage.accel.closest(ray, Rays::CAMERA).map(|hit| hit.t);
         on_picture_point(&description, [width, height], from_middle, nearest)
     })??;
     Ok(text(&found))

@@ -11,9 +11,11 @@ use petzval_render::camera::{Camera, CameraDescription};
 use petzval_render::film::cryptomatte::{self, MatteLayer};
 use petzval_render::film::data::DataPass;
 use petzval_render::integrator::Integrator;
+use petzval_render::integrator::path::KindLimits;
 use petzval_render::job::{self as engine, Beside, Settings};
 use petzval_render::pipeline::Pipeline;
 use petzval_render::pipeline::motion::Motion;
+use petzval_render::shading::Caustics;
 use pyo3::prelude::*;
 use serde_json::json;
 use std::collections::BTreeMap;
@@ -31,6 +33,13 @@ struct PySettings {
     sample_offset: u32,
     threads: usize,
     max_bounces: u32,
+    diffuse_bounces: u32,
+    glossy_bounces: u32,
+    transmission_bounces: u32,
+    transparent_bounces: u32,
+    transparent_shadows: u32,
+    reflective_caustics: bool,
+    refractive_caustics: bool,
     clamp_indirect: f32,
     filter_width_px: f32,
     transparent_film: bool,
@@ -66,6 +75,14 @@ impl TryFrom<PySettings> for Settings {
             sample_offset: s.sample_offset,
             threads: s.threads,
             max_bounces: s.max_bounces,
+            kinds: KindLimits {
+                diffuse: s.diffuse_bounces,
+                glossy: s.glossy_bounces,
+                transmission: s.transmission_bounces,
+                transparent: s.transparent_bounces,
+                transparent_shadows: s.transparent_shadows,
+                caustics: Caustics { reflective: s.reflective_caustics, refractive: s.refractive_caustics },
+            },
             clamp_indirect: s.clamp_indirect,
             filter_width_px: s.filter_width_px,
             transparent_film: s.transparent_film,

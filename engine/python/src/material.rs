@@ -6,10 +6,12 @@ use crate::layer::PyLayer;
 use glam::{Affine3A, DMat4, Mat3, Mat3A};
 use petzval_nodes::{Graph as ShaderGraph, compile};
 use petzval_render::Rgb;
+use petzval_render::nodes::lamp;
 use petzval_render::scene::graph::{Displacement, Graph};
 use petzval_render::scene::lamp::{Lamp, LampKind};
 use petzval_render::scene::material::{Channel, ImageInput, Input, Material};
 use petzval_render::scene::texture::{Extension, Interpolation};
+use petzval_render::scene::visibility::{Rays, Sets};
 use petzval_render::scene::world::World;
 use pyo3::prelude::*;
 use std::sync::Arc;
@@ -18,6 +20,16 @@ type Colour = (f32, f32, f32);
 
 fn rgb(c: Colour) -> Rgb {
     Rgb::new(c.0, c.1, c.2)
+}
+
+/// The kinds of ray that are left where some are named.
+pub(crate) fn visible(hidden_from: &[String], owner: &str) -> Result<Rays, Error> {
+    let mut left = Rays::ALL;
+    for name in hidden_from {
+        let kind = Rays::named(name).ok_or_else(|| bad_scene(format!("{owner}: there is no kind of ray '{name}'")))?;
+        left = left.without(kind);
+    }
+    Ok(left)
 }
 
 #[derive(FromPyObject)]
@@ -169,13 +181,18 @@ pub(crate) struct PyLight {
     spread_rad: f32,
     spot_angle_rad: f32,
     spot_blend: f32,
-    visible_camera: bool,
+    graph: Option<String>,
+    hidden_from: Vec<String>,
+    sets: (u8, u8),
+    max_bounces: u32,
     cast_shadow: bool,
 }
 
 impl PyLight {
-    pub(crate) fn lamp(self) -> Result<(Lamp, DMat4), Error> {
+    /// The lamp, where it stands, and what of its nodes the engine does otherwise than Blender.
+    pub(crate) fn lamp(self) -> Result<(Lamp, DMat4, Vec<String>), Error> {
         let unknown = |what: &str, value: &str| bad_scene(format!("light '{}': no {what} '{value}'", self.object_name));
+        let reaches = visible(&self.hidden_from, &self.object_name)?;
         let kind = match self.kind.as_str() {
             "POINT" => LampKind::Point { radius: self.radius, soft: self.soft_falloff },
             "SPOT" => LampKind::Spot {
@@ -196,15 +213,23 @@ impl PyLight {
             },
             other => return Err(unknown("kind of light", other)),
         };
+        let owner = format!("Light '{}'", self.object_name);
+        let (graph, mut reports) = read_graph(self.graph.as_deref(), 0, Displacement::default(), &owner)?;
+        for field in graph.iter().flat_map(|graph| lamp::unknown(graph)) {
+            reports.push(format!("{owner}: {field:?} is not supported in a light yet, it is 0"));
+        }
         let lamp = Lamp {
             object_name: self.object_name,
             kind,
             color: rgb(self.color),
-            visible_camera: self.visible_camera,
+            graph,
+            reaches,
+            sets: Sets { receivers: self.sets.0 & 63, blockers: self.sets.1 & 63 },
+            max_bounces: self.max_bounces,
             cast_shadow: self.cast_shadow,
             to_render: Affine3A::IDENTITY,
         };
-        Ok((lamp, self.matrix_world.into()))
+        Ok((lamp, self.matrix_world.into(), reports))
     }
 }
 
@@ -213,7 +238,7 @@ pub(crate) struct PyWorld {
     color: Colour,
     image: Option<u32>,
     rotation: [[f32; 3]; 3],
-    visible_camera: bool,
+    hidden_from: Vec<String>,
     graph: Option<String>,
 }
 
@@ -226,7 +251,7 @@ impl PyWorld {
             color: rgb(w.color),
             texture: w.image,
             rotation: Mat3A::from(Mat3::from_cols_array_2d(&w.rotation).transpose()),
-            visible_camera: w.visible_camera,
+            visible: visible(&w.hidden_from, "World")?,
             graph,
         };
         Ok((world, reports))

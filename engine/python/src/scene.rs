@@ -3,12 +3,13 @@
 use crate::camera::Matrix4;
 use crate::doorway::away;
 use crate::error::{Error, bad_scene, refused};
-use crate::material::{PyLight, PyMaterial, PyWorld};
+use crate::material::{PyLight, PyMaterial, PyWorld, visible};
 use glam::{DVec3, Vec2, Vec3, Vec4};
 use numpy::{PyArrayDyn, PyArrayMethods, PyReadonlyArray2, PyReadonlyArray3, PyUntypedArrayMethods};
 use petzval_render::integrator::Stage;
 use petzval_render::scene::mesh::MeshDescription;
 use petzval_render::scene::texture::Texture;
+use petzval_render::scene::visibility::{Links, Sets};
 use petzval_render::scene::{self as engine, ObjectInfo};
 use pyo3::prelude::*;
 use pyo3::types::PyDict;
@@ -147,7 +148,7 @@ impl SceneBuilder {
     }
 
     #[pyo3(signature = (
-        object_name, mesh, matrix_world, materials, *, visible_camera = true, visible_shadow = true, asset_name = None,
+        object_name, mesh, matrix_world, materials, *, hidden_from = Vec::new(), links = None, asset_name = None,
         moved = None, info = None
     ))]
     #[allow(clippy::too_many_arguments)]
@@ -157,21 +158,19 @@ impl SceneBuilder {
         mesh: usize,
         matrix_world: Matrix4,
         materials: Vec<usize>,
-        visible_camera: bool,
-        visible_shadow: bool,
+        hidden_from: Vec<String>,
+        links: Option<(u64, u64, u8, u8)>,
         asset_name: Option<&str>,
         moved: Option<[Matrix4; 2]>,
         info: Option<PyObjectInfo>,
     ) -> Result<(), Error> {
-        let instance = self.builder.add_instance(
-            object_name,
-            mesh,
-            matrix_world.into(),
-            &materials,
-            visible_camera,
-            visible_shadow,
-        )?;
+        let instance = self.builder.add_instance(object_name, mesh, matrix_world.into(), &materials, true, true)?;
         let Some(instance) = instance else { return Ok(()) };
+        self.builder.set_visible(instance, visible(&hidden_from, object_name)?);
+        if let Some((receives, blocks, receivers, blockers)) = links {
+            let sets = Sets { receivers: receivers & 63, blockers: blockers & 63 };
+            self.builder.set_links(instance, Links { receives, blocks, sets });
+        }
         if let Some((color, pass_index, random)) = info {
             self.builder.set_info(instance, ObjectInfo { color: color.into(), pass_index, random });
         }
@@ -185,7 +184,8 @@ impl SceneBuilder {
     }
 
     fn add_light(&mut self, light: PyLight) -> Result<(), Error> {
-        let (lamp, matrix) = light.lamp()?;
+        let (lamp, matrix, reports) = light.lamp()?;
+        reports.into_iter().for_each(|report| self.builder.warn(report));
         Ok(self.builder.add_lamp(lamp, matrix)?)
     }
 

@@ -5,7 +5,7 @@ mod stage;
 use criterion::{Criterion, criterion_group, criterion_main};
 use petzval_render::camera::Model;
 use petzval_render::film::Film;
-use petzval_render::integrator::path::Limits;
+use petzval_render::integrator::path::{KindLimits, Limits};
 use petzval_render::pipeline::{Pipeline, Shot, render_tile};
 use petzval_render::sampler::{pattern::Pattern, raster::Raster, warp::PixelFilter};
 use std::hint::black_box;
@@ -17,8 +17,14 @@ fn bench(c: &mut Criterion) {
     let mut group = c.benchmark_group("path sample");
     group.sample_size(20);
     let raster = Raster::new(SIZE[0], SIZE[1], PixelFilter::new(0.0));
-    let limits =
-        Limits { max_bounces: 8, clamp_indirect: f32::INFINITY, hide_sky: false, openness: 0.4, roulette: 4.0 };
+    let limits = Limits {
+        max_bounces: 8,
+        kinds: KindLimits::default(),
+        clamp_indirect: f32::INFINITY,
+        hide_sky: false,
+        openness: 0.4,
+        roulette: 4.0,
+    };
     for (size, bodies) in [("small", stage::SMALL), ("large", stage::LARGE)] {
         let stage = stage::stage(bodies);
         for (name, model, wavelength_nm) in [

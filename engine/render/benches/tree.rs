@@ -2,9 +2,10 @@
 
 use criterion::{Criterion, Throughput, criterion_group, criterion_main};
 use glam::Vec3A;
-use petzval_render::accel::{Accel, Ray, RayKind, offset_origin};
+use petzval_render::accel::{Accel, Ray, offset_origin};
 use petzval_render::sampler::warp::sample_sphere;
 use petzval_render::scene::Scene;
+use petzval_render::scene::visibility::Rays;
 use petzval_render::surface::SurfacePoint;
 use stage::Dice;
 use std::hint::black_box;
@@ -26,7 +27,7 @@ fn primary() -> Vec<Ray> {
 fn bounce(scene: &Scene, accel: &Accel, primary: &[Ray]) -> Vec<Ray> {
     let mut dice = Dice::new(2);
     let from = |ray: &Ray| {
-        let hit = accel.closest(ray, RayKind::Camera)?;
+        let hit = accel.closest(ray, Rays::CAMERA)?;
         let point = SurfacePoint::new(scene, &hit, ray.direction);
         let n = point.geometric_normal;
         let direction = (n + sample_sphere([dice.roll(), dice.roll()])).normalize_or(n);
@@ -46,7 +47,7 @@ fn rays(c: &mut Criterion) {
         for (rays, name) in [(&primary, "closest/primary"), (&bounce, "closest/bounce")] {
             group.throughput(Throughput::Elements(rays.len() as u64));
             group.bench_function(format!("{prefix}{name}"), |b| {
-                b.iter(|| rays.iter().filter(|ray| accel.closest(black_box(ray), RayKind::Bounce).is_some()).count());
+                b.iter(|| rays.iter().filter(|ray| accel.closest(black_box(ray), Rays::BOUNCE).is_some()).count());
             });
         }
         group.bench_function(format!("{prefix}shadow/bounce"), |b| {

@@ -10,7 +10,7 @@ mod traverse;
 mod triangles;
 
 use crate::Rgb;
-use crate::scene::{Instance, Scene};
+use crate::scene::{Scene, visibility::Rays};
 use bounds::Bounds;
 use build::build;
 use fearless_simd::{Level, Simd, dispatch};
@@ -42,17 +42,6 @@ impl Ray {
     }
 }
 
-/// What kind of ray asks: objects can hide from some.
-#[derive(Clone, Copy, Debug, PartialEq, Eq)]
-pub enum RayKind {
-    /// Straight from the camera.
-    Camera,
-    /// After a bounce.
-    Bounce,
-    /// Towards a light.
-    Shadow,
-}
-
 /// Where a ray met a triangle.
 #[derive(Clone, Copy, Debug)]
 pub struct Hit {
@@ -80,9 +69,9 @@ pub struct Accel {
     /// In the order of its leaves.
     placed: Vec<PlacedMesh>,
     /// By instance.
-    visible: Vec<Visible>,
-    /// Whether any is hidden from a kind of ray at all.
-    all_visible: Visible,
+    visible: Vec<Rays>,
+    /// The kinds of ray that nothing is hidden from.
+    all_visible: Rays,
     bounds: Option<Bounds>,
     topology: Topology,
     refitted: usize,
@@ -94,24 +83,6 @@ struct PlacedMesh {
     to_object: Affine3A,
     mesh: u32,
     instance: u32,
-}
-
-/// The kinds of ray to which an instance shows.
-#[derive(Clone, Copy)]
-struct Visible {
-    camera: bool,
-    shadow: bool,
-}
-
-impl Visible {
-    #[inline(always)]
-    fn to(self, kind: RayKind) -> bool {
-        match kind {
-            RayKind::Camera => self.camera,
-            RayKind::Shadow => self.shadow,
-            RayKind::Bounce => true,
-        }
-    }
 }
 
 impl Accel {
@@ -145,10 +116,8 @@ impl Accel {
         };
         let placed = places.leaves.iter().map(place).collect();
 
-        let visible = |i: &Instance| Visible { camera: i.visible_camera, shadow: i.visible_shadow };
-        let visible: Vec<Visible> = scene.instances.iter().map(visible).collect();
-        let all_visible =
-            Visible { camera: visible.iter().all(|v| v.camera), shadow: visible.iter().all(|v| v.shadow) };
+        let visible: Vec<Rays> = scene.instances.iter().map(|instance| instance.visible).collect();
+        let all_visible = visible.iter().fold(Rays::ALL, |all, one| all.common(*one));
         let bounds = places.nodes.first().map(Node::bounds).into_iter().chain(common.bounds());
         let bounds = bounds.reduce(|a, b| a.union(&b));
         let (level, places, refitted) = (Level::new(), places.nodes, 0);
@@ -166,18 +135,18 @@ impl Accel {
     }
 
     /// The nearest surface.
-    pub fn closest(&self, ray: &Ray, kind: RayKind) -> Option<Hit> {
+    pub fn closest(&self, ray: &Ray, kind: Rays) -> Option<Hit> {
         dispatch!(self.level, simd => self.closest_with(simd, ray, kind))
     }
 
     /// The part of light that gets from one end of the ray to the other; `opacity` says how much of it each
     /// surface in between takes (1: all).
     pub fn transmittance(&self, ray: &Ray, opacity: impl FnMut(&Hit) -> f32) -> f32 {
-        self.transmittance_of(ray, RayKind::Shadow, opacity)
+        self.transmittance_of(ray, Rays::SHADOW, opacity)
     }
 
     /// The same for rays that ask for another reason than a light's shadow.
-    pub fn transmittance_of(&self, ray: &Ray, kind: RayKind, mut opacity: impl FnMut(&Hit) -> f32) -> f32 {
+    pub fn transmittance_of(&self, ray: &Ray, kind: Rays, mut opacity: impl FnMut(&Hit) -> f32) -> f32 {
         let mut left = 1.0;
         self.each_between(ray, kind, |hit| {
             left *= 1.0 - opacity(hit);
@@ -187,7 +156,7 @@ impl Accel {
     }
 
     /// The same by colour; `through` says what each surface in between leaves.
-    pub fn light_through(&self, ray: &Ray, kind: RayKind, mut through: impl FnMut(&Hit) -> Rgb) -> Rgb {
+    pub fn light_through(&self, ray: &Ray, kind: Rays, mut through: impl FnMut(&Hit) -> Rgb) -> Rgb {
         let mut left = Rgb::ONE;
         self.each_between(ray, kind, |hit| {
             left *= through(hit);
@@ -197,18 +166,18 @@ impl Accel {
     }
 
     /// Gives every surface between the ray's ends to `pass`, in any order, until that says no.
-    fn each_between(&self, ray: &Ray, kind: RayKind, mut pass: impl FnMut(&Hit) -> bool) {
+    fn each_between(&self, ray: &Ray, kind: Rays, mut pass: impl FnMut(&Hit) -> bool) {
         let pass: &mut dyn FnMut(&Hit) -> bool = &mut pass;
         dispatch!(self.level, simd => self.each_between_with(simd, ray, kind, pass))
     }
 
     #[inline(always)]
-    fn shows(&self, instance: u32, kind: RayKind) -> bool {
-        self.all_visible.to(kind) || self.visible[instance as usize].to(kind)
+    fn shows(&self, instance: u32, kind: Rays) -> bool {
+        self.all_visible.all_of(kind) || self.visible[instance as usize].any_of(kind)
     }
 
     #[inline(always)]
-    fn closest_with<S: Simd>(&self, simd: S, ray: &Ray, kind: RayKind) -> Option<Hit> {
+    fn closest_with<S: Simd>(&self, simd: S, ray: &Ray, kind: Rays) -> Option<Hit> {
         let here = TreeRay::new(ray.origin, ray.direction);
         let found = self.common.closest(simd, &here, ray.t_max, |instance| self.shows(instance, kind));
         let mut nearest = found.map(|found| hit(found, 1.0, found.instance));
@@ -238,7 +207,7 @@ impl Accel {
     }
 
     #[inline(always)]
-    fn each_between_with<S: Simd>(&self, simd: S, ray: &Ray, kind: RayKind, pass: &mut dyn FnMut(&Hit) -> bool) {
+    fn each_between_with<S: Simd>(&self, simd: S, ray: &Ray, kind: Rays, pass: &mut dyn FnMut(&Hit) -> bool) {
         let mut pass = |hit: Hit| if pass(&hit) { ControlFlow::Continue(()) } else { ControlFlow::Break(()) };
         let here = TreeRay::new(ray.origin, ray.direction);
         let end = self.common.visit(
@@ -281,7 +250,7 @@ impl Accel {
     /// The ray in the object space of an instance, and how much longer distances are there; `None` where the ray
     /// cannot see it.
     #[inline(always)]
-    fn enter(&self, leaf: usize, ray: &Ray, kind: RayKind) -> Option<(&PlacedMesh, TreeRay, f32)> {
+    fn enter(&self, leaf: usize, ray: &Ray, kind: Rays) -> Option<(&PlacedMesh, TreeRay, f32)> {
         let placed = &self.placed[leaf];
         let origin = placed.to_object.transform_point3a(ray.origin);
         let direction = placed.to_object.transform_vector3a(ray.direction);

@@ -308,6 +308,7 @@ impl Shared {
         let rays: Vec<_> = (0..SIDE * SIDE).filter_map(ray).collect();
         let limits = Limits {
             max_bounces: s.max_bounces,
+            kinds: s.kinds,
             clamp_indirect: if s.clamp_indirect > 0.0 { s.clamp_indirect } else { f32::INFINITY },
             hide_sky: s.transparent_film,
             openness: path::openness(&self.stage, &rays),

@@ -8,7 +8,11 @@ mod scenes;
 use glam::{DMat4, DVec3};
 use petzval_render::camera::{Camera, CameraDescription, Model, Spectrum};
 use petzval_render::film::Film;
-use petzval_render::integrator::{Integrator, Stage, bidirectional::Techniques, path::Limits};
+use petzval_render::integrator::{
+    Integrator, Stage,
+    bidirectional::Techniques,
+    path::{KindLimits, Limits},
+};
 use petzval_render::job::{Job, Settings};
 use petzval_render::pipeline::{Pipeline, Shot, render_tile};
 use petzval_render::sampler::{pattern::Pattern, raster::Raster, warp::PixelFilter};
@@ -82,7 +86,14 @@ fn render(stage: &Arc<Stage>, d: &CameraDescription, s: Settings) -> Vec<[f32; 4
 fn light_alone(stage: &Stage, d: &CameraDescription, samples: u32, seed: u32, max_bounces: u32) -> Vec<[f32; 4]> {
     let camera = Camera::new(d, WIDTH, HEIGHT).unwrap();
     let raster = Raster::new(WIDTH, HEIGHT, PixelFilter::new(1.5));
-    let limits = Limits { max_bounces, clamp_indirect: f32::INFINITY, hide_sky: false, openness: 0.5, roulette: 1.0 };
+    let limits = Limits {
+        max_bounces,
+        kinds: KindLimits::default(),
+        clamp_indirect: f32::INFINITY,
+        hide_sky: false,
+        openness: 0.5,
+        roulette: 1.0,
+    };
     let light_paths = Some(Techniques::LightAlone);
     let shot = Shot {
         stage,

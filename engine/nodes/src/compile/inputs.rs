@@ -20,6 +20,12 @@ impl At<'_, '_> {
         self.read_once(Field::Normal)
     }
 
+    /// The normal in the object's space.
+    pub(super) fn own_normal(&mut self) -> Operand {
+        let normal = self.normal();
+        self.emit(Operation::Transform(Direction::Normal, Space::World, Space::Object), &[normal])
+    }
+
     pub(super) fn attribute(&mut self, kind: AttributeKind, name: &str) -> (Operand, Operand) {
         let index = self.compiler.attribute(kind, name);
         let (vector, [fourth]) = self.emit_many(Operation::Attribute(index, self.shift), &[]);
@@ -145,7 +151,6 @@ pub(super) fn lower(at: &mut At<'_, '_>) -> Option<Lowered> {
 
 fn texture_coordinates(at: &mut At<'_, '_>) -> Lowered {
     let from_instancer = at.node.truth("from_instancer", false);
-    let normal = at.normal();
     let object = match at.node.numbers("object_matrix") {
         // Another object's space: its matrix from the world, row by row.
         Some(rows) if rows.len() >= 12 => {
@@ -160,7 +165,7 @@ fn texture_coordinates(at: &mut At<'_, '_>) -> Lowered {
     };
     Ok(vec![
         vector("Generated", at.read(if from_instancer { Field::InstancerGenerated } else { Field::Generated })),
-        vector("Normal", at.emit(Operation::Transform(Direction::Normal, Space::World, Space::Object), &[normal])),
+        vector("Normal", at.own_normal()),
         vector("UV", if from_instancer { at.read(Field::InstancerUv) } else { at.uv("") }),
         vector("Object", object),
         vector("Camera", at.read(Field::Camera)),

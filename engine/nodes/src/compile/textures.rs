@@ -3,6 +3,7 @@
 use super::{At, Lowered, colour, number, vector};
 use crate::context::{Extension, Field, Interpolation, Shift};
 use crate::gabor::GaborKind;
+use crate::ies::Ies;
 use crate::image::{EnvironmentProjection, Picture, Projection};
 use crate::mix::Blend;
 use crate::noise::{Dimensions, Fractal};
@@ -37,10 +38,24 @@ pub(super) fn lower(at: &mut At<'_, '_>) -> Option<Lowered> {
         "ShaderNodeTexWhiteNoise" => white_noise(at),
         "ShaderNodeTexGabor" => gabor(at),
         "ShaderNodeTexSky" => sky(at),
+        "ShaderNodeTexIES" => luminaire(at),
         "ShaderNodeTexImage" => image(at),
         "ShaderNodeTexEnvironment" => environment(at),
         _ => return None,
     })
+}
+
+fn luminaire(at: &mut At<'_, '_>) -> Lowered {
+    let text = at.node.word("ies_text").ok_or("its file is missing, it is black")?;
+    let luminaire = Ies::parse(text).map_err(|what| format!("{what}, it is black"))?;
+    let luminaires = &mut at.compiler.program.luminaires;
+    let place = luminaires.iter().position(|other| *other == luminaire).unwrap_or_else(|| {
+        luminaires.push(luminaire);
+        luminaires.len() - 1
+    });
+    let direction = at.vector_or("Vector", At::own_normal);
+    let operands = [direction, at.number("Strength")];
+    Ok(vec![number("Fac", at.emit(Operation::Luminaire(place as u16), &operands))])
 }
 
 fn noise(at: &mut At<'_, '_>) -> Lowered {

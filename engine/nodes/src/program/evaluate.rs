@@ -175,6 +175,12 @@ impl Program {
                 further = Some([splat(waves.phase), splat(waves.intensity), Vec3A::ZERO]);
                 splat(waves.value)
             }
+            Operation::Luminaire(luminaire) => {
+                let d = vector(0).normalize_or_zero();
+                let vertical = (-d.z).clamp(-1.0, 1.0).acos();
+                let horizontal = d.x.atan2(d.y) + std::f32::consts::PI;
+                splat(number(1) * self.luminaires[usize::from(luminaire)].at(horizontal, vertical))
+            }
             Operation::Sky(sky) => self.skies[usize::from(sky)].at(vector(0), context.shows_sun()),
             Operation::Image(picture, projection, unassociate) => {
                 let (colour, alpha) =

@@ -100,6 +100,8 @@ pub(crate) enum Operation {
     Gabor(GaborKind),
     /// Direction.
     Sky(u16),
+    /// Direction, strength.
+    Luminaire(u16),
     /// Vector, blend. Further: alpha.
     Image(Picture, Projection, bool),
     Environment(Picture, EnvironmentProjection),

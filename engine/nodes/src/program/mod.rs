@@ -7,6 +7,7 @@ pub use instruction::Operand;
 pub(crate) use instruction::{FIRST_CONSTANT, Instruction, MOST_OPERANDS, Operation};
 
 use crate::context::{Attribute, Context, Field, Textures};
+use crate::ies::Ies;
 use crate::sky::{Sky, SunDisc};
 use crate::table::Table;
 use glam::{Affine3A, Vec3A};
@@ -102,6 +103,7 @@ pub struct Program {
     pub(crate) tables: Vec<Table>,
     pub(crate) maps: Vec<Affine3A>,
     pub(crate) skies: Vec<Sky>,
+    pub(crate) luminaires: Vec<Ies>,
 }
 
 impl Program {
@@ -131,6 +133,7 @@ impl Program {
     pub fn reads(&self) -> impl Iterator<Item = Field> + '_ {
         self.code.iter().filter_map(|instruction| match instruction.operation {
             Operation::Read(field, _) => Some(field),
+            Operation::Falloff(_) => Some(Field::RayLength),
             _ => None,
         })
     }

@@ -120,8 +120,9 @@ impl Node {
 
 #[cfg(test)]
 mod tests {
-    use super::super::{Ray, RayKind};
+    use super::super::Ray;
     use super::*;
+    use crate::scene::visibility::Rays;
     use crate::scene::{SceneBuilder, mesh::MeshDescription};
     use glam::{DMat4, DVec3, Vec3, Vec3A};
 
@@ -182,7 +183,7 @@ mod tests {
             assert_eq!((refitted.refitted(), built.refitted()), (2, 0));
             let mut hits = 0;
             for ray in rays() {
-                let [a, b] = [&refitted, &built].map(|accel| accel.closest(&ray, RayKind::Camera));
+                let [a, b] = [&refitted, &built].map(|accel| accel.closest(&ray, Rays::CAMERA));
                 assert_eq!(a.map(|hit| hit.t), b.map(|hit| hit.t), "{ray:?}");
                 hits += usize::from(a.is_some());
             }

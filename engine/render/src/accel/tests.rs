@@ -49,12 +49,12 @@ proptest! {
         let size = 10f64.powf(scale);
         let scene = scene(&[DMat4::from_scale(DVec3::splat(size))]);
         let accel = Accel::new(&scene);
-        prop_assert!(accel.closest(&Ray::new(Vec3A::ZERO, direction(u)), RayKind::Camera).is_some());
+        prop_assert!(accel.closest(&Ray::new(Vec3A::ZERO, direction(u)), Rays::CAMERA).is_some());
         // Straight at a corner and at the middle of an edge.
         let t = scene.meshes[0].triangles[edge % scene.meshes[0].triangles.len()];
         let [a, b, _] = t.map(|i| Vec3A::from(scene.meshes[0].positions[i as usize]));
         for target in [a, (a + b) * 0.5] {
-            let hit = accel.closest(&Ray::new(Vec3A::ZERO, target.normalize()), RayKind::Camera);
+            let hit = accel.closest(&Ray::new(Vec3A::ZERO, target.normalize()), Rays::CAMERA);
             prop_assert!(hit.is_some(), "no hit towards {target}");
         }
     }
@@ -93,7 +93,7 @@ fn trees_agree_with_brute_force() {
                 }
             }
         }
-        match accel.closest(&ray, RayKind::Bounce) {
+        match accel.closest(&ray, Rays::BOUNCE) {
             Some(hit) => {
                 hits += 1;
                 // Single precision over transforms of some thousand units.
@@ -132,7 +132,7 @@ fn light_passes_by_the_share_that_surfaces_leave() {
 #[test]
 fn an_empty_scene_is_empty() {
     let accel = Accel::new(&SceneBuilder::new().build(DVec3::ZERO));
-    assert!(accel.closest(&Ray::new(Vec3A::ZERO, Vec3A::Z), RayKind::Camera).is_none());
+    assert!(accel.closest(&Ray::new(Vec3A::ZERO, Vec3A::Z), Rays::CAMERA).is_none());
     assert!(accel.bounds().is_none());
 }
 
@@ -143,7 +143,7 @@ fn near_surfaces_are_not_skipped() {
     let accel = Accel::new(&scene);
     for gap in [1e-3f32, 1e-4, 1e-5, 2e-6] {
         let ray = Ray::new(Vec3A::new(0.0, 0.0, 1.0 - gap), Vec3A::Z);
-        let hit = accel.closest(&ray, RayKind::Bounce).unwrap_or_else(|| panic!("missed at {gap}"));
+        let hit = accel.closest(&ray, Rays::BOUNCE).unwrap_or_else(|| panic!("missed at {gap}"));
         assert!((hit.t - gap).abs() < 3e-7, "{gap}: {}", hit.t);
     }
 }

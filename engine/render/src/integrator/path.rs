@@ -12,9 +12,9 @@ pub use wave::Wave;
 
 use super::Stage;
 use crate::accel::{Hit, Ray, offset_origin};
-use crate::nodes::{self, Layers, Opening, View};
+use crate::nodes::{self, Layers, Opening, View, Way};
 use crate::sampler::PathSampler;
-use crate::shading::mixture::Mixture;
+use crate::shading::{Caustics, mixture::Mixture};
 use crate::surface::{SurfacePoint, tangent_about_z};
 use crate::{Rgb, scene::Scene};
 use glam::Vec3A;
@@ -72,6 +72,8 @@ impl From<&SurfacePoint> for FirstSurface {
 pub struct Limits {
     /// Bounces after the first surface.
     pub max_bounces: u32,
+    /// Of those, how many of each kind.
+    pub kinds: KindLimits,
     /// Most radiance, in its brightest channel, that light after a bounce may add: fewer bright specks for less
     /// light. Infinite takes all of it.
     pub clamp_indirect: f32,
@@ -83,7 +85,60 @@ pub struct Limits {
     pub roulette: f32,
 }
 
+/// How often light may be scattered in each way, and whether sharp reflections of diffuse light are looked for.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub struct KindLimits {
+    /// Reflected without a peak.
+    pub diffuse: u32,
+    /// Reflected about a peak, or mirrored.
+    pub glossy: u32,
+    /// Let through and scattered.
+    pub transmission: u32,
+    /// Surfaces passed unbent.
+    pub transparent: u32,
+    /// The same for rays that ask whether light arrives, those of the path before them included.
+    pub transparent_shadows: u32,
+    /// What paths meet after a diffuse scattering mirrors and bends light.
+    pub caustics: Caustics,
+}
+
+impl Default for KindLimits {
+    fn default() -> Self {
+        let [diffuse, glossy, transmission, transparent, transparent_shadows] = [u32::MAX; 5];
+        Self { diffuse, glossy, transmission, transparent, transparent_shadows, caustics: Caustics::ALL }
+    }
+}
+
 impl Limits {
+    /// Whether a path is scattered by what it meets.
+    #[inline]
+    pub(super) fn scatters(&self, way: Way) -> bool {
+        let KindLimits { diffuse, glossy, transmission, .. } = self.kinds;
+        u32::from(way.depth) <= self.max_bounces
+            && u32::from(way.diffuse) <= diffuse
+            && u32::from(way.glossy) <= glossy
+            && u32::from(way.transmission) <= transmission
+            && self.goes_on(way)
+    }
+
+    /// Whether a path passes or is scattered by what it meets. As in Cycles, it passes the first surface in any case.
+    #[inline]
+    pub(super) fn goes_on(&self, way: Way) -> bool {
+        way.transparent == 0 || u32::from(way.transparent) < self.kinds.transparent
+    }
+
+    /// Surfaces that a ray from there to a light may pass.
+    #[inline]
+    pub(super) fn shadows_pass(&self, way: Way) -> u32 {
+        self.kinds.transparent_shadows.saturating_sub(u32::from(way.transparent))
+    }
+
+    /// What mirrors and bends light where a path came this way.
+    #[inline]
+    pub(super) fn caustics(&self, way: Way) -> Caustics {
+        if way.is_diffuse() { self.kinds.caustics } else { Caustics::ALL }
+    }
+
     /// Light found after `bounce` bounces, as far as it counts.
     #[inline]
     pub(super) fn clamp(&self, light: Rgb, bounce: u32) -> Rgb {
@@ -118,13 +173,23 @@ pub(super) fn opening(scene: &Scene, hit: &Hit, view: &View) -> Opening {
     nodes::opening(material, scene, [hit.instance, hit.triangle], [hit.u, hit.v], view)
 }
 
-/// What a surface of these layers scatters at a point; `kept` is what it counts, and light `walks` through bodies or is
-/// scattered where it enters them.
+/// What a surface of these layers scatters at a point; `kept` is what it counts, and light `walks` through bodies and
+/// makes such caustics, or is scattered where it enters them.
 #[inline(never)]
-pub(super) fn mix(stage: &Stage, layers: &Layers, point: &SurfacePoint, wo: Vec3A, kept: f32, walks: bool) -> Mixture {
+pub(super) fn mix(
+    stage: &Stage,
+    layers: &Layers,
+    point: &SurfacePoint,
+    wo: Vec3A,
+    kept: f32,
+    walks: Option<Caustics>,
+) -> Mixture {
     let brushed = layers.iter().any(|layer| layer.closure.is_brushed());
     let tangent = if brushed { tangent_about_z(&stage.scene, point) } else { Vec3A::ZERO };
-    let mut mixture = Mixture::new(point, wo, tangent, walks);
+    let mut mixture = Mixture::new(point, wo, tangent, walks.is_some());
+    if let Some(caustics) = walks {
+        mixture.set_caustics(caustics);
+    }
     for layer in layers {
         mixture.add(layer.weight, &layer.closure, layer.normal.unwrap_or(point.shading_normal));
     }

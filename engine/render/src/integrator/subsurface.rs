@@ -2,8 +2,9 @@
 
 use super::Stage;
 use crate::Rgb;
-use crate::accel::{Ray, RayKind, offset_origin};
+use crate::accel::{Ray, offset_origin};
 use crate::sampler::warp;
+use crate::scene::visibility::Rays;
 use crate::shading::subsurface::Entry;
 use crate::surface::SurfacePoint;
 use glam::Vec3A;
@@ -91,7 +92,7 @@ fn own_surface(stage: &Stage, instance: u32, ray: Ray, rays: &mut u32) -> Option
     let (mut ray, mut passed) = (ray, 0.0);
     for _ in 0..MOST_PASSED {
         *rays += 1;
-        let hit = stage.accel.closest(&ray, RayKind::Bounce)?;
+        let hit = stage.accel.closest(&ray, Rays::BOUNCE)?;
         let point = SurfacePoint::new(&stage.scene, &hit, ray.direction);
         if hit.instance == instance {
             return Some((point, passed + hit.t));

@@ -1,7 +1,7 @@
 //! Settings of a render, and what is refused.
 
 use crate::camera::Camera;
-use crate::integrator::Integrator;
+use crate::integrator::{Integrator, path::KindLimits};
 use crate::pipeline::Pipeline;
 use crate::sampler::pattern::Pattern;
 
@@ -34,6 +34,8 @@ pub struct Settings {
     pub threads: usize,
     /// Bounces after the first surface.
     pub max_bounces: u32,
+    /// Of those, how many of each kind.
+    pub kinds: KindLimits,
     /// Most radiance, in its brightest channel, that light after a bounce may add to a sample; 0 is no limit.
     pub clamp_indirect: f32,
     /// Of the Blackman-Harris filter; 0 is a box of one pixel.
@@ -62,6 +64,7 @@ impl Default for Settings {
             sample_offset: 0,
             threads: 0,
             max_bounces: 12,
+            kinds: KindLimits::default(),
             clamp_indirect: 0.0,
             filter_width_px: 1.5,
             transparent_film: false,

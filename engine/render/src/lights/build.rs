@@ -6,6 +6,9 @@ use glam::Vec3A;
 /// Buckets on each axis that a split is tried at.
 const BUCKETS: usize = 12;
 
+/// Emitters that are worth the work of several cores.
+const LARGE: usize = 4096;
+
 /// Part of a tree of halves.
 pub(super) enum Half {
     /// An emitter.
@@ -20,9 +23,15 @@ impl Half {
         if let [only] = *order {
             return (emitters[only as usize], Self::Leaf(only));
         }
+        let is_large = order.len() > LARGE;
         let middle = split(emitters, order);
         let (left, right) = order.split_at_mut(middle);
-        let parts = [Self::new(emitters, left), Self::new(emitters, right)];
+        let parts = if is_large {
+            let both = rayon::join(|| Self::new(emitters, left), || Self::new(emitters, right));
+            [both.0, both.1]
+        } else {
+            [Self::new(emitters, left), Self::new(emitters, right)]
+        };
         (parts[0].0.union(&parts[1].0), Self::Inner(Box::new(parts)))
     }
 

@@ -9,6 +9,7 @@ use super::lamp::emission::on_disk;
 use super::triangle::LitTriangle;
 use super::{Emitter, Lights, Source};
 use crate::accel::{Hit, Ray, offset_origin};
+use crate::nodes::{View, Way};
 use crate::sampler::{distribution::AliasTable, warp};
 use crate::scene::Scene;
 use crate::surface::SurfacePoint;
@@ -129,6 +130,7 @@ impl Emission {
         let from_lamp = match lights.lamp(source) {
             Some(lamp) => {
                 let pdf = lamp.arrival_pdf(at, direction, distance)?;
+                radiance *= lamp.shine(scene, at, -direction, distance, Way::LIGHT);
                 point_like = lamp.is_point_like();
                 if point_like && source.0 < lights.local.len() {
                     radiance /= distance * distance;
@@ -186,7 +188,7 @@ impl super::lamp::PreparedLamp {
 
 impl Lights {
     /// The lamp that a source is, if it is one.
-    fn lamp(&self, source: Source) -> Option<&super::lamp::PreparedLamp> {
+    pub(super) fn lamp(&self, source: Source) -> Option<&super::lamp::PreparedLamp> {
         let index = match self.local.get(source.0) {
             Some(Emitter::Lamp(i)) => *i,
             Some(Emitter::Triangle { .. }) => return None,
@@ -227,7 +229,7 @@ fn emit_triangle(
     let direction = warp::to_world(&warp::frame(out), local).normalize();
     let hit = Hit { t: 0.0, u, v, instance: triangle.instance, triangle: triangle.triangle };
     let point = SurfacePoint::new(scene, &hit, -out);
-    let strength = triangle.radiance(scene, [u, v]);
+    let strength = triangle.radiance(scene, [u, v], &View { direction: -direction, distance: 1.0, way: Way::LIGHT });
     let origin = offset_origin(point.position, out, point.position_error);
     EmittedRay { ray: Ray::new(origin, direction), source, strength, cos: local.z }
 }

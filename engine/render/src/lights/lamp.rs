@@ -2,10 +2,16 @@
 
 use super::LightSample;
 use super::bounds::LightBounds;
+use crate::nodes::Way;
+use crate::nodes::lamp::{LampPoint, even_radiance, radiance};
+use crate::scene::Scene;
+use crate::scene::graph::Graph;
 use crate::scene::lamp::{Lamp, LampKind};
+use crate::scene::visibility::{Rays, Sets};
 use crate::{Rgb, luminance, sampler::warp};
-use glam::{Mat3A, Vec3A};
-use std::f32::consts::{FRAC_PI_2, PI};
+use glam::{Affine3A, Mat3A, Vec2, Vec3A};
+use std::f32::consts::{FRAC_PI_2, PI, TAU};
+use std::sync::Arc;
 
 pub(super) mod emission;
 
@@ -16,42 +22,55 @@ pub struct PreparedLamp {
     color: Rgb,
     axes: Mat3A,
     center: Vec3A,
-    visible_camera: bool,
+    reaches: Rays,
+    sets: Sets,
+    max_bounces: u32,
     cast_shadow: bool,
-    /// Radiance of a lamp with extent; radiant intensity of one without (sun: irradiance).
+    /// Radiance of a lamp with extent; radiant intensity of one without (sun: irradiance). What its nodes say comes to it.
     strength: Rgb,
+    graph: Option<Arc<Graph>>,
+    /// Of render space, in Blender's world.
+    origin: Vec3A,
 }
 
 impl PreparedLamp {
-    pub(super) fn new(lamp: &Lamp) -> Self {
+    pub(super) fn new(lamp: &Lamp, origin: Vec3A) -> Self {
+        // Nodes that say the same everywhere are done with.
+        let even = lamp.graph.as_ref().and_then(|graph| even_radiance(graph));
+        let graph = lamp.graph.clone().filter(|_| even.is_none());
+        let color = lamp.color * even.unwrap_or(Rgb::ONE);
         let strength = match lamp.kind {
             // A watt is spread over the whole sphere; a spot is a point light seen through a hole.
             LampKind::Point { radius, .. } | LampKind::Spot { radius, .. } => {
                 if radius > 0.0 {
-                    lamp.color / (4.0 * PI * PI * radius * radius)
+                    color / (4.0 * PI * PI * radius * radius)
                 } else {
-                    lamp.color / (4.0 * PI)
+                    color / (4.0 * PI)
                 }
             }
             LampKind::Sun { half_angle_rad } => {
                 // Its irradiance on a surface that faces it: radiance times the projected solid angle.
                 let sin = half_angle_rad.min(FRAC_PI_2).sin();
-                if sin > 0.0 { lamp.color / (PI * sin * sin) } else { lamp.color }
+                if sin > 0.0 { color / (PI * sin * sin) } else { color }
             }
             // A Lambert emitter sends pi times its radiance from each unit of area.
             LampKind::Area { size, ellipse, .. } => {
                 let area = area_of(size, ellipse);
-                if area > 0.0 { lamp.color / (PI * area) } else { Rgb::ZERO }
+                if area > 0.0 { color / (PI * area) } else { Rgb::ZERO }
             }
         };
         Self {
             kind: lamp.kind,
-            color: lamp.color,
+            color,
             axes: lamp.to_render.matrix3,
             center: lamp.to_render.translation,
-            visible_camera: lamp.visible_camera,
+            reaches: lamp.reaches,
+            sets: lamp.sets,
+            max_bounces: lamp.max_bounces,
             cast_shadow: lamp.cast_shadow,
             strength,
+            graph,
+            origin,
         }
     }
 
@@ -59,13 +78,75 @@ impl PreparedLamp {
         self.kind
     }
 
-    pub(super) fn visible_camera(&self) -> bool {
-        self.visible_camera
+    /// Whether a ray that came this way may find it. How many bounces it had is not asked, as in Cycles.
+    pub(super) fn is_found_by(&self, way: Way) -> bool {
+        self.reaches.all_of(way.finds())
+    }
+
+    /// What it lights, and what throws shadows in its light.
+    pub(super) fn sets(&self) -> Sets {
+        self.sets
+    }
+
+    /// Itself, if it still lights what a path meets after so many bounces.
+    pub(super) fn lit_after(&self, way: Way) -> Option<&Self> {
+        (u32::from(way.depth) <= self.max_bounces).then_some(self)
     }
 
     /// Watts, for choosing; a sun's, per unit of area.
     pub(super) fn power(&self) -> f32 {
-        luminance(self.color)
+        luminance(self.color) * self.graph.as_ref().map_or(1.0, |graph| graph.brightness())
+    }
+
+    /// What its nodes make of its light that arrives at `from` along a ray towards it.
+    pub(super) fn shine(&self, scene: &Scene, from: Vec3A, wi: Vec3A, distance: f32, way: Way) -> Rgb {
+        let Some(graph) = &self.graph else { return Rgb::ONE };
+        let is_sun = matches!(self.kind, LampKind::Sun { .. });
+        // Blender puts what shines from infinity at its own direction.
+        let place = if is_sun { -wi } else { from + wi * distance };
+        let normal = match self.kind {
+            LampKind::Point { radius, soft: false } | LampKind::Spot { radius, soft: false, .. } if radius > 0.0 => {
+                (place - self.center).normalize_or(-wi)
+            }
+            LampKind::Area { .. } => -self.axes.z_axis,
+            _ => -wi,
+        };
+        let point = LampPoint {
+            position: if is_sun { place } else { place + self.origin },
+            normal,
+            direction: wi,
+            distance,
+            uv: self.uv(place, normal, wi),
+            to_world: Affine3A { matrix3: self.axes, translation: self.center + self.origin },
+            way,
+        };
+        radiance(graph, &scene.textures, &point)
+    }
+
+    /// Blender's coordinates for images on lamps.
+    fn uv(&self, place: Vec3A, normal: Vec3A, wi: Vec3A) -> Vec2 {
+        let local = |v: Vec3A| self.axes.transpose() * v;
+        match self.kind {
+            LampKind::Point { .. } => {
+                let n = local(normal);
+                let turn = if n.x == 0.0 && n.y == 0.0 { 0.0 } else { 0.5 - n.x.atan2(n.y) / TAU };
+                Vec2::new(turn, 1.0 - n.z.clamp(-1.0, 1.0).acos() / PI)
+            }
+            LampKind::Spot { half_angle_rad, .. } => {
+                let d = local(-wi);
+                let scale = 0.5 / (half_angle_rad.tan() * d.z.abs());
+                Vec2::new(0.5 + d.x * scale, 0.5 + d.y * scale)
+            }
+            LampKind::Area { size, .. } => {
+                let p = local(place - self.center);
+                Vec2::new(0.5 + p.x / size[0], 0.5 + p.y / size[1])
+            }
+            LampKind::Sun { half_angle_rad } => {
+                let d = local(wi);
+                let scale = 0.5 / half_angle_rad.sin().max(1e-6);
+                Vec2::new(0.5 + d.x * scale, 0.5 + d.y * scale)
+            }
+        }
     }
 
     /// Where the lamp is, and where it shines to; not for suns.
@@ -104,7 +185,14 @@ impl PreparedLamp {
         }
     }
 
-    /// Light at `from`.
+    /// Light at `from`, where a path came to by `way`.
+    pub(super) fn light(&self, scene: &Scene, from: Vec3A, u: [f32; 2], way: Way) -> Option<LightSample> {
+        let mut sample = self.lit_after(way)?.sample(from, u)?;
+        sample.radiance *= self.shine(scene, from, sample.wi, sample.distance, way.light());
+        Some(sample)
+    }
+
+    /// The same before its nodes.
     pub(super) fn sample(&self, from: Vec3A, u: [f32; 2]) -> Option<LightSample> {
         match self.kind {
             LampKind::Point { radius, soft: true } if radius > 0.0 => self.sample_facing_disk(from, radius, u),
@@ -120,7 +208,7 @@ impl PreparedLamp {
             }
             LampKind::Sun { half_angle_rad } => Some(self.sample_sun(half_angle_rad, u)),
             LampKind::Area { size, ellipse, half_spread_rad } => {
-                let p = if ellipse { warp::sample_disk(u) * 0.5 } else { glam::Vec2::new(u[0] - 0.5, u[1] - 0.5) };
+                let p = if ellipse { warp::sample_disk(u) * 0.5 } else { Vec2::new(u[0] - 0.5, u[1] - 0.5) };
                 let point = self.center + self.axes.x_axis * (p.x * size[0]) + self.axes.y_axis * (p.y * size[1]);
                 let to = point - from;
                 let distance = to.length();
@@ -136,23 +224,25 @@ impl PreparedLamp {
                     pdf: distance * distance / (cos * area_of(size, ellipse)),
                     point_like: false,
                     cast_shadow: self.cast_shadow,
+                    reaches: self.reaches,
+                    sets: self.sets,
                 })
             }
         }
     }
 
-    /// Radiance along a ray that meets the lamp before `t_max`, and the density of [`PreparedLamp::sample`].
-    pub(super) fn hit(&self, origin: Vec3A, d: Vec3A, t_max: f32) -> Option<(Rgb, f32)> {
+    /// Radiance along a ray that meets the lamp before `t_max`, the density of [`PreparedLamp::sample`], and how far it is.
+    pub(super) fn hit(&self, origin: Vec3A, d: Vec3A, t_max: f32) -> Option<(Rgb, f32, f32)> {
         match self.kind {
             LampKind::Point { radius, soft: true } => self.hit_facing_disk(origin, d, t_max, radius),
             LampKind::Point { radius, .. } => self.hit_sphere(origin, d, t_max, radius),
             LampKind::Spot { radius, half_angle_rad, blend, soft } => {
-                let (radiance, pdf) = if soft {
+                let (radiance, pdf, t) = if soft {
                     self.hit_facing_disk(origin, d, t_max, radius)?
                 } else {
                     self.hit_sphere(origin, d, t_max, radius)?
                 };
-                Some((radiance * self.cone(-d, half_angle_rad, blend), pdf))
+                Some((radiance * self.cone(-d, half_angle_rad, blend), pdf, t))
             }
             LampKind::Sun { .. } => None,
             LampKind::Area { size, ellipse, half_spread_rad } => {
@@ -169,7 +259,7 @@ impl PreparedLamp {
                 let inside = if ellipse { x * x + y * y <= 1.0 } else { x.abs() <= 1.0 && y.abs() <= 1.0 };
                 inside.then(|| {
                     let pdf = t * t / (cos * area_of(size, ellipse));
-                    (self.strength * spread(cos, half_spread_rad), pdf)
+                    (self.strength * spread(cos, half_spread_rad), pdf, t)
                 })
             }
         }
@@ -196,6 +286,8 @@ impl PreparedLamp {
             pdf: 1.0,
             point_like: true,
             cast_shadow: self.cast_shadow,
+            reaches: self.reaches,
+            sets: self.sets,
         };
         if half_angle_rad <= 0.0 {
             return base;
@@ -220,6 +312,8 @@ impl PreparedLamp {
             pdf: 1.0,
             point_like: true,
             cast_shadow: self.cast_shadow,
+            reaches: self.reaches,
+            sets: self.sets,
         };
         if radius <= 0.0 {
             return Some(base);
@@ -241,7 +335,7 @@ impl PreparedLamp {
         })
     }
 
-    fn hit_sphere(&self, origin: Vec3A, d: Vec3A, t_max: f32, radius: f32) -> Option<(Rgb, f32)> {
+    fn hit_sphere(&self, origin: Vec3A, d: Vec3A, t_max: f32, radius: f32) -> Option<(Rgb, f32, f32)> {
         if radius <= 0.0 {
             return None;
         }
@@ -258,7 +352,7 @@ impl PreparedLamp {
         }
         let sin2_max = radius * radius / distance2;
         let limit = sin2_max / (1.0 + (1.0 - sin2_max).max(0.0).sqrt());
-        Some((self.strength, warp::cone_pdf(limit)))
+        Some((self.strength, warp::cone_pdf(limit), t))
     }
 
     /// The lamp as a disk that faces whoever looks at it: Blender's soft falloff, which has no edge where the
@@ -278,10 +372,12 @@ impl PreparedLamp {
             pdf: distance * distance / (cos * PI * radius * radius),
             point_like: false,
             cast_shadow: self.cast_shadow,
+            reaches: self.reaches,
+            sets: self.sets,
         })
     }
 
-    fn hit_facing_disk(&self, origin: Vec3A, d: Vec3A, t_max: f32, radius: f32) -> Option<(Rgb, f32)> {
+    fn hit_facing_disk(&self, origin: Vec3A, d: Vec3A, t_max: f32, radius: f32) -> Option<(Rgb, f32, f32)> {
         if radius <= 0.0 {
             return None;
         }
@@ -292,7 +388,7 @@ impl PreparedLamp {
         // Refuses NaN, too: the start may be the lamp's very centre.
         let ahead = cos > 0.0 && t < t_max;
         let inside = (d * t - to).length_squared() <= radius * radius;
-        (ahead && inside).then(|| (self.strength, t * t / (cos * PI * radius * radius)))
+        (ahead && inside).then(|| (self.strength, t * t / (cos * PI * radius * radius), t))
     }
 
     /// How much of a spot's light goes along `d` (away from the lamp).

@@ -7,18 +7,25 @@ pub mod bounds;
 mod build;
 pub mod emission;
 pub mod lamp;
+mod lamp_tree;
 pub mod receiver;
 pub mod sky;
 pub mod tree;
 mod triangle;
 
+use crate::nodes::Way;
 use crate::scene::material::{Input, Material};
 use crate::scene::mesh::Mesh;
-use crate::scene::{Scene, lamp::LampKind};
+use crate::scene::{
+    Scene,
+    lamp::LampKind,
+    visibility::{Rays, Sets},
+};
 use crate::{Rgb, luminance};
 use bounds::LightBounds;
 use glam::Vec3A;
 use lamp::PreparedLamp;
+use lamp_tree::LampTree;
 use receiver::Receiver;
 use sky::Sky;
 use std::collections::HashSet;
@@ -41,6 +48,10 @@ pub struct LightSample {
     pub point_like: bool,
     /// Objects throw shadows in it.
     pub cast_shadow: bool,
+    /// The kinds of ray that find it, and so the closures that it lights.
+    pub reaches: Rays,
+    /// What it lights, and what throws shadows in its light.
+    pub sets: Sets,
 }
 
 /// One of a scene's sources of light: lamps and emissive triangles, then the world and the suns.
@@ -61,7 +72,10 @@ pub struct Lights {
     // By instance: by triangle, 1 + its index in `local`; empty where the instance emits nothing.
     emitter_of: Vec<Vec<u32>>,
     lamps: Vec<PreparedLamp>,
+    // Of those that rays meet.
+    met: LampTree,
     sky: Sky,
+    is_linked: bool,
 }
 
 /// The least chance of either the sky or the lights within the scene, where there are both: what stands in the way is
@@ -71,7 +85,8 @@ const LEAST_CHANCE: f32 = 0.1;
 impl Lights {
     /// Finds the emitters of a scene.
     pub fn new(scene: &Scene) -> Self {
-        let lamps: Vec<PreparedLamp> = scene.lamps.iter().map(PreparedLamp::new).collect();
+        let lamps: Vec<PreparedLamp> =
+            scene.lamps.iter().map(|lamp| PreparedLamp::new(lamp, scene.origin.as_vec3a())).collect();
         let mut local = Vec::new();
         let mut bounds = Vec::new();
         for (i, lamp) in lamps.iter().enumerate() {
@@ -80,10 +95,31 @@ impl Lights {
                 bounds.push(lamp.bounds());
             }
         }
+        // So far all are lamps.
+        let met = LampTree::new(local.iter().enumerate().filter_map(|(place, emitter)| match emitter {
+            Emitter::Lamp(i) => Some((place as u32, &lamps[*i as usize])),
+            Emitter::Triangle(_) => None,
+        }));
         let emitter_of = emissive_triangles(scene, &mut local, &mut bounds);
         let tree = LightTree::new(&bounds);
         let sky = Sky::new(scene, &lamps);
-        Self { local, tree, emitter_of, lamps, sky }
+        let sets = lamps.iter().map(PreparedLamp::sets).chain(scene.instances.iter().map(|one| one.links.sets));
+        let is_linked = sets.into_iter().any(|sets| sets != Sets::EVERYTHING);
+        Self { local, tree, emitter_of, lamps, met, sky, is_linked }
+    }
+
+    /// Whether any light lights some objects alone, or has shadows of some alone.
+    #[inline]
+    pub fn is_linked(&self) -> bool {
+        self.is_linked
+    }
+
+    /// What a source lights, and what throws shadows in its light.
+    pub fn sets(&self, source: Source) -> Sets {
+        match self.local.get(source.0) {
+            Some(Emitter::Triangle(triangle)) => triangle.sets(),
+            _ => self.lamp(source).map_or(Sets::EVERYTHING, PreparedLamp::sets),
+        }
     }
 
     /// A place that light may reach. `openness` is the part of the sky that is seen from places in this picture on
@@ -108,9 +144,9 @@ impl Lights {
         self.receiver(position, None, 0.5)
     }
 
-    /// Light at a place; `None` where none was found.
-    pub fn sample(&self, scene: &Scene, to: &Receiver, u_choice: f32, u: [f32; 2]) -> Option<LightSample> {
-        self.sample_source(scene, to, u_choice, u).map(|(sample, _)| sample)
+    /// Light at a place that a path came to by `way`, as it is counted there; `None` where none was found.
+    pub fn sample(&self, scene: &Scene, to: &Receiver, u_choice: f32, u: [f32; 2], way: Way) -> Option<LightSample> {
+        self.sample_source(scene, to, u_choice, u, way).map(|(sample, _)| sample)
     }
 
     /// Light at a place, and where it comes from.
@@ -120,19 +156,20 @@ impl Lights {
         to: &Receiver,
         u_choice: f32,
         u: [f32; 2],
+        way: Way,
     ) -> Option<(LightSample, Source)> {
         let from = to.position;
         let chance = to.sky_chance;
         if u_choice < chance {
-            let (mut sample, index) = self.sky.sample(scene, &self.lamps, u_choice / chance, u)?;
+            let (mut sample, index) = self.sky.sample(scene, &self.lamps, u_choice / chance, u, way)?;
             sample.pdf *= chance;
             return Some((sample, self.sky_source(index)));
         }
         let rest = ((u_choice - chance) / (1.0 - chance)).min(1.0 - f32::EPSILON);
         let (index, probability) = self.tree.as_ref()?.sample(to, rest)?;
         let mut sample = match &self.local[index] {
-            Emitter::Lamp(i) => self.lamps[*i as usize].sample(from, u)?,
-            Emitter::Triangle(triangle) => triangle.sample(scene, from, u)?,
+            Emitter::Lamp(i) => self.lamps[*i as usize].light(scene, from, u, way)?,
+            Emitter::Triangle(triangle) => triangle.sample(scene, from, u, way)?,
         };
         sample.pdf *= probability * (1.0 - chance);
         Some((sample, Source(index)))
@@ -150,56 +187,54 @@ impl Lights {
     /// Calls `found(radiance, pdf)` for each lamp with extent that a ray from `from` along `d` meets before
     /// `t_max`; `to` is where a light sample would have been taken. Lamps do not hide what is behind them, as in
     /// Cycles.
+    #[allow(clippy::too_many_arguments)]
     pub fn lamps_along(
         &self,
+        scene: &Scene,
         from: Vec3A,
         d: Vec3A,
         t_max: f32,
-        camera: bool,
+        way: Way,
         to: Option<&Receiver>,
         mut found: impl FnMut(Rgb, f32),
     ) {
-        self.lamp_sources_along(from, d, t_max, camera, to, |_, radiance, pdf| found(radiance, pdf));
+        self.lamp_sources_along(scene, from, d, t_max, way, to, |_, radiance, pdf| found(radiance, pdf));
     }
 
     /// The same with which of them it is.
+    #[allow(clippy::too_many_arguments)]
     pub fn lamp_sources_along(
         &self,
+        scene: &Scene,
         from: Vec3A,
         d: Vec3A,
         t_max: f32,
-        camera: bool,
+        way: Way,
         to: Option<&Receiver>,
         mut found: impl FnMut(Source, Rgb, f32),
     ) {
-        for (index, emitter) in self.local.iter().enumerate() {
-            // Lamps come first.
-            let Emitter::Lamp(i) = *emitter else { break };
+        self.met.along(from, d, t_max, |place| {
+            let index = place as usize;
+            let Emitter::Lamp(i) = self.local[index] else { return };
             let lamp = &self.lamps[i as usize];
-            if camera && !lamp.visible_camera() {
-                continue;
+            if !lamp.is_found_by(way) {
+                return;
             }
-            if let Some((radiance, pdf)) = lamp.hit(from, d, t_max) {
+            if let Some((radiance, pdf, t)) = lamp.hit(from, d, t_max) {
+                let radiance = radiance * lamp.shine(scene, from, d, t, way.light());
                 let chance = match (&self.tree, to) {
                     (Some(tree), Some(to)) => tree.probability(to, index) * (1.0 - to.sky_chance),
                     _ => 0.0,
                 };
                 found(Source(index), radiance, pdf * chance);
             }
-        }
+        });
     }
 
     /// Calls `found(radiance, pdf)` for what shines from infinity along `d`: the world, and suns with extent. `to` is
     /// where a light sample would have been taken.
-    pub fn sky_along(
-        &self,
-        scene: &Scene,
-        d: Vec3A,
-        camera: bool,
-        to: Option<&Receiver>,
-        mut found: impl FnMut(Rgb, f32),
-    ) {
-        self.sky_sources_along(scene, d, camera, to, |_, radiance, pdf| found(radiance, pdf));
+    pub fn sky_along(&self, scene: &Scene, d: Vec3A, way: Way, to: Option<&Receiver>, mut found: impl FnMut(Rgb, f32)) {
+        self.sky_sources_along(scene, d, way, to, |_, radiance, pdf| found(radiance, pdf));
     }
 
     /// The same with which of them it is.
@@ -207,12 +242,12 @@ impl Lights {
         &self,
         scene: &Scene,
         d: Vec3A,
-        camera: bool,
+        way: Way,
         to: Option<&Receiver>,
         mut found: impl FnMut(Source, Rgb, f32),
     ) {
         let chance = to.map_or(0.0, |to| to.sky_chance);
-        self.sky.along(scene, &self.lamps, d, camera, |index, radiance, pdf| {
+        self.sky.along(scene, &self.lamps, d, way, |index, radiance, pdf| {
             found(self.sky_source(index), radiance, pdf * chance);
         });
     }

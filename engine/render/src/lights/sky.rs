@@ -2,10 +2,12 @@
 
 use super::LightSample;
 use super::lamp::PreparedLamp;
+use crate::nodes::Way;
 use crate::sampler::distribution::{AliasTable, Grid2d};
 use crate::scene::{
     Scene,
     lamp::LampKind,
+    visibility::Sets,
     world::{direction_to_equirectangular, equirectangular_to_direction},
 };
 use crate::{Rgb, luminance, nodes};
@@ -25,6 +27,8 @@ pub(super) struct Sky {
     choice: Option<AliasTable>,
     /// Of a surface that faces all of it, nearly: what lights are chosen by.
     irradiance: f32,
+    /// The world's nodes ask what kind of bounce sees them.
+    tells_bounces_apart: bool,
 }
 
 impl Sky {
@@ -38,7 +42,8 @@ impl Sky {
         };
         let mut weights = vec![if image.is_some() { world.max(1e-6) } else { 0.0 }];
         weights.extend(suns.iter().map(|&i| lamps[i as usize].power()));
-        Self { image, suns, choice: AliasTable::new(&weights), irradiance: weights.iter().sum() }
+        let tells_bounces_apart = scene.world.graph.as_ref().is_some_and(|graph| graph.reads_any(&nodes::OF_BOUNCES));
+        Self { image, suns, choice: AliasTable::new(&weights), irradiance: weights.iter().sum(), tells_bounces_apart }
     }
 
     /// Whether there is nothing to sample (a world of one colour may still shine).
@@ -58,11 +63,12 @@ impl Sky {
         lamps: &[PreparedLamp],
         u_choice: f32,
         u: [f32; 2],
+        way: Way,
     ) -> Option<(LightSample, usize)> {
         let (index, probability, _) = self.choice.as_ref()?.sample(u_choice.min(1.0 - f32::EPSILON));
         let mut sample = match index {
             0 => self.sample_image(scene, u)?,
-            i => lamps[self.suns[i - 1] as usize].sample(Vec3A::ZERO, u)?,
+            i => lamps[self.suns[i - 1] as usize].light(scene, Vec3A::ZERO, u, way)?,
         };
         sample.pdf *= probability;
         Some((sample, index))
@@ -74,22 +80,26 @@ impl Sky {
         scene: &Scene,
         lamps: &[PreparedLamp],
         d: Vec3A,
-        camera: bool,
+        way: Way,
         mut found: impl FnMut(usize, Rgb, f32),
     ) {
-        if !camera || scene.world.visible_camera {
+        if scene.world.visible.all_of(way.finds()) {
             let (mut radiance, pdf) = self.image_along(scene, d);
-            if camera && let Some(graph) = &scene.world.graph {
-                radiance = nodes::world::radiance(graph, &scene.textures, d, nodes::Viewer::Camera);
+            if let Some(graph) = &scene.world.graph
+                && (way.is_camera() || self.tells_bounces_apart)
+            {
+                // Blender counts what shines from infinity as one scattering farther.
+                radiance = nodes::world::radiance(graph, &scene.textures, d, way.at_depth(u32::from(way.depth) + 1));
             }
             found(0, radiance, pdf * self.chance(0));
         }
         for (i, &sun) in self.suns.iter().enumerate() {
             let lamp = &lamps[sun as usize];
-            if camera && !lamp.visible_camera() {
+            if !lamp.is_found_by(way) {
                 continue;
             }
             if let Some((radiance, pdf)) = lamp.hit_sun(d) {
+                let radiance = radiance * lamp.shine(scene, Vec3A::ZERO, d, f32::INFINITY, way.light());
                 found(i + 1, radiance, pdf * self.chance(i + 1));
             }
         }
@@ -123,6 +133,8 @@ impl Sky {
             pdf,
             point_like: false,
             cast_shadow: true,
+            reaches: scene.world.visible,
+            sets: Sets::EVERYTHING,
         })
     }
 

@@ -3,18 +3,11 @@
 use super::*;
 use crate::sampler::warp;
 use crate::scene::{SceneBuilder, lamp::Lamp, texture::Texture, world::World};
-use glam::{Affine3A, DMat4, DVec3};
+use glam::{DMat4, DVec3};
 use std::f32::consts::PI;
 
 fn lamp(kind: LampKind) -> Lamp {
-    Lamp {
-        object_name: "lamp".into(),
-        kind,
-        color: Rgb::new(10.0, 20.0, 30.0),
-        visible_camera: true,
-        cast_shadow: true,
-        to_render: Affine3A::IDENTITY,
-    }
+    Lamp { object_name: "lamp".into(), kind, color: Rgb::new(10.0, 20.0, 30.0), ..Lamp::default() }
 }
 
 /// A lamp two units above the origin that shines down.
@@ -36,7 +29,7 @@ fn irradiance(scene: &Scene, lights: &Lights) -> Rgb {
     (0..n)
         .filter_map(|i| {
             let u = sobol_burley::sample_4d(i, 0, 3);
-            let s = lights.sample(scene, &at(lights, Vec3A::ZERO), u[0], [u[1], u[2]])?;
+            let s = lights.sample(scene, &at(lights, Vec3A::ZERO), u[0], [u[1], u[2]], Way::CAMERA)?;
             Some(s.radiance * s.wi.z.max(0.0) / s.pdf)
         })
         .sum::<Rgb>()
@@ -87,12 +80,14 @@ fn densities_of_hits_are_those_of_samples() {
         for i in 0..500 {
             let u = sobol_burley::sample_4d(i, 0, 5);
             let from = Vec3A::new(0.3, -0.2, 0.0);
-            let s = lights.sample(&scene, &at(&lights, from), u[0], [u[1] * 0.98 + 0.01, u[2] * 0.98 + 0.01]).unwrap();
+            let s = lights
+                .sample(&scene, &at(&lights, from), u[0], [u[1] * 0.98 + 0.01, u[2] * 0.98 + 0.01], Way::CAMERA)
+                .unwrap();
             let mut found = None;
-            lights.lamps_along(from, s.wi, f32::INFINITY, false, Some(&at(&lights, from)), |r, pdf| {
+            lights.lamps_along(&scene, from, s.wi, f32::INFINITY, Way::BOUNCE, Some(&at(&lights, from)), |r, pdf| {
                 found = Some((r, pdf))
             });
-            lights.sky_along(&scene, s.wi, false, Some(&at(&lights, from)), |r, pdf| {
+            lights.sky_along(&scene, s.wi, Way::BOUNCE, Some(&at(&lights, from)), |r, pdf| {
                 if pdf > 0.0 {
                     found = Some((r, pdf));
                 }
@@ -193,7 +188,7 @@ fn the_sky_is_chosen_by_what_it_brings() {
         let n = 1 << 15;
         let light = |i: u32| {
             let u = sobol_burley::sample_4d(i, 0, 3);
-            let s = lights.sample(&scene, &to, u[0], [u[1], u[2]])?;
+            let s = lights.sample(&scene, &to, u[0], [u[1], u[2]], Way::CAMERA)?;
             Some((s.radiance * s.wi.z.max(0.0) / s.pdf).as_dvec3())
         };
         (0..n).filter_map(light).sum::<glam::DVec3>() / f64::from(n)

@@ -2,15 +2,16 @@
 
 use super::LightSample;
 use super::bounds::LightBounds;
-use crate::nodes::{View, Viewer};
+use crate::nodes::{View, Way};
 use crate::scene::Scene;
+use crate::scene::visibility::{Rays, Sets};
 use crate::surface::{area_vector, geometric_normal, mesh_of};
 use crate::{Rgb, nodes, sampler::warp};
 use glam::{Vec3, Vec3A};
 use std::f32::consts::{FRAC_PI_2, PI};
 
-/// How a light looks at itself: what its material does by direction counts as seen from there.
-const FROM_LIGHTS: View = View { direction: Vec3A::NEG_Z, distance: 1.0, viewer: Viewer::Light, depth: 1 };
+/// For what is the same from everywhere.
+const FROM_LIGHTS: View = View { direction: Vec3A::NEG_Z, distance: 1.0, way: Way::LIGHT };
 
 /// Render space.
 #[derive(Clone, Copy, Debug)]
@@ -21,6 +22,9 @@ pub(super) struct LitTriangle {
     pub(super) triangle: u32,
     /// Its back is worth a light sample, too.
     pub(super) two_sided: bool,
+    /// The kinds of ray that its object shows itself to.
+    reaches: Rays,
+    sets: Sets,
     /// Emitted power, for choosing.
     pub(super) power: f32,
     /// Blender units squared.
@@ -46,6 +50,8 @@ impl LitTriangle {
             instance,
             triangle,
             two_sided,
+            reaches: placed.visible,
+            sets: placed.links.sets,
             power: brightness * area * PI * if two_sided { 2.0 } else { 1.0 },
             area,
             normal: geometric_normal(placed, &mesh.corners(triangle)).into(),
@@ -53,6 +59,11 @@ impl LitTriangle {
             edges: [(b - a).into(), (c - a).into()],
             radiance: is_even.then(|| nodes::emission(material, scene, [instance, triangle], [0.0; 2], &FROM_LIGHTS)),
         }
+    }
+
+    /// What it lights, and what throws shadows in its light.
+    pub(super) fn sets(&self) -> Sets {
+        self.sets
     }
 
     /// Unit, on the front.
@@ -74,14 +85,14 @@ impl LitTriangle {
         }
     }
 
-    /// What leaves a point of it towards either side.
-    pub(super) fn radiance(&self, scene: &Scene, barycentric: [f32; 2]) -> Rgb {
+    /// What leaves a point of it towards either side, seen that way.
+    pub(super) fn radiance(&self, scene: &Scene, barycentric: [f32; 2], view: &View) -> Rgb {
         if let Some(radiance) = self.radiance {
             return radiance;
         }
         let slot = mesh_of(scene, self.instance).slot(self.triangle);
         let material = &scene.materials[scene.instances[self.instance as usize].material(slot) as usize];
-        let emitted = nodes::emission(material, scene, [self.instance, self.triangle], barycentric, &FROM_LIGHTS);
+        let emitted = nodes::emission(material, scene, [self.instance, self.triangle], barycentric, view);
         // The weights of layers hold what their transparency leaves.
         if material.is_layered() {
             return emitted;
@@ -91,7 +102,7 @@ impl LitTriangle {
 
     /// Light at `from`.
     #[inline]
-    pub(super) fn sample(&self, scene: &Scene, from: Vec3A, u: [f32; 2]) -> Option<LightSample> {
+    pub(super) fn sample(&self, scene: &Scene, from: Vec3A, u: [f32; 2], way: Way) -> Option<LightSample> {
         let [v, w] = warp::sample_triangle(u);
         let point = self.corner + self.edges[0] * v + self.edges[1] * w;
         let to = Vec3A::from(point) - from;
@@ -106,10 +117,12 @@ impl LitTriangle {
             wi,
             // Just short of the triangle, which must not shadow itself.
             distance: distance * (1.0 - 1e-4),
-            radiance: self.radiance(scene, [v, w]),
+            radiance: self.radiance(scene, [v, w], &View { direction: wi, distance, way: way.light() }),
             pdf: distance2 / (cos * self.area),
             point_like: false,
             cast_shadow: true,
+            reaches: self.reaches,
+            sets: self.sets,
         })
     }
 }

@@ -2,7 +2,7 @@
 //! shape before trees are built.
 
 use super::point::{Images, Point, UNDISPLACED_NORMAL, View};
-use crate::nodes::Viewer;
+use crate::nodes::Way;
 use crate::scene::Scene;
 use crate::scene::graph::{Displacement, Graph};
 use crate::scene::mesh::{Mesh, MeshDescription};
@@ -61,7 +61,7 @@ fn offsets(scene: &Scene, instance: usize) -> Option<Vec<Vec3>> {
         // Looked at from above, from about as far as the triangle is wide.
         let [a, b, c] = mesh.corners(triangle);
         let width = owner.to_render.transform_vector3((b - a).abs().max((c - a).abs())).length();
-        let view = View { direction: -normal, distance: width, viewer: Viewer::Bounce, depth: 0 };
+        let view = View { direction: -normal, distance: width, way: Way::BOUNCE };
         let barycentric = [[0.0, 0.0], [1.0, 0.0], [0.0, 1.0]][corner];
         let Graph { program, pass_index, .. } = graph;
         let place = [instance as u32, triangle];

@@ -3,12 +3,15 @@
 //! Knows textures and texture coordinates, not how the values are used.
 
 pub mod displacement;
+pub mod lamp;
 mod layers;
 mod point;
+mod way;
 pub mod world;
 
 pub use layers::{EvaluatedLayer, Layers, Opening, layers, opening};
-pub use point::{GENERATED, View, Viewer};
+pub use point::{GENERATED, View};
+pub use way::{OF_BOUNCES, Way};
 
 use crate::scene::material::{Channel, ImageInput, Input, Material};
 use crate::scene::mesh::Mesh;

@@ -1,5 +1,6 @@
 //! A point of a surface as a shader graph's program asks for it.
 
+use super::way::Way;
 use crate::accel::{Hit, Ray};
 use crate::scene::{Instance, Scene, mesh::Mesh};
 use crate::surface::{SurfacePoint, mesh_of};
@@ -14,19 +15,6 @@ pub const GENERATED: &str = ".generated";
 /// The name by which a mesh whose vertices were moved keeps the normals that it had.
 pub(super) const UNDISPLACED_NORMAL: &str = ".undisplaced_normal";
 
-/// Who looks at a point: what Blender's Light Path node tells.
-#[derive(Clone, Copy, Debug, PartialEq, Eq)]
-pub enum Viewer {
-    /// A ray from the camera.
-    Camera,
-    /// A ray that was scattered by a surface.
-    Bounce,
-    /// A ray that asks whether light arrives.
-    Shadow,
-    /// A light that is asked what it shines.
-    Light,
-}
-
 /// How a point is looked at.
 #[derive(Clone, Copy, Debug)]
 pub struct View {
@@ -34,16 +22,14 @@ pub struct View {
     pub direction: Vec3A,
     /// How far it came, Blender units.
     pub distance: f32,
-    /// Who.
-    pub viewer: Viewer,
-    /// Bounces before.
-    pub depth: u32,
+    /// What happened to the path before.
+    pub way: Way,
 }
 
 impl View {
     /// By a ray that met something, so far from where it set out.
-    pub fn along(ray: &Ray, distance: f32, viewer: Viewer, depth: u32) -> Self {
-        Self { direction: ray.direction, distance, viewer, depth }
+    pub fn along(ray: &Ray, distance: f32, way: Way) -> Self {
+        Self { direction: ray.direction, distance, way }
     }
 }
 
@@ -221,10 +207,6 @@ impl<'a> Point<'a> {
         }
         self.object_position(shift)
     }
-
-    fn flag(&self, viewer: Viewer) -> f32 {
-        f32::from(u8::from(self.view.viewer == viewer))
-    }
 }
 
 impl Context for Point<'_> {
@@ -257,13 +239,8 @@ impl Context for Point<'_> {
             Field::ObjectIndex => number(info.pass_index as f32),
             Field::ObjectRandom => number(info.random),
             Field::MaterialIndex => number(self.material_index),
-            Field::IsCameraRay => number(self.flag(Viewer::Camera)),
-            Field::IsShadowRay => number(self.flag(Viewer::Shadow)),
-            // Which kind a bounce was is not kept: where nobody asks it makes no difference.
-            Field::IsDiffuseRay => number(self.flag(Viewer::Bounce)),
             Field::RayLength => number(self.view.distance),
-            Field::RayDepth => number(self.view.depth as f32),
-            _ => Vec3A::ZERO,
+            _ => self.view.way.read(field).map_or(Vec3A::ZERO, number),
         }
     }
 

@@ -1,13 +1,14 @@
 //! A world of nodes: what shines from a direction, and an image of it all, which lights are chosen by.
 
 use super::point::Images;
-use crate::nodes::Viewer;
+use super::way::Way;
 use crate::sampler::warp::{frame, sample_disk, to_world};
 use crate::scene::Scene;
 use crate::scene::closure::Closure;
 use crate::scene::graph::Graph;
 use crate::scene::lamp::{Lamp, LampKind};
 use crate::scene::texture::Texture;
+use crate::scene::visibility::Rays;
 use crate::scene::world::equirectangular_to_direction;
 use crate::{Rgb, luminance};
 use glam::{Affine3A, Mat3A, Vec2, Vec3A, Vec4};
@@ -25,7 +26,7 @@ const WITHIN: usize = 2;
 /// A direction as a program asks for it.
 struct Infinity<'a> {
     direction: Vec3A,
-    viewer: Viewer,
+    way: Way,
     shows_sun: bool,
     attributes: &'a [Attribute],
 }
@@ -41,9 +42,8 @@ impl Context for Infinity<'_> {
                 self.direction
             }
             Field::Normal | Field::TrueNormal | Field::Incoming => -self.direction,
-            Field::IsCameraRay => Vec3A::splat(f32::from(u8::from(self.viewer == Viewer::Camera))),
             Field::ObjectColour | Field::ObjectAlpha => Vec3A::ONE,
-            _ => Vec3A::ZERO,
+            _ => self.way.read(field).map_or(Vec3A::ZERO, Vec3A::splat),
         }
     }
 
@@ -62,25 +62,30 @@ thread_local! {
 }
 
 /// The radiance that arrives from a direction (unit, pointing away from the scene), that of suns included.
-pub fn radiance(graph: &Graph, textures: &[Texture], direction: Vec3A, viewer: Viewer) -> Rgb {
-    radiance_of(graph, textures, direction, viewer, true)
+pub fn radiance(graph: &Graph, textures: &[Texture], direction: Vec3A, way: Way) -> Rgb {
+    radiance_of(graph, textures, direction, way, true)
 }
 
-fn radiance_of(graph: &Graph, textures: &[Texture], direction: Vec3A, viewer: Viewer, shows_sun: bool) -> Rgb {
+fn radiance_of(graph: &Graph, textures: &[Texture], direction: Vec3A, way: Way, shows_sun: bool) -> Rgb {
     let program = &graph.program;
-    let place = Infinity { direction, viewer, shows_sun, attributes: &program.attributes };
+    let place = Infinity { direction, way, shows_sun, attributes: &program.attributes };
     REGISTERS.with_borrow_mut(|registers| {
         program.run(&place, &Images(textures), registers);
-        let mut sum = Vec3A::ZERO;
-        for layer in &graph.layers {
-            if let Closure::Emission { color, strength } = &layer.closure {
-                let [color, strength, weight] =
-                    [*color, *strength, layer.weight].map(|source| source.value(program, registers));
-                sum += (color * strength.x).max(Vec3A::ZERO) * weight.x;
-            }
-        }
-        if sum.is_finite() { sum.into() } else { Rgb::ZERO }
+        emitted(graph, registers)
     })
+}
+
+/// What the closures of a program that has run shine.
+pub(super) fn emitted(graph: &Graph, registers: &Registers) -> Rgb {
+    let mut sum = Vec3A::ZERO;
+    for layer in &graph.layers {
+        if let Closure::Emission { color, strength } = &layer.closure {
+            let [color, strength, weight] =
+                [*color, *strength, layer.weight].map(|source| source.value(&graph.program, registers));
+            sum += (color * strength.x).max(Vec3A::ZERO) * weight.x;
+        }
+    }
+    if sum.is_finite() { sum.into() } else { Rgb::ZERO }
 }
 
 /// Gives a world of nodes the image, or the one colour, that surfaces see of it; and lamps for the suns of its skies, which
@@ -88,7 +93,8 @@ fn radiance_of(graph: &Graph, textures: &[Texture], direction: Vec3A, viewer: Vi
 pub fn bake(scene: &mut Scene) {
     let Some(graph) = scene.world.graph.clone() else { return };
     let graph: &Arc<Graph> = &graph;
-    let suns: Vec<Lamp> = graph.program.suns().filter_map(|disc| sun(graph, &scene.textures, disc)).collect();
+    let suns = graph.program.suns().filter_map(|disc| sun(graph, &scene.textures, disc, scene.world.visible));
+    let suns: Vec<Lamp> = suns.collect();
     scene.lamps.extend(suns);
     let [columns, rows] = SIZE;
     let textures = &scene.textures;
@@ -99,7 +105,7 @@ pub fn bake(scene: &mut Scene) {
             let x = ((i % columns) as f32 + place(k % WITHIN)) / columns as f32;
             let y = ((i / columns) as f32 + place(k / WITHIN)) / rows as f32;
             let direction = equirectangular_to_direction(Vec2::new(x, y));
-            sum += radiance_of(graph, textures, direction, Viewer::Bounce, false);
+            sum += radiance_of(graph, textures, direction, Way::LIGHT, false);
         }
         sum / (WITHIN * WITHIN) as f32
     };
@@ -118,7 +124,7 @@ pub fn bake(scene: &mut Scene) {
 
 /// The lamp that shines like a sky's sun: as bright all over as the disc is on average, after what the other nodes make of it.
 /// Of a disc that the horizon hides in part it is a smaller one, in the middle of what is seen.
-fn sun(graph: &Graph, textures: &[Texture], disc: SunDisc) -> Option<Lamp> {
+fn sun(graph: &Graph, textures: &[Texture], disc: SunDisc, visible: Rays) -> Option<Lamp> {
     /// Places in the disc, along each side of the square that is bent into it.
     const SIDE: usize = 32;
     let sin_most = (0.5 * disc.diameter_rad).sin();
@@ -128,7 +134,7 @@ fn sun(graph: &Graph, textures: &[Texture], disc: SunDisc) -> Option<Lamp> {
         let u = [i % SIDE, i / SIDE].map(|k| (k as f32 + 0.5) / SIDE as f32);
         let p = sample_disk(u) * sin_most;
         let direction = to_world(&axes, p.extend((1.0 - p.length_squared()).max(0.0).sqrt()).into());
-        let shine = |shows_sun| radiance_of(graph, textures, direction, Viewer::Bounce, shows_sun);
+        let shine = |shows_sun| radiance_of(graph, textures, direction, Way::LIGHT, shows_sun);
         let light = shine(true) - shine(false);
         mean += light / (SIDE * SIDE) as f32;
         if luminance(light) > 0.0 {
@@ -144,8 +150,8 @@ fn sun(graph: &Graph, textures: &[Texture], disc: SunDisc) -> Option<Lamp> {
         // Across the beam, as a sun's strength counts.
         color: mean.max(Rgb::ZERO) * (PI * sin_most * sin_most),
         // The camera sees the disc itself.
-        visible_camera: false,
-        cast_shadow: true,
+        reaches: visible.without(Rays::CAMERA),
         to_render: Affine3A { matrix3: Mat3A::from_cols(axes[0], axes[1], axes[2]), translation: Vec3A::ZERO },
+        ..Lamp::default()
     })
 }

@@ -6,8 +6,8 @@ use crate::luminance;
 use glam::Vec3A;
 use petzval_nodes::{Field, Layer, LayerKind, Operand, Program, Registers};
 
-/// What the engine can tell of a point. Of bounces it tells only that they are none of the camera's rays.
-const KNOWN: [Field; 26] = [
+/// What the engine can tell of a point.
+const KNOWN: [Field; 35] = [
     Field::Position,
     Field::Normal,
     Field::TrueNormal,
@@ -28,10 +28,19 @@ const KNOWN: [Field; 26] = [
     Field::MaterialIndex,
     Field::IsCameraRay,
     Field::IsShadowRay,
+    Field::IsDiffuseRay,
+    Field::IsGlossyRay,
+    Field::IsSingularRay,
+    Field::IsReflectionRay,
+    Field::IsTransmissionRay,
     Field::IsVolumeScatterRay,
     Field::IsStrand,
     Field::RayLength,
     Field::RayDepth,
+    Field::DiffuseDepth,
+    Field::GlossyDepth,
+    Field::TransparentDepth,
+    Field::TransmissionDepth,
     Field::PortalDepth,
     Field::StrandIntercept,
 ];
@@ -169,6 +178,11 @@ impl Graph {
             report(&format!("{} is not supported yet, it is 0", in_words(field)));
         }
         (Self { program, layers, pass_index, displacement: Displacement::default() }, reports)
+    }
+
+    /// Whether its program asks for any of these.
+    pub fn reads_any(&self, fields: &[Field]) -> bool {
+        self.program.reads().any(|field| fields.contains(&field))
     }
 
     /// Whether any of its surface may shine.

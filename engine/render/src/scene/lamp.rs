@@ -1,7 +1,10 @@
 //! Blender's lamps as described: point, spot, sun and area.
 
+use super::graph::Graph;
+use super::visibility::{Rays, Sets};
 use crate::Rgb;
 use glam::{Affine3A, Vec3A};
+use std::sync::Arc;
 
 /// The shapes of light that a lamp can be.
 #[derive(Clone, Copy, Debug, PartialEq)]
@@ -49,12 +52,34 @@ pub struct Lamp {
     pub kind: LampKind,
     /// Watts by channel; for a sun, watts per square metre.
     pub color: Rgb,
-    /// Seen by the camera directly.
-    pub visible_camera: bool,
+    /// What its nodes make of the colour, where they do not leave it as it is.
+    pub graph: Option<Arc<Graph>>,
+    /// The kinds of ray that find it: of those that a surface scatters, the closures that it lights.
+    pub reaches: Rays,
+    /// What it lights, and what throws shadows in its light.
+    pub sets: Sets,
+    /// Scatterings after which it no longer lights anything.
+    pub max_bounces: u32,
     /// Is shadowed by objects.
     pub cast_shadow: bool,
     /// Lamp axes to render space.
     pub to_render: Affine3A,
+}
+
+impl Default for Lamp {
+    fn default() -> Self {
+        Self {
+            object_name: String::new(),
+            kind: LampKind::Point { radius: 0.0, soft: false },
+            color: Rgb::ONE,
+            graph: None,
+            reaches: Rays::ALL,
+            sets: Sets::EVERYTHING,
+            max_bounces: u32::MAX,
+            cast_shadow: true,
+            to_render: Affine3A::IDENTITY,
+        }
+    }
 }
 
 impl Lamp {

@@ -8,6 +8,7 @@ pub mod layer;
 pub mod material;
 pub mod mesh;
 pub mod texture;
+pub mod visibility;
 pub mod world;
 
 use crate::Rgb;
@@ -16,6 +17,7 @@ use lamp::Lamp;
 use material::Material;
 use mesh::{Mesh, MeshDescription};
 use texture::Texture;
+use visibility::{Links, Rays};
 use world::World;
 
 /// What was wrong with a piece of the description.
@@ -80,10 +82,10 @@ pub struct Instance {
     pub mirrored: bool,
     /// Material of each slot; never empty.
     pub materials: Vec<u32>,
-    /// Seen by the camera directly.
-    pub visible_camera: bool,
-    /// Casts shadows.
-    pub visible_shadow: bool,
+    /// What it shows itself to.
+    pub visible: Rays,
+    /// Which lights light it, and in which it throws shadows.
+    pub links: Links,
     /// Object space to render space a frame before and a frame after; `None` where it stands still.
     pub moved: Option<Box<[DAffine3; 2]>>,
     /// What shader graphs may ask of the object.
@@ -149,8 +151,8 @@ struct RawInstance {
     mesh: usize,
     matrix: DMat4,
     materials: Vec<u32>,
-    visible_camera: bool,
-    visible_shadow: bool,
+    visible: Rays,
+    links: Links,
 }
 
 /// Collects a scene's pieces in any order in which each piece comes after those that it names.
@@ -257,8 +259,10 @@ impl SceneBuilder {
             mesh,
             matrix,
             materials: materials.iter().map(|&m| m as u32 + 1).collect(),
-            visible_camera,
-            visible_shadow,
+            visible: Rays::ALL
+                .without(if visible_camera { Rays::NONE } else { Rays::CAMERA })
+                .without(if visible_shadow { Rays::NONE } else { Rays::SHADOW }),
+            links: Links::default(),
         });
         Ok(Some(self.instances.len() - 1))
     }
@@ -266,6 +270,16 @@ impl SceneBuilder {
     /// Says whose part an instance is, other than its own.
     pub fn set_asset(&mut self, instance: usize, name: &str) {
         self.instances[instance].asset_name = Some(name.into());
+    }
+
+    /// Says what an instance shows itself to.
+    pub fn set_visible(&mut self, instance: usize, to: Rays) {
+        self.instances[instance].visible = to;
+    }
+
+    /// Says which lights light an instance, and in which it throws shadows.
+    pub fn set_links(&mut self, instance: usize, links: Links) {
+        self.instances[instance].links = links;
     }
 
     /// Says what shader graphs may ask of an instance's object.
@@ -347,8 +361,8 @@ impl SceneBuilder {
                     normal_to_render: Mat3A::from(normal.as_mat3()),
                     mirrored: linear.determinant() < 0.0,
                     materials: if raw.materials.is_empty() { vec![0] } else { raw.materials },
-                    visible_camera: raw.visible_camera,
-                    visible_shadow: raw.visible_shadow,
+                    visible: raw.visible,
+                    links: raw.links,
                 }
             })
             .collect();

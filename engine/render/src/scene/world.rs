@@ -2,6 +2,7 @@
 
 use super::graph::Graph;
 use super::texture::{Extension, Interpolation, Texture};
+use super::visibility::Rays;
 use crate::Rgb;
 use glam::{Mat3A, Vec2, Vec3A, Vec4Swizzles};
 use std::f32::consts::{PI, TAU};
@@ -17,15 +18,15 @@ pub struct World {
     pub texture: Option<u32>,
     /// World direction to image direction.
     pub rotation: Mat3A,
-    /// Seen by the camera directly.
-    pub visible_camera: bool,
+    /// What it shows itself to.
+    pub visible: Rays,
     /// What the camera sees of it where nodes compute it; the rest is then what surfaces see.
     pub graph: Option<Arc<Graph>>,
 }
 
 impl Default for World {
     fn default() -> Self {
-        Self { color: Rgb::ZERO, texture: None, rotation: Mat3A::IDENTITY, visible_camera: true, graph: None }
+        Self { color: Rgb::ZERO, texture: None, rotation: Mat3A::IDENTITY, visible: Rays::ALL, graph: None }
     }
 }
 

@@ -2,6 +2,7 @@
 //! diffuse base, each leaving to those below what it does not scatter, in the order and with the energy bookkeeping of
 //! Cycles.
 
+use super::Caustics;
 use super::energy;
 use super::fresnel;
 use super::lobe::{Fresnel, Lobe};
@@ -37,27 +38,30 @@ impl Mixture {
         if p.coat_weight > LEAST {
             left = self.add_coat(left, p, facing);
         }
+        let Caustics { reflective, refractive } = here.caustics;
         let metallic = p.metallic.clamp(0.0, 1.0);
-        if metallic > LEAST {
+        if metallic > LEAST && reflective {
             let (law, average) = metal(MetalKind::Tinted, base, tint.min(Rgb::ONE), &p.film);
             let restored = here.restored(alpha, facing, distribution, || average);
             let frame = here.frame(facing, p.anisotropic_rotation);
             let albedo = law.at(cos, 1.0).0;
             self.push(here.facets(left * metallic * restored, albedo, alpha, distribution, law, frame));
-            left *= 1.0 - metallic;
         }
+        left *= 1.0 - metallic;
         let transmission = p.transmission.clamp(0.0, 1.0);
-        if transmission > LEAST {
+        if transmission > LEAST && (reflective || refractive) {
             let f0 = tint * fresnel::f0_from_ior(p.ior.max(1e-5));
             let tints = [Rgb::ONE, Rgb::from(base.to_array().map(f32::sqrt))];
             let boundary = Boundary { f0, ior: p.ior, roughness: p.roughness, distribution, film: p.film };
-            let mut glass = here.glass(transmission, tints, &boundary, normal);
+            let mut glass = here.glass(transmission, here.caustic(tints), &boundary, normal);
             glass.weight *= left;
             glass.chance *= left.element_sum() / 3.0;
             self.push(glass);
-            left *= 1.0 - transmission;
         }
-        left = self.add_dielectric(left, p, tint, facing, alpha, distribution);
+        left *= 1.0 - transmission;
+        if reflective {
+            left = self.add_dielectric(left, p, tint, facing, alpha, distribution);
+        }
         let inner = p.subsurface_weight.clamp(0.0, 1.0);
         if inner > LEAST {
             let ior =
@@ -85,8 +89,11 @@ impl Mixture {
         let law = Fresnel::Dielectric { f0: Rgb::splat(f0), reflection: Rgb::ONE, transmission: Rgb::ZERO };
         let slopes = slopes(alpha, Distribution::MultiscatterGgx);
         let albedo = Rgb::splat(albedo);
-        self.push(Lobe::facets(weight, albedo, slopes, law, eta, here.frame(normal, 0.0), here.wo));
-        let below = beneath(left, weight * albedo);
+        let mut below = left;
+        if here.caustics.reflective {
+            self.push(Lobe::facets(weight, albedo, slopes, law, eta, here.frame(normal, 0.0), here.wo));
+            below = beneath(left, weight * albedo);
+        }
         // Beer's law over the way through a coat of thickness 1 that bends the ray.
         let bent = (1.0 - (1.0 - cos * cos) / (eta * eta)).max(1e-6).sqrt();
         let tint = Rgb::from(p.coat_tint.max(Rgb::ZERO).to_array().map(|t| t.powf(1.0 / bent)));

@@ -7,9 +7,10 @@ use super::fresnel::{self, F82Tint};
 use super::lobe::{Fresnel, Lobe, Slopes};
 use super::subsurface::{Body, Entry};
 use super::thin_film::Film;
-use super::{BsdfSample, Scattering};
+use super::{BsdfSample, Caustics, Scattering};
 use crate::Rgb;
 use crate::scene::closure::{Closure, Distribution, MetalKind, ThinFilm};
+use crate::scene::visibility::Rays;
 use crate::surface::SurfacePoint;
 use arrayvec::ArrayVec;
 use glam::{Quat, Vec3A};
@@ -38,6 +39,7 @@ pub(super) struct Here {
     pub(super) backfacing: bool,
     /// Where stretched facets lie along.
     tangent: Vec3A,
+    pub(super) caustics: Caustics,
 }
 
 impl Mixture {
@@ -50,15 +52,25 @@ impl Mixture {
             smooth_normal: point.shading_normal,
             backfacing: point.backfacing,
             tangent,
+            caustics: Caustics::ALL,
         };
         Self { lobes: ArrayVec::new(), walks, here }
+    }
+
+    /// Leaves out what mirrors or bends light, of closures that are added from now on.
+    pub fn set_caustics(&mut self, caustics: Caustics) {
+        self.here.caustics = caustics;
     }
 
     /// Adds a closure about a normal. Transparency and emission are not scattering: they add nothing.
     pub fn add(&mut self, weight: f32, closure: &Closure<Rgb, f32>, normal: Vec3A) {
         let (here, wo) = (self.here, self.here.wo);
         let tinted = |color: &Rgb| color.max(Rgb::ZERO) * weight;
+        let Caustics { reflective, refractive } = here.caustics;
         match closure {
+            Closure::Glossy { .. } | Closure::Metal { .. } | Closure::Toon { glossy: true, .. } if !reflective => {}
+            Closure::Refraction { .. } if !refractive => {}
+            Closure::Glass { .. } if !reflective && !refractive => {}
             Closure::Diffuse { color, roughness } => {
                 self.push(Lobe::oren_nayar(tinted(color), *color, *roughness, normal, wo));
             }
@@ -101,7 +113,7 @@ impl Mixture {
                 let f0 = Rgb::splat(fresnel::f0_from_ior(*ior));
                 let boundary =
                     Boundary { f0, ior: *ior, roughness: *roughness, distribution: *distribution, film: *film };
-                self.push(here.glass(weight, [color; 2], &boundary, normal));
+                self.push(here.glass(weight, here.caustic([color; 2]), &boundary, normal));
             }
             Closure::Refraction { color, roughness, ior, distribution } => {
                 let alpha = [roughness * roughness; 2];
@@ -178,6 +190,13 @@ impl Mixture {
 }
 
 impl Here {
+    /// The tints of what is reflected and what is let through, as far as that is wanted.
+    pub(super) fn caustic(&self, [reflection, transmission]: [Rgb; 2]) -> [Rgb; 2] {
+        let Caustics { reflective, refractive } = self.caustics;
+        let of = |tint: Rgb, wanted: bool| if wanted { tint } else { Rgb::ZERO };
+        [of(reflection, reflective), of(transmission, refractive)]
+    }
+
     /// A normal under which a mirror does not send light into the surface: raised towards the triangle's own as far as
     /// it must be.
     pub(super) fn reflecting(&self, normal: Vec3A) -> Vec3A {
@@ -345,6 +364,17 @@ impl Scattering for Mixture {
         (value, pdf)
     }
 
+    #[cold]
+    #[inline(never)]
+    fn evaluate_some(&self, wi: Vec3A, rays: Rays) -> (Rgb, f32) {
+        let Here { geometric_normal, smooth_normal, .. } = self.here;
+        let above = geometric_normal.dot(wi) > 0.0;
+        self.lobes.iter().filter(|lobe| rays.any_of(lobe.rays())).fold((Rgb::ZERO, 0.0), |(value, pdf), lobe| {
+            let (of_lobe, own) = lobe.evaluate(wi, above, smooth_normal);
+            (value + of_lobe, pdf + lobe.chance * own)
+        })
+    }
+
     fn sample(&self, u_lobe: f32, u: [f32; 2]) -> Option<BsdfSample> {
         let (lobe, u_choice) = self.chosen(u_lobe)?;
         let local = lobe.sample(u_choice, u)?;
@@ -356,11 +386,19 @@ impl Scattering for Mixture {
         }
         if let Some((value, chance)) = local.single {
             let weight = lobe.weight * value / (chance * lobe.chance);
-            return weight.is_finite().then_some(BsdfSample { wi, weight, pdf: 0.0, mirror: true, transmitted });
+            return weight.is_finite().then_some(BsdfSample {
+                wi,
+                weight,
+                pdf: 0.0,
+                mirror: true,
+                transmitted,
+                matte: false,
+            });
         }
         let (value, pdf) = self.evaluate(wi);
+        let matte = lobe.scatters_evenly();
         let usable = pdf > 0.0 && value.is_finite() && pdf.is_finite();
-        usable.then(|| BsdfSample { wi, weight: value / pdf, pdf, mirror: false, transmitted })
+        usable.then(|| BsdfSample { wi, weight: value / pdf, pdf, mirror: false, transmitted, matte })
     }
 
     fn enter(&self, u_lobe: f32, u: [f32; 2]) -> Option<Entry> {

@@ -17,6 +17,7 @@ pub mod subsurface;
 mod thin_film;
 
 use crate::Rgb;
+use crate::scene::visibility::Rays;
 use glam::Vec3A;
 
 /// A direction to go on in.
@@ -32,6 +33,22 @@ pub struct BsdfSample {
     pub mirror: bool,
     /// Through the surface.
     pub transmitted: bool,
+    /// By a lobe without a peak.
+    pub matte: bool,
+}
+
+/// Whether surfaces that a path meets after a diffuse scattering mirror or bend light.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub struct Caustics {
+    /// They mirror it.
+    pub reflective: bool,
+    /// They bend it.
+    pub refractive: bool,
+}
+
+impl Caustics {
+    /// All there are.
+    pub const ALL: Self = Self { reflective: true, refractive: true };
 }
 
 /// What scatters light at one point seen from one direction.
@@ -45,6 +62,9 @@ pub trait Scattering {
 
     /// BSDF times cosine, and the density with which [`Scattering::sample`] chooses `wi`. Mirror lobes count nothing.
     fn evaluate(&self, wi: Vec3A) -> (Rgb, f32);
+
+    /// The same of those closures alone that light of some kinds of ray reaches: `rays` says which.
+    fn evaluate_some(&self, wi: Vec3A, rays: Rays) -> (Rgb, f32);
 
     /// A direction chosen roughly in proportion to what it scatters; `None` where the light ends here.
     /// What the choice of the lobe leaves of `u_lobe` chooses between mirrored and refracted.

@@ -4,10 +4,11 @@
 use super::albedo::{AlbedoTable, give_back};
 use super::fresnel::{self, F82Tint};
 use super::microfacet::{Ggx, reflect, refract};
-use super::{BsdfSample, Scattering, normal};
+use super::{BsdfSample, Caustics, Scattering, normal};
 use crate::nodes::MaterialValues;
 use crate::sampler::warp;
 use crate::scene::material::{Input, Material};
+use crate::scene::visibility::Rays;
 use crate::surface::SurfacePoint;
 use crate::{Rgb, luminance};
 use glam::{Vec3A, Vec4};
@@ -61,6 +62,7 @@ fn transmits(material: &Material) -> bool {
 }
 
 /// The BSDF of one point seen from one direction.
+#[derive(Clone)]
 pub struct Bsdf {
     frame: [Vec3A; 3],
     geometric_normal: Vec3A,
@@ -75,6 +77,7 @@ pub struct Bsdf {
 }
 
 /// What lobes of facets need.
+#[derive(Clone)]
 struct Facets {
     ggx: Ggx,
     /// In the axes of the frame.
@@ -101,6 +104,19 @@ impl Bsdf {
         point: &SurfacePoint,
         wo: Vec3A,
     ) -> Self {
+        Self::with_caustics(material, values, tables, point, wo, Caustics::ALL)
+    }
+
+    /// The same; what mirrors or bends light may be left out.
+    #[inline]
+    pub fn with_caustics(
+        material: &Material,
+        values: &MaterialValues,
+        tables: &PrincipledTables,
+        point: &SurfacePoint,
+        wo: Vec3A,
+        caustics: Caustics,
+    ) -> Self {
         let normal = normal::reflecting(point.geometric_normal, point.shading_normal, wo);
         let frame = warp::frame(normal);
         let mut bsdf = Self {
@@ -113,7 +129,7 @@ impl Bsdf {
             facets: None,
         };
         if values.metallic > 0.0 || values.transmission > 0.0 || material.specular {
-            bsdf.add_facets(material, values, tables, point.backfacing, warp::to_local(&frame, wo));
+            bsdf.add_facets(material, values, tables, point.backfacing, warp::to_local(&frame, wo), caustics);
         } else if luminance(bsdf.diffuse) <= 0.0 {
             bsdf.chance = [0.0; 4];
         }
@@ -128,13 +144,14 @@ impl Bsdf {
         tables: &PrincipledTables,
         backfacing: bool,
         wo: Vec3A,
+        Caustics { reflective, refractive }: Caustics,
     ) {
         let cos = wo.z.max(1e-4);
         let ggx = Ggx::from_roughness(values.roughness);
         let r = values.roughness;
         let dielectric = 1.0 - values.metallic;
         let opaque = dielectric * (1.0 - values.transmission);
-        let has_coat = material.specular && opaque > 0.0;
+        let has_coat = material.specular && opaque > 0.0 && reflective;
         // What single scattering loses is given back in proportion.
         let (single, average) = if values.metallic > 0.0 || has_coat {
             (tables.reflection.at(r, cos), tables.reflection.average(r))
@@ -144,13 +161,13 @@ impl Bsdf {
         let restored = |fresnel_average: Rgb| give_back(fresnel_average, single, average);
 
         let (mut metal, mut metal_weight, mut metal_chance) = (F82Tint::default(), Rgb::ZERO, 0.0);
-        if values.metallic > 0.0 {
+        if values.metallic > 0.0 && reflective {
             metal = F82Tint::new(values.base_color, material.specular_tint);
             metal_weight = restored(metal.average()) * values.metallic;
             metal_chance = luminance(metal.at(cos)) * values.metallic;
         }
 
-        let glass_chance = dielectric * values.transmission;
+        let glass_chance = if reflective || refractive { dielectric * values.transmission } else { 0.0 };
         let (mut glass_weight, mut glass_tint) = (Rgb::ZERO, Rgb::ZERO);
         if glass_chance > 0.0 {
             glass_tint = Rgb::from(values.base_color.to_array().map(f32::sqrt));
@@ -160,6 +177,9 @@ impl Bsdf {
                 give_back(glass_tint, table.at(r, cos), table.average(r))
             });
             glass_weight = restored * glass_chance;
+            if !refractive {
+                glass_tint = Rgb::ZERO;
+            }
         }
 
         let (mut coat_weight, mut coat_albedo) = (0.0, 0.0);
@@ -181,11 +201,25 @@ impl Bsdf {
             metal_weight,
             glass_weight,
             glass_tint,
-            glass_reflection_tint: material.specular_tint.min(Rgb::ONE),
+            glass_reflection_tint: if reflective { material.specular_tint.min(Rgb::ONE) } else { Rgb::ZERO },
             coat_weight,
             coat_f0: (tables.coat_f0 * material.specular_tint).min(Rgb::ONE),
             coat_eta: tables.coat_eta,
         });
+    }
+
+    /// Leaves those lobes that light of these kinds reaches; the chances of the others are lost.
+    fn keep(&mut self, rays: Rays) {
+        if !rays.any_of(Rays::DIFFUSE) {
+            (self.diffuse, self.chance[3]) = (Rgb::ZERO, 0.0);
+        }
+        let Some(f) = &mut self.facets else { return };
+        if !rays.any_of(Rays::GLOSSY) {
+            (f.metal_weight, f.coat_weight, self.chance[0], self.chance[2]) = (Rgb::ZERO, 0.0, 0.0, 0.0);
+        }
+        if !rays.any_of(Rays::GLOSSY.and(Rays::TRANSMISSION)) {
+            (f.glass_weight, self.chance[1]) = (Rgb::ZERO, 0.0);
+        }
     }
 
     fn evaluate_local(&self, wi: Vec3A, above: bool) -> (Rgb, f32) {
@@ -254,7 +288,7 @@ impl Bsdf {
         (value, chance)
     }
 
-    fn finish(&self, wi: Vec3A, transmit: bool) -> Option<BsdfSample> {
+    fn finish(&self, wi: Vec3A, transmit: bool, matte: bool) -> Option<BsdfSample> {
         let world = warp::to_world(&self.frame, wi).normalize();
         let above = self.geometric_normal.dot(world) > 0.0;
         // A tilted facet can bend light back to the side it came from, or mirror it below the surface: that
@@ -269,6 +303,7 @@ impl Bsdf {
             pdf,
             mirror: false,
             transmitted: !above,
+            matte,
         })
     }
 
@@ -277,7 +312,14 @@ impl Bsdf {
         let world = warp::to_world(&self.frame, wi).normalize();
         let seen = wi.z > 0.0 && self.geometric_normal.dot(world) > 0.0;
         let pdf = warp::cosine_hemisphere_pdf(wi.z);
-        seen.then_some(BsdfSample { wi: world, weight: self.diffuse, pdf, mirror: false, transmitted: false })
+        seen.then_some(BsdfSample {
+            wi: world,
+            weight: self.diffuse,
+            pdf,
+            mirror: false,
+            transmitted: false,
+            matte: true,
+        })
     }
 }
 
@@ -302,6 +344,14 @@ impl Scattering for Bsdf {
         (self.diffuse * (cos * FRAC_1_PI), self.chance[3] * warp::cosine_hemisphere_pdf(cos))
     }
 
+    #[cold]
+    #[inline(never)]
+    fn evaluate_some(&self, wi: Vec3A, rays: Rays) -> (Rgb, f32) {
+        let mut part = self.clone();
+        part.keep(rays);
+        part.evaluate(wi)
+    }
+
     fn sample(&self, u_lobe: f32, u: [f32; 2]) -> Option<BsdfSample> {
         if self.cos_o <= 0.0 {
             return None;
@@ -317,7 +367,7 @@ impl Scattering for Bsdf {
         }
         if lobe == 3 {
             let wi = warp::sample_cosine_hemisphere(u);
-            return if self.facets.is_some() { self.finish(wi, false) } else { self.finish_lambert(wi) };
+            return if self.facets.is_some() { self.finish(wi, false, true) } else { self.finish_lambert(wi) };
         }
         let f = self.facets.as_ref()?;
         let h = f.ggx.sample_visible(f.wo, u);
@@ -328,7 +378,7 @@ impl Scattering for Bsdf {
         let transmit = lobe == 1 && (u_lobe - below) / self.chance[1] >= fresnel::dielectric(cos, self.eta);
         let wi = if transmit { refract(f.wo, h, self.eta)? } else { reflect(f.wo, h) };
         if !f.ggx.is_mirror() {
-            return self.finish(wi, transmit);
+            return self.finish(wi, transmit, false);
         }
         // Mirrors: the chance of the choice is all the density there is.
         let weight = match lobe {
@@ -339,7 +389,14 @@ impl Scattering for Bsdf {
         };
         let world = warp::to_world(&self.frame, wi).normalize();
         let above = self.geometric_normal.dot(world) > 0.0;
-        (above != transmit).then_some(BsdfSample { wi: world, weight, pdf: 0.0, mirror: true, transmitted: transmit })
+        (above != transmit).then_some(BsdfSample {
+            wi: world,
+            weight,
+            pdf: 0.0,
+            mirror: true,
+            transmitted: transmit,
+            matte: false,
+        })
     }
 
     fn mirror(&self, transmitted: bool, _wi: Vec3A) -> (Rgb, f32) {

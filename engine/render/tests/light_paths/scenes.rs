@@ -1,13 +1,13 @@
 //! Small scenes before a camera at the origin that looks along -z, each with another kind of light.
 
-use glam::{Affine3A, DMat4, DVec3, Vec2, Vec3};
+use glam::{DMat4, DVec3, Vec2, Vec3};
 use petzval_render::Rgb;
 use petzval_render::integrator::Stage;
 use petzval_render::scene::lamp::{Lamp, LampKind};
 use petzval_render::scene::material::{Channel, ImageInput, Input, Material};
 use petzval_render::scene::mesh::MeshDescription;
 use petzval_render::scene::texture::{Extension, Interpolation, Texture};
-use petzval_render::scene::{SceneBuilder, world::World};
+use petzval_render::scene::{SceneBuilder, visibility::Rays, world::World};
 use std::f64::consts::{FRAC_PI_2, PI};
 use std::sync::Arc;
 
@@ -80,14 +80,7 @@ pub(crate) fn ball(rings: u32) -> MeshDescription {
 }
 
 pub(crate) fn lamp(kind: LampKind, watts: f32) -> Lamp {
-    Lamp {
-        object_name: "lamp".into(),
-        kind,
-        color: Rgb::new(1.0, 0.9, 0.7) * watts,
-        visible_camera: true,
-        cast_shadow: true,
-        to_render: Affine3A::IDENTITY,
-    }
+    Lamp { object_name: "lamp".into(), kind, color: Rgb::new(1.0, 0.9, 0.7) * watts, ..Lamp::default() }
 }
 
 pub(crate) const DOWN: [f64; 3] = [-FRAC_PI_2, 0.0, 0.0];
@@ -244,7 +237,7 @@ pub(crate) fn matte() -> Arc<Stage> {
     let mut room = Room::new();
     room.put(ball(16), plain(0.8, 0.4, 0.2), place([0.5, -0.2, -3.4], [0.0; 3], 0.35));
     room.put(square(), plain(0.2, 0.3, 0.8), place([-0.5, 0.4, -3.8], [0.2, 0.4, 0.3], 0.3));
-    let unseen = Lamp { visible_camera: false, ..lamp(area(0.5, 1.6), 30.0) };
+    let unseen = Lamp { reaches: Rays::ALL.without(Rays::CAMERA), ..lamp(area(0.5, 1.6), 30.0) };
     room.light(unseen, place([0.2, 1.2, -2.5], [-1.2, 0.0, 0.0], 1.0));
     room.finish()
 }

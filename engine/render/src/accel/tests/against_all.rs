@@ -29,14 +29,10 @@ fn meets(ray: &Ray, corners: [Vec3; 3], t_max: f32) -> Option<f32> {
 }
 
 /// Every distance at which the ray meets something that shows.
-fn all_hits(scene: &Scene, ray: &Ray, kind: RayKind) -> Vec<f32> {
+fn all_hits(scene: &Scene, ray: &Ray, kind: Rays) -> Vec<f32> {
     let mut found = vec![];
     for instance in &scene.instances {
-        let shows = match kind {
-            RayKind::Camera => instance.visible_camera,
-            RayKind::Shadow => instance.visible_shadow,
-            RayKind::Bounce => true,
-        };
+        let shows = instance.visible.any_of(kind);
         let mesh = &scene.meshes[instance.mesh as usize];
         let corners = (0..mesh.triangles.len() as u32).map(|i| mesh.corners(i));
         let alone = scene.instances.iter().filter(|other| other.mesh == instance.mesh).count() == 1;
@@ -163,9 +159,9 @@ proptest! {
         let (mut dice, size) = (Dice(seed), 10f64.powf(scale));
         let scene = any_scene(&mut dice, size);
         let mut accel = Accel::new(&scene);
-        let all: Vec<(Ray, RayKind, Vec<f32>)> = (0..100)
+        let all: Vec<(Ray, Rays, Vec<f32>)> = (0..100)
             .map(|i| {
-                let kind = [RayKind::Camera, RayKind::Bounce, RayKind::Shadow][i % 3];
+                let kind = [Rays::CAMERA, Rays::BOUNCE, Rays::SHADOW][i % 3];
                 let ray = any_ray(&mut dice, &scene, size);
                 (ray, kind, all_hits(&scene, &ray, kind))
             })

@@ -34,7 +34,7 @@ proptest! {
             let [a, b, _] = scene.meshes[0].corners(triangle).map(|p| m.transform_point3a(Vec3A::from(p)));
             for d in [a - origin, (a + b) * 0.5 - origin, Vec3A::X, -Vec3A::Y, Vec3A::new(-0.0, -0.0, 1.0)] {
                 let ray = Ray::new(origin, d.normalize());
-                prop_assert!(accel.closest(&ray, RayKind::Bounce).is_some(), "{ray:?}");
+                prop_assert!(accel.closest(&ray, Rays::BOUNCE).is_some(), "{ray:?}");
                 prop_assert_eq!(accel.transmittance(&ray, |_| 1.0), 0.0);
             }
         }
@@ -53,15 +53,15 @@ proptest! {
         for i in 0..20 {
             let u = sobol_burley::sample_4d(seed + i, 0, 4);
             let ray = Ray::new(m.transform_point3a(Vec3A::ZERO), direction([u[0], u[1]]));
-            let hit = accel.closest(&ray, RayKind::Bounce).unwrap();
+            let hit = accel.closest(&ray, Rays::BOUNCE).unwrap();
             let p = SurfacePoint::new(&scene, &hit, ray.direction);
             let n = p.geometric_normal;
             let spread = (n + direction([u[2], u[3]])).normalize_or(n);
             let inside = Ray::new(offset_origin(p.position, n, p.position_error), spread);
-            prop_assert!(accel.closest(&inside, RayKind::Bounce).is_some(), "{inside:?}");
+            prop_assert!(accel.closest(&inside, Rays::BOUNCE).is_some(), "{inside:?}");
             // The body is convex up to rounding; its neighbour stands where this cannot see it.
             let outside = Ray::new(offset_origin(p.position, -n, p.position_error), -spread);
-            let own = accel.closest(&outside, RayKind::Bounce).filter(|hit| hit.instance == 0);
+            let own = accel.closest(&outside, Rays::BOUNCE).filter(|hit| hit.instance == 0);
             prop_assert!(own.is_none(), "{outside:?}: {own:?}");
         }
     }

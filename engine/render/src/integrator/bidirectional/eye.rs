@@ -4,12 +4,13 @@ use super::vertex::{Vertex, Walk, material};
 use super::weights::{Partial, squared, weight};
 use super::{CameraEnd, is_dark};
 use crate::Rgb;
-use crate::accel::{Hit, Ray, RayKind};
+use crate::accel::{Hit, Ray};
 use crate::integrator::Stage;
 use crate::integrator::path::{CAMERA_SETS, FirstSurface, Limits, PathResult, SURE_BOUNCES, opening};
 use crate::lights::receiver::Receiver;
-use crate::nodes::{self, View, Viewer};
+use crate::nodes::{self, View, Way};
 use crate::sampler::PathSampler;
+use crate::scene::visibility::Rays;
 use crate::shading::Scattering;
 use crate::surface::SurfacePoint;
 use glam::Vec3A;
@@ -29,7 +30,7 @@ pub(super) fn trace(
     // Of the ray under way: no technique competes for what the camera sees directly.
     let mut partial = Partial { ends: 0.0, before: 0.0 };
     for bounce in 0.. {
-        let kind = if bounce == 0 { RayKind::Camera } else { RayKind::Bounce };
+        let kind = if bounce == 0 { Rays::CAMERA } else { Rays::BOUNCE };
         let stretch = walk.follow(ray, kind, |_, _| true);
         carried *= stretch.through;
         let met = Met { stage, ray: &ray, bounce, partial };
@@ -107,6 +108,11 @@ impl Met<'_> {
         weight(squared(sample_pdf) * self.partial.ends + squared(density) * self.partial.before)
     }
 
+    /// What kind of bounce it was is not kept.
+    fn way(&self) -> Way {
+        if self.bounce == 0 { Way::CAMERA } else { Way::BOUNCE.at_depth(self.bounce) }
+    }
+
     fn receiver(&self) -> Option<Receiver> {
         (self.bounce > 0).then(|| self.stage.lights.receiver_between(self.ray.origin))
     }
@@ -115,7 +121,7 @@ impl Met<'_> {
         let Stage { scene, lights, emission, .. } = self.stage;
         let Ray { origin, direction, .. } = *self.ray;
         let to = self.receiver();
-        lights.lamp_sources_along(origin, direction, t_max, self.bounce == 0, to.as_ref(), |source, radiance, pdf| {
+        lights.lamp_sources_along(scene, origin, direction, t_max, self.way(), to.as_ref(), |source, radiance, pdf| {
             // Every lamp that can be met has extent: the distance does not matter.
             found(radiance * self.weight(pdf, emission.density(scene, lights, source, direction, 1.0)));
         });
@@ -124,15 +130,14 @@ impl Met<'_> {
     fn sky(&self, mut found: impl FnMut(Rgb)) {
         let Stage { scene, lights, emission, .. } = self.stage;
         let to = self.receiver();
-        lights.sky_sources_along(scene, self.ray.direction, self.bounce == 0, to.as_ref(), |source, radiance, pdf| {
+        lights.sky_sources_along(scene, self.ray.direction, self.way(), to.as_ref(), |source, radiance, pdf| {
             found(radiance * self.weight(pdf, emission.density(scene, lights, source, self.ray.direction, 1.0)));
         });
     }
 
     fn surface(&self, point: &SurfacePoint, hit: &Hit, distance: f32) -> Rgb {
         let Stage { scene, lights, emission, .. } = self.stage;
-        let viewer = if self.bounce == 0 { Viewer::Camera } else { Viewer::Bounce };
-        let view = View::along(self.ray, distance, viewer, self.bounce);
+        let view = View::along(self.ray, distance, self.way());
         let place = [hit.instance, hit.triangle];
         let radiance = nodes::emission(material(self.stage, point), scene, place, [hit.u, hit.v], &view);
         let (Some(to), Some(source)) = (self.receiver(), lights.triangle_source(hit.instance, hit.triangle)) else {
@@ -148,7 +153,7 @@ impl Met<'_> {
 fn direct(stage: &Stage, vertex: &Vertex, u_choice: f32, u: [f32; 2], rays: &mut u32) -> Rgb {
     let Stage { scene, lights, emission, .. } = stage;
     let to = lights.receiver_between(vertex.point.position);
-    let Some((light, source)) = lights.sample_source(scene, &to, u_choice, u) else { return Rgb::ZERO };
+    let Some((light, source)) = lights.sample_source(scene, &to, u_choice, u, Way::LIGHT) else { return Rgb::ZERO };
     let (value, pdf) = vertex.bsdf.evaluate(light.wi);
     let found = vertex.carried * value * light.radiance / light.pdf;
     if is_dark(found) {
@@ -165,8 +170,8 @@ fn direct(stage: &Stage, vertex: &Vertex, u_choice: f32, u: [f32; 2], rays: &mut
     *rays += 1;
     let mut ray = vertex.ray(light.wi);
     ray.t_max = light.distance;
-    let through = |hit: &Hit| opening(scene, hit, &View::along(&ray, hit.t, Viewer::Shadow, 1)).light;
-    found * stage.accel.light_through(&ray, RayKind::Shadow, through)
+    let through = |hit: &Hit| opening(scene, hit, &View::along(&ray, hit.t, Way::CAMERA.shadow())).light;
+    found * stage.accel.light_through(&ray, Rays::SHADOW, through)
 }
 
 /// What a place on a light path sends to one on the camera's path.
@@ -197,7 +202,7 @@ fn connect(stage: &Stage, eye: &Vertex, light: &Vertex, rays: &mut u32) -> Rgb {
     *rays += 1;
     // Both ends stand clear of their surfaces.
     let ray = Ray { origin, direction: gap.normalize_or(d), t_max: gap.length() };
-    let through = |hit: &Hit| opening(&stage.scene, hit, &View::along(&ray, hit.t, Viewer::Shadow, 1)).light;
-    let open = stage.accel.light_through(&ray, RayKind::Bounce, through);
+    let through = |hit: &Hit| opening(&stage.scene, hit, &View::along(&ray, hit.t, Way::CAMERA.shadow())).light;
+    let open = stage.accel.light_through(&ray, Rays::BOUNCE, through);
     found * weight(others) * open
 }

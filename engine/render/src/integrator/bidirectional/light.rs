@@ -4,12 +4,13 @@ use super::vertex::{Vertex, Walk};
 use super::weights::{Partial, squared, weight};
 use super::{FilmEnd, Techniques, is_dark};
 use crate::Rgb;
-use crate::accel::{Hit, RayKind};
+use crate::accel::Hit;
 use crate::camera::from_scene::Landed;
 use crate::integrator::Stage;
 use crate::integrator::path::{Limits, SURE_BOUNCES, opening};
-use crate::nodes::{View, Viewer};
+use crate::nodes::{View, Way};
 use crate::sampler::PathSampler;
+use crate::scene::visibility::Rays;
 use crate::shading::Scattering;
 
 /// Sets of four numbers before the light path's first step.
@@ -27,14 +28,14 @@ pub(super) fn trace(stage: &Stage, limits: &Limits, mut sampler: PathSampler, pa
     };
     let mut walk = Walk { stage, sampler, first_set: LIGHT_SETS, step: 0, rays: 0 };
     // What casts no shadow is lit, and so is what stands behind it: chance decides for which of them the ray is.
-    let casts_shadow = |hit: &Hit| stage.scene.instances[hit.instance as usize].visible_shadow;
+    let casts_shadow = |hit: &Hit| stage.scene.instances[hit.instance as usize].visible.any_of(Rays::SHADOW);
     let mut ray = emitted.ray;
     let mut shares = 1.0;
     let mut carried = Rgb::ZERO;
     let mut partial = Partial { ends: 0.0, before: 0.0 };
     for bounce in 0..=limits.max_bounces {
         let passed = std::cell::Cell::new(1.0);
-        let stretch = walk.follow(ray, RayKind::Bounce, |hit, u| {
+        let stretch = walk.follow(ray, Rays::BOUNCE, |hit, u| {
             if bounce > 0 || casts_shadow(hit) {
                 return true;
             }
@@ -129,7 +130,7 @@ pub(super) fn splat(
     for (bounce, vertex) in path.iter().enumerate() {
         let [u0, u1, u_column, u_row] = sampler.next_4d();
         let [u_set, ..] = sampler.next_4d();
-        let is_seen = stage.scene.instances[vertex.point.instance as usize].visible_camera;
+        let is_seen = stage.scene.instances[vertex.point.instance as usize].visible.any_of(Rays::CAMERA);
         if vertex.bsdf.is_mirror() || !is_seen {
             continue;
         }
@@ -148,8 +149,8 @@ pub(super) fn splat(
         rays += 1;
         let mut ray = vertex.ray(d);
         ray.t_max = lens.distance_from(ray.origin, d);
-        let through = |hit: &Hit| opening(&stage.scene, hit, &View::along(&ray, hit.t, Viewer::Shadow, 1)).light;
-        let open = stage.accel.light_through(&ray, RayKind::Camera, through);
+        let through = |hit: &Hit| opening(&stage.scene, hit, &View::along(&ray, hit.t, Way::CAMERA.shadow())).light;
+        let open = stage.accel.light_through(&ray, Rays::CAMERA, through);
         let light = light * open;
         if is_dark(light) {
             continue;

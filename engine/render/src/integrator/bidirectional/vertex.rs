@@ -1,11 +1,12 @@
 //! A place where a path from either side scatters, and the stretch of a ray that leads to one.
 
 use super::weights::Partial;
-use crate::accel::{Hit, Ray, RayKind, offset_origin};
+use crate::accel::{Hit, Ray, offset_origin};
 use crate::integrator::Stage;
 use crate::integrator::path::{MOST_STEPS, leave, mix, opening};
-use crate::nodes::{self, Layers, MaterialValues, View, Viewer};
+use crate::nodes::{self, Layers, MaterialValues, View, Way};
 use crate::sampler::PathSampler;
+use crate::scene::visibility::Rays;
 use crate::shading::mixture::Mixture;
 use crate::shading::principled::Bsdf;
 use crate::shading::{BsdfSample, Scattering};
@@ -80,9 +81,9 @@ impl Surface {
         let material = material(stage, point);
         if material.is_layered() {
             let mut layers = Layers::new();
-            let view = View { direction: -wo, distance: 1.0, viewer: Viewer::Bounce, depth: 1 };
+            let view = View { direction: -wo, distance: 1.0, way: Way::BOUNCE };
             nodes::layers(material, &stage.scene, point, &view, &mut layers);
-            return Self::Layers(mix(stage, &layers, point, wo, kept, false));
+            return Self::Layers(mix(stage, &layers, point, wo, kept, None));
         }
         Self::One(Bsdf::new(material, values, &stage.tables[point.material as usize], point, wo))
     }
@@ -109,6 +110,10 @@ impl Scattering for Surface {
 
     fn evaluate(&self, wi: Vec3A) -> (Rgb, f32) {
         ask!(self, bsdf => bsdf.evaluate(wi))
+    }
+
+    fn evaluate_some(&self, wi: Vec3A, rays: Rays) -> (Rgb, f32) {
+        ask!(self, bsdf => bsdf.evaluate_some(wi, rays))
     }
 
     fn sample(&self, u_lobe: f32, u: [f32; 2]) -> Option<BsdfSample> {
@@ -160,7 +165,7 @@ pub(super) struct Walk<'a> {
 
 impl Walk<'_> {
     /// Follows a ray over surfaces that let it pass unbent. `stops` may turn a hit away, given a uniform number.
-    pub(super) fn follow(&mut self, ray: Ray, kind: RayKind, stops: impl Fn(&Hit, f32) -> bool) -> Stretch {
+    pub(super) fn follow(&mut self, ray: Ray, kind: Rays, stops: impl Fn(&Hit, f32) -> bool) -> Stretch {
         let mut ray = ray;
         let mut distance = 0.0;
         let mut through = Rgb::ONE;
@@ -172,7 +177,7 @@ impl Walk<'_> {
             let point = SurfacePoint::new(&self.stage.scene, &hit, ray.direction);
             let [u_alpha, u_end, u_light, u_lobe] = self.sampler.next_4d();
             distance += hit.t;
-            let opening = opening(&self.stage.scene, &hit, &View::along(&ray, distance, Viewer::Bounce, 1));
+            let opening = opening(&self.stage.scene, &hit, &View::along(&ray, distance, Way::BOUNCE));
             let stays = 1.0 - opening.chance;
             if u_alpha >= stays {
                 through *= opening.light / opening.chance;

@@ -1,9 +1,10 @@
 //! What a few hundred paths tell of a picture before it is rendered. Only noise and time depend on it, never the mean.
 
 use super::{CAMERA_SETS, Limits, Wave, leave};
-use crate::accel::{Ray, RayKind};
+use crate::accel::Ray;
 use crate::integrator::Stage;
 use crate::sampler::{PathSampler, warp};
+use crate::scene::visibility::Rays;
 use crate::surface::SurfacePoint;
 
 /// Surfaces that light comes to one after the other.
@@ -21,7 +22,7 @@ pub fn openness(stage: &Stage, rays: &[Ray]) -> f32 {
         let mut ray = *ray;
         let mut sampler = PathSampler::new(i as u32, 0, 0, 0);
         for bounce in 0..=BOUNCES {
-            let kind = if bounce == 0 { RayKind::Camera } else { RayKind::Bounce };
+            let kind = if bounce == 0 { Rays::CAMERA } else { Rays::BOUNCE };
             let hit = stage.accel.closest(&ray, kind);
             if bounce > 0 {
                 seen += 1;

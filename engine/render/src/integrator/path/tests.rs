@@ -6,10 +6,17 @@ use crate::scene::lamp::{Lamp, LampKind};
 use crate::scene::material::{Input, Material};
 use crate::scene::mesh::MeshDescription;
 use crate::scene::{SceneBuilder, world::World};
-use glam::{Affine3A, DMat4, DVec3, Vec3, Vec3A};
+use glam::{DMat4, DVec3, Vec3, Vec3A};
 
 fn limits(max_bounces: u32) -> Limits {
-    Limits { max_bounces, clamp_indirect: f32::INFINITY, hide_sky: false, openness: 0.5, roulette: f32::INFINITY }
+    Limits {
+        max_bounces,
+        kinds: KindLimits::default(),
+        clamp_indirect: f32::INFINITY,
+        hide_sky: false,
+        openness: 0.5,
+        roulette: f32::INFINITY,
+    }
 }
 
 fn cube() -> MeshDescription {
@@ -120,9 +127,7 @@ fn alpha_lets_light_through() {
         object_name: "lamp".into(),
         kind: LampKind::Point { radius: 0.0, soft: false },
         color: Rgb::splat(100.0),
-        visible_camera: true,
-        cast_shadow: true,
-        to_render: Affine3A::IDENTITY,
+        ..Lamp::default()
     };
     builder.add_lamp(lamp, DMat4::from_translation(DVec3::new(0.0, 0.0, 2.0))).unwrap();
     let stage = Stage::new(builder.build(DVec3::ZERO));

@@ -2,16 +2,19 @@
 //! order of their materials, then all shadow rays are traced. Each step does one kind of work on memory that stays in
 //! the cache. What a path finds does not depend on which others go with it.
 
+mod found;
+
 use super::choice::{Chosen, power_heuristic};
 use super::{CAMERA_SETS, FirstSurface, Limits, MOST_STEPS, PathResult, SETS_PER_STEP, leave, mix, opening};
 use crate::Rgb;
-use crate::accel::{Hit, Ray, RayKind, offset_origin};
+use crate::accel::{Hit, Ray, offset_origin};
 use crate::integrator::Stage;
 use crate::integrator::subsurface::{Numbers, walk};
 use crate::lights::{LightSample, receiver::Receiver};
-use crate::nodes::{self, Layers, View, Viewer};
+use crate::nodes::{self, Layers, View, Way};
 use crate::sampler::PathSampler;
 use crate::scene::layer::Layer;
+use crate::scene::visibility::{Rays, Sets};
 use crate::shading::Scattering;
 use crate::shading::mixture::Mixture;
 use crate::shading::principled::Bsdf;
@@ -45,11 +48,13 @@ struct Path {
     ray: Ray,
     throughput: Rgb,
     chosen: Chosen,
-    bounce: u32,
+    way: Way,
     /// Distance since the last scattering, over surfaces passed unbent: what densities by area need.
     travelled: f32,
     /// Where the ray was scattered.
     start: Vec3A,
+    /// By which instance.
+    from: u32,
     sampler: PathSampler,
 }
 
@@ -69,7 +74,8 @@ struct Shadow {
     path: u32,
     ray: Ray,
     light: Rgb,
-    bounce: u32,
+    way: Way,
+    sets: Sets,
 }
 
 impl Wave {
@@ -90,9 +96,10 @@ impl Wave {
             ray,
             throughput: Rgb::ONE,
             chosen: Chosen::Alone,
-            bounce: 0,
+            way: Way::CAMERA,
             travelled: 0.0,
             start: ray.origin,
+            from: 0,
             sampler,
         });
     }
@@ -123,9 +130,8 @@ impl Wave {
         self.hits.clear();
         for &i in &self.live {
             let path = &self.paths[i as usize];
-            let kind = if path.bounce == 0 { RayKind::Camera } else { RayKind::Bounce };
             self.results[i as usize].rays += 1;
-            self.hits.push(stage.accel.closest(&path.ray, kind));
+            self.hits.push(stage.accel.closest(&path.ray, path.way.rays()));
         }
     }
 
@@ -146,6 +152,10 @@ impl Wave {
             let view = path.view(path.travelled + hit.t);
             let opening = opening(&stage.scene, hit, &view);
             if u_alpha >= 1.0 - opening.chance {
+                if !limits.goes_on(path.way) {
+                    continue;
+                }
+                path.way = path.way.passed();
                 path.throughput *= opening.light / opening.chance;
                 path.travelled += hit.t;
                 let origin = offset_origin(point.position, -point.geometric_normal, point.position_error);
@@ -159,7 +169,7 @@ impl Wave {
                 result.first = Some(FirstSurface::from(&point));
             }
             path.emission(stage, limits, hit, &point, opening.kept, result);
-            if path.bounce <= limits.max_bounces {
+            if limits.scatters(path.way) {
                 let kept = opening.kept;
                 self.meetings.push(Meeting { path: i, point, kept, view, u: [u_end, u_light, u_lobe] });
             }
@@ -219,16 +229,17 @@ impl Wave {
                     nodes::layers(material, &stage.scene, point, view, &mut self.layers);
                 }
             }
-            let wo = -self.paths[*path as usize].ray.direction;
+            let Path { ray, way, .. } = &self.paths[*path as usize];
+            let (wo, caustics) = (-ray.direction, limits.caustics(*way));
             if material.is_layered() {
                 if !is_even {
                     nodes::layers(material, &stage.scene, point, view, &mut self.layers);
                 }
-                let mixture = mix(stage, &self.layers, point, wo, *kept, true);
+                let mixture = mix(stage, &self.layers, point, wo, *kept, Some(caustics));
                 self.go_on(stage, limits, meeting, &mixture);
             } else {
                 let values = constants.unwrap_or_else(|| nodes::evaluate(material, &stage.scene, point));
-                let bsdf = Bsdf::new(material, &values, tables, point, wo);
+                let bsdf = Bsdf::with_caustics(material, &values, tables, point, wo, caustics);
                 self.go_on(stage, limits, meeting, &bsdf);
             }
         }
@@ -260,13 +271,21 @@ impl Wave {
 
     /// Adds the light whose way is free, as far as it is.
     fn shadow(&mut self, stage: &Stage, limits: &Limits) {
-        for Shadow { path, ray, light, bounce } in &self.shadows {
+        for Shadow { path, ray, light, way, sets } in &self.shadows {
             let result = &mut self.results[*path as usize];
             result.rays += 1;
-            let free = stage.accel.light_through(ray, RayKind::Shadow, |hit| {
-                opening(&stage.scene, hit, &View::along(ray, hit.t, Viewer::Shadow, *bounce)).light
+            let mut left = limits.shadows_pass(*way);
+            let free = stage.accel.light_through(ray, Rays::SHADOW, |hit| {
+                if sets.blockers != 0 && !stage.scene.instances[hit.instance as usize].links.blocks_light_of(*sets) {
+                    return Rgb::ONE;
+                }
+                if left == 0 {
+                    return Rgb::ZERO;
+                }
+                left -= 1;
+                opening(&stage.scene, hit, &View::along(ray, hit.t, way.shadow())).light
             });
-            result.radiance += limits.clamp(*light * free, *bounce);
+            result.radiance += limits.clamp(*light * free, u32::from(way.depth));
         }
     }
 }
@@ -294,18 +313,31 @@ impl Place<'_> {
         let Self { stage, limits, point, .. } = self;
         let to = stage.lights.receiver(point.position, bsdf.receiving_normal(), limits.openness);
         if !bsdf.is_mirror()
-            && let Some(light) = stage.lights.sample(&stage.scene, &to, u_light, [u0, u1])
+            && let Some(light) = stage.lights.sample(&stage.scene, &to, u_light, [u0, u1], path.way)
+            && let Some(light) = self.linked(light)
         {
             let found = path.throughput * direct(bsdf, &light);
             if !light.cast_shadow {
-                result.radiance += limits.clamp(found, path.bounce);
+                result.radiance += limits.clamp(found, u32::from(path.way.depth));
             } else if found != Rgb::ZERO {
                 let origin = leave(point, light.wi);
                 let ray = Ray { origin, direction: light.wi, t_max: light.distance };
-                shadows.push(Shadow { path: self.path, ray, light: found, bounce: path.bounce });
+                shadows.push(Shadow { path: self.path, ray, light: found, way: path.way, sets: light.sets });
             }
         }
         to
+    }
+
+    /// A light sample, if the light lights this object. Where it has shadows of its own it counts as if no ray found it: see
+    /// [`Path::finds`].
+    #[inline(always)]
+    fn linked(&self, light: LightSample) -> Option<LightSample> {
+        if !self.stage.lights.is_linked() {
+            return Some(light);
+        }
+        let links = &self.stage.scene.instances[self.point.instance as usize].links;
+        let point_like = light.point_like || light.sets.blockers != 0;
+        links.takes_light_of(light.sets).then_some(LightSample { point_like, ..light })
     }
 
     /// A direction to go on in; whether there is one.
@@ -313,7 +345,7 @@ impl Place<'_> {
     fn turn(&self, path: &mut Path, bsdf: &impl Scattering, to: Receiver, [u_end, u_lobe, u2, u3]: [f32; 4]) -> bool {
         let Some(next) = bsdf.sample(u_lobe, [u2, u3]) else { return false };
         path.throughput *= next.weight;
-        path.bounce += 1;
+        path.way = path.way.scattered(next.matte, next.mirror, next.transmitted);
         let brightest = path.throughput.max_element();
         if brightest <= 0.0 {
             return false;
@@ -329,70 +361,15 @@ impl Place<'_> {
         path.travelled = 0.0;
         path.ray = Ray::new(leave(self.point, next.wi), next.wi);
         path.start = path.ray.origin;
+        path.from = self.point.instance;
         true
-    }
-}
-
-impl Path {
-    /// How what it meets is looked at.
-    fn view(&self, distance: f32) -> View {
-        let viewer = if self.bounce == 0 { Viewer::Camera } else { Viewer::Bounce };
-        View::along(&self.ray, distance, viewer, self.bounce)
-    }
-
-    /// Adds the light of lamps that the ray meets within `t_max` of where it was scattered: from there a light sample
-    /// would have been taken, whatever surfaces it passed since.
-    fn lamps_before(&self, stage: &Stage, limits: &Limits, t_max: f32, result: &mut PathResult) {
-        if stage.scene.lamps.is_empty() {
-            return;
-        }
-        let (camera, to) = (self.bounce == 0, self.chosen.receiver());
-        stage.lights.lamps_along(self.start, self.ray.direction, t_max, camera, to, |radiance, pdf| {
-            result.radiance += limits.clamp(self.throughput * radiance * self.chosen.weight(pdf), self.bounce);
-            result.hit = true;
-        });
-    }
-
-    /// Adds the light of the world and of suns.
-    fn sky(&self, stage: &Stage, limits: &Limits, result: &mut PathResult) {
-        let (camera, to) = (self.bounce == 0, self.chosen.receiver());
-        if camera && limits.hide_sky {
-            return;
-        }
-        stage.lights.sky_along(&stage.scene, self.ray.direction, camera, to, |radiance, pdf| {
-            result.radiance += limits.clamp(self.throughput * radiance * self.chosen.weight(pdf), self.bounce);
-        });
-    }
-
-    /// Adds the light of the surface that the ray meets.
-    fn emission(
-        &self,
-        stage: &Stage,
-        limits: &Limits,
-        hit: &Hit,
-        point: &SurfacePoint,
-        kept: f32,
-        result: &mut PathResult,
-    ) {
-        let material = &stage.scene.materials[point.material as usize];
-        if !material.emits() {
-            return;
-        }
-        let view = self.view(self.travelled + hit.t);
-        let place = [hit.instance, hit.triangle];
-        let radiance = nodes::emission(material, &stage.scene, place, point.barycentric, &view) * kept;
-        let cos = -point.geometric_normal.dot(self.ray.direction);
-        let pdf = self
-            .chosen
-            .receiver()
-            .map_or(0.0, |to| stage.lights.triangle_pdf(to, (hit.instance, hit.triangle), self.travelled + hit.t, cos));
-        result.radiance += limits.clamp(self.throughput * radiance * self.chosen.weight(pdf), self.bounce);
     }
 }
 
 /// Light from one sample that a surface scatters along the path, if nothing stands in between.
 fn direct(bsdf: &impl Scattering, light: &LightSample) -> Rgb {
-    let (value, pdf) = bsdf.evaluate(light.wi);
+    let everything = light.reaches.all_of(Rays::BOUNCE);
+    let (value, pdf) = if everything { bsdf.evaluate(light.wi) } else { bsdf.evaluate_some(light.wi, light.reaches) };
     let weight = if light.point_like { 1.0 } else { power_heuristic(light.pdf, pdf) };
     let contribution = value * light.radiance * (weight / light.pdf);
     if contribution.is_finite() { contribution } else { Rgb::ZERO }

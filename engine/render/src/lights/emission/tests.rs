@@ -6,7 +6,7 @@ use crate::scene::material::{Input, Material};
 use crate::scene::mesh::MeshDescription;
 use crate::scene::texture::Texture;
 use crate::scene::{SceneBuilder, world::World};
-use glam::{Affine3A, DMat4, DVec3, Vec3};
+use glam::{DMat4, DVec3, Vec3};
 
 const WATTS: Rgb = Rgb::new(10.0, 20.0, 30.0);
 /// Half of the side of the cube about everything.
@@ -40,14 +40,7 @@ fn lit(mut builder: SceneBuilder) -> Lit {
 
 fn with_lamp(kind: LampKind) -> Lit {
     let mut builder = SceneBuilder::new();
-    let lamp = Lamp {
-        object_name: "lamp".into(),
-        kind,
-        color: WATTS,
-        visible_camera: true,
-        cast_shadow: true,
-        to_render: Affine3A::IDENTITY,
-    };
+    let lamp = Lamp { object_name: "lamp".into(), kind, color: WATTS, ..Lamp::default() };
     let place = DMat4::from_translation(DVec3::new(0.3, -0.2, 0.5)) * DMat4::from_rotation_x(0.4);
     builder.add_lamp(lamp, place).unwrap();
     lit(builder)
@@ -152,7 +145,7 @@ fn light_paths_bring_what_light_samples_find() {
             if name == "even sky" {
                 let wi = warp::sample_sphere([w[2], w[3]]);
                 add(wi, scene.world.color / warp::SPHERE_PDF);
-            } else if let Some(s) = lights.sample(&scene, &to, w[2], [w[3], v[1]]) {
+            } else if let Some(s) = lights.sample(&scene, &to, w[2], [w[3], v[1]], Way::CAMERA) {
                 add(s.wi, s.radiance / s.pdf);
             }
         }
@@ -204,9 +197,11 @@ fn densities_agree_from_both_ends() {
             let to = lights.receiver_between(p);
             let wi = -e.ray.direction;
             let mut met = None;
-            lights.lamp_sources_along(p, wi, f32::INFINITY, false, Some(&to), |s, r, pdf| met = Some((s, r, pdf)));
+            lights.lamp_sources_along(&scene, p, wi, f32::INFINITY, Way::BOUNCE, Some(&to), |s, r, pdf| {
+                met = Some((s, r, pdf))
+            });
             if met.is_none() && lights.local.is_empty() || name.contains("sun") {
-                lights.sky_sources_along(&scene, wi, false, Some(&to), |s, r, pdf| {
+                lights.sky_sources_along(&scene, wi, Way::BOUNCE, Some(&to), |s, r, pdf| {
                     if s == e.source {
                         met = Some((s, r, pdf));
                     }
@@ -261,7 +256,7 @@ fn densities_integrate_to_one() {
                     sum += f64::from(etendue * emission.density(&scene, &lights, Source(0), wi, t));
                 }
             } else {
-                lights.lamp_sources_along(p, wi, f32::INFINITY, false, None, |s, radiance, _| {
+                lights.lamp_sources_along(&scene, p, wi, f32::INFINITY, Way::BOUNCE, None, |s, radiance, _| {
                     // Beyond its spread a lamp is dark, and no ray is chosen.
                     if radiance != Rgb::ZERO {
                         sum += f64::from(etendue * emission.density(&scene, &lights, s, wi, 1.0));

@@ -138,6 +138,10 @@ impl Facets {
         Self { slopes, fresnel, eta, lambda_o }
     }
 
+    pub(super) fn reflects(&self) -> bool {
+        !matches!(self.fresnel, Fresnel::Through)
+    }
+
     pub(super) fn transmits(&self) -> bool {
         match self.fresnel {
             Fresnel::Through => true,

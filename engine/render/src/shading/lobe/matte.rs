@@ -146,6 +146,10 @@ impl Toon {
         Self { full_rad: size.clamp(1e-5, 1.0) * FRAC_PI_2, fade_rad: smooth.clamp(0.0, 1.0) * FRAC_PI_2, is_glossy }
     }
 
+    pub(super) fn is_glossy(&self) -> bool {
+        self.is_glossy
+    }
+
     fn axis(&self, wo: Vec3A) -> Vec3A {
         if self.is_glossy { Vec3A::new(-wo.x, -wo.y, wo.z) } else { Vec3A::Z }
     }

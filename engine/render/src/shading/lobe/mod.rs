@@ -7,6 +7,7 @@ use super::microfacet::{reflect, refract};
 use super::subsurface::{Body, Entry};
 use crate::Rgb;
 use crate::sampler::warp;
+use crate::scene::visibility::Rays;
 use facets::Facets;
 pub(super) use facets::{Fresnel, Slopes};
 use glam::Vec3A;
@@ -144,6 +145,31 @@ impl Lobe {
             // No light sample can find a way through a body.
             Kind::Body(_) => true,
             _ => false,
+        }
+    }
+
+    /// Whether a path that it scatters counts as diffuse.
+    pub(super) fn scatters_evenly(&self) -> bool {
+        use Kind::{Body, Lambert, Microfiber, OrenNayar, Translucent, Velvet};
+        match &self.kind {
+            Lambert | OrenNayar(_) | Translucent | Velvet(_) | Microfiber(_) | Body(_) => true,
+            Kind::Toon(toon) => !toon.is_glossy(),
+            Kind::AshikhminShirley(_) | Kind::Facets(_) => false,
+        }
+    }
+
+    /// The kinds of ray of which a light must reach one to be scattered here. Velvet and what comes through evenly count
+    /// otherwise than their paths do.
+    pub(super) fn rays(&self) -> Rays {
+        match &self.kind {
+            Kind::Velvet(_) | Kind::AshikhminShirley(_) => Rays::GLOSSY,
+            Kind::Toon(toon) if toon.is_glossy() => Rays::GLOSSY,
+            Kind::Facets(facets) => match (facets.reflects(), facets.transmits()) {
+                (_, false) => Rays::GLOSSY,
+                (false, true) => Rays::TRANSMISSION,
+                (true, true) => Rays::GLOSSY.and(Rays::TRANSMISSION),
+            },
+            _ => Rays::DIFFUSE,
         }
     }
 

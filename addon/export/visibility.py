@@ -1,0 +1,44 @@
+# SPDX-License-Identifier: GPL-3.0-or-later
+"""The kinds of ray that things are hidden from, and how often light may bounce in each way."""
+
+from __future__ import annotations
+
+import bpy
+
+from ..description import NO_LIMIT, RAYS
+
+
+def hidden_from(holder: bpy.types.Object) -> tuple[str, ...]:
+    """Of an object: a mesh, or a light."""
+    return tuple(kind for kind in RAYS if not getattr(holder, f"visible_{kind.lower()}"))
+
+
+def world_hidden_from(world: bpy.types.World) -> tuple[str, ...]:
+    """Cycles keeps ray visibility of worlds in its own settings."""
+    visibility = getattr(world, "cycles_visibility", None)
+    names = {kind: "scatter" if kind == "VOLUME_SCATTER" else kind.lower() for kind in RAYS if kind != "SHADOW"}
+    return tuple(kind for kind, name in names.items() if not getattr(visibility, name, True))
+
+
+def bounces(scene: bpy.types.Scene) -> dict[str, int | bool]:
+    """By the name of the engine's setting: limits that Blender keeps in Cycles's settings, where there is Cycles."""
+    cycles = getattr(scene, "cycles", None)
+    found = {f"{kind}_bounces": getattr(cycles, f"{kind}_bounces", NO_LIMIT) for kind in KINDS}
+    if cycles is not None:
+        # Before 5.0 paths passed one surface more than this says.
+        most = cycles.transparent_max_bounces
+        found["transparent_bounces"] = most + (bpy.app.version < (5, 0, 0))
+        found["transparent_shadows"] = most
+    return found | {f"{kind}_caustics": getattr(cycles, f"caustics_{kind}", True) for kind in CAUSTICS}
+
+
+def most_bounces(scene: bpy.types.Scene) -> int:
+    """Petzval's own limit, or Cycles's where Petzval's was never set."""
+    own, cycles = scene.petzval, getattr(scene, "cycles", None)
+    if cycles is None or own.is_property_set("max_bounces"):
+        return own.max_bounces
+    return cycles.max_bounces
+
+
+KINDS = ("diffuse", "glossy", "transmission")
+CAUSTICS = ("reflective", "refractive")

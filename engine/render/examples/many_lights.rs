@@ -1,0 +1,108 @@
+//! What many emitters cost: `cargo run --release -p petzval-render --example many_lights`.
+//!
+//! A floor of 10 x 10 under lamps or emitting triangles that hang at random over it and send as much light all together,
+//! however many they are. Prints the time of a sample, and its noise: relative mean squared error times samples.
+
+use glam::{DMat4, DVec3, Vec3, Vec3A};
+use petzval_render::Rgb;
+use petzval_render::accel::Ray;
+use petzval_render::integrator::Stage;
+use petzval_render::integrator::path::{KindLimits, Limits, Wave};
+use petzval_render::sampler::PathSampler;
+use petzval_render::scene::SceneBuilder;
+use petzval_render::scene::lamp::{Lamp, LampKind};
+use petzval_render::scene::material::{Input, Material};
+use petzval_render::scene::mesh::MeshDescription;
+use std::time::Instant;
+
+/// Of the floor's places that are looked at, along each side.
+const SIDE: u32 = 16;
+const SAMPLES: u32 = 128;
+
+fn place(i: u32) -> DVec3 {
+    let u = sobol_burley::sample_4d(i % 65_536, 0, i / 65_536);
+    DVec3::new(f64::from(u[0]) * 10.0 - 5.0, f64::from(u[1]) * 10.0 - 5.0, 1.5 + f64::from(u[2]) * 2.0)
+}
+
+fn quad(half: f32) -> MeshDescription {
+    let corner = |x: f32, y: f32| Vec3::new(x * half, y * half, 0.0);
+    MeshDescription {
+        name: "quad".into(),
+        positions: vec![corner(-1.0, -1.0), corner(1.0, -1.0), corner(1.0, 1.0), corner(-1.0, 1.0)],
+        triangles: vec![[0, 1, 2], [0, 2, 3]],
+        ..Default::default()
+    }
+}
+
+fn room(kind: &str, count: u32) -> Result<Stage, Box<dyn std::error::Error>> {
+    let mut builder = SceneBuilder::new();
+    let floor = builder.add_mesh(quad(5.0))?;
+    builder.add_instance("floor", floor, DMat4::IDENTITY, &[], true, true)?;
+    let part = 1.0 / count as f32;
+    if kind == "triangles" {
+        // One mesh, as a lit sign or a chandelier is.
+        let half = 0.05 * part.sqrt() * 10f32.sqrt();
+        let (mut positions, mut triangles) = (Vec::new(), Vec::new());
+        for i in 0..count {
+            let at = place(i).as_vec3();
+            let first = positions.len() as u32;
+            positions.extend([Vec3::X, Vec3::Y, -Vec3::X].map(|corner| at + corner * half));
+            triangles.push([first, first + 2, first + 1]);
+        }
+        let material = Material {
+            emission_color: Input::Constant(Rgb::ONE),
+            emission_strength: 1000.0,
+            ..Material::default_grey()
+        };
+        let material = builder.add_material(material)?;
+        let mesh =
+            builder.add_mesh(MeshDescription { name: "lit".into(), positions, triangles, ..Default::default() })?;
+        builder.add_instance("lit", mesh, DMat4::IDENTITY, &[material], true, true)?;
+    } else {
+        let radius = if kind == "points" { 0.0 } else { 0.05 * part.sqrt() * 10f32.sqrt() };
+        for i in 0..count {
+            let kind = LampKind::Point { radius, soft: false };
+            let lamp = Lamp { kind, color: Rgb::splat(1000.0 * part), ..Lamp::default() };
+            builder.add_lamp(lamp, DMat4::from_translation(place(i)))?;
+        }
+    }
+    Ok(Stage::new(builder.build(DVec3::ZERO)))
+}
+
+fn main() -> Result<(), Box<dyn std::error::Error>> {
+    let limits = Limits {
+        max_bounces: 2,
+        kinds: KindLimits::default(),
+        clamp_indirect: f32::INFINITY,
+        hide_sky: false,
+        openness: 0.5,
+        roulette: f32::INFINITY,
+    };
+    for kind in ["points", "balls", "triangles"] {
+        for count in [10, 10_000, 1_000_000] {
+            let begun = Instant::now();
+            let stage = room(kind, count)?;
+            let built = begun.elapsed().as_secs_f64();
+            let mut wave = Wave::default();
+            let (mut noise, begun) = (0.0, Instant::now());
+            for pixel in 0..SIDE * SIDE {
+                wave.clear();
+                let target = |k: u32| (k as f32 + 0.5) / SIDE as f32 * 8.0 - 4.0;
+                let at = Vec3A::new(target(pixel % SIDE), target(pixel / SIDE), 0.0);
+                for index in 0..SAMPLES {
+                    let mut sampler = PathSampler::new(pixel, 0, index, 1);
+                    sampler.jump_to(petzval_render::integrator::path::CAMERA_SETS);
+                    wave.start(Ray::new(at + Vec3A::Z, -Vec3A::Z), sampler);
+                }
+                wave.follow(&stage, &limits);
+                let light = |i: u32| f64::from(wave.found(i as usize).radiance.x);
+                let mean = (0..SAMPLES).map(light).sum::<f64>() / f64::from(SAMPLES);
+                let square = (0..SAMPLES).map(|i| (light(i) - mean).powi(2)).sum::<f64>() / f64::from(SAMPLES - 1);
+                noise += square / (mean * mean) / f64::from(SIDE * SIDE);
+            }
+            let us = begun.elapsed().as_secs_f64() * 1e6 / f64::from(SIDE * SIDE * SAMPLES);
+            println!("{count:8} {kind:9}: {us:.2} us a sample, noise {noise:.2}, ready in {built:.2} s");
+        }
+    }
+    Ok(())
+}

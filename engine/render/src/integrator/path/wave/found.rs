@@ -1,0 +1,95 @@
+//! Light that a path's ray meets: of lamps, of the sky, and of the surface at its end.
+
+use super::super::{Limits, PathResult};
+use super::Path;
+use crate::accel::Hit;
+use crate::integrator::Stage;
+use crate::nodes::{self, View};
+use crate::scene::visibility::Sets;
+use crate::surface::SurfacePoint;
+
+impl Path {
+    /// How what it meets is looked at.
+    pub(super) fn view(&self, distance: f32) -> View {
+        View::along(&self.ray, distance, self.way)
+    }
+
+    /// Whether light that the ray found counts: not where its emitter does not light the object that it comes from, nor
+    /// where it has shadows of its own, which the ray knows nothing of.
+    #[inline(always)]
+    fn finds(&self, stage: &Stage, sets: impl FnOnce() -> Sets) -> bool {
+        if !stage.lights.is_linked() || self.way.is_camera() {
+            return true;
+        }
+        let sets = sets();
+        let is_alone = self.chosen.receiver().is_none();
+        stage.scene.instances[self.from as usize].links.takes_light_of(sets) && (is_alone || sets.blockers == 0)
+    }
+
+    /// Adds the light of lamps that the ray meets within `t_max` of where it was scattered: from there a light sample
+    /// would have been taken, whatever surfaces it passed since.
+    pub(super) fn lamps_before(&self, stage: &Stage, limits: &Limits, t_max: f32, result: &mut PathResult) {
+        if stage.scene.lamps.is_empty() {
+            return;
+        }
+        let to = self.chosen.receiver();
+        let Stage { scene, lights, .. } = stage;
+        lights.lamp_sources_along(
+            scene,
+            self.start,
+            self.ray.direction,
+            t_max,
+            self.way,
+            to,
+            |source, radiance, pdf| {
+                if !self.finds(stage, || lights.sets(source)) {
+                    return;
+                }
+                result.radiance +=
+                    limits.clamp(self.throughput * radiance * self.chosen.weight(pdf), u32::from(self.way.depth));
+                result.hit = true;
+            },
+        );
+    }
+
+    /// Adds the light of the world and of suns.
+    pub(super) fn sky(&self, stage: &Stage, limits: &Limits, result: &mut PathResult) {
+        let to = self.chosen.receiver();
+        if self.way.is_camera() && limits.hide_sky {
+            return;
+        }
+        stage.lights.sky_sources_along(&stage.scene, self.ray.direction, self.way, to, |source, radiance, pdf| {
+            if !self.finds(stage, || stage.lights.sets(source)) {
+                return;
+            }
+            result.radiance +=
+                limits.clamp(self.throughput * radiance * self.chosen.weight(pdf), u32::from(self.way.depth));
+        });
+    }
+
+    /// Adds the light of the surface that the ray meets.
+    pub(super) fn emission(
+        &self,
+        stage: &Stage,
+        limits: &Limits,
+        hit: &Hit,
+        point: &SurfacePoint,
+        kept: f32,
+        result: &mut PathResult,
+    ) {
+        let material = &stage.scene.materials[point.material as usize];
+        if !material.emits() || !self.finds(stage, || stage.scene.instances[hit.instance as usize].links.sets) {
+            return;
+        }
+        let view = self.view(self.travelled + hit.t);
+        let place = [hit.instance, hit.triangle];
+        let radiance = nodes::emission(material, &stage.scene, place, point.barycentric, &view) * kept;
+        let cos = -point.geometric_normal.dot(self.ray.direction);
+        let pdf = self
+            .chosen
+            .receiver()
+            .map_or(0.0, |to| stage.lights.triangle_pdf(to, (hit.instance, hit.triangle), self.travelled + hit.t, cos));
+        result.radiance +=
+            limits.clamp(self.throughput * radiance * self.chosen.weight(pdf), u32::from(self.way.depth));
+    }
+}

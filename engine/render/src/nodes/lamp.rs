@@ -1,0 +1,119 @@
+//! A lamp's nodes: how brightly it shines from a place on it towards where it lights something.
+
+use super::point::Images;
+use super::way::Way;
+use super::world::emitted;
+use crate::Rgb;
+use crate::scene::graph::Graph;
+use crate::scene::texture::Texture;
+use glam::{Affine3A, Mat3A, Vec2, Vec3A, Vec4};
+use petzval_nodes::{Attribute, AttributeKind, Context, Direction, Field, Registers, Shift, Space};
+use std::cell::RefCell;
+
+/// A place on a lamp that something looks at.
+#[derive(Clone, Copy, Debug)]
+pub struct LampPoint {
+    /// Blender's world.
+    pub position: Vec3A,
+    /// Away from the lamp.
+    pub normal: Vec3A,
+    /// Unit, of the ray that comes to the lamp.
+    pub direction: Vec3A,
+    /// Its length.
+    pub distance: f32,
+    /// Across an area lamp, in a spot's cone, over the sphere of directions.
+    pub uv: Vec2,
+    /// The lamp's axes, and where it is, in Blender's world.
+    pub to_world: Affine3A,
+    /// What happened to the path that looks.
+    pub way: Way,
+}
+
+/// What a lamp's nodes can be told.
+pub(super) const KNOWN: [Field; 18] = [
+    Field::Position,
+    Field::Normal,
+    Field::TrueNormal,
+    Field::MeshNormal,
+    Field::Incoming,
+    Field::Parametric,
+    Field::Object,
+    Field::ObjectLocation,
+    Field::IsCameraRay,
+    Field::IsShadowRay,
+    Field::IsDiffuseRay,
+    Field::IsGlossyRay,
+    Field::IsTransmissionRay,
+    Field::RayLength,
+    Field::RayDepth,
+    Field::DiffuseDepth,
+    Field::GlossyDepth,
+    Field::TransmissionDepth,
+];
+
+/// What a program asks for that no lamp has.
+pub fn unknown(graph: &Graph) -> Vec<Field> {
+    graph.program.reads().filter(|field| !KNOWN.contains(field)).collect()
+}
+
+struct Asked<'a>(&'a LampPoint, &'a [Attribute]);
+
+impl Context for Asked<'_> {
+    fn read(&self, field: Field, _: Shift) -> Vec3A {
+        let at = self.0;
+        match field {
+            Field::Position => at.position,
+            Field::Normal | Field::TrueNormal => at.normal,
+            Field::MeshNormal => at.to_world.matrix3.transpose() * at.normal,
+            Field::Incoming => -at.direction,
+            Field::Parametric => Vec3A::new(at.uv.x, at.uv.y, 0.0),
+            Field::Object => self.transform(Direction::Point, Space::World, Space::Object, at.position),
+            Field::ObjectLocation => at.to_world.translation,
+            Field::RayLength => Vec3A::splat(at.distance),
+            _ => at.way.read(field).map_or(Vec3A::ZERO, Vec3A::splat),
+        }
+    }
+
+    fn attribute(&self, index: usize, _: Shift) -> Vec4 {
+        match self.1[index].kind {
+            AttributeKind::Uv => Vec4::new(self.0.uv.x, self.0.uv.y, 0.0, 1.0),
+            _ => Vec4::ZERO,
+        }
+    }
+
+    fn transform(&self, direction: Direction, from: Space, to: Space, vector: Vec3A) -> Vec3A {
+        let Affine3A { matrix3: axes, translation: center } = self.0.to_world;
+        let shift = if direction == Direction::Point { center } else { Vec3A::ZERO };
+        match (from, to) {
+            (Space::World, Space::Object) => axes.transpose() * (vector - shift),
+            (Space::Object, Space::World) => axes * vector + shift,
+            _ => vector,
+        }
+    }
+}
+
+thread_local! {
+    static REGISTERS: RefCell<Registers> = RefCell::default();
+}
+
+/// What its nodes make of a lamp's own colour.
+pub fn radiance(graph: &Graph, textures: &[Texture], at: &LampPoint) -> Rgb {
+    REGISTERS.with_borrow_mut(|registers| {
+        graph.program.run(&Asked(at, &graph.program.attributes), &Images(textures), registers);
+        emitted(graph, registers)
+    })
+}
+
+/// The same where nothing that it depends on varies.
+pub fn even_radiance(graph: &Graph) -> Option<Rgb> {
+    let nowhere = LampPoint {
+        position: Vec3A::ZERO,
+        normal: Vec3A::Z,
+        direction: Vec3A::Z,
+        distance: 1.0,
+        uv: Vec2::ZERO,
+        to_world: Affine3A { matrix3: Mat3A::IDENTITY, translation: Vec3A::ZERO },
+        way: Way::LIGHT,
+    };
+    graph.emits_evenly().then(|| radiance(graph, &[], &nowhere))
+}

@@ -1,0 +1,158 @@
+//! How a path came to where it is: what Blender's Light Path node tells, and what bounces are counted by.
+
+use crate::scene::visibility::Rays;
+use petzval_nodes::Field;
+
+/// Of a path's last scattering, what it was; and how many there were of each kind.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+// Moved about as one word.
+#[repr(C, align(8))]
+pub struct Way {
+    is: u8,
+    /// Reflected without a peak; at most 255 are counted.
+    pub diffuse: u8,
+    /// Reflected about a peak.
+    pub glossy: u8,
+    /// Let through and scattered.
+    pub transmission: u8,
+    /// Scatterings in all.
+    pub depth: u16,
+    /// Surfaces passed unbent.
+    pub transparent: u16,
+}
+
+const CAMERA: u8 = 1;
+const SHADOW: u8 = 2;
+const DIFFUSE: u8 = 4;
+const GLOSSY: u8 = 8;
+const SINGULAR: u8 = 16;
+const REFLECTED: u8 = 32;
+const TRANSMITTED: u8 = 64;
+
+impl Way {
+    const START: Self = Self { is: 0, depth: 0, diffuse: 0, glossy: 0, transmission: 0, transparent: 0 };
+    /// Straight from the camera.
+    pub const CAMERA: Self = Self { is: CAMERA, ..Self::START };
+    /// After one diffuse reflection: for who does not know better.
+    pub const BOUNCE: Self = Self { is: DIFFUSE | REFLECTED, depth: 1, diffuse: 1, ..Self::START };
+    /// A light that is asked what it sends to the first surface.
+    pub const LIGHT: Self = Self { depth: 1, ..Self::START };
+
+    /// The same after a scattering: without a peak or with one, of which one that has a single direction is the narrowest.
+    #[inline]
+    #[must_use]
+    pub fn scattered(self, is_matte: bool, is_mirror: bool, is_transmitted: bool) -> Self {
+        let lobe = if is_matte {
+            DIFFUSE
+        } else if is_mirror {
+            GLOSSY | SINGULAR
+        } else {
+            GLOSSY
+        };
+        Self {
+            is: lobe | if is_transmitted { TRANSMITTED } else { REFLECTED },
+            depth: self.depth + 1,
+            diffuse: self.diffuse.saturating_add(u8::from(is_matte && !is_transmitted)),
+            glossy: self.glossy.saturating_add(u8::from(!is_matte && !is_transmitted)),
+            transmission: self.transmission.saturating_add(u8::from(is_transmitted)),
+            transparent: self.transparent,
+        }
+    }
+
+    /// The same after so many scatterings.
+    #[must_use]
+    pub fn at_depth(self, depth: u32) -> Self {
+        Self { depth: depth as u16, ..self }
+    }
+
+    /// The same behind a surface that it passed unbent.
+    #[inline]
+    #[must_use]
+    pub fn passed(self) -> Self {
+        Self { transparent: self.transparent.saturating_add(1), ..self }
+    }
+
+    /// Of a ray from there that asks whether light arrives.
+    #[inline]
+    #[must_use]
+    pub fn shadow(self) -> Self {
+        Self { is: SHADOW, depth: self.depth + 1, ..self }
+    }
+
+    /// Of a light that is asked what it sends there: Blender counts this as one scattering more, and as no kind of ray.
+    #[inline]
+    #[must_use]
+    pub fn light(self) -> Self {
+        Self { is: 0, depth: self.depth + 1, ..self }
+    }
+
+    /// Whether nothing scattered it yet.
+    #[inline]
+    pub fn is_camera(self) -> bool {
+        self.is & CAMERA != 0
+    }
+
+    /// Whether its last scattering had no peak.
+    #[inline]
+    pub fn is_diffuse(self) -> bool {
+        self.is & DIFFUSE != 0
+    }
+
+    /// The kind that objects may hide from: what was let through is nothing else.
+    #[inline]
+    pub fn rays(self) -> Rays {
+        if self.is & CAMERA != 0 {
+            Rays::CAMERA
+        } else if self.is & TRANSMITTED != 0 {
+            Rays::TRANSMISSION
+        } else if self.is & DIFFUSE != 0 {
+            Rays::DIFFUSE
+        } else {
+            Rays::GLOSSY
+        }
+    }
+
+    /// The kinds that a light must reach to be found by this way, all of them.
+    #[inline]
+    pub fn finds(self) -> Rays {
+        let of = |bit: u8, rays: Rays| if self.is & bit == bit { rays } else { Rays::NONE };
+        of(CAMERA, Rays::CAMERA)
+            .and(of(DIFFUSE, Rays::DIFFUSE))
+            .and(of(GLOSSY | REFLECTED, Rays::GLOSSY))
+            .and(of(TRANSMITTED, Rays::TRANSMISSION))
+    }
+
+    /// What a node program reads of it.
+    pub(super) fn read(self, field: Field) -> Option<f32> {
+        let is = |bit: u8| f32::from(u8::from(self.is & bit != 0));
+        Some(match field {
+            Field::IsCameraRay => is(CAMERA),
+            Field::IsShadowRay => is(SHADOW),
+            Field::IsDiffuseRay => is(DIFFUSE),
+            Field::IsGlossyRay => is(GLOSSY),
+            Field::IsSingularRay => is(SINGULAR),
+            Field::IsReflectionRay => is(REFLECTED),
+            Field::IsTransmissionRay => is(TRANSMITTED),
+            Field::RayDepth => f32::from(self.depth),
+            Field::DiffuseDepth => f32::from(self.diffuse),
+            Field::GlossyDepth => f32::from(self.glossy),
+            Field::TransmissionDepth => f32::from(self.transmission),
+            Field::TransparentDepth => f32::from(self.transparent),
+            _ => return None,
+        })
+    }
+}
+
+/// What tells of kinds of bounces: a world that asks for any of these is another one for each.
+pub const OF_BOUNCES: [Field; 10] = [
+    Field::IsDiffuseRay,
+    Field::IsGlossyRay,
+    Field::IsSingularRay,
+    Field::IsReflectionRay,
+    Field::IsTransmissionRay,
+    Field::RayDepth,
+    Field::DiffuseDepth,
+    Field::GlossyDepth,
+    Field::TransmissionDepth,
+    Field::TransparentDepth,
+];

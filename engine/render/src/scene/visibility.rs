@@ -1,0 +1,121 @@
+//! Kinds of ray: what objects show themselves to, and what lights reach.
+
+/// A set of kinds of ray, as Blender's ray visibility has them.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub struct Rays(u8);
+
+impl Rays {
+    /// Straight from the camera.
+    pub const CAMERA: Self = Self(1);
+    /// Reflected without a peak.
+    pub const DIFFUSE: Self = Self(2);
+    /// Reflected about a peak, or mirrored.
+    pub const GLOSSY: Self = Self(4);
+    /// Let through by the last surface that it was scattered at.
+    pub const TRANSMISSION: Self = Self(8);
+    /// Towards a light.
+    pub const SHADOW: Self = Self(16);
+    /// Scattered in a volume.
+    pub const VOLUME_SCATTER: Self = Self(32);
+    /// None at all.
+    pub const NONE: Self = Self(0);
+    /// All that a surface scatters, whichever it is.
+    pub const BOUNCE: Self = Self(2 | 4 | 8);
+    /// Every kind.
+    pub const ALL: Self = Self(63);
+
+    /// The kind that Blender calls so.
+    pub fn named(name: &str) -> Option<Self> {
+        Some(match name {
+            "CAMERA" => Self::CAMERA,
+            "DIFFUSE" => Self::DIFFUSE,
+            "GLOSSY" => Self::GLOSSY,
+            "TRANSMISSION" => Self::TRANSMISSION,
+            "SHADOW" => Self::SHADOW,
+            "VOLUME_SCATTER" => Self::VOLUME_SCATTER,
+            _ => return None,
+        })
+    }
+
+    /// Both together.
+    #[inline(always)]
+    #[must_use]
+    pub const fn and(self, other: Self) -> Self {
+        Self(self.0 | other.0)
+    }
+
+    /// What is in both.
+    #[inline(always)]
+    #[must_use]
+    pub const fn common(self, other: Self) -> Self {
+        Self(self.0 & other.0)
+    }
+
+    /// This without the other.
+    #[inline(always)]
+    #[must_use]
+    pub const fn without(self, other: Self) -> Self {
+        Self(self.0 & !other.0)
+    }
+
+    /// Whether any of the other is in it.
+    #[inline(always)]
+    pub const fn any_of(self, other: Self) -> bool {
+        self.0 & other.0 != 0
+    }
+
+    /// Whether all of the other is in it.
+    #[inline(always)]
+    pub const fn all_of(self, other: Self) -> bool {
+        self.0 & other.0 == other.0
+    }
+}
+
+impl Default for Rays {
+    fn default() -> Self {
+        Self::ALL
+    }
+}
+
+/// Which of the scene's sets of objects an emitter lights, and which stand in its way. Set 0 is everything.
+#[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
+pub struct Sets {
+    /// What it lights; below 64.
+    pub receivers: u8,
+    /// What throws shadows in its light; below 64.
+    pub blockers: u8,
+}
+
+impl Sets {
+    /// Of lights that nobody linked.
+    pub const EVERYTHING: Self = Self { receivers: 0, blockers: 0 };
+}
+
+/// How an object takes part in light linking.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub struct Links {
+    /// The sets of receivers that it is in, a bit each.
+    pub receives: u64,
+    /// The sets of blockers that it is in.
+    pub blocks: u64,
+    /// Of what it shines itself.
+    pub sets: Sets,
+}
+
+impl Default for Links {
+    fn default() -> Self {
+        Self { receives: u64::MAX, blocks: u64::MAX, sets: Sets::EVERYTHING }
+    }
+}
+
+impl Links {
+    /// Whether light of an emitter of these sets reaches it.
+    pub fn takes_light_of(&self, emitter: Sets) -> bool {
+        self.receives >> emitter.receivers & 1 == 1
+    }
+
+    /// Whether it throws shadows in that light.
+    pub fn blocks_light_of(&self, emitter: Sets) -> bool {
+        self.blocks >> emitter.blockers & 1 == 1
+    }
+}

@@ -1,0 +1,211 @@
+# SPDX-License-Identifier: GPL-3.0-or-later
+"""Lamps whose nodes are computed where they shine, against Cycles in the same Blender, block by block."""
+
+from __future__ import annotations
+
+import numpy as np
+import pytest
+
+from test_graphs_against_cycles import Tree
+from test_visibility_against_cycles import both, same, shaded
+
+SIDE, SAMPLES = 32, 1024
+
+KINDS = {
+    "POINT": {"shadow_soft_size": 0.3},
+    "SPOT": {"shadow_soft_size": 0.1, "spot_size": 1.4, "spot_blend": 0.4},
+    "SUN": {"angle": 0.2},
+    "AREA": {"shape": "RECTANGLE", "size": 1.5, "size_y": 0.8, "spread": 2.4},
+    "POINT without size": {"shadow_soft_size": 0.0},
+    "POINT, soft": {"shadow_soft_size": 0.4, "use_soft_falloff": True},
+    "AREA, round": {"shape": "DISK", "size": 1.0},
+}
+
+
+@pytest.fixture
+def studio(blender):
+    """A matte floor, a wall and a ball, in a dim sky: what no lamp reaches is not dark."""
+    parts = pytest.importorskip("scene_parts")
+    scene = parts.set_up(SIDE, SIDE, SAMPLES)
+    scene.world = parts.grey_world(0.3)
+    scene.camera.location, scene.camera.rotation_euler = (0.0, -8.0, 3.5), (1.2, 0.0, 0.0)
+    scene.camera.data.lens = 45
+    matte = shaded(parts, "BsdfDiffuse")
+    parts.mesh_object("Floor", [(-6, -6, 0), (6, -6, 0), (6, 6, 0), (-6, 6, 0)], [(0, 1, 2, 3)], matte)
+    parts.mesh_object("Wall", [(-6, 3, 0), (6, 3, 0), (6, 3, 8), (-6, 3, 8)], [(0, 1, 2, 3)], matte)
+    blender.ops.mesh.primitive_uv_sphere_add(segments=32, ring_count=16, radius=0.8, location=(-1.5, 0, 0.85))
+    blender.ops.object.shade_smooth()
+    blender.context.object.data.materials.append(shaded(parts, "BsdfAnisotropic", Roughness=0.4))
+    return parts
+
+
+def lamp(blender, kind: str, build=None):
+    """A lamp before the camera, turned, with nodes that `build` makes."""
+    light = blender.data.lights.new("Lamp", kind.split()[0].strip(","))
+    for name, value in KINDS[kind].items():
+        setattr(light, name, value)
+    light.energy = 4.0 if light.type == "SUN" else 300.0
+    light.color = (1.0, 0.9, 0.7)
+    holder = blender.data.objects.new("Lamp", light)
+    holder.location, holder.rotation_euler = (0.6, 0.4, 2.6), (0.5, 0.3, 0.6)
+    blender.context.scene.collection.objects.link(holder)
+    if build is not None:
+        light.use_nodes = True
+        tree = light.node_tree
+        tree.nodes.clear()
+        build(Tree(tree, tree.nodes.new("ShaderNodeOutputLight").inputs["Surface"]))
+    return holder
+
+
+def shows(t: Tree, output, scale: float = 1.0, shift: float = 0.0):
+    """Emission whose colour is a vector, scaled and shifted."""
+    scaled = t.node("VectorMath", {"operation": "MULTIPLY_ADD"}, _0=output, _1=(scale,) * 3, _2=(shift,) * 3)
+    t.shows(t.node("Emission", Color=scaled.outputs[0], Strength=1.5).outputs[0])
+
+
+@pytest.mark.parametrize("kind", KINDS)
+@pytest.mark.parametrize("space", ["Normal", "UV", "Incoming", "Position", "Object", "Parametric", "True Normal"])
+def test_coordinates(studio, blender, tmp_path, kind, space):
+    def build(t):
+        node = "TexCoord" if space in ("Normal", "UV", "Object") else "NewGeometry"
+        # Not below 0: Cycles lets lamps take light away.
+        scales = {"UV": (0.9, 0.1), "Parametric": (0.9, 0.1), "Object": (0.1, 0.5)}
+        shows(t, t.node(node).outputs[space], *scales.get(space, (0.45, 0.5)))
+
+    lamp(blender, kind, build)
+    same(*both(studio, blender, tmp_path))
+
+
+@pytest.mark.parametrize("kind", ["POINT", "SPOT", "AREA", "POINT without size"])
+@pytest.mark.parametrize("falloff", ["Quadratic", "Linear", "Constant"])
+def test_falloff(studio, blender, tmp_path, kind, falloff):
+    def build(t):
+        node = t.node("LightFalloff", Strength=0.4, Smooth=0.7)
+        t.shows(t.node("Emission", Strength=node.outputs[falloff]).outputs[0])
+
+    lamp(blender, kind, build)
+    same(*both(studio, blender, tmp_path))
+
+
+def noise(t: Tree):
+    made = t.node("TexNoise", Vector=t.coordinates("Normal"), Scale=4.0)
+    t.shows(t.node("Emission", Color=t.ramp(made.outputs[0]), Strength=2.0).outputs[0])
+
+
+def gobo(t: Tree):
+    """A pattern in the light's cone, as of a projector."""
+    parts = t.node("SeparateXYZ", Vector=t.coordinates("Normal"))
+    across = [t.node("Math", {"operation": "DIVIDE"}, _0=parts.outputs[axis], _1=parts.outputs["Z"]) for axis in "XY"]
+    place = t.node("CombineXYZ", X=across[0].outputs[0], Y=across[1].outputs[0])
+    checker = t.node("TexChecker", Vector=place.outputs[0], Scale=3.0, Color1=(0.9, 0.2, 0.1, 1.0))
+    t.shows(t.node("Emission", Color=checker.outputs["Color"]).outputs[0])
+
+
+def warm(t: Tree):
+    t.shows(t.node("Emission", Color=t.node("Blackbody", Temperature=3000.0).outputs[0], Strength=2.0).outputs[0])
+
+
+def by_path(output: str):
+    def build(t):
+        share = t.node("Math", {"operation": "MULTIPLY"}, _0=t.node("LightPath").outputs[output], _1=0.3)
+        share = t.node("Math", {"operation": "ADD"}, _0=share.outputs[0], _1=0.2)
+        t.shows(t.node("Emission", Strength=share.outputs[0]).outputs[0])
+
+    build.__name__ = output
+    return build
+
+
+def two(t: Tree):
+    one = t.node("Emission", Color=(1.0, 0.2, 0.1, 1.0), Strength=0.5)
+    other = t.node("Emission", Color=(0.1, 0.3, 1.0, 1.0), Strength=2.0)
+    t.shows(t.node("MixShader", _0=0.3, _1=one.outputs[0], _2=other.outputs[0]).outputs[0])
+
+
+@pytest.mark.parametrize("kind", ["POINT", "SPOT", "SUN", "AREA"])
+@pytest.mark.parametrize(
+    "build",
+    [noise, gobo, warm, two, *map(by_path, ("Is Camera Ray", "Is Shadow Ray", "Is Diffuse Ray", "Is Glossy Ray")),
+     by_path("Ray Depth"), by_path("Diffuse Depth")],
+    ids=lambda build: build.__name__,
+)  # fmt: skip
+def test_nodes(studio, blender, tmp_path, kind, build):
+    lamp(blender, kind, build)
+    # Where only light from other surfaces comes to there is some noise.
+    same(*both(studio, blender, tmp_path), block=0.06)
+
+
+def luminaire(vertical, horizontal, candela, kind: int = 1) -> str:
+    """A file of the Illuminating Engineering Society."""
+    words = [f"1 1000 1.5 {len(vertical)} {len(horizontal)} {kind} 2 0.1 0.1 0.0", "0.9 1.0 60.0"]
+    words += [" ".join(map(str, row)) for row in (vertical, horizontal, *candela)]
+    return "\r\n".join(["IESNA:LM-63-2002", "[MANUFAC] nobody", "TILT=NONE", *words, ""])
+
+
+def bright(vertical, horizontal):
+    return [[round(900 + 700 * np.cos(np.radians(3 * v)) * np.cos(np.radians(h)) + 2 * v, 2) for v in vertical]
+            for h in horizontal]  # fmt: skip
+
+
+LUMINAIRES = {
+    "round": (range(0, 181, 15), [0]),
+    "below": (range(0, 91, 10), [0]),
+    "quarter": (range(0, 181, 20), range(0, 91, 30)),
+    "half": (range(0, 181, 20), range(0, 181, 45)),
+    "whole": (range(0, 181, 20), range(0, 361, 40)),
+    "open": (range(0, 181, 20), range(0, 360, 40)),
+}
+
+
+@pytest.mark.parametrize("file", [False, True])
+@pytest.mark.parametrize("name", LUMINAIRES)
+def test_luminaires(studio, blender, tmp_path, name, file):
+    vertical, horizontal = LUMINAIRES[name]
+    if len(horizontal) == 1 and blender.app.version < (5, 0, 0):
+        pytest.skip("Blender 4.5 shows these 6 % brighter")
+    text = luminaire(vertical, horizontal, bright(vertical, horizontal))
+    if file and name != "whole":
+        pytest.skip("files are read alike")
+
+    def build(t):
+        node = t.node("TexIES", None, Strength=0.02)
+        if file:
+            path = tmp_path / "lamp.ies"
+            path.write_bytes(text.encode())
+            node.mode, node.filepath = "EXTERNAL", str(path)
+        else:
+            node.mode, node.ies = "INTERNAL", blender.data.texts.new("lamp")
+            node.ies.write(text)
+        t.shows(t.node("Emission", Strength=node.outputs[0]).outputs[0])
+
+    lamp(blender, "POINT without size", build)
+    same(*both(studio, blender, tmp_path))
+
+
+def test_a_luminaire_without_its_file_is_named(studio, blender, tmp_path):
+    lamp(blender, "POINT", lambda t: t.shows(t.node("Emission", Strength=t.node("TexIES").outputs[0]).outputs[0]))
+    studio.render(tmp_path)
+    warnings = studio.part("statistics").last("Scene").warnings
+    assert len(warnings) == 1 and "Lamp" in warnings[0] and "file is missing" in warnings[0]
+
+
+SETTINGS = {
+    "no shadow": ("AREA", {"use_shadow": False}),
+    "a spot of little blend": ("SPOT", {"spot_blend": 0.0}),
+    "a square cone": ("SPOT", {"use_square": True}),
+    "a narrow beam": ("AREA", {"spread": 0.5}),
+    "not by size": ("SPOT", {"normalize": False}),
+    "warm": ("SUN", {"use_temperature": True, "temperature": 3200.0}),
+    "sampled by directions alone": ("AREA", {"use_multiple_importance_sampling": False}),
+}
+
+
+@pytest.mark.parametrize("name", SETTINGS)
+def test_settings(studio, blender, tmp_path, name):
+    kind, settings = SETTINGS[name]
+    light = lamp(blender, kind).data
+    for key, value in settings.items():
+        where = light.cycles if key.startswith("use_multiple") else light
+        if not hasattr(where, key):
+            pytest.skip("this Blender's lamps have no such setting")
+        setattr(where, key, value)
+    same(*both(studio, blender, tmp_path), block=0.06)

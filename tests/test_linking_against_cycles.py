@@ -1,0 +1,81 @@
+# SPDX-License-Identifier: GPL-3.0-or-later
+"""Light and shadow linking against Cycles in the same Blender, block by block."""
+
+from __future__ import annotations
+
+import pytest
+
+from test_lamps_against_cycles import lamp, studio  # noqa: F401 (a fixture)
+from test_visibility_against_cycles import both, differs, same
+
+
+def collection(blender, *objects, state: str = "INCLUDE"):
+    """A collection of objects, linked in that way."""
+    made = blender.data.collections.new("Linked")
+    for one in objects:
+        made.objects.link(one)
+    for held in made.collection_objects:
+        held.light_linking.link_state = state
+    return made
+
+
+def panel(studio):  # noqa: F811
+    """An emitter that is a mesh."""
+    made = studio.square("Panel", (1.6, -0.8, 2.2), 1.5, studio.emitter((0.4, 0.7, 1.0), 60.0))
+    made.rotation_euler = (0.8, 0.0, 0.5)
+    return made
+
+
+def emitter(studio, blender, kind: str):  # noqa: F811
+    return panel(studio) if kind == "MESH" else lamp(blender, kind)
+
+
+KINDS = ("POINT", "AREA", "SUN", "MESH")
+
+
+@pytest.mark.parametrize("kind", KINDS)
+@pytest.mark.parametrize("state", ["INCLUDE", "EXCLUDE", "EMPTY"])
+@pytest.mark.parametrize("role", ["receiver", "blocker"])
+def test_links(studio, blender, tmp_path, kind, state, role):  # noqa: F811
+    holder = emitter(studio, blender, kind)
+    objects = () if state == "EMPTY" else (blender.data.objects["Sphere"],)
+    linked = collection(blender, *objects, state="EXCLUDE" if state == "EMPTY" else state)
+    setattr(holder.light_linking, f"{role}_collection", linked)
+    ours, theirs = both(studio, blender, tmp_path)
+    same(ours, theirs)
+    if state == "EXCLUDE" or (state == "INCLUDE" and role == "receiver"):
+        setattr(holder.light_linking, f"{role}_collection", None)
+        differs(ours, studio.render(tmp_path, "all.exr")[..., :3], 0.0005)
+
+
+def test_collections_within_collections(studio, blender, tmp_path):  # noqa: F811
+    holder, objects = lamp(blender, "AREA"), blender.data.objects
+    outer, inner = collection(blender, objects["Floor"]), collection(blender, objects["Sphere"])
+    outer.children.link(inner)
+    outer.collection_children[0].light_linking.link_state = "EXCLUDE"
+    holder.light_linking.receiver_collection = outer
+    same(*both(studio, blender, tmp_path))
+
+
+def test_several_lights(studio, blender, tmp_path):  # noqa: F811
+    """Each with its own, and one for all."""
+    objects = blender.data.objects
+    names = ("Floor", "Wall", "Sphere")
+    for place, name in enumerate(names):
+        holder = lamp(blender, "POINT")
+        holder.location.x = place - 1.0
+        holder.data.color = [float(part == place) + 0.1 for part in range(3)]
+        holder.light_linking.receiver_collection = collection(blender, objects[name])
+        holder.light_linking.blocker_collection = collection(blender, objects[names[place - 1]], state="EXCLUDE")
+    panel(studio)
+    same(*both(studio, blender, tmp_path))
+
+
+def test_more_sets_than_there_are_bits(studio, blender, tmp_path):  # noqa: F811
+    for _ in range(70):
+        holder = lamp(blender, "POINT without size")
+        holder.data.energy = 1.0
+        holder.light_linking.receiver_collection = collection(blender, blender.data.objects["Floor"])
+    studio.render(tmp_path)
+    warnings = studio.part("statistics").last("Scene").warnings
+    assert len(warnings) == 7 and all("receiver collections" in one for one in warnings)

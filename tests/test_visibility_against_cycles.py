@@ -1,0 +1,231 @@
+# SPDX-License-Identifier: GPL-3.0-or-later
+"""Kinds of rays against Cycles in the same Blender: who sees what, what lights reach, and how often light bounces."""
+
+from __future__ import annotations
+
+import numpy as np
+import pytest
+
+from test_graphs_against_cycles import Tree
+
+SIDE, SAMPLES = 32, 1024
+#: Pixels of a block's side.
+BLOCK = 8
+WHITE = (0.8, 0.8, 0.8, 1.0)
+
+
+@pytest.fixture
+def room(blender):
+    """A floor and three balls in a row: matte, rough metal and glass; a lamp above, and a dim sky."""
+    parts = pytest.importorskip("scene_parts")
+    scene = parts.set_up(SIDE, SIDE, SAMPLES)
+    scene.world = parts.grey_world(0.2)
+    scene.camera.location, scene.camera.rotation_euler = (0.0, -7.0, 3.0), (1.25, 0.0, 0.0)
+    scene.camera.data.lens = 45
+    floor = parts.mesh_object(
+        "Floor", [(-6, -6, 0), (6, -6, 0), (6, 6, 0), (-6, 6, 0)], [(0, 1, 2, 3)], shaded(parts, "BsdfDiffuse")
+    )
+    balls = {
+        "Matte": shaded(parts, "BsdfDiffuse"),
+        "Metal": shaded(parts, "BsdfAnisotropic", Roughness=0.3),
+        "Glass": shaded(parts, "BsdfGlass", Roughness=0.0, IOR=1.4),
+    }
+    for place, (name, material) in enumerate(balls.items()):
+        blender.ops.mesh.primitive_uv_sphere_add(
+            segments=32, ring_count=16, radius=0.8, location=(1.9 * (place - 1), 0, 0.85)
+        )
+        blender.ops.object.shade_smooth()
+        blender.context.object.name = name
+        blender.context.object.data.materials.append(material)
+    lamp = blender.data.objects.new("Lamp", blender.data.lights.new("Lamp", "AREA"))
+    lamp.data.energy, lamp.data.size, lamp.location = 150.0, 1.0, (1.0, -1.5, 4.0)
+    scene.collection.objects.link(lamp)
+    parts.floor, parts.lamp = floor, lamp
+    return parts
+
+
+def shaded(parts, kind: str, **inputs):
+    """A material of one node."""
+    made, tree, surface = parts.material(kind)
+    node = Tree(tree, surface).node(kind, None, **({"Color": WHITE} | inputs))
+    tree.links.new(node.outputs[0], surface)
+    return made
+
+
+def add_panel(parts, colour=(0.9, 0.2, 0.1), strength: float = 4.0):
+    """A square that glows, behind the balls."""
+    panel = parts.square("Panel", (0.0, 2.2, 1.6), 3.0, parts.emitter(colour, strength))
+    panel.rotation_euler = (-0.2, 0.0, 0.0)
+    return panel
+
+
+def both(parts, blender, folder, **cycles_settings):
+    """Petzval's picture and Cycles's."""
+    scene = blender.context.scene
+    cycles = scene.cycles
+    scene.petzval.filter_width = 0.0
+    scene.petzval.clamp_indirect = 0.0
+    cycles.device, cycles.samples, cycles.use_denoising, cycles.use_adaptive_sampling = "CPU", SAMPLES, False, False
+    cycles.sample_clamp_indirect, cycles.blur_glossy = 0.0, 0.0
+    cycles.pixel_filter_type = "BOX"
+    for name, value in cycles_settings.items():
+        setattr(cycles, name, value)
+    scene.camera.data.dof.use_dof = False
+    ours = parts.render(folder, "petzval.exr")[..., :3]
+    warnings = parts.part("statistics").last("Scene").warnings
+    assert not warnings, warnings
+    scene.render.engine = "CYCLES"
+    try:
+        theirs = parts.render(folder, "cycles.exr")[..., :3]
+    finally:
+        scene.render.engine = "PETZVAL"
+    return ours, theirs
+
+
+def same(ours, theirs, mean: float = 0.01, block: float = 0.03) -> None:
+    """In the mean, and block by block: edges fall between the samples of 64 pixels."""
+    blocks = [p.reshape(SIDE // BLOCK, BLOCK, SIDE // BLOCK, BLOCK, 3).mean((1, 3)) for p in (ours, theirs)]
+    apart = np.abs(blocks[0] - blocks[1]) / (blocks[1] + 0.1 * blocks[1].mean())
+    print(f"mean {ours.mean((0, 1)) / theirs.mean((0, 1))}, worst block {apart.max():.4f}")
+    assert np.abs(ours.mean((0, 1)) / theirs.mean((0, 1)) - 1.0).max() < mean
+    assert apart.max() < block, apart
+
+
+def differs(first, second, part: float = 0.01) -> None:
+    """The setting did something: no test passes because nothing happened."""
+    assert np.abs(first - second).mean() > part * second.mean()
+
+
+@pytest.mark.parametrize("kind", ["camera", "diffuse", "glossy", "transmission", "shadow"])
+def test_objects_hide(room, blender, tmp_path, kind):
+    panel = add_panel(room)
+    # Between the lamp and the floor, for its shadow; and not seen from below, so that its glow is.
+    screen = room.mesh_object(
+        "Screen", [(-0.6, -2.5, 2), (1.4, -2.5, 2), (1.4, -0.6, 2), (-0.6, -0.6, 2)], [(0, 1, 2, 3)],
+        shaded(room, "BsdfDiffuse"),
+    )  # fmt: skip
+    for one in (panel, screen):
+        setattr(one, f"visible_{kind}", False)
+    ours, theirs = both(room, blender, tmp_path)
+    same(ours, theirs)
+    for one in (panel, screen):
+        setattr(one, f"visible_{kind}", True)
+    # Little of the panel is seen through the glass.
+    differs(ours, room.render(tmp_path, "all.exr")[..., :3], 0.002)
+
+
+@pytest.mark.parametrize("kind", ["camera", "diffuse", "glossy", "transmission"])
+@pytest.mark.parametrize("lamp", ["AREA", "SUN", "POINT"])
+def test_lamps_reach(room, blender, tmp_path, kind, lamp):
+    room.lamp.data.type = lamp
+    if lamp == "SUN":
+        room.lamp.data.energy, room.lamp.data.angle = 2.0, 0.3
+        room.lamp.rotation_euler = (0.6, 0.3, 0.0)
+    elif lamp == "POINT":
+        room.lamp.data.shadow_soft_size = 0.4
+        room.lamp.location = (1.0, 0.5, 3.2)
+    setattr(room.lamp, f"visible_{kind}", False)
+    ours, theirs = both(room, blender, tmp_path)
+    same(ours, theirs)
+
+
+@pytest.mark.parametrize("kind", ["camera", "diffuse", "glossy", "transmission"])
+def test_worlds_show(room, blender, tmp_path, kind):
+    room.lamp.data.energy = 20.0
+    blender.context.scene.world = room.grey_world(0.8)
+    setattr(blender.context.scene.world.cycles_visibility, kind, False)
+    ours, theirs = both(room, blender, tmp_path)
+    same(ours, theirs)
+
+
+OUTPUTS = (
+    "Is Camera Ray", "Is Shadow Ray", "Is Diffuse Ray", "Is Glossy Ray", "Is Singular Ray", "Is Reflection Ray",
+    "Is Transmission Ray", "Ray Length", "Ray Depth", "Diffuse Depth", "Glossy Depth", "Transparent Depth",
+    "Transmission Depth",
+)  # fmt: skip
+
+
+@pytest.mark.parametrize("output", OUTPUTS)
+def test_light_path(room, blender, tmp_path, output):
+    """A panel whose colour tells of the path, before the balls' mirrors; and one that lets light through by it."""
+    panel = add_panel(room)
+    made, tree, surface = room.material("told")
+    t = Tree(tree, surface)
+    told = t.node("Math", {"operation": "MULTIPLY"}, _0=t.node("LightPath").outputs[output], _1=0.3)
+    told = t.node("Math", {"operation": "MINIMUM"}, _0=told.outputs[0], _1=0.9)
+    colour = t.node("CombineColor", Red=told.outputs[0], Green=0.5, Blue=0.3)
+    matte = t.node("BsdfDiffuse", Color=colour.outputs[0])
+    clear = t.node("BsdfTransparent")
+    t.shows(t.node("MixShader", _0=told.outputs[0], _1=clear.outputs[0], _2=matte.outputs[0]).outputs[0])
+    panel.data.materials[0] = made
+    # So that light comes through it, and what is behind it is seen.
+    panel.location = (0.4, -0.9, 2.2)
+    panel.rotation_euler = (1.2, 0.0, 0.0)
+    panel.scale = (0.5, 0.5, 0.5)
+    room.lamp.location = (0.4, -1.0, 4.0)
+    ours, theirs = both(room, blender, tmp_path)
+    same(ours, theirs)
+
+
+@pytest.mark.parametrize("output", ["Is Glossy Ray", "Is Singular Ray", "Is Transmission Ray", "Ray Depth"])
+def test_light_path_in_a_world(room, blender, tmp_path, output):
+    world = blender.data.worlds.new("told")
+    tree = room.with_nodes(world)
+    t = Tree(tree, tree.nodes.new("ShaderNodeOutputWorld").inputs["Surface"])
+    told = t.node("LightPath").outputs[output]
+    one = t.node("Background", Color=(0.2, 0.3, 0.9, 1.0), Strength=0.7)
+    other = t.node("Background", Color=(0.9, 0.4, 0.1, 1.0), Strength=1.5)
+    t.shows(t.node("MixShader", _0=told, _1=one.outputs[0], _2=other.outputs[0]).outputs[0])
+    blender.context.scene.world = world
+    # What light samples find of a world is counted otherwise than what rays find, in Cycles as well.
+    world.cycles.sampling_method = "NONE"
+    room.lamp.data.energy = 20.0
+    blender.data.objects["Metal"].data.materials[0] = shaded(room, "BsdfAnisotropic", Roughness=0.0)
+    ours, theirs = both(room, blender, tmp_path)
+    same(ours, theirs)
+
+
+@pytest.mark.parametrize(
+    "limits",
+    [
+        {"diffuse_bounces": 0},
+        {"glossy_bounces": 0},
+        {"transmission_bounces": 1},
+        {"max_bounces": 1},
+        {"caustics_reflective": False},
+        {"caustics_refractive": False},
+        {"caustics_reflective": False, "caustics_refractive": False},
+    ],
+    ids=lambda limits: " ".join(limits),
+)
+def test_bounces(room, blender, tmp_path, limits):
+    """As many of each kind as Cycles's settings say."""
+    add_panel(room)
+    for name in ("Glass", "Metal"):
+        ball = blender.data.objects[name]
+        # Rough, so that light samples find their caustics.
+        ball.data.materials[0].node_tree.nodes[1].inputs["Roughness"].default_value = 0.4
+    ours, theirs = both(room, blender, tmp_path, **limits)
+    # Light through rough glass: see docs/design/closures.md.
+    same(ours, theirs, mean=0.015, block=0.05)
+
+
+@pytest.mark.parametrize("limit", [1, 2, 3])
+def test_transparent_bounces(room, blender, tmp_path, limit):
+    """Leaves that light shines through, one behind the other."""
+    clear = shaded(room, "BsdfTransparent", Color=(0.9, 0.7, 0.6, 1.0))
+    for place in range(3):
+        room.square(f"Leaf {place}", (0.0, -1.2 - 0.4 * place, 1.2), 1.6 - 0.4 * place, clear)
+    shade = room.mesh_object("Roof", [(-2, -3, 2), (2, -3, 2), (2, 1, 2), (-2, 1, 2)], [(0, 1, 2, 3)], clear)
+    shade.visible_camera = False
+    ours, theirs = both(room, blender, tmp_path, transparent_max_bounces=limit)
+    same(ours, theirs)
+
+
+@pytest.mark.parametrize("bounces", [0, 1])
+def test_lamps_of_few_bounces(room, blender, tmp_path, bounces):
+    room.lamp.data.cycles.max_bounces = bounces
+    ours, theirs = both(room, blender, tmp_path)
+    same(ours, theirs)
+    room.lamp.data.cycles.max_bounces = 1024
+    differs(ours, room.render(tmp_path, "all.exr")[..., :3])
