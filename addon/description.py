@@ -126,7 +126,7 @@ class ApertureMask:
 class CameraDescription:
     object_name: str
     matrix_world: Matrix4
-    model: str = "LENS"  # LENS | IMAGE_BASED | PARAXIAL | THICK | THIN | PINHOLE
+    model: str = "LENS"  # LENS | IMAGE_BASED | PARAXIAL | THICK | THIN | PINHOLE | ORTHOGRAPHIC
     pinhole_focal_length_mm: float = 50.0
     pinhole_film_width_mm: float = 36.0
     pinhole_shift: tuple[float, float] = (0.0, 0.0)
@@ -155,6 +155,8 @@ class CameraDescription:
     precision: str = "AUTO"  # AUTO | F32 | F64: of the numbers in which rays leave through the lens
     # Shutter (s), ISO, lumens of a watt; None: radiance one is one in the middle of the picture.
     exposure: tuple[float, float, float] | None = None
+    orthographic_width: float = 1.0  # of the whole picture, Blender units
+    clip: tuple[float, float] = (0.0, float("inf"))  # depths between which camera rays see, Blender units
 
 
 def focused(camera: CameraDescription, found: dict) -> dict:
@@ -174,6 +176,7 @@ class SettingsDescription:
     noise_threshold: float = 0.0  # relative error at which a pixel has samples enough; 0: all get the same
     min_samples: int = 0  # before a pixel's error is first looked at; 0: 16
     seed: int = 0
+    film_exposure: float = 1.0  # what the finished light is multiplied by
     blue_noise: bool = False  # the errors of neighbouring pixels cancel; ranges of samples then do not make the whole
     sample_offset: int = 0
     threads: int = 0

@@ -224,6 +224,8 @@ class _Photograph:
             min_samples=own.min_samples,
             seed=own.seed,
             blue_noise=own.use_blue_noise,
+            # Cycles keeps the film's exposure; a picture must not change with the engine.
+            film_exposure=getattr(getattr(self.scene, "cycles", None), "film_exposure", 1.0),
             sample_offset=own.sample_offset,
             threads=render.threads if render.threads_mode == "FIXED" else 0,
             max_bounces=visibility.most_bounces(self.scene),

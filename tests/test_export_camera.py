@@ -185,11 +185,29 @@ def test_the_scale(parts, blender):
     assert description(parts).scale_mm_per_unit == pytest.approx((2.0, 3.0, 4.0))
 
 
-@pytest.mark.parametrize(("kind", "word"), [("ORTHO", "orthographic"), ("PANO", "panoramic")])
-def test_other_projections_are_said(parts, blender, kind, word):
-    blender.context.scene.camera.data.type = kind
+def test_another_projection_is_said(parts, blender):
+    blender.context.scene.camera.data.type = "PANO"
     _, warnings, _ = parts.sent()
-    assert len(warnings) == 1 and word in warnings[0] and "Camera 'Camera'" in warnings[0]
+    assert len(warnings) == 1 and "panoramic" in warnings[0] and "Camera 'Camera'" in warnings[0]
+
+
+def test_an_orthographic_camera_has_no_lens(parts, blender):
+    camera = blender.context.scene.camera.data
+    camera.type, camera.ortho_scale, camera.petzval.model = "ORTHO", 3.0, "LENS"
+    _, warnings, sent = parts.sent()
+    assert len(warnings) == 1 and "orthographic" in warnings[0] and "Camera 'Camera'" in warnings[0]
+    # The larger side of 48 x 32 pixels is the width.
+    assert (sent.model, sent.orthographic_width) == ("ORTHOGRAPHIC", pytest.approx(3.0))
+    camera.petzval.model = "PINHOLE"
+    blender.context.scene.render.resolution_y = 96
+    _, warnings, sent = parts.sent()
+    assert not warnings and sent.orthographic_width == pytest.approx(1.5)
+
+
+def test_clipping_is_sent(parts, blender):
+    camera = blender.context.scene.camera.data
+    camera.clip_start, camera.clip_end = 0.5, 40.0
+    assert description(parts).clip == pytest.approx((0.5, 40.0))
 
 
 def test_a_shift_that_moves_no_lens_is_said(parts, blender):

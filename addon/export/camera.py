@@ -53,11 +53,27 @@ def describe(
         spectrum="THREE" if settings.spectrum == "THREE" else "VISIBLE",
         precision=settings.precision,
         exposure=_exposure(settings),
+        clip=(camera.clip_start, camera.clip_end),
     )
+    if camera.type == "ORTHO":
+        return _orthographic(description, camera, width / side, report)
     _focus(description, camera, report)
     if of_lens:
         _lens(description, camera, width, height)
     _warn(description, camera, scene, report)
+    return description
+
+
+def _orthographic(
+    description: CameraDescription, camera: bpy.types.Camera, share: float, report: Report
+) -> CameraDescription:
+    """A picture by parallel rays: no lens and no focus. `share`: the picture's width on the side that Blender measures."""
+    if description.model != "PINHOLE":
+        report.warn(
+            f"Camera '{description.object_name}': it is orthographic, so no lens takes its picture: make it a perspective camera"
+        )
+    description.model, description.exposure = "ORTHOGRAPHIC", None
+    description.orthographic_width = camera.ortho_scale * share
     return description
 
 
@@ -164,7 +180,7 @@ def _lens(description: CameraDescription, camera: bpy.types.Camera, width: int, 
 def _warn(description: CameraDescription, camera: bpy.types.Camera, scene: bpy.types.Scene, report: Report) -> None:
     name = f"Camera '{description.object_name}'"
     if camera.type != "PERSP":
-        kind = {"ORTHO": "orthographic", "PANO": "panoramic"}.get(camera.type, camera.type.lower())
+        kind = {"PANO": "panoramic"}.get(camera.type, camera.type.lower())
         report.warn(f"{name}: {kind} cameras are not supported yet, it is taken as perspective")
     if scene.render.pixel_aspect_x != scene.render.pixel_aspect_y:
         report.warn(f"{name}: pixels that are not square are not supported yet, the picture is stretched")

@@ -91,6 +91,9 @@ class PETZVAL_RENDER_PT_film(_RenderPanel, bpy.types.Panel):
     def draw(self, context):
         layout = columns(self)
         layout.prop(context.scene.petzval, "filter_width")
+        cycles = getattr(context.scene, "cycles", None)
+        if cycles is not None:
+            layout.prop(cycles, "film_exposure")
         layout.prop(context.scene.render, "film_transparent", text="Transparent")
 
 

@@ -14,6 +14,7 @@ CHAPTERS = {
     "lamps": "Lamps",
     "worlds": "Worlds",
     "shapes": "Shapes",
+    "views": "Cameras",
 }
 
 

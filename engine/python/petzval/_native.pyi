@@ -213,6 +213,7 @@ class SettingsDescription(Protocol):
     noise_threshold: float  # relative error at which a pixel has enough; 0: all get the same
     min_samples: int  # before the error is first looked at; 0: 16
     seed: int
+    film_exposure: float  # what the finished light is multiplied by
     blue_noise: bool  # the errors of neighbouring pixels cancel; not with a noise threshold
     sample_offset: int
     threads: int  # 0: all cores

@@ -72,6 +72,8 @@ pub(crate) struct PyCamera {
     precision: String,
     /// Shutter (s), film speed (ISO), lumens of a watt.
     exposure: Option<(f64, f64, f64)>,
+    orthographic_width: f64,
+    clip: (f64, f64),
 }
 
 impl TryFrom<PyCamera> for CameraDescription {
@@ -85,9 +87,10 @@ impl TryFrom<PyCamera> for CameraDescription {
             "THICK" => Model::Thick,
             "PARAXIAL" => Model::Paraxial,
             "IMAGE_BASED" => Model::ImageBased,
+            "ORTHOGRAPHIC" => Model::Orthographic,
             other => {
                 return Err(refused(format!(
-                    "camera '{}': there is no camera model '{other}'; use LENS, IMAGE_BASED, PARAXIAL, THICK, THIN or PINHOLE",
+                    "camera '{}': there is no camera model '{other}'; use LENS, IMAGE_BASED, PARAXIAL, THICK, THIN, PINHOLE or ORTHOGRAPHIC",
                     c.object_name
                 )));
             }
@@ -168,6 +171,8 @@ impl TryFrom<PyCamera> for CameraDescription {
                 iso,
                 lumens_per_watt,
             }),
+            orthographic_width: c.orthographic_width,
+            clip: c.clip.into(),
         })
     }
 }

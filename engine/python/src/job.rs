@@ -5,6 +5,7 @@ use crate::doorway::away;
 use crate::error::{Error, refused};
 use crate::scene::Scene;
 use numpy::{PyArray1, PyArray3, PyArrayMethods};
+use petzval_render::camera::clip::Clip;
 use petzval_render::camera::imaging::Imaging;
 use petzval_render::camera::precision::TOLERANCE_PX;
 use petzval_render::camera::{Camera, CameraDescription};
@@ -30,6 +31,7 @@ struct PySettings {
     min_samples: u32,
     seed: u32,
     blue_noise: bool,
+    film_exposure: f32,
     sample_offset: u32,
     threads: usize,
     max_bounces: u32,
@@ -72,6 +74,7 @@ impl TryFrom<PySettings> for Settings {
             min_samples: s.min_samples,
             seed: s.seed,
             blue_noise: s.blue_noise,
+            film_exposure: s.film_exposure,
             sample_offset: s.sample_offset,
             threads: s.threads,
             max_bounces: s.max_bounces,
@@ -142,7 +145,8 @@ impl Job {
                 }
                 None => None,
             };
-            let beside = Beside { mattes, matte_levels, motion };
+            let clip = Clip::new(&now, &cameras[0]);
+            let beside = Beside { mattes, matte_levels, motion, clip };
             Ok(Self { job: engine::Job::start_with(stage, cameras, settings, beside)? })
         })?
     }

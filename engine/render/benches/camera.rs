@@ -1,7 +1,6 @@
 //! What a sample costs before its path begins: `cargo bench -p petzval-render --bench camera`.
 
 use criterion::{Criterion, criterion_group, criterion_main};
-use glam::{DMat4, DVec3};
 use petzval_render::camera::packet::Request;
 use petzval_render::camera::{Camera, CameraDescription, Model, Spectrum};
 use petzval_render::sampler::{PathSampler, raster::Raster, warp::PixelFilter};
@@ -11,34 +10,14 @@ const SIZE: [u32; 2] = [480, 270];
 
 fn camera(model: Model, lens: &str, spectrum: Option<Spectrum>) -> Camera {
     let d = CameraDescription {
-        object_name: "Camera".into(),
         model,
-        matrix_world: DMat4::IDENTITY,
-        pinhole_focal_length_mm: 50.0,
-        pinhole_film_width_mm: 36.0,
-        pinhole_shift: [0.0; 2],
         lens_path: format!("{}/../../lenses/{lens}.lens", env!("CARGO_MANIFEST_DIR")).into(),
-        focal_length_mm: None,
-        focal_scale: None,
-        f_number: None,
-        blades: 0,
-        blade_rotation_rad: 0.0,
-        blade_curvature: 0.0,
-        aperture_mask: None,
         focus_distance: Some(3.0),
-        focusing: Default::default(),
-        focus_point_world: None,
-        film_distance_mm: None,
         film_width_mm: 36.0,
         film_height_mm: 20.25,
-        tilt_rad: 0.0,
-        swing_rad: 0.0,
-        shift_mm: [0.0; 2],
-        scale_mm_per_unit: DVec3::splat(1000.0),
         wavelength_nm: if spectrum.is_none() { Some(587.5618) } else { None },
         spectrum: spectrum.unwrap_or_default(),
-        precision: Default::default(),
-        exposure: None,
+        ..CameraDescription::default()
     };
     Camera::new(&d, SIZE[0], SIZE[1]).unwrap()
 }

@@ -38,6 +38,7 @@ fn bench(c: &mut Criterion) {
             let shot = Shot {
                 stage: &stage,
                 cameras: &cameras,
+                clip: None,
                 pipeline,
                 light_paths: None,
                 raster: &raster,

@@ -7,6 +7,7 @@ mod adaptive;
 mod settings;
 
 use crate::camera::Camera;
+use crate::camera::clip::Clip;
 use crate::camera::real_lens::RealLens;
 use crate::film::cryptomatte::{MatteLayer, Mattes};
 use crate::film::data::{DataPass, DataSums, FARTHEST, VectorSums};
@@ -37,6 +38,8 @@ pub struct Beside {
     pub matte_levels: u32,
     /// For [`DataPass::Vector`].
     pub motion: Option<Motion>,
+    /// What of the scene the camera's rays see; `None`: all of it.
+    pub clip: Option<Clip>,
 }
 
 /// What a render did.
@@ -65,6 +68,7 @@ struct Shared {
     settings: Settings,
     pipeline: Pipeline,
     raster: Raster,
+    clip: Option<Clip>,
     motion: Option<Motion>,
     /// Found by the first thread that asks.
     limits: OnceLock<Limits>,
@@ -129,12 +133,13 @@ impl Job {
         let mattes = Mattes::new(&stage.scene, &beside.mattes, beside.matte_levels);
         let adapts = settings.noise_threshold > 0.0;
         let keep = Keep { surfaces: settings.with_data, vectors: beside.motion.is_some(), mattes, halves: adapts };
-        let film = Film::keeping(width, height, spreads, keep);
+        let film = Film::keeping(width, height, spreads, keep).exposed(settings.film_exposure);
         let shared = Arc::new(Shared {
             raster: Raster::new(width, height, PixelFilter::new(settings.filter_width_px)),
             adaptive: adapts.then(|| Adaptive::new(&settings, film.tile_count())),
             film,
             motion: beside.motion,
+            clip: beside.clip,
             limits: OnceLock::new(),
             pipeline,
             passes: passes(settings.samples),
@@ -322,6 +327,7 @@ impl Shared {
         let shot = Shot {
             stage: &self.stage,
             cameras: &self.cameras,
+            clip: self.clip,
             pipeline: self.pipeline,
             light_paths: (s.integrator == Integrator::Bidirectional).then_some(Techniques::All),
             raster: &self.raster,

@@ -2,7 +2,7 @@
 
 use glam::{DMat4, DVec3, Vec3};
 use petzval_render::Rgb;
-use petzval_render::camera::{Camera, CameraDescription, Model, Spectrum};
+use petzval_render::camera::{Camera, CameraDescription, Model};
 use petzval_render::integrator::{Integrator, Stage};
 use petzval_render::job::{Job, Settings, Statistics};
 use petzval_render::pipeline::Pipeline;
@@ -21,34 +21,13 @@ const CHANNELS: usize = 3;
 
 fn description(model: Model, lens: &str) -> CameraDescription {
     CameraDescription {
-        object_name: "Camera".into(),
         model,
-        matrix_world: DMat4::IDENTITY,
-        pinhole_focal_length_mm: 50.0,
-        pinhole_film_width_mm: 36.0,
-        pinhole_shift: [0.0, 0.0],
         lens_path: Path::new(env!("CARGO_MANIFEST_DIR")).join(format!("../../lenses/{lens}.lens")),
         focal_length_mm: Some(50.0),
-        focal_scale: None,
-        f_number: None,
-        blades: 0,
-        blade_rotation_rad: 0.0,
-        blade_curvature: 0.0,
-        aperture_mask: None,
-        focusing: Default::default(),
         focus_distance: Some(3.0),
-        focus_point_world: None,
-        film_distance_mm: None,
         film_width_mm: 36.0,
         film_height_mm: 24.0,
-        tilt_rad: 0.0,
-        swing_rad: 0.0,
-        shift_mm: [0.0, 0.0],
-        scale_mm_per_unit: DVec3::splat(1000.0),
-        wavelength_nm: None,
-        spectrum: Spectrum::Visible,
-        precision: Default::default(),
-        exposure: None,
+        ..CameraDescription::default()
     }
 }
 

@@ -5,8 +5,8 @@ mod lenses;
 #[path = "light_paths/scenes.rs"]
 mod scenes;
 
-use glam::{DMat4, DVec3};
-use petzval_render::camera::{Camera, CameraDescription, Model, Spectrum};
+use glam::DVec3;
+use petzval_render::camera::{Camera, CameraDescription, Model};
 use petzval_render::film::Film;
 use petzval_render::integrator::{
     Integrator, Stage,
@@ -29,34 +29,13 @@ const FIGURE_3: &str = "wide-angle-smith-f3.4";
 
 fn description(lens: &str) -> CameraDescription {
     CameraDescription {
-        object_name: "Camera".into(),
         model: Model::Lens,
-        matrix_world: DMat4::IDENTITY,
-        pinhole_focal_length_mm: 50.0,
-        pinhole_film_width_mm: 36.0,
-        pinhole_shift: [0.0, 0.0],
         lens_path: Path::new(env!("CARGO_MANIFEST_DIR")).join(format!("../../lenses/{lens}.lens")),
         focal_length_mm: Some(80.0),
-        focal_scale: None,
-        f_number: None,
-        blades: 0,
-        blade_rotation_rad: 0.0,
-        blade_curvature: 0.0,
-        aperture_mask: None,
-        focusing: Default::default(),
         focus_distance: Some(3.5),
-        focus_point_world: None,
-        film_distance_mm: None,
         film_width_mm: 48.0,
         film_height_mm: 32.0,
-        tilt_rad: 0.0,
-        swing_rad: 0.0,
-        shift_mm: [0.0, 0.0],
-        scale_mm_per_unit: DVec3::splat(1000.0),
-        wavelength_nm: None,
-        spectrum: Spectrum::Visible,
-        precision: Default::default(),
-        exposure: None,
+        ..CameraDescription::default()
     }
 }
 
@@ -98,6 +77,7 @@ fn light_alone(stage: &Stage, d: &CameraDescription, samples: u32, seed: u32, ma
     let shot = Shot {
         stage,
         cameras: std::slice::from_ref(&camera),
+        clip: None,
         pipeline: Pipeline::Hero,
         light_paths,
         raster: &raster,

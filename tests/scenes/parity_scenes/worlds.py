@@ -17,7 +17,7 @@ def _under(build) -> None:
     bpy.data.objects.remove(wall)
     world(build)
     monkey(plain(CREAM, Roughness=0.4), (-0.75, 0.0, 0.85), 1.7, turn=20)
-    ball(plain(GOLD, Metallic=1.0, Roughness=0.1), (1.15, -0.3, 0.8), 0.8)
+    ball(plain(GOLD, Metallic=1.0, Roughness=0.35), (1.15, -0.3, 0.8), 0.8)
 
 
 def _panorama():

@@ -5,7 +5,7 @@
 
 use glam::{Affine3A, DMat4, DVec3, Vec3};
 use petzval_render::Rgb;
-use petzval_render::camera::{Camera, CameraDescription, Model, Spectrum};
+use petzval_render::camera::{Camera, CameraDescription, Model};
 use petzval_render::integrator::Stage;
 use petzval_render::sampler::mix;
 use petzval_render::scene::material::{Input, Material};
@@ -182,34 +182,16 @@ pub(crate) fn camera(model: Model, wavelength_nm: Option<f64>, [width, height]: 
     let up = Affine3A::from_rotation_x(PI / 2.0);
     let matrix = DMat4::from_translation(EYE) * glam::Mat4::from(up).as_dmat4();
     let d = CameraDescription {
-        object_name: "Camera".into(),
         model,
         matrix_world: matrix,
-        pinhole_focal_length_mm: 50.0,
-        pinhole_film_width_mm: 36.0,
-        pinhole_shift: [0.0; 2],
         lens_path: format!("{}/../../lenses/double-gauss-f2-available.lens", env!("CARGO_MANIFEST_DIR")).into(),
         focal_length_mm: Some(50.0),
-        focal_scale: None,
         f_number: Some(2.0),
-        blades: 0,
-        blade_rotation_rad: 0.0,
-        blade_curvature: 0.0,
-        aperture_mask: None,
         focus_distance: Some(2.0),
-        focusing: Default::default(),
-        focus_point_world: None,
-        film_distance_mm: None,
         film_width_mm: 36.0,
         film_height_mm: 20.25,
-        tilt_rad: 0.0,
-        swing_rad: 0.0,
-        shift_mm: [0.0; 2],
-        scale_mm_per_unit: DVec3::splat(1000.0),
         wavelength_nm,
-        spectrum: Spectrum::Visible,
-        precision: Default::default(),
-        exposure: None,
+        ..CameraDescription::default()
     };
     Camera::new(&d, width, height).unwrap()
 }

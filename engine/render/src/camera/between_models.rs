@@ -60,34 +60,15 @@ impl Element {
 fn description(model: Model, file: &LensFile, focal_length_mm: f64, f_number: f64, field: f64) -> CameraDescription {
     let film_mm = field * focal_length_mm;
     CameraDescription {
-        object_name: "Camera".into(),
         model,
-        matrix_world: DMat4::IDENTITY,
         pinhole_focal_length_mm: focal_length_mm,
         pinhole_film_width_mm: film_mm,
-        pinhole_shift: [0.0, 0.0],
         lens_path: file.0.clone(),
-        focal_length_mm: None,
-        focal_scale: None,
         f_number: Some(f_number),
-        blades: 0,
-        blade_rotation_rad: 0.0,
-        blade_curvature: 0.0,
-        aperture_mask: None,
-        focus_distance: None,
-        focusing: Default::default(),
-        focus_point_world: None,
-        film_distance_mm: None,
         film_width_mm: film_mm,
         film_height_mm: film_mm,
-        tilt_rad: 0.0,
-        swing_rad: 0.0,
-        shift_mm: [0.0, 0.0],
-        scale_mm_per_unit: DVec3::splat(1000.0),
         wavelength_nm: Some(587.5618),
-        spectrum: Spectrum::Visible,
-        precision: Default::default(),
-        exposure: None,
+        ..CameraDescription::default()
     }
 }
 

@@ -5,6 +5,7 @@
 
 use super::gaussian::Order;
 use super::mount::Mount;
+use super::orthographic::Orthographic;
 use super::pinhole::Pinhole;
 use super::real_lens::film_spectrum;
 use super::setup::D_LINE_NM;
@@ -52,6 +53,7 @@ pub struct Imaging {
 
 enum Eye {
     Pinhole(Pinhole),
+    Orthographic(Orthographic),
     Thin(Thin),
     Lens(Box<LensEye>),
 }
@@ -105,6 +107,7 @@ impl Imaging {
         };
         let eye = match d.model {
             Model::Pinhole => Eye::Pinhole(Pinhole::new(d, axes, width, height)),
+            Model::Orthographic => Eye::Orthographic(Orthographic::new(d, axes, width, height)),
             Model::Thin => Eye::Thin(Thin::new(d, axes, width, height)?),
             // The table differs from the lens by far less than things move.
             Model::Lens | Model::ImageBased => lens(None)?,
@@ -118,7 +121,7 @@ impl Imaging {
     pub fn through(&self, ray: &Ray, seen: Seen) -> PupilPoint {
         let origin = ray.origin.as_dvec3() - self.place;
         PupilPoint(match &self.eye {
-            Eye::Pinhole(_) => DVec3::ZERO,
+            Eye::Pinhole(_) | Eye::Orthographic(_) => DVec3::ZERO,
             Eye::Thin(lens) => lens.axes().transpose() * origin / lens.radius(),
             Eye::Lens(lens) => {
                 let pupil = lens.pupil(self.relative(seen));
@@ -147,6 +150,11 @@ impl Imaging {
         };
         match &self.eye {
             Eye::Pinhole(camera) => camera.place(along(camera.axes(), DVec3::ZERO)),
+            // What is infinitely far is seen nowhere in particular.
+            Eye::Orthographic(camera) => match seen {
+                Seen::Point(p) => Some(camera.place(camera.axes().transpose() * p)),
+                Seen::Direction(_) => None,
+            },
             Eye::Thin(lens) => {
                 let start = through.0 * lens.radius();
                 lens.place(start, along(lens.axes(), start))

@@ -6,6 +6,7 @@
 mod arrive;
 pub mod autofocus;
 pub mod batch;
+pub mod clip;
 pub mod exposure;
 mod focal_surface;
 pub mod from_scene;
@@ -14,6 +15,7 @@ pub mod image_based;
 pub mod imaging;
 mod lines;
 mod mount;
+pub mod orthographic;
 mod outward;
 pub mod packet;
 pub mod pinhole;
@@ -29,6 +31,7 @@ use exposure::PhysicalExposure;
 use gaussian::{Gaussian, Order};
 use glam::{DMat3, DMat4, DVec3, Mat3, Vec2};
 use image_based::ImageBased;
+use orthographic::Orthographic;
 use petzval_optics::autofocus::{AutofocusError, SharpPlaneError};
 use petzval_optics::diaphragm::ApertureMask;
 use petzval_optics::focus::{FocusError, Focusing};
@@ -106,6 +109,8 @@ pub enum Model {
     Paraxial,
     /// A table of the lens's rays at one wavelength.
     ImageBased,
+    /// No lens at all: parallel rays.
+    Orthographic,
 }
 
 /// Into what the film parts the light.
@@ -177,6 +182,49 @@ pub struct CameraDescription {
     pub precision: Precision,
     /// `None`: a uniform world of radiance one makes the middle of the film one, whatever the f-number.
     pub exposure: Option<PhysicalExposure>,
+    /// Width of an orthographic picture, Blender units.
+    pub orthographic_width: f64,
+    /// What is nearer along the camera's axis than the first, or farther than the second, is not seen by camera rays, Blender
+    /// units.
+    pub clip: [f64; 2],
+}
+
+impl Default for CameraDescription {
+    /// At the world's origin, before full-frame film; everything is seen. A lens is still to be named.
+    fn default() -> Self {
+        Self {
+            object_name: "Camera".into(),
+            model: Model::default(),
+            matrix_world: DMat4::IDENTITY,
+            pinhole_focal_length_mm: 50.0,
+            pinhole_film_width_mm: 36.0,
+            pinhole_shift: [0.0; 2],
+            lens_path: PathBuf::new(),
+            focal_length_mm: None,
+            focal_scale: None,
+            f_number: None,
+            blades: 0,
+            blade_rotation_rad: 0.0,
+            blade_curvature: 0.0,
+            aperture_mask: None,
+            focus_distance: None,
+            focusing: Focusing::default(),
+            focus_point_world: None,
+            film_distance_mm: None,
+            film_width_mm: 36.0,
+            film_height_mm: 24.0,
+            tilt_rad: 0.0,
+            swing_rad: 0.0,
+            shift_mm: [0.0; 2],
+            scale_mm_per_unit: DVec3::splat(1000.0),
+            wavelength_nm: None,
+            spectrum: Spectrum::default(),
+            precision: Precision::default(),
+            exposure: None,
+            orthographic_width: 1.0,
+            clip: [0.0, f64::INFINITY],
+        }
+    }
 }
 
 impl CameraDescription {
@@ -235,7 +283,7 @@ impl CameraDescription {
             positive(e.shutter_s, "the shutter time")?;
             positive(e.iso, "the film speed")?;
             positive(e.lumens_per_watt, "the lumens of a watt")?;
-            if self.model == Model::Pinhole {
+            if matches!(self.model, Model::Pinhole | Model::Orthographic) {
                 return Err(self.error("a pinhole has no f-number to expose by; switch physical exposure off"));
             }
         }
@@ -247,6 +295,7 @@ impl CameraDescription {
                 positive(self.film_width_mm, "the film width")?;
                 positive(self.film_height_mm, "the film height")
             }
+            Model::Orthographic => positive(self.orthographic_width, "the orthographic scale"),
             Model::Pinhole | Model::Thin => {
                 positive(self.pinhole_focal_length_mm, "the focal length")?;
                 positive(self.pinhole_film_width_mm, "the sensor width")
@@ -283,6 +332,8 @@ pub enum Camera {
     Gaussian(Box<Gaussian>),
     /// A real one as a table.
     ImageBased(Box<ImageBased>),
+    /// None.
+    Orthographic(Orthographic),
 }
 
 impl Camera {
@@ -300,6 +351,7 @@ impl Camera {
             Model::Thick => Self::Gaussian(Box::new(Gaussian::new(Order::Thick, d, axes, width, height)?)),
             Model::Paraxial => Self::Gaussian(Box::new(Gaussian::new(Order::Paraxial, d, axes, width, height)?)),
             Model::ImageBased => Self::ImageBased(Box::new(ImageBased::new(d, axes, width, height)?)),
+            Model::Orthographic => Self::Orthographic(Orthographic::new(d, axes, width, height)),
         })
     }
 
@@ -313,6 +365,7 @@ impl Camera {
             Self::Lens(c) => c.sample(p, u_lens, u_wavelength),
             Self::Gaussian(c) => Some(c.sample(p, u_lens, u_wavelength)),
             Self::ImageBased(c) => c.sample(p, u_lens),
+            Self::Orthographic(c) => Some(c.ray(p)),
         }
     }
 
@@ -332,6 +385,7 @@ impl Camera {
             Self::Lens(c) => c.mount.axes(),
             Self::Gaussian(c) => c.axes(),
             Self::ImageBased(c) => c.axes(),
+            Self::Orthographic(c) => c.axes(),
         }
     }
 
@@ -343,6 +397,7 @@ impl Camera {
             Self::Lens(lens) => &lens.info().lens_name,
             Self::Gaussian(lens) => &lens.info().lens_name,
             Self::ImageBased(lens) => &lens.info().lens_name,
+            Self::Orthographic(_) => "orthographic",
         }
     }
 }

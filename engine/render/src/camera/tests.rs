@@ -20,34 +20,13 @@ pub(crate) fn with_lens(file: &str, width_mm: f64, height_mm: f64, tilt_rad: f64
 
 fn description(model: Model) -> CameraDescription {
     CameraDescription {
-        object_name: "Camera".into(),
         model,
-        matrix_world: DMat4::IDENTITY,
-        pinhole_focal_length_mm: 50.0,
-        pinhole_film_width_mm: 36.0,
-        pinhole_shift: [0.0, 0.0],
         lens_path: lens("wide-angle-smith-f3.4.lens"),
-        focal_length_mm: None,
-        focal_scale: None,
-        f_number: None,
-        blades: 0,
-        blade_rotation_rad: 0.0,
-        blade_curvature: 0.0,
-        aperture_mask: None,
         focus_distance: Some(2.0),
-        focusing: Default::default(),
-        focus_point_world: None,
-        film_distance_mm: None,
         film_width_mm: 120.0,
         film_height_mm: 80.0,
-        tilt_rad: 0.0,
-        swing_rad: 0.0,
-        shift_mm: [0.0, 0.0],
-        scale_mm_per_unit: DVec3::splat(1000.0),
         wavelength_nm: Some(587.5618),
-        spectrum: Spectrum::Visible,
-        precision: Default::default(),
-        exposure: None,
+        ..CameraDescription::default()
     }
 }
 

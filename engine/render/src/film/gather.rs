@@ -118,6 +118,9 @@ impl Film {
                 pixel.iter_mut().zip(sums.get(number(i))).for_each(|(p, s)| *p += (s * scale) as f32);
             }
         }
+        if self.exposure != 1.0 {
+            out.iter_mut().flat_map(|pixel| &mut pixel[..3]).for_each(|part| *part *= self.exposure);
+        }
         out
     }
 }

@@ -205,6 +205,8 @@ pub struct Film {
     /// Of each half's samples.
     anywhere: [SplatSums; 2],
     keep: Keep,
+    /// What the light is multiplied by when it is asked for.
+    exposure: f32,
 }
 
 impl Film {
@@ -245,7 +247,13 @@ impl Film {
         };
         let sums = || SplatSums::new(width as usize * height as usize);
         let tiles = order.iter().map(tile).collect();
-        Self { width, height, tile_size, tiles, places, far: sums(), anywhere: [sums(), sums()], keep }
+        Self { width, height, tile_size, tiles, places, far: sums(), anywhere: [sums(), sums()], keep, exposure: 1.0 }
+    }
+
+    /// The same, with all its light multiplied by a factor.
+    #[must_use]
+    pub fn exposed(self, exposure: f32) -> Self {
+        Self { exposure, ..self }
     }
 
     /// Columns and rows.

@@ -28,6 +28,8 @@ pub struct Settings {
     /// The errors of neighbouring pixels cancel once all samples are there. Not where pixels get as many as they need:
     /// what stops them must not know of their neighbours. Ranges of samples make the whole picture only without.
     pub blue_noise: bool,
+    /// What the finished light is multiplied by.
+    pub film_exposure: f32,
     /// Number of the first sample: renders of one seed and disjoint ranges can be merged.
     pub sample_offset: u32,
     /// 0 is one a core.
@@ -61,6 +63,7 @@ impl Default for Settings {
             min_samples: 0,
             seed: 0,
             blue_noise: false,
+            film_exposure: 1.0,
             sample_offset: 0,
             threads: 0,
             max_bounces: 12,

@@ -22,34 +22,14 @@ fn settings(samples: u32, threads: usize) -> Settings {
 
 fn description(model: Model) -> CameraDescription {
     CameraDescription {
-        object_name: "Camera".into(),
         model,
-        matrix_world: DMat4::IDENTITY,
-        pinhole_focal_length_mm: 50.0,
-        pinhole_film_width_mm: 36.0,
-        pinhole_shift: [0.0, 0.0],
         lens_path: Path::new(env!("CARGO_MANIFEST_DIR")).join("../../lenses/wide-angle-smith-f3.4.lens"),
-        focal_length_mm: None,
-        focal_scale: None,
-        f_number: None,
-        blades: 0,
-        blade_rotation_rad: 0.0,
-        blade_curvature: 0.0,
-        aperture_mask: None,
         focus_distance: Some(3.0),
-        focusing: Default::default(),
-        focus_point_world: None,
-        film_distance_mm: None,
         film_width_mm: 90.0,
         film_height_mm: 60.0,
         tilt_rad: 0.1,
-        swing_rad: 0.0,
-        shift_mm: [0.0, 0.0],
-        scale_mm_per_unit: DVec3::splat(1000.0),
-        wavelength_nm: None,
         spectrum: crate::camera::Spectrum::Visible,
-        precision: Default::default(),
-        exposure: None,
+        ..CameraDescription::default()
     }
 }
 
@@ -260,7 +240,8 @@ fn mattes_and_vectors_do_not_depend_on_threads() {
     let render = |model: Model, threads: usize| {
         let imaging = || Imaging::new(&description(model), 75, 50, DVec3::ZERO).unwrap();
         let motion = Some(Motion::new(imaging(), [imaging(), imaging()], 75, 50));
-        let beside = Beside { mattes: vec![MatteLayer::Object, MatteLayer::Asset], matte_levels: 3, motion };
+        let beside =
+            Beside { mattes: vec![MatteLayer::Object, MatteLayer::Asset], matte_levels: 3, motion, clip: None };
         let job = Job::start_with(stage.clone(), vec![camera(model)], settings(37, threads), beside).unwrap();
         assert!(job.wait(Duration::from_secs(120)));
         let bits = |list: Vec<f32>| list.into_iter().map(f32::to_bits).collect::<Vec<u32>>();

@@ -9,6 +9,7 @@ mod stretch;
 
 use crate::Rgb;
 use crate::camera::Camera;
+use crate::camera::clip::Clip;
 use crate::camera::packet::Splats;
 use crate::camera::real_lens::RealLens;
 use crate::film::{Patch, TileRect};
@@ -67,6 +68,8 @@ pub struct Shot<'a> {
     pub stage: &'a Stage,
     /// The camera, at times that lie evenly over the time that the shutter is open; one, if nothing of it moves.
     pub cameras: &'a [Camera],
+    /// What of the scene their rays see.
+    pub clip: Option<Clip>,
     /// One that the camera can.
     pub pipeline: Pipeline,
     /// Where light paths take part: with the real lens alone.

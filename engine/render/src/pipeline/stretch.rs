@@ -60,7 +60,8 @@ pub(super) fn render<L: Leads>(
         wave.clear();
         for (lead, sampler) in leads.iter().zip(&stretch.samplers) {
             if let Some(lead) = lead {
-                wave.start(L::ray(lead), sampler.clone());
+                let ray = L::ray(lead);
+                wave.start(shot.clip.map_or(ray, |clip| clip.cut(ray)), sampler.clone());
             }
         }
         wave.follow(shot.stage, &shot.limits);

@@ -19,34 +19,12 @@ pub(crate) const D_LINE_NM: f64 = 587.5618;
 /// mm, in the light of the d line.
 pub(crate) fn lens(name: &str) -> CameraDescription {
     CameraDescription {
-        object_name: "Camera".into(),
         model: Model::Lens,
-        matrix_world: DMat4::IDENTITY,
-        pinhole_focal_length_mm: 50.0,
-        pinhole_film_width_mm: 36.0,
-        pinhole_shift: [0.0, 0.0],
         lens_path: Path::new(env!("CARGO_MANIFEST_DIR")).join(format!("../../lenses/{name}.lens")),
-        focal_length_mm: None,
-        focal_scale: None,
-        f_number: None,
-        blades: 0,
-        blade_rotation_rad: 0.0,
-        blade_curvature: 0.0,
-        aperture_mask: None,
-        focusing: Default::default(),
-        focus_distance: None,
-        focus_point_world: None,
-        film_distance_mm: None,
         film_width_mm: 36.0,
         film_height_mm: 24.0,
-        tilt_rad: 0.0,
-        swing_rad: 0.0,
-        shift_mm: [0.0, 0.0],
-        scale_mm_per_unit: DVec3::splat(1000.0),
         wavelength_nm: Some(D_LINE_NM),
-        spectrum: Spectrum::Visible,
-        precision: Default::default(),
-        exposure: None,
+        ..CameraDescription::default()
     }
 }
 

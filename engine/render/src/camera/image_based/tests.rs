@@ -1,8 +1,8 @@
 //! The table against the lens traced exactly: both are asked for the same points of film and pupil.
 
 use crate::camera::precision::Precision;
-use crate::camera::{Camera, CameraDescription, Model, Spectrum, lens_info};
-use glam::{DMat4, DVec3, Vec2};
+use crate::camera::{Camera, CameraDescription, Model, lens_info};
+use glam::Vec2;
 use petzval_optics::formats::lens;
 use petzval_optics::glass::Catalogue;
 use std::path::{Path, PathBuf};
@@ -13,35 +13,14 @@ fn lenses() -> PathBuf {
 
 fn description(file: &str, film_mm: [f64; 2]) -> CameraDescription {
     CameraDescription {
-        object_name: "Camera".into(),
         model: Model::Lens,
-        matrix_world: DMat4::IDENTITY,
-        pinhole_focal_length_mm: 50.0,
-        pinhole_film_width_mm: 36.0,
-        pinhole_shift: [0.0, 0.0],
         lens_path: lenses().join(file),
-        focal_length_mm: None,
-        focal_scale: None,
-        f_number: None,
-        blades: 0,
-        blade_rotation_rad: 0.0,
-        blade_curvature: 0.0,
-        aperture_mask: None,
-        focus_distance: None,
-        focusing: Default::default(),
-        focus_point_world: None,
-        film_distance_mm: None,
         film_width_mm: film_mm[0],
         film_height_mm: film_mm[1],
-        tilt_rad: 0.0,
-        swing_rad: 0.0,
-        shift_mm: [0.0, 0.0],
-        scale_mm_per_unit: DVec3::splat(1000.0),
         wavelength_nm: Some(587.5618),
-        spectrum: Spectrum::Visible,
         // Differences are told in pixels finer than the pictures of these cameras.
         precision: Precision::Double,
-        exposure: None,
+        ..CameraDescription::default()
     }
 }
 

@@ -142,7 +142,7 @@ impl Wave {
             let (path, result) = (&mut self.paths[i as usize], &mut self.results[i as usize]);
             self.is_alive[i as usize] = false;
             let Some(hit) = hit else {
-                path.lamps_before(stage, limits, f32::INFINITY, result);
+                path.lamps_before(stage, limits, path.travelled + path.ray.t_max, result);
                 path.sky(stage, limits, result);
                 continue;
             };
@@ -159,7 +159,7 @@ impl Wave {
                 path.throughput *= opening.light / opening.chance;
                 path.travelled += hit.t;
                 let origin = offset_origin(point.position, -point.geometric_normal, point.position_error);
-                path.ray = Ray::new(origin, path.ray.direction);
+                path.ray = Ray { origin, t_max: path.ray.t_max - hit.t, ..path.ray };
                 self.is_alive[i as usize] = true;
                 continue;
             }

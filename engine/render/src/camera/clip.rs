@@ -1,0 +1,58 @@
+//! What of the scene camera rays see, by its depth: Blender's clipping.
+
+use super::{Camera, CameraDescription};
+use crate::accel::Ray;
+use glam::Vec3A;
+
+/// Two planes at right angles to a camera's axis.
+#[derive(Clone, Copy, Debug)]
+pub struct Clip {
+    /// Along the axis, render space, unit.
+    forward: Vec3A,
+    near: f32,
+    far: f32,
+}
+
+impl Clip {
+    /// Of a camera whose place is render space's origin; `None` if it leaves nothing out.
+    pub fn new(d: &CameraDescription, camera: &Camera) -> Option<Self> {
+        let [near, far] = d.clip;
+        let leaves_out = near > 0.0 || far < f64::INFINITY;
+        let forward = -camera.axes().z_axis.as_vec3a();
+        leaves_out.then_some(Self { forward, near: near as f32, far: far as f32 })
+    }
+
+    /// What of a camera ray lies between the planes.
+    #[inline]
+    pub fn cut(&self, ray: Ray) -> Ray {
+        let (along, depth) = (self.forward.dot(ray.direction), self.forward.dot(ray.origin));
+        // A fisheye looks sideways and back, where depth says nothing.
+        if along <= 1e-6 {
+            return ray;
+        }
+        let begin = ((self.near - depth) / along).max(0.0);
+        let end = (self.far - depth) / along;
+        Ray { origin: ray.origin + ray.direction * begin, t_max: (end - begin).max(0.0), ..ray }
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::camera::Model;
+
+    #[test]
+    fn depth_counts_along_the_axis() {
+        let d = CameraDescription { model: Model::Pinhole, clip: [1.0, 10.0], ..Default::default() };
+        let camera = Camera::new(&d, 100, 100).unwrap();
+        let clip = Clip::new(&d, &camera).unwrap();
+        for direction in [Vec3A::NEG_Z, Vec3A::new(0.6, 0.0, -0.8)] {
+            let cut = clip.cut(Ray::new(Vec3A::ZERO, direction));
+            assert!((cut.origin.z + 1.0).abs() < 1e-6);
+            assert!((cut.origin + cut.direction * cut.t_max).z + 10.0 < 1e-5);
+        }
+        let sideways = Ray::new(Vec3A::ZERO, Vec3A::X);
+        assert_eq!(clip.cut(sideways).t_max, f32::INFINITY);
+        assert!(Clip::new(&CameraDescription { clip: [0.0, f64::INFINITY], ..d }, &camera).is_none());
+    }
+}
