@@ -28,6 +28,9 @@ FRAMES = {
     "shifted, vertical": {"size": (120, 80), "sensor_fit": "VERTICAL", "shift_x": 0.1, "shift_y": 0.05},
     "shifted, horizontal, tall": {"size": (80, 120), "sensor_fit": "HORIZONTAL", "shift_x": 0.1, "shift_y": 0.1},
     "tele": {"size": (120, 80), "lens": 135.0},
+    "orthographic": {"size": (120, 80), "type": "ORTHO", "ortho_scale": 5.0, "shift_x": 0.1, "shift_y": 0.05},
+    "orthographic, tall": {"size": (80, 120), "type": "ORTHO", "ortho_scale": 5.0, "shift_x": -0.05},
+    "orthographic, vertical": {"size": (120, 80), "type": "ORTHO", "ortho_scale": 3.0, "sensor_fit": "VERTICAL"},
     "scaled camera": {"size": (120, 80), "scale": 2.5},
 }
 
@@ -54,7 +57,8 @@ def test_points_lie_where_blender_projects_them(parts, blender, tmp_path, frame)
     right, left, top, bottom = frame_corners[0], frame_corners[2], frame_corners[0], frame_corners[2]
     points = []
     for u, v in places:
-        local = Vector((left.x + u * (right.x - left.x), bottom.y + v * (top.y - bottom.y), left.z)) * 6.0
+        local = Vector((left.x + u * (right.x - left.x), bottom.y + v * (top.y - bottom.y), left.z))
+        local = Vector((local.x, local.y, -6.0)) if holder.data.type == "ORTHO" else local * 6.0
         pose = holder.matrix_world.normalized()
         points.append(pose @ local)
     picture_size = (scene.render.resolution_x, scene.render.resolution_y)
@@ -196,10 +200,10 @@ def test_an_orthographic_camera_has_no_lens(parts, blender):
     camera.type, camera.ortho_scale, camera.petzval.model = "ORTHO", 3.0, "LENS"
     _, warnings, sent = parts.sent()
     assert len(warnings) == 1 and "orthographic" in warnings[0] and "Camera 'Camera'" in warnings[0]
-    # The larger side of 48 x 32 pixels is the width.
+    # The larger side of 120 x 80 pixels is the width.
     assert (sent.model, sent.orthographic_width) == ("ORTHOGRAPHIC", pytest.approx(3.0))
     camera.petzval.model = "PINHOLE"
-    blender.context.scene.render.resolution_y = 96
+    blender.context.scene.render.resolution_y = 240
     _, warnings, sent = parts.sent()
     assert not warnings and sent.orthographic_width == pytest.approx(1.5)
 

@@ -98,8 +98,8 @@ def test_a_module_uses_only_those_above_it(crate):
 @pytest.mark.parametrize(
     ("crate", "forbidden"),
     [
-        ("optics", {"petzval-render", "petzval-python", "pyo3", "numpy", "rayon", "petzval-testkit"}),
-        ("nodes", {"petzval-optics", "petzval-render", "petzval-python", "pyo3", "numpy", "rayon", "petzval-testkit"}),
+        ("optics", {"petzval-render", "petzval-python", "pyo3", "numpy", "petzval-testkit"}),
+        ("nodes", {"petzval-optics", "petzval-render", "petzval-python", "pyo3", "numpy", "petzval-testkit"}),
         ("render", {"petzval-python", "pyo3", "numpy", "petzval-testkit"}),
         ("testkit", {"petzval-python", "pyo3", "numpy"}),
         ("python", {"petzval-testkit"}),
