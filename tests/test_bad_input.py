@@ -336,3 +336,49 @@ def test_the_command_refuses_before_it_opens_blender(petzval_cli, tmp_path, argu
     scene.write_bytes(b"never opened")
     given = [str(scene) if word == "SCENE" else word for word in arguments]
     assert_one_line(petzval_cli("render", *given), status, words)
+
+
+def test_nodes_in_a_circle_are_cut_and_named(studio, blender, tmp_path):
+    """A shader that mixes itself with another, and numbers that need each other."""
+    import scene_parts as parts
+
+    made, tree, surface = parts.material("Circle")
+    first, second, mix = (tree.nodes.new(f"ShaderNode{kind}") for kind in ("Math", "Math", "MixShader"))
+    diffuse = tree.nodes.new("ShaderNodeBsdfDiffuse")
+    for source, target in (
+        (first.outputs[0], second.inputs[0]), (second.outputs[0], first.inputs[0]), (first.outputs[0], diffuse.inputs[0]),
+        (mix.outputs[0], mix.inputs[1]), (diffuse.outputs[0], mix.inputs[2]), (mix.outputs[0], surface),
+    ):  # fmt: skip
+        tree.links.new(source, target)
+    parts.square("Wall", (0.0, 3.0, 0.0), 4.0, made)
+    picture = parts.render(tmp_path)
+    assert np.isfinite(picture).all()
+    (warning,) = parts.part("statistics").last("Scene").warnings
+    assert "Material 'Circle'" in warning and "Mix Shader" in warning and "itself" in warning
+
+
+def test_twenty_thousand_lamps(blender, tmp_path):
+    """As many as instances of one: together as bright as one that has all their power."""
+    import scene_parts as parts
+
+    scene, count = parts.set_up(samples=16), 20_000
+    scene.world = parts.grey_world(0.0)
+    places = np.random.default_rng(3).normal(0.0, 1.0, (count, 3)) * 0.01 + (0.0, 1.0, 0.0)
+    mesh = blender.data.meshes.new("Places")
+    mesh.vertices.add(count)
+    mesh.vertices.foreach_set("co", places.astype(np.float32).reshape(-1))
+    holder = blender.data.objects.new("Places", mesh)
+    lamp = blender.data.objects.new("Lamp", blender.data.lights.new("Lamp", "POINT"))
+    lamp.data.shadow_soft_size = 0.0
+    for one in (holder, lamp):
+        scene.collection.objects.link(one)
+    made, tree, surface = parts.material("Plain")
+    tree.links.new(tree.nodes.new("ShaderNodeBsdfDiffuse").outputs[0], surface)
+    parts.square("Wall", (0.0, 3.0, 0.0), 4.0, made)
+    lamp.data.energy, lamp.location = 100.0, (0.0, 1.0, 0.0)
+    one = parts.render(tmp_path, "one.exr")[..., :3].mean()
+    lamp.data.energy, lamp.location = 100.0 / count, (0.0, 0.0, 0.0)
+    lamp.parent, holder.instance_type = holder, "VERTS"
+    many = parts.render(tmp_path, "many.exr")[..., :3].mean()
+    # The cloud of lamps is a hundredth of its distance wide.
+    assert many == pytest.approx(one, rel=0.02)

@@ -7,6 +7,8 @@ a node that the caller must understand.
 
 from __future__ import annotations
 
+from collections.abc import Iterator
+from contextlib import contextmanager
 from dataclasses import dataclass
 from typing import Any
 
@@ -14,6 +16,9 @@ import bpy
 
 # Deeper than any sane tree; a group that holds itself cannot be made in Blender.
 _DEEPEST = 1000
+
+# Nodes that are being looked into.
+_open: set[tuple[int, tuple[int, ...]]] = set()
 
 
 @dataclass(frozen=True)
@@ -39,6 +44,19 @@ class Source:
     def inputs(self) -> list[Input]:
         """All inputs of the node that are in use."""
         return [Input(socket, self.groups) for socket in self.node.inputs if socket.enabled]
+
+
+@contextmanager
+def entered(source: Source) -> Iterator[bool]:
+    """Whether a node may be looked into: not if that is already going on, for then its links run in a circle."""
+    key = (source.node.as_pointer(), tuple(group.as_pointer() for group in source.groups))
+    is_new = key not in _open
+    _open.add(key)
+    try:
+        yield is_new
+    finally:
+        if is_new:
+            _open.discard(key)
 
 
 def trace(start: Input) -> Source | Input | None:

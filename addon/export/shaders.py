@@ -42,7 +42,11 @@ def _layers(source: nodes.Source, weight: Weight, inputs: Inputs) -> Layers:
         return []
     if source.socket.type != "SHADER":
         return _bare_colour(source, weight, inputs)
-    return _CONVERTERS.get(source.node.type, _unknown)(source, weight, inputs)
+    with nodes.entered(source) as is_new:
+        if is_new:
+            return _CONVERTERS.get(source.node.type, _unknown)(source, weight, inputs)
+    inputs.warn(f"{source.node.name}: its links run in a circle, which is cut")
+    return []
 
 
 def _layer(kind: str, weight: Weight, colours: dict[str, Any], numbers: dict[str, Any] | None = None, **more: Any):

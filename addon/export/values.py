@@ -11,7 +11,7 @@ from collections.abc import Callable
 from typing import Any
 
 from .blackbody import blackbody
-from .nodes import Input, Source, trace, value
+from .nodes import Input, Source, entered, trace, value
 
 Ask = Callable[[Input], Any]
 
@@ -53,7 +53,11 @@ def _evaluate(start: Input, node_value: Callable[[Source, Ask], Any], ask: Ask) 
         # Nothing arrives through a dead end: Blender takes zero.
         own = value(start.socket)
         return tuple(0.0 for _ in own) if isinstance(own, tuple) else 0.0
-    given = value(found.socket) if isinstance(found, Input) else node_value(found, ask)
+    if isinstance(found, Input):
+        given = value(found.socket)
+    else:
+        with entered(found) as is_new:
+            given = node_value(found, ask) if is_new else None
     return None if given is None else _as_kind_of(start, given)
 
 

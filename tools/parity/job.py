@@ -37,8 +37,8 @@ def main(name: str, folder: Path, width: int, height: int, samples: int) -> dict
     scene = bpy.context.scene
     if scene.camera is None:
         return {"skipped": "it has no camera"}
-    if scene.camera.data.type != "PERSP":
-        return {"skipped": f"its camera is of type {scene.camera.data.type.title()}"}
+    if scene.camera.data.type == "PANO":
+        return {"skipped": "its camera is panoramic"}
     photograph.prepare(width, height, samples)
     began = time.perf_counter()
     np.save(folder / "petzval.npy", photograph.take("PETZVAL", folder))

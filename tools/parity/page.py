@@ -3,6 +3,7 @@
 
 from __future__ import annotations
 
+import re
 from pathlib import Path
 
 from PIL import Image
@@ -91,6 +92,14 @@ def _others(others: dict) -> list[str]:
             numbers = f"{found['flip']:.4f} | {found['flip_of_halves']:.4f} | {_percent(found['worst_block'])} | {_percent(found['mean'], '+')}"
         else:
             numbers = f"{found.get('skipped') or found.get('failed') or 'black in Cycles'} | | |"
-        said = "; ".join(found.get("warnings", [])).replace("|", "/")
+        said = _said(found.get("warnings", []))
         lines.append(f"| {name} | {numbers} | {said} |")
     return lines + [""]
+
+
+def _said(warnings: list[str]) -> str:
+    """The first few, without the paths of this machine."""
+    # A path in brackets after a name; a drive's letter, or a slash.
+    lines = [re.sub(r" \([^()]*[/\\\\][^()]*\)", "", line).replace("|", "/") for line in warnings]
+    more = f"; and {len(lines) - 4} more" if len(lines) > 4 else ""
+    return "; ".join(lines[:4]) + more
