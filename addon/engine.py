@@ -16,6 +16,7 @@ from . import export, loop, passes, persistent, statistics, tiles
 from .description import CameraDescription, Report, SettingsDescription, focused
 from .export import aperture_mask, visibility
 from .export import camera as camera_export
+from .export import viewport
 from .export.errors import ExportError
 from .export.motion import Frame, Motion
 from .native import EngineMissing, engine
@@ -131,6 +132,7 @@ class _Photograph:
         neighbours, motion = self._beside(camera, width, height)
         builder = native.SceneBuilder()
         export.send_scene(self.depsgraph, builder, self.report, self._check_stop, motion)
+        viewport.send(builder, camera, width, height)
         self.report.warnings += builder.warnings()
         sync_seconds = time.perf_counter() - began
 

@@ -115,6 +115,8 @@ class Stage:
             "is_camera_ray": np.ones(p.shape),
             # Cycles counts from where the camera begins to see.
             "ray_length": np.repeat(in_camera[:, 2:] - CLIP_START, 3, axis=1),
+            # Across the line of sight a pixel of the stage is as wide everywhere; the slope shortens the axes of it.
+            "pixel_width": np.full(p.shape, np.mean(np.linalg.norm(FOOTPRINT[:, :2], axis=1))),
             "edge_distance": np.repeat(_edge_distance(local)[:, None], 3, axis=1),
             "uv:": uv,
             "uv:UVMap": uv,

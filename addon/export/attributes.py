@@ -1,5 +1,6 @@
 # SPDX-License-Identifier: GPL-3.0-or-later
-"""What shader graphs ask of a mesh beyond its UV maps: named attributes, colours, and coordinates in its box."""
+"""What shader graphs ask of a mesh beyond its UV maps: named attributes, colours, coordinates in its box, and what its
+edges tell."""
 
 from __future__ import annotations
 
@@ -9,10 +10,16 @@ from typing import Any
 import bpy
 import numpy as np
 
+from ..native import engine
+
 #: The engine's name for the coordinates of the undeformed mesh in its texture space.
 GENERATED = ".generated"
 #: Nodes that may ask for those: by an output, or where nothing is linked to their vector.
 _MAY_GENERATE = ("ShaderNodeTex", "ShaderNodeTangent")
+#: How stretched the facets of a shader node are, which lie about those where no tangent is linked.
+STRETCH = ("Anisotropic", "Anisotropy")
+#: The engine's names for what edges tell, by the output of a Geometry node that shows it.
+_OF_EDGES = {"Pointiness": ".pointiness", "Random Per Island": ".random_per_island"}
 
 #: By Blender's type of an attribute: the name of its values, and how many numbers each has.
 _KINDS = {
@@ -29,16 +36,24 @@ _KINDS = {
 
 def wanted(graph: dict[str, Any]) -> frozenset[str]:
     """The names of what a graph's nodes ask for; an empty one is the colour attribute for rendering."""
-    names = set()
+    of_geometry = {"Tangent": GENERATED, **_OF_EDGES}
+    shown = _shown(graph, "ShaderNodeNewGeometry")
+    names = {name for socket, name in of_geometry.items() if socket in shown}
     for node in graph["nodes"]:
         kind, options = node["type"], node["options"]
         if kind == "ShaderNodeAttribute" and options.get("attribute_type") == "GEOMETRY":
             names.add(options["attribute_name"])
         elif kind == "ShaderNodeVertexColor":
             names.add(options["layer_name"])
-        elif kind.startswith(_MAY_GENERATE):
+        elif kind.startswith(_MAY_GENERATE) or any(node["inputs"].get(name, 0.0) != 0.0 for name in STRETCH):
             names.add(GENERATED)
     return frozenset(names)
+
+
+def _shown(graph: dict[str, Any], kind: str) -> set[str]:
+    """The outputs of nodes of a kind that others are linked to."""
+    given = [value for node in graph["nodes"] for value in node["inputs"].values() if isinstance(value, dict)]
+    return {link["socket"] for link in given if graph["nodes"][link["node"]]["type"] == kind}
 
 
 def read(mesh: bpy.types.Mesh, names: Iterable[str], corners: np.ndarray, triangles: np.ndarray) -> dict[str, Any]:
@@ -50,6 +65,8 @@ def read(mesh: bpy.types.Mesh, names: Iterable[str], corners: np.ndarray, triang
 def _values(mesh: bpy.types.Mesh, name: str, corners: np.ndarray, triangles: np.ndarray) -> np.ndarray | None:
     if name == GENERATED:
         return _in_box(mesh).take(triangles, 0)
+    if name in _OF_EDGES.values():
+        return _of_edges(mesh, name).take(triangles, 0)
     attribute = mesh.attributes.get(name) if name else _colour_for_rendering(mesh)
     if attribute is None or attribute.data_type not in _KINDS:
         return None
@@ -81,6 +98,20 @@ def _four(attribute: bpy.types.Attribute) -> np.ndarray:
     values[:, 3] = 1.0
     values[:, : 3 if count == 1 else count] = raw
     return values
+
+
+def _of_edges(mesh: bpy.types.Mesh, name: str) -> np.ndarray:
+    """By vertex."""
+    edges = np.empty((len(mesh.edges), 2), np.int32)
+    mesh.edges.foreach_get("vertices", edges.reshape(-1))
+    if name == _OF_EDGES["Random Per Island"]:
+        numbers = engine().random_per_island(len(mesh.vertices), edges)
+    else:
+        places = np.empty((2, len(mesh.vertices), 3), np.float32)
+        mesh.vertices.foreach_get("co", places[0].reshape(-1))
+        mesh.vertex_normals.foreach_get("vector", places[1].reshape(-1))
+        numbers = engine().pointiness(*places, edges)
+    return np.repeat(numbers[:, None], 4, 1)
 
 
 def _in_box(mesh: bpy.types.Mesh) -> np.ndarray:

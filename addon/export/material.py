@@ -44,6 +44,11 @@ class Materials:
         report = Report()
         described = self._by_the_short_way(material, report)
         if not report.warnings:
+            numbers = [
+                layer.numbers.get(name.lower(), 0.0) for layer in described.layers for name in attributes.STRETCH
+            ]
+            if any(number != 0.0 for number in numbers):
+                self._wanted[material.original.as_pointer()] = frozenset({attributes.GENERATED})
             return described
         output = material.node_tree.get_output_node("CYCLES")
         if output is None:

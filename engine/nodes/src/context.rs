@@ -48,6 +48,8 @@ choices! {
         InstancerUv = "instancer_uv",
         /// How far the nearest side of the triangle is, world units.
         EdgeDistance = "edge_distance",
+        /// How wide a pixel is there as the camera sees the surface, world units.
+        PixelWidth = "pixel_width",
         /// The footprint's axes, world units.
         FootprintX = "footprint_x",
         FootprintY = "footprint_y",

@@ -77,6 +77,11 @@ pub(crate) fn hash1(x: u32) -> u32 {
     last_mix(s.plus(x), s, s)
 }
 
+/// The number from 0 to 1 that Blender gives things by their number.
+pub fn random_of(number: u32) -> f32 {
+    unit(hash1(number))
+}
+
 #[inline(always)]
 pub(crate) fn hash2(x: u32, y: u32) -> u32 {
     let s: u32 = start(2);

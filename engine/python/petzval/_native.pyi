@@ -189,6 +189,15 @@ class SceneBuilder:
         """`light` is a LightDescription of `addon/description.py`."""
     def set_world(self, world: Any) -> None:
         """`world` is a WorldDescription of `addon/description.py`. Never called: a black world."""
+    def set_viewport(
+        self,
+        object_name: str,
+        matrix_world: Sequence[Sequence[float]],
+        focal: tuple[float, float],  # in widths and heights of the picture
+        center: tuple[float, float],  # where the axis meets the picture, from 0 to 1
+        pixels: tuple[int, int],
+    ) -> None:
+        """What Blender's own camera frames, for shader graphs that ask for it."""
     def warnings(self) -> list[str]: ...
     def build(
         self, camera_position: tuple[float, float, float], threads: int = 0, previous: Scene | None = None
@@ -267,6 +276,14 @@ class Job:
         """{"seconds": {"bvh", "render", "plan"}, "samples" (that every pixel has), "samples_mean", "samples_most", "camera_rays", "camera_rays_lost", "rays",
         "lens_share" (part of the render time spent in the lens), "non_finite_samples", "seed", "threads",
         "lens", "width", "height"}."""
+
+def random_per_island(vertices: int, edges: npt.NDArray[np.int32]) -> npt.NDArray[np.float32]:
+    """A number from 0 to 1 by vertex, Blender's, the same for all that edges join."""
+
+def pointiness(
+    positions: npt.NDArray[np.float32], normals: npt.NDArray[np.float32], edges: npt.NDArray[np.int32]
+) -> npt.NDArray[np.float32]:
+    """How pointed a mesh is by vertex, as Blender has it: 0 to 1, one half where it is flat."""
 
 def evaluate_graph(
     graph_json: str,

@@ -3,6 +3,7 @@
 
 mod camera;
 mod doorway;
+mod edges;
 mod error;
 mod focusing;
 mod graph;
@@ -42,6 +43,8 @@ fn _native(m: &Bound<'_, PyModule>) -> PyResult<()> {
     m.add_function(wrap_pyfunction!(focusing::autofocus_json, m)?)?;
     m.add_function(wrap_pyfunction!(focusing::autofocus_by_json, m)?)?;
     m.add_function(wrap_pyfunction!(focusing::sharp_points_json, m)?)?;
+    m.add_function(wrap_pyfunction!(edges::random_per_island, m)?)?;
+    m.add_function(wrap_pyfunction!(edges::pointiness, m)?)?;
     m.add_function(wrap_pyfunction!(graph::evaluate_graph, m)?)?;
     m.add_function(wrap_pyfunction!(surface::trace_surfaces_json, m)?)?;
     Ok(())

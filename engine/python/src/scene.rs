@@ -9,6 +9,7 @@ use numpy::{PyArrayDyn, PyArrayMethods, PyReadonlyArray2, PyReadonlyArray3, PyUn
 use petzval_render::integrator::Stage;
 use petzval_render::scene::mesh::MeshDescription;
 use petzval_render::scene::texture::Texture;
+use petzval_render::scene::viewport::ViewportDescription;
 use petzval_render::scene::visibility::{Links, Sets};
 use petzval_render::scene::{self as engine, ObjectInfo};
 use pyo3::prelude::*;
@@ -193,6 +194,20 @@ impl SceneBuilder {
         let (world, reports) = world.world()?;
         reports.into_iter().for_each(|report| self.builder.warn(report));
         Ok(self.builder.set_world(world)?)
+    }
+
+    fn set_viewport(
+        &mut self,
+        object_name: &str,
+        matrix_world: Matrix4,
+        focal: (f64, f64),
+        center: (f64, f64),
+        pixels: (u32, u32),
+    ) -> Result<(), Error> {
+        let pixels = [pixels.0.max(1), pixels.1.max(1)];
+        let viewport =
+            ViewportDescription { matrix: matrix_world.into(), focal: focal.into(), center: center.into(), pixels };
+        Ok(self.builder.set_viewport(object_name, viewport)?)
     }
 
     fn warnings(&self) -> Vec<String> {

@@ -1,7 +1,8 @@
 //! A point on a surface, from what a ray met: where it is, which way it faces, and its texture coordinates.
 
 use crate::accel::Hit;
-use crate::scene::{Instance, Scene, mesh::Mesh};
+use crate::scene::mesh::{GENERATED, Mesh};
+use crate::scene::{Instance, Scene};
 use glam::{Vec2, Vec3, Vec3A};
 
 /// A point on a surface in render space.
@@ -84,14 +85,23 @@ impl SurfacePoint {
     }
 }
 
-/// Where the facets of a brushed surface lie along, if nothing else is said: around the object's z axis, as in Blender.
+/// Where the facets of a brushed surface lie along, if nothing else is said: around the z axis of the object's generated
+/// coordinates, as in Blender; of a mesh that does not bring them they go by its bounds.
 pub fn tangent_about_z(scene: &Scene, point: &SurfacePoint) -> Vec3A {
     let instance = &scene.instances[point.instance as usize];
     let mesh = mesh_of(scene, point.instance);
-    let [low, high] = mesh.bounds;
-    let local = Vec3::from(instance.to_object.transform_point3a(point.position));
-    // By the size of the object, which Blender takes for a unit.
-    let part = (local - 0.5 * (low + high)) / (high - low).max(Vec3::splat(1e-12));
+    let part = match mesh.attribute(GENERATED) {
+        Some(values) => {
+            let [a, b, c] = values[point.triangle as usize];
+            let [wa, wb, wc] = weights(point.barycentric);
+            Vec3::from((a * wa + b * wb + c * wc).truncate()) - 0.5
+        }
+        None => {
+            let [low, high] = mesh.bounds;
+            let local = Vec3::from(instance.to_object.transform_point3a(point.position));
+            (local - 0.5 * (low + high)) / (high - low).max(Vec3::splat(1e-12))
+        }
+    };
     let outward = instance.normal_to_render * Vec3A::new(-part.y, part.x, 0.0);
     point.shading_normal.cross(outward.cross(point.shading_normal).normalize_or_zero())
 }

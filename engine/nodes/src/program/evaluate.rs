@@ -92,7 +92,7 @@ impl Program {
                 splat(surface::falloff(number(0), number(1), length, i32::from(power)))
             }
             Operation::Wireframe(in_pixels) => {
-                let pixel = if in_pixels { pixel_width(context) } else { 1.0 };
+                let pixel = if in_pixels { context.read(Field::PixelWidth, Shift::NONE).x } else { 1.0 };
                 // The triangle beside draws the other half.
                 splat(if number(1) < 0.5 * number(0) * pixel { 1.0 } else { 0.0 })
             }
@@ -256,13 +256,6 @@ fn registers_write(registers: &mut Registers, place: u16, result: Vec3A, further
 
 fn cosine(context: &impl Context, normal: Vec3A) -> f32 {
     context.read(Field::Incoming, Shift::NONE).dot(normal)
-}
-
-/// How wide the footprint looks from the viewer.
-fn pixel_width(context: &impl Context) -> f32 {
-    let incoming = context.read(Field::Incoming, Shift::NONE);
-    let seen = |axis: Field| context.read(axis, Shift::NONE).reject_from_normalized(incoming).length();
-    seen(Field::FootprintX).max(seen(Field::FootprintY))
 }
 
 fn backfacing(context: &impl Context) -> bool {

@@ -191,6 +191,10 @@ pub(super) fn mix(
         mixture.set_caustics(caustics);
     }
     for layer in layers {
+        mixture.set_directions(
+            layer.coat_normal.unwrap_or(point.shading_normal),
+            layer.tangent.filter(|_| brushed).unwrap_or(tangent),
+        );
         mixture.add(layer.weight, &layer.closure, layer.normal.unwrap_or(point.shading_normal));
     }
     mixture.finish(kept);

@@ -89,7 +89,7 @@ impl Sky {
                 && (way.is_camera() || self.tells_bounces_apart)
             {
                 // Blender counts what shines from infinity as one scattering farther.
-                radiance = nodes::world::radiance(graph, &scene.textures, d, way.at_depth(u32::from(way.depth) + 1));
+                radiance = nodes::world::radiance(graph, scene, d, way.at_depth(u32::from(way.depth) + 1));
             }
             found(0, radiance, pdf * self.chance(0));
         }

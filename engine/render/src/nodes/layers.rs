@@ -25,6 +25,8 @@ pub struct EvaluatedLayer {
     pub closure: Closure<Rgb, f32>,
     /// Instead of the surface's own, unit.
     pub normal: Option<Vec3A>,
+    /// The coat's, instead of the surface's own, unit.
+    pub coat_normal: Option<Vec3A>,
     /// Instead of the surface's own, unit.
     pub tangent: Option<Vec3A>,
 }
@@ -74,8 +76,13 @@ fn of_graph(graph: &Graph, value: &dyn Fn(Source) -> Vec3A, bent: Option<Vec3A>,
             let colour = |source: &Source| finite(value(*source));
             let number = |source: &Source| finite(value(*source)).x;
             let direction = |source: Option<Source>| source.and_then(|source| value(source).try_normalize());
-            let (normal, tangent) = (direction(layer.normal).or(bent), direction(layer.tangent));
-            to.push(EvaluatedLayer { weight, closure: layer.closure.map(colour, number), normal, tangent });
+            to.push(EvaluatedLayer {
+                weight,
+                closure: layer.closure.map(colour, number),
+                normal: direction(layer.normal).or(bent),
+                coat_normal: direction(layer.coat_normal).or(bent),
+                tangent: direction(layer.tangent),
+            });
         }
     }
 }
@@ -125,7 +132,7 @@ pub fn layers(material: &Material, scene: &Scene, point: &SurfacePoint, view: &V
         let weight = place.weight(weight);
         if weight > 0.0 {
             let closure = closure.map(|c| place.colour(c), |n| place.number(n));
-            to.push(EvaluatedLayer { weight, closure, normal: None, tangent: None });
+            to.push(EvaluatedLayer { weight, closure, normal: None, coat_normal: None, tangent: None });
         }
     }
 }

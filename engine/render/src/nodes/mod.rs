@@ -10,7 +10,7 @@ mod way;
 pub mod world;
 
 pub use layers::{EvaluatedLayer, Layers, Opening, layers, opening};
-pub use point::{GENERATED, View};
+pub use point::View;
 pub use way::{OF_BOUNCES, Way};
 
 use crate::scene::material::{Channel, ImageInput, Input, Material};

@@ -2,15 +2,17 @@
 
 use super::way::Way;
 use crate::accel::{Hit, Ray};
-use crate::scene::{Instance, Scene, mesh::Mesh};
+use crate::scene::mesh::{GENERATED, Mesh};
+use crate::scene::{Instance, Scene};
 use crate::surface::{SurfacePoint, mesh_of};
 use glam::{Affine3A, Mat3A, Vec2, Vec3, Vec3A, Vec4};
 use petzval_nodes::{
     Attribute, AttributeKind, Context, Direction, Extension, Field, Interpolation, Shift, Space, Textures,
 };
 
-/// The name by which a mesh keeps its undeformed coordinates in its box.
-pub const GENERATED: &str = ".generated";
+/// The names by which a mesh keeps what its edges tell of its vertices.
+const POINTINESS: &str = ".pointiness";
+const RANDOM_PER_ISLAND: &str = ".random_per_island";
 
 /// The name by which a mesh whose vertices were moved keeps the normals that it had.
 pub(super) const UNDISPLACED_NORMAL: &str = ".undisplaced_normal";
@@ -154,8 +156,36 @@ impl<'a> Point<'a> {
     }
 
     fn position(&self, shift: Shift) -> Vec3A {
+        self.world(self.in_render(shift))
+    }
+
+    fn in_render(&self, shift: Shift) -> Vec3A {
         let shift = self.shifted(shift);
-        self.world(self.surface.position + self.footprint[0] * shift.x + self.footprint[1] * shift.y)
+        self.surface.position + self.footprint[0] * shift.x + self.footprint[1] * shift.y
+    }
+
+    fn in_camera(&self, shift: Shift) -> Vec3A {
+        self.scene.viewport.from_render.transform_point3a(self.in_render(shift))
+    }
+
+    /// To the nearest of the lines along the triangle's sides.
+    fn edge_distance(&self, shift: Shift) -> f32 {
+        let at = self.in_render(shift);
+        let to_render = |p: Vec3| self.instance.to_render.transform_point3a(p.into());
+        let [a, b, c] = self.mesh.corners(self.surface.triangle).map(to_render);
+        let away = |[from, to]: [Vec3A; 2]| {
+            let along = to - from;
+            (along.cross(at - from).length_squared() / along.length_squared().max(f32::MIN_POSITIVE)).sqrt()
+        };
+        [[a, b], [b, c], [c, a]].map(away).into_iter().fold(f32::INFINITY, f32::min)
+    }
+
+    /// Of a pixel's width across the line of sight, what is left of both axes of the footprint when they are looked at
+    /// along the ray, on average: as Cycles has it.
+    fn pixel_width(&self) -> f32 {
+        let seen = perpendicular(self.surface.geometric_normal)
+            .map(|axis| axis.reject_from_normalized(self.view.direction).length());
+        0.5 * (seen[0] + seen[1]) * self.scene.viewport.pixel_width(self.in_camera(Shift::NONE))
     }
 
     fn object_position(&self, shift: Shift) -> Vec3A {
@@ -224,7 +254,15 @@ impl Context for Point<'_> {
                 Vec3A::new(u, v, 0.0)
             }
             Field::Backfacing => number(f32::from(u8::from(self.surface.backfacing))),
-            Field::Pointiness => number(0.5),
+            Field::Pointiness => number(self.named(POINTINESS, shift).map_or(0.5, |value| value.x)),
+            Field::RandomPerIsland => number(self.named(RANDOM_PER_ISLAND, Shift::NONE).map_or(0.0, |value| value.x)),
+            Field::EdgeDistance => number(self.edge_distance(shift)),
+            Field::PixelWidth => number(self.pixel_width()),
+            Field::Camera => self.in_camera(shift),
+            Field::Window => self.scene.viewport.window(self.in_camera(shift)),
+            Field::ViewVector => self.in_camera(shift).normalize_or_zero(),
+            Field::ViewDepth => number(self.in_camera(shift).z),
+            Field::ViewDistance => number(self.in_camera(shift).length()),
             Field::Generated => self.generated(shift),
             Field::Object => self.object_position(shift),
             Field::Reflection => {
@@ -257,12 +295,17 @@ impl Context for Point<'_> {
 
     fn transform(&self, direction: Direction, from: Space, to: Space, vector: Vec3A) -> Vec3A {
         let origin = self.scene.origin.as_vec3a();
+        let viewport = &self.scene.viewport;
         let map = match (from, to) {
             (Space::Object, Space::World) => Affine3A {
                 matrix3: self.instance.to_render.matrix3,
                 translation: self.instance.to_render.translation + origin,
             },
             (Space::World, Space::Object) => self.instance.to_object * Affine3A::from_translation((-origin).into()),
+            (Space::World, Space::Camera) => viewport.from_world,
+            (Space::Camera, Space::World) => viewport.from_world.inverse(),
+            (Space::Object, Space::Camera) => viewport.from_render * self.instance.to_render,
+            (Space::Camera, Space::Object) => self.instance.to_object * viewport.from_render.inverse(),
             _ => Affine3A::IDENTITY,
         };
         match direction {

@@ -8,6 +8,7 @@ use crate::scene::closure::Closure;
 use crate::scene::graph::Graph;
 use crate::scene::lamp::{Lamp, LampKind};
 use crate::scene::texture::Texture;
+use crate::scene::viewport::Viewport;
 use crate::scene::visibility::Rays;
 use crate::scene::world::equirectangular_to_direction;
 use crate::{Rgb, luminance};
@@ -28,6 +29,7 @@ struct Infinity<'a> {
     direction: Vec3A,
     way: Way,
     shows_sun: bool,
+    viewport: &'a Viewport,
     attributes: &'a [Attribute],
 }
 
@@ -43,6 +45,13 @@ impl Context for Infinity<'_> {
             }
             Field::Normal | Field::TrueNormal | Field::Incoming => -self.direction,
             Field::ObjectColour | Field::ObjectAlpha => Vec3A::ONE,
+            // No sides are near.
+            Field::EdgeDistance => Vec3A::INFINITY,
+            Field::Camera => self.ahead(),
+            Field::Window => self.viewport.window(self.ahead()),
+            Field::ViewVector => self.as_a_place().normalize_or_zero(),
+            Field::ViewDepth => Vec3A::splat(self.as_a_place().z),
+            Field::ViewDistance => Vec3A::splat(self.as_a_place().length()),
             _ => self.way.read(field).map_or(Vec3A::ZERO, Vec3A::splat),
         }
     }
@@ -52,8 +61,30 @@ impl Context for Infinity<'_> {
         Vec4::ZERO
     }
 
-    fn transform(&self, _: Direction, _: Space, _: Space, vector: Vec3A) -> Vec3A {
-        vector
+    /// Nothing is an object here: from the object's space and to it is no way at all.
+    fn transform(&self, direction: Direction, from: Space, to: Space, vector: Vec3A) -> Vec3A {
+        let map = match (from, to) {
+            (Space::World, Space::Camera) => self.viewport.from_world,
+            (Space::Camera, Space::World) => self.viewport.from_world.inverse(),
+            _ => Affine3A::IDENTITY,
+        };
+        match direction {
+            Direction::Point => map.transform_point3a(vector),
+            Direction::Vector => map.transform_vector3a(vector),
+            Direction::Normal => map.transform_vector3a(vector).normalize_or_zero(),
+        }
+    }
+}
+
+impl Infinity<'_> {
+    /// The direction in the camera's space.
+    fn ahead(&self) -> Vec3A {
+        self.viewport.from_world.transform_vector3a(self.direction)
+    }
+
+    /// The direction taken for a place of the world, in the camera's space: so Blender's Camera Data has it.
+    fn as_a_place(&self) -> Vec3A {
+        self.viewport.from_world.transform_point3a(self.direction)
     }
 }
 
@@ -62,15 +93,15 @@ thread_local! {
 }
 
 /// The radiance that arrives from a direction (unit, pointing away from the scene), that of suns included.
-pub fn radiance(graph: &Graph, textures: &[Texture], direction: Vec3A, way: Way) -> Rgb {
-    radiance_of(graph, textures, direction, way, true)
+pub fn radiance(graph: &Graph, scene: &Scene, direction: Vec3A, way: Way) -> Rgb {
+    radiance_of(graph, scene, direction, way, true)
 }
 
-fn radiance_of(graph: &Graph, textures: &[Texture], direction: Vec3A, way: Way, shows_sun: bool) -> Rgb {
+fn radiance_of(graph: &Graph, scene: &Scene, direction: Vec3A, way: Way, shows_sun: bool) -> Rgb {
     let program = &graph.program;
-    let place = Infinity { direction, way, shows_sun, attributes: &program.attributes };
+    let place = Infinity { direction, way, shows_sun, viewport: &scene.viewport, attributes: &program.attributes };
     REGISTERS.with_borrow_mut(|registers| {
-        program.run(&place, &Images(textures), registers);
+        program.run(&place, &Images(&scene.textures), registers);
         emitted(graph, registers)
     })
 }
@@ -93,11 +124,11 @@ pub(super) fn emitted(graph: &Graph, registers: &Registers) -> Rgb {
 pub fn bake(scene: &mut Scene) {
     let Some(graph) = scene.world.graph.clone() else { return };
     let graph: &Arc<Graph> = &graph;
-    let suns = graph.program.suns().filter_map(|disc| sun(graph, &scene.textures, disc, scene.world.visible));
+    let suns = graph.program.suns().filter_map(|disc| sun(graph, scene, disc));
     let suns: Vec<Lamp> = suns.collect();
     scene.lamps.extend(suns);
     let [columns, rows] = SIZE;
-    let textures = &scene.textures;
+    let within = &*scene;
     let pixel = |i: usize| {
         let place = |k: usize| (k as f32 + 0.5) / WITHIN as f32;
         let mut sum = Rgb::ZERO;
@@ -105,7 +136,7 @@ pub fn bake(scene: &mut Scene) {
             let x = ((i % columns) as f32 + place(k % WITHIN)) / columns as f32;
             let y = ((i / columns) as f32 + place(k / WITHIN)) / rows as f32;
             let direction = equirectangular_to_direction(Vec2::new(x, y));
-            sum += radiance_of(graph, textures, direction, Way::LIGHT, false);
+            sum += radiance_of(graph, within, direction, Way::LIGHT, false);
         }
         sum / (WITHIN * WITHIN) as f32
     };
@@ -124,7 +155,7 @@ pub fn bake(scene: &mut Scene) {
 
 /// The lamp that shines like a sky's sun: as bright all over as the disc is on average, after what the other nodes make of it.
 /// Of a disc that the horizon hides in part it is a smaller one, in the middle of what is seen.
-fn sun(graph: &Graph, textures: &[Texture], disc: SunDisc, visible: Rays) -> Option<Lamp> {
+fn sun(graph: &Graph, scene: &Scene, disc: SunDisc) -> Option<Lamp> {
     /// Places in the disc, along each side of the square that is bent into it.
     const SIDE: usize = 32;
     let sin_most = (0.5 * disc.diameter_rad).sin();
@@ -134,7 +165,7 @@ fn sun(graph: &Graph, textures: &[Texture], disc: SunDisc, visible: Rays) -> Opt
         let u = [i % SIDE, i / SIDE].map(|k| (k as f32 + 0.5) / SIDE as f32);
         let p = sample_disk(u) * sin_most;
         let direction = to_world(&axes, p.extend((1.0 - p.length_squared()).max(0.0).sqrt()).into());
-        let shine = |shows_sun| radiance_of(graph, textures, direction, Way::LIGHT, shows_sun);
+        let shine = |shows_sun| radiance_of(graph, scene, direction, Way::LIGHT, shows_sun);
         let light = shine(true) - shine(false);
         mean += light / (SIDE * SIDE) as f32;
         if luminance(light) > 0.0 {
@@ -150,7 +181,7 @@ fn sun(graph: &Graph, textures: &[Texture], disc: SunDisc, visible: Rays) -> Opt
         // Across the beam, as a sun's strength counts.
         color: mean.max(Rgb::ZERO) * (PI * sin_most * sin_most),
         // The camera sees the disc itself.
-        reaches: visible.without(Rays::CAMERA),
+        reaches: scene.world.visible.without(Rays::CAMERA),
         to_render: Affine3A { matrix3: Mat3A::from_cols(axes[0], axes[1], axes[2]), translation: Vec3A::ZERO },
         ..Lamp::default()
     })

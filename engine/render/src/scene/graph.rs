@@ -7,7 +7,7 @@ use glam::Vec3A;
 use petzval_nodes::{Field, Layer, LayerKind, Operand, Program, Registers};
 
 /// What the engine can tell of a point.
-const KNOWN: [Field; 35] = [
+const KNOWN: [Field; 44] = [
     Field::Position,
     Field::Normal,
     Field::TrueNormal,
@@ -18,6 +18,15 @@ const KNOWN: [Field; 35] = [
     Field::Generated,
     Field::Object,
     Field::Reflection,
+    Field::Camera,
+    Field::Window,
+    Field::ViewVector,
+    Field::ViewDepth,
+    Field::ViewDistance,
+    Field::EdgeDistance,
+    Field::PixelWidth,
+    Field::RandomPerIsland,
+    Field::Pointiness,
     Field::FootprintX,
     Field::FootprintY,
     Field::ObjectLocation,
@@ -92,6 +101,8 @@ pub struct GraphLayer {
     pub closure: Closure<Source, Source>,
     /// A normal of its own, world space.
     pub normal: Option<Source>,
+    /// The coat's own normal, world space, where it has one.
+    pub coat_normal: Option<Source>,
     /// A direction of its own that brushed metal follows, world space.
     pub tangent: Option<Source>,
 }
@@ -155,12 +166,8 @@ impl Graph {
                 program.surface.len()
             ));
         }
-        let mut layers: Vec<GraphLayer> = program
-            .surface
-            .iter()
-            .take(MOST_LAYERS)
-            .filter_map(|layer| Of(layer, &program).layer(&mut report))
-            .collect();
+        let mut layers: Vec<GraphLayer> =
+            program.surface.iter().take(MOST_LAYERS).filter_map(|layer| Of(layer).layer(&mut report)).collect();
         if !program.volume.is_empty() {
             report("volume is not supported yet, it is left out");
             if program.surface.is_empty() {
@@ -170,6 +177,7 @@ impl Graph {
                     weight,
                     closure: Closure::Transparent { color },
                     normal: None,
+                    coat_normal: None,
                     tangent: None,
                 });
             }
@@ -245,7 +253,7 @@ impl Graph {
 }
 
 /// A layer as Blender names its inputs.
-struct Of<'a>(&'a Layer, &'a Program);
+struct Of<'a>(&'a Layer);
 
 impl Of<'_> {
     fn input(&self, identifier: &str, otherwise: f32) -> Source {
@@ -282,16 +290,8 @@ impl Of<'_> {
 
     fn layer(&self, report: &mut impl FnMut(&str)) -> Option<GraphLayer> {
         let closure = self.closure(report)?;
-        let (normal, tangent) = (self.direction("Normal"), self.direction("Tangent"));
-        if tangent.is_some() && self.is_brushed() {
-            report("a tangent of its own is not supported yet, brushed metal turns about the object's z axis");
-        }
-        Some(GraphLayer { weight: Source::Of(self.0.weight), closure, normal, tangent })
-    }
-
-    fn is_brushed(&self) -> bool {
-        let names = ["Anisotropic", "Anisotropy"].into_iter();
-        names.filter_map(|name| self.0.input(name)).any(|input| self.1.constant(input) != Some(Vec3A::ZERO))
+        let [normal, coat_normal, tangent] = ["Normal", "Coat Normal", "Tangent"].map(|name| self.direction(name));
+        Some(GraphLayer { weight: Source::Of(self.0.weight), closure, normal, coat_normal, tangent })
     }
 
     fn closure(&self, report: &mut impl FnMut(&str)) -> Option<Closure<Source, Source>> {
@@ -369,9 +369,6 @@ impl Of<'_> {
     }
 
     fn principled(&self, report: &mut impl FnMut(&str)) -> Principled<Source, Source> {
-        if self.direction("Coat Normal").is_some() {
-            report("Principled BSDF's Coat Normal is not supported yet, its coat has the normal of the rest");
-        }
         Principled {
             base_color: self.input("Base Color", 0.8),
             metallic: self.input("Metallic", 0.0),

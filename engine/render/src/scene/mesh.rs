@@ -3,6 +3,9 @@
 use super::SceneError;
 use glam::{Vec2, Vec3, Vec4};
 
+/// The name by which a mesh keeps its undeformed coordinates in its box.
+pub const GENERATED: &str = ".generated";
+
 /// A mesh as it arrives; arrays by triangle have one entry a triangle.
 #[derive(Clone, Debug, Default)]
 pub struct MeshDescription {

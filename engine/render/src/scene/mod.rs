@@ -2,12 +2,14 @@
 //! becomes an immutable [`Scene`] in render space. Nothing here knows how light moves or what a camera is.
 
 pub mod closure;
+pub mod edges;
 pub mod graph;
 pub mod lamp;
 pub mod layer;
 pub mod material;
 pub mod mesh;
 pub mod texture;
+pub mod viewport;
 pub mod visibility;
 pub mod world;
 
@@ -17,6 +19,7 @@ use lamp::Lamp;
 use material::Material;
 use mesh::{Mesh, MeshDescription};
 use texture::Texture;
+use viewport::{Viewport, ViewportDescription};
 use visibility::{Links, Rays};
 use world::World;
 
@@ -134,6 +137,8 @@ pub struct Scene {
     pub world: World,
     /// World-space position of render space's origin.
     pub origin: DVec3,
+    /// What Blender's own camera frames.
+    pub viewport: Viewport,
 }
 
 impl Scene {
@@ -164,6 +169,7 @@ pub struct SceneBuilder {
     textures: Vec<Texture>,
     lamps: Vec<(Lamp, DMat4)>,
     world: World,
+    viewport: ViewportDescription,
     warnings: Vec<String>,
 }
 
@@ -315,6 +321,18 @@ impl SceneBuilder {
         Ok(())
     }
 
+    /// Says what Blender's own camera frames.
+    ///
+    /// # Errors
+    /// [`SceneError::BadMatrix`].
+    pub fn set_viewport(&mut self, object_name: &str, viewport: ViewportDescription) -> Result<(), SceneError> {
+        if !viewport.matrix.is_finite() {
+            return Err(SceneError::BadMatrix { object: object_name.into() });
+        }
+        self.viewport = viewport;
+        Ok(())
+    }
+
     /// Sets the world.
     ///
     /// # Errors
@@ -367,6 +385,15 @@ impl SceneBuilder {
             })
             .collect();
         let lamps = self.lamps.into_iter().map(|(lamp, matrix)| lamp.placed(place(matrix))).collect();
-        Scene { meshes: self.meshes, instances, materials, textures: self.textures, lamps, world: self.world, origin }
+        Scene {
+            meshes: self.meshes,
+            instances,
+            materials,
+            textures: self.textures,
+            lamps,
+            world: self.world,
+            origin,
+            viewport: Viewport::new(&self.viewport, origin),
+        }
     }
 }

@@ -39,6 +39,8 @@ pub(super) struct Here {
     pub(super) backfacing: bool,
     /// Where stretched facets lie along.
     tangent: Vec3A,
+    /// What coats lie about.
+    pub(super) coat_normal: Vec3A,
     pub(super) caustics: Caustics,
 }
 
@@ -52,6 +54,7 @@ impl Mixture {
             smooth_normal: point.shading_normal,
             backfacing: point.backfacing,
             tangent,
+            coat_normal: point.shading_normal,
             caustics: Caustics::ALL,
         };
         Self { lobes: ArrayVec::new(), walks, here }
@@ -60,6 +63,11 @@ impl Mixture {
     /// Leaves out what mirrors or bends light, of closures that are added from now on.
     pub fn set_caustics(&mut self, caustics: Caustics) {
         self.here.caustics = caustics;
+    }
+
+    /// Of closures that are added from now on: the normal of coats, and along what stretched facets lie.
+    pub fn set_directions(&mut self, coat_normal: Vec3A, tangent: Vec3A) {
+        (self.here.coat_normal, self.here.tangent) = (coat_normal, tangent);
     }
 
     /// Adds a closure about a normal. Transparency and emission are not scattering: they add nothing.

@@ -1,0 +1,108 @@
+//! What Blender's own camera frames. Shader graphs may ask for places in its space and on its picture; which lens
+//! takes the photograph does not matter to them.
+
+use glam::{Affine3A, DAffine3, DMat4, DVec2, DVec3, Vec2, Vec3A};
+
+/// A perspective camera, as the scene's description has it.
+#[derive(Clone, Copy, Debug)]
+pub struct ViewportDescription {
+    /// Its axes to the world; it looks along its -z. Scale counts nothing.
+    pub matrix: DMat4,
+    /// Its focal length over its picture's width and height.
+    pub focal: DVec2,
+    /// Where its axis meets the picture, from 0 to 1 both ways.
+    pub center: DVec2,
+    /// Columns and rows of pixels.
+    pub pixels: [u32; 2],
+}
+
+impl Default for ViewportDescription {
+    fn default() -> Self {
+        Self { matrix: DMat4::IDENTITY, focal: DVec2::ONE, center: DVec2::splat(0.5), pixels: [1; 2] }
+    }
+}
+
+/// The same as shader graphs ask for it.
+#[derive(Clone, Copy, Debug)]
+pub struct Viewport {
+    /// Blender's world to the camera's space, in which z grows away from the camera.
+    pub from_world: Affine3A,
+    /// Render space to the same.
+    pub from_render: Affine3A,
+    focal: Vec2,
+    center: Vec2,
+    /// A pixel's sides at depth 1.
+    pixel: Vec2,
+}
+
+impl Viewport {
+    pub(super) fn new(description: &ViewportDescription, origin: DVec3) -> Self {
+        let ViewportDescription { matrix, focal, center, pixels: [columns, rows] } = *description;
+        let unit = |axis: DVec3, otherwise: DVec3| axis.try_normalize().unwrap_or(otherwise);
+        let own = DAffine3::from_mat4(matrix);
+        let x = unit(own.matrix3.x_axis, DVec3::X);
+        let y = unit(own.matrix3.y_axis, DVec3::Y);
+        let z = unit(-own.matrix3.z_axis, DVec3::NEG_Z);
+        let to_world = DAffine3 { matrix3: glam::DMat3::from_cols(x, y, z), translation: own.translation };
+        let from_world = to_world.inverse();
+        let single = |map: DAffine3| Affine3A::from_mat4(DMat4::from(map).as_mat4());
+        Self {
+            from_world: single(from_world),
+            from_render: single(from_world * DAffine3::from_translation(origin)),
+            focal: focal.as_vec2(),
+            center: center.as_vec2(),
+            pixel: (1.0 / (focal * DVec2::new(f64::from(columns), f64::from(rows)))).as_vec2(),
+        }
+    }
+
+    /// Where on the picture a place of the camera's space is seen, from 0 to 1 both ways; zero beside the camera.
+    pub fn window(&self, place: Vec3A) -> Vec3A {
+        if place.z == 0.0 {
+            return Vec3A::ZERO;
+        }
+        let at = Vec2::new(place.x, place.y) / place.z;
+        (at * self.focal + self.center).extend(0.0).into()
+    }
+
+    /// How wide a pixel is across the line of sight at a place of the camera's space: the mean of both ways, world units.
+    pub fn pixel_width(&self, place: Vec3A) -> f32 {
+        let ahead = place / place.z.abs().max(1e-6);
+        let step = |to: Vec3A| (ahead + to).normalize_or_zero().distance(ahead.normalize_or_zero());
+        let [x, y] = [Vec3A::X * self.pixel.x, Vec3A::Y * self.pixel.y].map(step);
+        0.5 * (x + y) * place.length()
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    /// A camera at (1, 2, 3) that looks along +y, its axes scaled; 90 degrees wide, twice as wide as high, shifted.
+    fn viewport() -> Viewport {
+        let turn = DMat4::from_rotation_x(std::f64::consts::FRAC_PI_2);
+        let matrix = DMat4::from_translation(DVec3::new(1.0, 2.0, 3.0)) * turn * DMat4::from_scale(DVec3::splat(2.0));
+        let (focal, center) = (DVec2::new(0.5, 1.0), DVec2::new(0.5, 0.4));
+        Viewport::new(&ViewportDescription { matrix, focal, center, pixels: [200, 100] }, DVec3::new(1.0, 0.0, 0.0))
+    }
+
+    #[test]
+    fn places_are_found_in_its_space_and_on_its_picture() {
+        let viewport = viewport();
+        let place = viewport.from_world.transform_point3a(Vec3A::new(4.0, 5.0, 3.6));
+        assert!(place.distance(Vec3A::new(3.0, 0.6, 3.0)) < 1e-6, "{place}");
+        let same = viewport.from_render.transform_point3a(Vec3A::new(3.0, 5.0, 3.6));
+        assert!(same.distance(place) < 1e-6, "{same}");
+        let seen = viewport.window(place);
+        assert!(seen.distance(Vec3A::new(1.0, 0.6, 0.0)) < 1e-6, "{seen}");
+    }
+
+    #[test]
+    fn a_pixel_grows_with_the_distance() {
+        let viewport = viewport();
+        // 2 units wide at depth 1, by 200 pixels.
+        for depth in [1.0, 3.0] {
+            let width = viewport.pixel_width(Vec3A::Z * depth);
+            assert!((width - 0.01 * depth).abs() < 1e-5 * depth, "{width} at {depth}");
+        }
+    }
+}
