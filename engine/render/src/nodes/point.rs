@@ -35,9 +35,6 @@ impl View {
     }
 }
 
-/// About what a pixel is wide at distance 1: how far heights are asked apart for a bump.
-const FOOTPRINT: f32 = 5e-4;
-
 #[derive(Clone, Copy)]
 pub(super) struct Point<'a> {
     scene: &'a Scene,
@@ -71,7 +68,8 @@ impl<'a> Point<'a> {
         let instance = &scene.instances[instance as usize];
         let normal = surface.geometric_normal;
         let [x, y] = perpendicular(normal);
-        let size = FOOTPRINT * view.distance.max(1e-6 * surface.position.length());
+        // A pixel's width: heights are asked that far apart for a bump.
+        let size = scene.viewport.pixel_angle_rad() * view.distance.max(1e-6 * surface.position.length());
         let footprint = [x * size, y * size];
         let along = weights_along(instance, mesh, triangle, &footprint);
         Self {

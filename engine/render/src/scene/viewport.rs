@@ -18,7 +18,7 @@ pub struct ViewportDescription {
 
 impl Default for ViewportDescription {
     fn default() -> Self {
-        Self { matrix: DMat4::IDENTITY, focal: DVec2::ONE, center: DVec2::splat(0.5), pixels: [1; 2] }
+        Self { matrix: DMat4::IDENTITY, focal: DVec2::ONE, center: DVec2::splat(0.5), pixels: [1000; 2] }
     }
 }
 
@@ -62,6 +62,11 @@ impl Viewport {
         }
         let at = Vec2::new(place.x, place.y) / place.z;
         (at * self.focal + self.center).extend(0.0).into()
+    }
+
+    /// How wide a pixel is at distance 1, in the middle of the picture.
+    pub fn pixel_angle_rad(&self) -> f32 {
+        0.5 * (self.pixel.x + self.pixel.y)
     }
 
     /// How wide a pixel is across the line of sight at a place of the camera's space: the mean of both ways, world units.
