@@ -14,9 +14,8 @@ import numpy as np
 
 from . import export, loop, passes, persistent, statistics, tiles
 from .description import CameraDescription, Report, SettingsDescription, focused
-from .export import aperture_mask, visibility
+from .export import aperture_mask, viewport, visibility
 from .export import camera as camera_export
-from .export import viewport
 from .export.errors import ExportError
 from .export.motion import Frame, Motion
 from .native import EngineMissing, engine

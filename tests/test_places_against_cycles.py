@@ -7,7 +7,7 @@ import numpy as np
 import pytest
 
 from test_closures_against_cycles import BLOCK, SIDE, both, stage  # noqa: F401 (a fixture)
-from test_graphs_against_cycles import Tree
+from test_graphs_against_cycles import Tree, _material_of
 
 
 def _noise(t: Tree, place, scale: float = 3.0):
@@ -181,10 +181,55 @@ def hollows(t: Tree):
     _diffuse(t, value.outputs[0])
 
 
+def _beside_a_wall(t: Tree):
+    """A floor under the ball and a wall behind it, of the same material."""
+    import bpy
+
+    ball = bpy.context.object
+    for place, turn in (((0.0, 0.0, -1.0), 0.0), ((0.0, 1.3, 0.0), np.pi / 2)):
+        bpy.ops.mesh.primitive_plane_add(size=8.0, location=place, rotation=(turn, 0.0, 0.0))
+        bpy.context.object.data.materials.append(_material_of(t))
+    bpy.context.view_layer.objects.active = ball
+
+
+def _occluded(t: Tree, settings: dict | None = None, **inputs):
+    _beside_a_wall(t)
+    return t.node("AmbientOcclusion", {"samples": 8, **(settings or {})}, **inputs)
+
+
+def glowing_where_open(t: Tree):
+    made = _occluded(t, Distance=1.5, Color=(0.9, 0.5, 0.2, 1.0))
+    t.shows(t.node("Emission", Color=made.outputs["Color"]).outputs[0])
+
+
+def dirty_corners(t: Tree):
+    """Under a shader, by a normal that is bent."""
+    made = _occluded(t, Distance=0.8, Normal=_waves(t, 0.3))
+    _diffuse(t, t.ramp(made.outputs["AO"]))
+
+
+def thin_places(t: Tree):
+    made = _occluded(t, {"inside": True}, Distance=2.5)
+    t.shows(t.node("Emission", Color=t.ramp(made.outputs["AO"])).outputs[0])
+
+
+def own_hollows(t: Tree):
+    made = _occluded(t, {"only_local": True, "inside": True}, Distance=1.5)
+    t.shows(t.node("Emission", Color=made.outputs["AO"]).outputs[0])
+
+
+def transparent_corners(t: Tree):
+    """What paths pass and shadows do not depends on how lights are sampled; what glows is only looked at."""
+    made = _occluded(t, Distance=1.0)
+    clear, glow = t.node("BsdfTransparent"), t.node("Emission", Color=(0.3, 0.7, 0.5, 1.0))
+    t.shows(t.node("MixShader", _0=made.outputs["AO"], _1=clear.outputs[0], _2=glow.outputs[0]).outputs[0])
+
+
 MATERIALS = (
     camera_coordinates, window_coordinates, view_vector, view_depth_and_distance, into_the_camera, coat_over_bumps,
     bumped_coat, brushed_by_uv, brushed_about_x, brushed_metallic, brushed_in_its_space, brushed_in_its_space_by_nodes,
-    wires, wires_in_pixels, islands, hollows,
+    wires, wires_in_pixels, islands, hollows, glowing_where_open, dirty_corners, thin_places, own_hollows,
+    transparent_corners,
 )  # fmt: skip
 
 

@@ -143,11 +143,28 @@ pub struct Attribute {
     pub name: String,
 }
 
+/// What Ambient Occlusion asks.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct Occlusion {
+    /// Rays.
+    pub samples: u8,
+    /// Looks into the surface, not away from it.
+    pub inside: bool,
+    /// Only the object itself occludes.
+    pub only_local: bool,
+}
+
 /// The point that is shaded.
 pub trait Context {
     /// True if skies show the discs of their suns.
     fn shows_sun(&self) -> bool {
         true
+    }
+
+    /// The share of rays about a normal, in proportion to the cosine, that meet nothing as far as a distance. Who cannot
+    /// follow rays sees nothing.
+    fn open(&self, _: Occlusion, _normal: Vec3A, _distance: f32) -> f32 {
+        1.0
     }
 
     /// A field, at the point or beside it.

@@ -36,7 +36,7 @@ mod voronoi;
 
 pub use compile::{Report, compile};
 pub use context::{
-    Attribute, AttributeKind, Context, Direction, Extension, Field, Interpolation, Shift, Space, Textures,
+    Attribute, AttributeKind, Context, Direction, Extension, Field, Interpolation, Occlusion, Shift, Space, Textures,
 };
 pub use graph::{Graph, Input, Link, Node, Parsing};
 pub use hash::random_of;

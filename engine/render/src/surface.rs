@@ -94,7 +94,7 @@ pub fn tangent_about_z(scene: &Scene, point: &SurfacePoint) -> Vec3A {
         Some(values) => {
             let [a, b, c] = values[point.triangle as usize];
             let [wa, wb, wc] = weights(point.barycentric);
-            Vec3::from((a * wa + b * wb + c * wc).truncate()) - 0.5
+            (a * wa + b * wb + c * wc).truncate() - 0.5
         }
         None => {
             let [low, high] = mesh.bounds;

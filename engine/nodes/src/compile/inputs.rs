@@ -1,9 +1,11 @@
 //! Nodes that read the surface, the object or the path: no inputs of their own.
 
 use super::{At, Lowered, colour, number, vector};
-use crate::context::{AttributeKind, Direction, Field, Shift, Space};
+use crate::context::{AttributeKind, Direction, Field, Occlusion, Shift, Space};
+use crate::graph::Input;
 use crate::program::{Operand, Operation};
 use crate::surface::Axis;
+use crate::vector::VectorMathKind;
 use glam::{Affine3A, Vec3A};
 
 impl At<'_, '_> {
@@ -138,8 +140,21 @@ pub(super) fn lower(at: &mut At<'_, '_>) -> Option<Lowered> {
             number("View Distance", at.read(Field::ViewDistance)),
         ]),
         "ShaderNodeAmbientOcclusion" => {
-            at.report("it is not supported, nothing is occluded");
-            Ok(vec![colour("Color", at.vector("Color")), number("AO", at.constant(1.0))])
+            let asked = Occlusion {
+                samples: at.node.count("samples").map_or(16, |count| count.clamp(1, 255) as u8),
+                inside: at.node.truth("inside", false),
+                only_local: at.node.truth("only_local", false),
+            };
+            let (normal, mut distance) = (at.vector_or("Normal", At::normal), at.number_or("Distance", 1.0));
+            let is_linked = matches!(at.node.input("Distance"), Some(Input::Link(_)));
+            if !is_linked && at.compiler.known(distance) == Some(Vec3A::ZERO) {
+                at.report("without a distance Blender takes the world's; here it is unlimited");
+                distance = at.constant(f32::INFINITY);
+            }
+            let open = at.emit(Operation::Occlusion(asked), &[normal, distance]);
+            let (tint, zero) = (at.vector("Color"), at.constant(0.0));
+            let tinted = at.emit(Operation::VectorMath(VectorMathKind::Multiply), &[tint, open, zero, zero]);
+            Ok(vec![colour("Color", tinted), number("AO", open)])
         }
         "ShaderNodeBevel" => {
             at.report("it is not supported, edges stay sharp");
@@ -199,10 +214,10 @@ fn tangent(at: &mut At<'_, '_>) -> Lowered {
         let normal = at.normal();
         // Square to the normal.
         let zero = at.constant(0.0);
-        let cross = Operation::VectorMath(crate::vector::VectorMathKind::Cross);
+        let cross = Operation::VectorMath(VectorMathKind::Cross);
         let across = at.emit(cross, &[tangent, normal, zero, zero]);
         let back = at.emit(cross, &[normal, across, zero, zero]);
-        at.emit(Operation::VectorMath(crate::vector::VectorMathKind::Normalize), &[back, zero, zero, zero])
+        at.emit(Operation::VectorMath(VectorMathKind::Normalize), &[back, zero, zero, zero])
     } else {
         let axis = at.node.choice("axis", Axis::Z)?;
         radial_tangent(at, axis)

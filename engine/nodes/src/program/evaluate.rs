@@ -91,6 +91,7 @@ impl Program {
                 let length = context.read(Field::RayLength, Shift::NONE).x;
                 splat(surface::falloff(number(0), number(1), length, i32::from(power)))
             }
+            Operation::Occlusion(asked) => splat(context.open(asked, vector(0), number(1))),
             Operation::Wireframe(in_pixels) => {
                 let pixel = if in_pixels { context.read(Field::PixelWidth, Shift::NONE).x } else { 1.0 };
                 // The triangle beside draws the other half.

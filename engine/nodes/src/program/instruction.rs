@@ -1,7 +1,7 @@
 //! The instructions of a program.
 
 use crate::colour::ColourModel;
-use crate::context::{Direction, Field, Shift, Space};
+use crate::context::{Direction, Field, Occlusion, Shift, Space};
 use crate::gabor::GaborKind;
 use crate::image::{EnvironmentProjection, Picture, Projection};
 use crate::math::{MathKind, RangeKind};
@@ -80,6 +80,8 @@ pub(crate) enum Operation {
     Wireframe(bool),
     /// Strength, smooth.
     Falloff(i8),
+    /// Normal, distance.
+    Occlusion(Occlusion),
     /// Vector, w, scale, detail, roughness, lacunarity, offset, gain, distortion; with colour or without.
     Noise(Dimensions, Fractal, bool, bool),
     /// Vector, w, scale, detail, roughness, lacunarity, smoothness, exponent, randomness: distance.
@@ -134,6 +136,7 @@ impl Operation {
                 | Self::LayerFresnel
                 | Self::Facing
                 | Self::Falloff(_)
+                | Self::Occlusion(_)
                 | Self::Wireframe(_)
                 | Self::Image(..)
                 | Self::Environment(..)

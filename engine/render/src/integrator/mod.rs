@@ -56,6 +56,11 @@ pub struct Stage {
 }
 
 impl Stage {
+    /// What surfaces may ask of what is around them.
+    pub fn around(&self) -> nodes::Around<'_> {
+        nodes::Around { scene: &self.scene, accel: Some(&self.accel) }
+    }
+
     /// Builds trees and tables, in parallel on the current rayon pool.
     pub fn new(scene: Scene) -> Self {
         Self::after(None, scene)

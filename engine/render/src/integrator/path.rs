@@ -11,12 +11,12 @@ pub use pilot::{openness, roulette};
 pub use wave::Wave;
 
 use super::Stage;
+use crate::Rgb;
 use crate::accel::{Hit, Ray, offset_origin};
-use crate::nodes::{self, Layers, Opening, View, Way};
+use crate::nodes::{self, Around, Layers, Opening, View, Way};
 use crate::sampler::PathSampler;
 use crate::shading::{Caustics, mixture::Mixture};
 use crate::surface::{SurfacePoint, tangent_about_z};
-use crate::{Rgb, scene::Scene};
 use glam::Vec3A;
 
 /// Bounces before a path of light may be ended by chance.
@@ -163,14 +163,16 @@ pub(super) fn leave(point: &SurfacePoint, d: glam::Vec3A) -> glam::Vec3A {
 
 /// How a surface lets light through unbent.
 #[inline]
-pub(super) fn opening(scene: &Scene, hit: &Hit, view: &View) -> Opening {
+pub(super) fn opening<'a>(around: impl Into<Around<'a>>, hit: &Hit, view: &View) -> Opening {
+    let around = around.into();
+    let scene = around.scene;
     let instance = &scene.instances[hit.instance as usize];
     let slot = scene.meshes[instance.mesh as usize].slot(hit.triangle);
     let material = &scene.materials[instance.material(slot) as usize];
     if !material.may_be_transparent() {
         return Opening::NONE;
     }
-    nodes::opening(material, scene, [hit.instance, hit.triangle], [hit.u, hit.v], view)
+    nodes::opening(material, around, [hit.instance, hit.triangle], [hit.u, hit.v], view)
 }
 
 /// What a surface of these layers scatters at a point; `kept` is what it counts, and light `walks` through bodies and

@@ -57,7 +57,8 @@ impl LitTriangle {
             normal: geometric_normal(placed, &mesh.corners(triangle)).into(),
             corner: a.into(),
             edges: [(b - a).into(), (c - a).into()],
-            radiance: is_even.then(|| nodes::emission(material, scene, [instance, triangle], [0.0; 2], &FROM_LIGHTS)),
+            radiance: is_even
+                .then(|| nodes::emission(material, scene.into(), [instance, triangle], [0.0; 2], &FROM_LIGHTS)),
         }
     }
 
@@ -92,7 +93,7 @@ impl LitTriangle {
         }
         let slot = mesh_of(scene, self.instance).slot(self.triangle);
         let material = &scene.materials[scene.instances[self.instance as usize].material(slot) as usize];
-        let emitted = nodes::emission(material, scene, [self.instance, self.triangle], barycentric, view);
+        let emitted = nodes::emission(material, scene.into(), [self.instance, self.triangle], barycentric, view);
         // The weights of layers hold what their transparency leaves.
         if material.is_layered() {
             return emitted;

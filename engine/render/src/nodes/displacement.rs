@@ -65,7 +65,7 @@ fn offsets(scene: &Scene, instance: usize) -> Option<Vec<Vec3>> {
         let barycentric = [[0.0, 0.0], [1.0, 0.0], [0.0, 1.0]][corner];
         let Graph { program, pass_index, .. } = graph;
         let place = [instance as u32, triangle];
-        let point = Point::new(scene, place, barycentric, view, &program.attributes, *pass_index as f32);
+        let point = Point::new(scene.into(), place, barycentric, view, &program.attributes, *pass_index as f32);
         program.run(&point.with_normal(normal), &Images(&scene.textures), registers);
         let moved = owner.to_object.matrix3 * program.value(displacement, registers);
         if moved.is_finite() { moved.into() } else { Vec3::ZERO }

@@ -1,14 +1,15 @@
 //! Evaluating the layers of a material at a point of a surface.
 
+use super::around::Around;
 use super::point::{Images, Point, View};
 use super::{colour, number};
 use crate::scene::closure::Closure;
 use crate::scene::graph::{Displacement, Graph, Source};
 use crate::scene::layer::{Layer, MOST_LAYERS, Weight};
+use crate::scene::material::Input;
 use crate::scene::material::Material;
 use crate::scene::mesh::Mesh;
 use crate::scene::texture::Texture;
-use crate::scene::{Scene, material::Input};
 use crate::surface::{SurfacePoint, mesh_of};
 use crate::{Rgb, luminance};
 use arrayvec::ArrayVec;
@@ -42,15 +43,15 @@ thread_local! {
 /// Runs a material's program at a point, and hands on what reads its results.
 fn with_program<T>(
     graph: &Graph,
-    scene: &Scene,
+    around: Around<'_>,
     place: [u32; 2],
     barycentric: [f32; 2],
     view: &View,
     read: impl FnOnce(&dyn Fn(Source) -> Vec3A, &Point<'_>) -> T,
 ) -> T {
     let Graph { program, pass_index, .. } = graph;
-    let mut point = Point::new(scene, place, barycentric, *view, &program.attributes, *pass_index as f32);
-    let images = Images(&scene.textures);
+    let mut point = Point::new(around, place, barycentric, *view, &program.attributes, *pass_index as f32);
+    let images = Images(&around.scene.textures);
     REGISTERS.with_borrow_mut(|registers| {
         if let Some(displacement) = program.displacement.filter(|_| graph.displacement.bends()) {
             if graph.displacement == Displacement::Both {
@@ -119,14 +120,15 @@ impl Place<'_> {
 }
 
 /// What the layers of a material are at a point. Those that count nothing are left out.
-pub fn layers(material: &Material, scene: &Scene, point: &SurfacePoint, view: &View, to: &mut Layers) {
+pub fn layers(material: &Material, around: Around<'_>, point: &SurfacePoint, view: &View, to: &mut Layers) {
     let SurfacePoint { instance, triangle, barycentric, .. } = *point;
     to.clear();
     if let Some(graph) = &material.graph {
-        return with_program(graph, scene, [instance, triangle], barycentric, view, |value, point| {
+        return with_program(graph, around, [instance, triangle], barycentric, view, |value, point| {
             of_graph(graph, value, point.bent_normal(), to);
         });
     }
+    let scene = around.scene;
     let place = Place { textures: &scene.textures, mesh: mesh_of(scene, instance), triangle, barycentric };
     for Layer { weight, closure } in material.layers.iter().take(MOST_LAYERS) {
         let weight = place.weight(weight);
@@ -171,16 +173,16 @@ impl Opening {
 /// Of a material at a point of a triangle.
 pub fn opening(
     material: &Material,
-    scene: &Scene,
+    around: Around<'_>,
     [instance, triangle]: [u32; 2],
     barycentric: [f32; 2],
     view: &View,
 ) -> Opening {
     if !material.is_layered() {
-        return Opening::of_alpha(super::alpha(scene, instance, triangle, barycentric));
+        return Opening::of_alpha(super::alpha(around.scene, instance, triangle, barycentric));
     }
     if let Some(graph) = &material.graph {
-        return with_program(graph, scene, [instance, triangle], barycentric, view, |value, _| {
+        return with_program(graph, around, [instance, triangle], barycentric, view, |value, _| {
             let (mut light, mut rest) = (Rgb::ZERO, 0.0);
             for layer in &graph.layers {
                 let weight = value(layer.weight).x;
@@ -197,6 +199,7 @@ pub fn opening(
             Opening::of(light, rest)
         });
     }
+    let scene = around.scene;
     let place = Place { textures: &scene.textures, mesh: mesh_of(scene, instance), triangle, barycentric };
     let (mut light, mut rest) = (Rgb::ZERO, 0.0);
     for Layer { weight, closure } in material.layers.iter().take(MOST_LAYERS) {
@@ -217,13 +220,13 @@ pub fn opening(
 /// Emitted radiance, what lies over it not taken off.
 pub(super) fn emission(
     material: &Material,
-    scene: &Scene,
+    around: Around<'_>,
     [instance, triangle]: [u32; 2],
     barycentric: [f32; 2],
     view: &View,
 ) -> Rgb {
     if let Some(graph) = &material.graph {
-        return with_program(graph, scene, [instance, triangle], barycentric, view, |value, _| {
+        return with_program(graph, around, [instance, triangle], barycentric, view, |value, _| {
             let mut sum = Rgb::ZERO;
             for layer in &graph.layers {
                 let radiance = match &layer.closure {
@@ -238,6 +241,7 @@ pub(super) fn emission(
             sum
         });
     }
+    let scene = around.scene;
     let place = Place { textures: &scene.textures, mesh: mesh_of(scene, instance), triangle, barycentric };
     let mut sum = Rgb::ZERO;
     for Layer { weight, closure } in material.layers.iter().take(MOST_LAYERS) {

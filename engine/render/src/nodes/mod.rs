@@ -2,6 +2,7 @@
 //!
 //! Knows textures and texture coordinates, not how the values are used.
 
+mod around;
 pub mod displacement;
 pub mod lamp;
 mod layers;
@@ -9,6 +10,7 @@ mod point;
 mod way;
 pub mod world;
 
+pub use around::Around;
 pub use layers::{EvaluatedLayer, Layers, Opening, layers, opening};
 pub use point::View;
 pub use way::{OF_BOUNCES, Way};
@@ -113,7 +115,7 @@ pub fn alpha(scene: &Scene, instance: u32, triangle: u32, barycentric: [f32; 2])
 /// Emitted radiance of a point of a triangle, the same on both sides, as in Cycles.
 pub fn emission(
     material: &Material,
-    scene: &Scene,
+    around: Around<'_>,
     [instance, triangle]: [u32; 2],
     barycentric: [f32; 2],
     view: &View,
@@ -121,9 +123,10 @@ pub fn emission(
     if !material.emits() {
         return Rgb::ZERO;
     }
+    let scene = around.scene;
     let mesh = mesh_of(scene, instance);
     if material.is_layered() {
-        return layers::emission(material, scene, [instance, triangle], barycentric, view);
+        return layers::emission(material, around, [instance, triangle], barycentric, view);
     }
     let color = colour(&material.emission_color, &scene.textures, mesh, triangle, barycentric);
     color.max(Rgb::ZERO) * material.emission_strength

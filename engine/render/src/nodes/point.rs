@@ -1,5 +1,6 @@
 //! A point of a surface as a shader graph's program asks for it.
 
+use super::around::Around;
 use super::way::Way;
 use crate::accel::{Hit, Ray};
 use crate::scene::mesh::{GENERATED, Mesh};
@@ -7,7 +8,7 @@ use crate::scene::{Instance, Scene};
 use crate::surface::{SurfacePoint, mesh_of};
 use glam::{Affine3A, Mat3A, Vec2, Vec3, Vec3A, Vec4};
 use petzval_nodes::{
-    Attribute, AttributeKind, Context, Direction, Extension, Field, Interpolation, Shift, Space, Textures,
+    Attribute, AttributeKind, Context, Direction, Extension, Field, Interpolation, Occlusion, Shift, Space, Textures,
 };
 
 /// The names by which a mesh keeps what its edges tell of its vertices.
@@ -37,6 +38,7 @@ impl View {
 
 #[derive(Clone, Copy)]
 pub(super) struct Point<'a> {
+    around: Around<'a>,
     scene: &'a Scene,
     instance: &'a Instance,
     mesh: &'a Mesh,
@@ -55,13 +57,14 @@ pub(super) struct Point<'a> {
 
 impl<'a> Point<'a> {
     pub(super) fn new(
-        scene: &'a Scene,
+        around: Around<'a>,
         [instance, triangle]: [u32; 2],
         [u, v]: [f32; 2],
         view: View,
         attributes: &'a [Attribute],
         material_index: f32,
     ) -> Self {
+        let scene = around.scene;
         let hit = Hit { t: view.distance, u, v, instance, triangle };
         let surface = SurfacePoint::new(scene, &hit, view.direction);
         let mesh = mesh_of(scene, instance);
@@ -73,6 +76,7 @@ impl<'a> Point<'a> {
         let footprint = [x * size, y * size];
         let along = weights_along(instance, mesh, triangle, &footprint);
         Self {
+            around,
             scene,
             instance,
             mesh,
@@ -238,6 +242,10 @@ impl<'a> Point<'a> {
 }
 
 impl Context for Point<'_> {
+    fn open(&self, asked: Occlusion, normal: Vec3A, distance: f32) -> f32 {
+        self.around.open(&self.surface, asked, normal, distance)
+    }
+
     fn read(&self, field: Field, shift: Shift) -> Vec3A {
         let number = Vec3A::splat;
         let info = &self.instance.info;

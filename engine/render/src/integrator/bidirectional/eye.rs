@@ -139,7 +139,7 @@ impl Met<'_> {
         let Stage { scene, lights, emission, .. } = self.stage;
         let view = View::along(self.ray, distance, self.way());
         let place = [hit.instance, hit.triangle];
-        let radiance = nodes::emission(material(self.stage, point), scene, place, [hit.u, hit.v], &view);
+        let radiance = nodes::emission(material(self.stage, point), self.stage.around(), place, [hit.u, hit.v], &view);
         let (Some(to), Some(source)) = (self.receiver(), lights.triangle_source(hit.instance, hit.triangle)) else {
             return radiance;
         };

@@ -82,7 +82,7 @@ impl Surface {
         if material.is_layered() {
             let mut layers = Layers::new();
             let view = View { direction: -wo, distance: 1.0, way: Way::BOUNCE };
-            nodes::layers(material, &stage.scene, point, &view, &mut layers);
+            nodes::layers(material, stage.around(), point, &view, &mut layers);
             return Self::Layers(mix(stage, &layers, point, wo, kept, None));
         }
         Self::One(Bsdf::new(material, values, &stage.tables[point.material as usize], point, wo))

@@ -150,7 +150,7 @@ impl Wave {
             let point = SurfacePoint::new(&stage.scene, hit, path.ray.direction);
             let [u_alpha, u_end, u_light, u_lobe] = path.sampler.next_4d();
             let view = path.view(path.travelled + hit.t);
-            let opening = opening(&stage.scene, hit, &view);
+            let opening = opening(stage.around(), hit, &view);
             if u_alpha >= 1.0 - opening.chance {
                 if !limits.goes_on(path.way) {
                     continue;
@@ -226,14 +226,14 @@ impl Wave {
                 constants = nodes::constants(material);
                 is_even = material.graph.is_none() && material.layers.iter().all(Layer::is_constant);
                 if is_even {
-                    nodes::layers(material, &stage.scene, point, view, &mut self.layers);
+                    nodes::layers(material, stage.around(), point, view, &mut self.layers);
                 }
             }
             let Path { ray, way, .. } = &self.paths[*path as usize];
             let (wo, caustics) = (-ray.direction, limits.caustics(*way));
             if material.is_layered() {
                 if !is_even {
-                    nodes::layers(material, &stage.scene, point, view, &mut self.layers);
+                    nodes::layers(material, stage.around(), point, view, &mut self.layers);
                 }
                 let mixture = mix(stage, &self.layers, point, wo, *kept, Some(caustics));
                 self.go_on(stage, limits, meeting, &mixture);

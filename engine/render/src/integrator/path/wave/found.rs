@@ -83,7 +83,7 @@ impl Path {
         }
         let view = self.view(self.travelled + hit.t);
         let place = [hit.instance, hit.triangle];
-        let radiance = nodes::emission(material, &stage.scene, place, point.barycentric, &view) * kept;
+        let radiance = nodes::emission(material, stage.around(), place, point.barycentric, &view) * kept;
         let cos = -point.geometric_normal.dot(self.ray.direction);
         let pdf = self
             .chosen
