@@ -30,9 +30,9 @@ scene.render.engine = "CYCLES"
 text = bpy.data.texts.new("startup.py")
 text.write("open({ran!r}, 'w').write('ran')")
 text.use_module = True
-driver = scene.camera.data.driver_add("clip_end").driver
+driver = scene.camera.data.driver_add("passepartout_alpha").driver
 driver.type = "SCRIPTED"
-driver.expression = "open({ran!r}, 'w').write('ran') and 100.0"
+driver.expression = "open({ran!r}, 'w').write('ran') and 0.5"
 bpy.ops.wm.save_as_mainfile(filepath={path!r})
 scene.camera = None
 bpy.ops.wm.save_as_mainfile(filepath={no_camera!r})

@@ -279,6 +279,7 @@ BLOCK_LIMITS = {
     "brushed ashikhmin-shirley": 0.02,
     # Blender 4.5's colours of films are a fit.
     "principled, film": 0.02,
+    "principled glass, film": 0.015,
     # Noise of both: walks through a body are not guided here, and end by chance.
     "subsurface": 0.03,
     "backward subsurface": 0.03,

@@ -212,6 +212,9 @@ def test_clipping_is_sent(parts, blender):
     camera = blender.context.scene.camera.data
     camera.clip_start, camera.clip_end = 0.5, 40.0
     assert description(parts).clip == pytest.approx((0.5, 40.0))
+    camera.clip_end = 0.2
+    _, (warning,), sent = parts.sent()
+    assert "Clip End" in warning and sent.clip == (0.0, np.inf)
 
 
 def test_a_shift_that_moves_no_lens_is_said(parts, blender):

@@ -53,7 +53,7 @@ def describe(
         spectrum="THREE" if settings.spectrum == "THREE" else "VISIBLE",
         precision=settings.precision,
         exposure=_exposure(settings),
-        clip=(camera.clip_start, camera.clip_end),
+        clip=_clip(camera, holder.name, report),
     )
     if camera.type == "ORTHO":
         return _orthographic(description, camera, width / side, report)
@@ -62,6 +62,15 @@ def describe(
         _lens(description, camera, width, height)
     _warn(description, camera, scene, report)
     return description
+
+
+def _clip(camera: bpy.types.Camera, name: str, report: Report) -> tuple[float, float]:
+    begin, end = camera.clip_start, camera.clip_end
+    if end > begin:
+        return begin, end
+    # A driver that fails leaves 0.
+    report.warn(f"Camera '{name}': its clipping ends before it begins, so nothing is clipped: raise Clip End")
+    return 0.0, float("inf")
 
 
 def _orthographic(
