@@ -118,6 +118,7 @@ def test_a_world_in_other_units_is_the_same_world(blender, tmp_path, units_per_m
     for scale in (1.0, units_per_metre):
         studio = Studio(blender, tmp_path, (WIDTH, HEIGHT), samples=32)
         studio.scene.unit_settings.scale_length = 1.0 / scale
+        studio.data.clip_start, studio.data.clip_end = 0.1 * scale, 100.0 * scale
         exact = studio.lens(WIDE_ANGLE, FILM, 1.2 * scale)
         lamps(studio, exact, scale)
         pictures.append(studio.shoot())

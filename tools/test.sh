@@ -89,10 +89,10 @@ if [ -n "$main" ]; then
     second=
     if [ "$main" != bpy45 ] && has bpy45; then
         second=output/pytest-bpy45.log
-        pytest_on bpy45 1500 -m "not once and not real_blender and not window" >"$second" 2>&1 &
+        pytest_on bpy45 2700 -m "not once and not real_blender and not window" >"$second" 2>&1 &
         second_job=$!
     fi
-    step "pytest, $main" pytest_on "$main" 1500 -m "not real_blender and not window"
+    step "pytest, $main" pytest_on "$main" 2700 -m "not real_blender and not window"
     [ -z "$second" ] || step "pytest, bpy45, the rest of its time" finished "$second_job" "$second"
     for environment in $more; do
         has "$environment" || continue
