@@ -39,7 +39,6 @@ def test_parity(blender, tmp_path, name):
     assert not left, left
     assert len(told.warnings) >= len(one.warns), told.warnings
     ratio = block_ratios(ours, theirs)
-    # Noise: 65 thousand samples a block, of both programs.
-    noise = 0.01
-    assert np.abs(ratio - 1.0).max() < one.tolerance + noise, ratio.round(3)
-    assert abs(ours[..., :3].mean() / theirs[..., :3].mean() - 1.0) < one.tolerance
+    assert np.abs(ratio - 1.0).max() < one.tolerance + one.noise, ratio.round(3)
+    # The mean is of twelve blocks.
+    assert abs(ours[..., :3].mean() / theirs[..., :3].mean() - 1.0) < one.tolerance + 0.3 * one.noise

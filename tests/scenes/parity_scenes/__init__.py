@@ -26,6 +26,8 @@ class ParityScene:
     tolerance: float
     #: Why the tolerance is more than a hundredth.
     why: str
+    #: What the noise of the tests' 65 thousand samples a block may add: more where rare paths are bright.
+    noise: float
     #: Warnings that it is right to give: each a part of one.
     warns: tuple[str, ...]
 
@@ -39,14 +41,14 @@ class ParityScene:
 SCENES: dict[str, ParityScene] = {}
 
 
-def scene(title: str, tolerance: float = 0.01, why: str = "", warns: tuple[str, ...] = ()):
+def scene(title: str, tolerance: float = 0.01, why: str = "", noise: float = 0.01, warns: tuple[str, ...] = ()):
     """Puts the function below it among the scenes, under its own name."""
     assert tolerance <= 0.01 or why, title
 
     def added(fill: Callable[[], None]):
         name, chapter = fill.__name__, fill.__module__.rsplit(".", 1)[-1]
         assert name not in SCENES, name
-        SCENES[name] = ParityScene(name, chapter, title, fill, tolerance, why, warns)
+        SCENES[name] = ParityScene(name, chapter, title, fill, tolerance, why, noise, warns)
         return fill
 
     return added

