@@ -6,6 +6,7 @@ mod lenses;
 mod scenes;
 
 use glam::DVec3;
+use petzval_render::camera::clip::Clip;
 use petzval_render::camera::{Camera, CameraDescription, Model};
 use petzval_render::film::Film;
 use petzval_render::integrator::{
@@ -13,7 +14,7 @@ use petzval_render::integrator::{
     bidirectional::Techniques,
     path::{KindLimits, Limits},
 };
-use petzval_render::job::{Job, Settings};
+use petzval_render::job::{Beside, Job, Settings};
 use petzval_render::pipeline::{Pipeline, Shot, render_tile};
 use petzval_render::sampler::{pattern::Pattern, raster::Raster, warp::PixelFilter};
 use petzval_render::scene::lamp::LampKind;
@@ -54,7 +55,8 @@ fn settings(integrator: Integrator, samples: u32, seed: u32) -> Settings {
 
 fn render(stage: &Arc<Stage>, d: &CameraDescription, s: Settings) -> Vec<[f32; 4]> {
     let camera = Camera::new(d, s.width, s.height).unwrap();
-    let job = Job::start(stage.clone(), camera, s).unwrap();
+    let beside = Beside { clip: Clip::new(d, &camera), ..Beside::default() };
+    let job = Job::start_with(stage.clone(), vec![camera], s, beside).unwrap();
     assert!(job.wait(Duration::from_secs(600)));
     let statistics = job.statistics();
     assert!(statistics.failure.is_none() && statistics.counts.non_finite == 0, "{statistics:?}");
@@ -247,6 +249,18 @@ fn transparent_leaves() {
 #[test]
 fn lamps_of_all_kinds() {
     agree("lamps", &scenes::many_lamps(), &description(FIGURE_3), 12, 5);
+}
+
+/// The near and the far part of a scene are left out the same way; what is left out still shines, and shades.
+#[test]
+fn what_is_clipped() {
+    let stage = scenes::box_under_a_lamp();
+    let whole = description(FIGURE_3);
+    let clipped = CameraDescription { clip: [3.45, 4.5], ..whole.clone() };
+    let mean = |d| *blocks(&render(&stage, d, settings(Integrator::Path, 4, 1))).last().unwrap();
+    let (all, some) = (mean(&whole), mean(&clipped));
+    assert!((some / all - 1.0).abs() > 0.05, "{all} {some}");
+    agree("clipped", &stage, &clipped, 12, 5);
 }
 
 #[test]

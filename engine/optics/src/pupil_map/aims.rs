@@ -23,7 +23,8 @@ struct Slice {
     rest: f32,
 }
 
-/// Added to a number from 0 to 2²² and no less, its lowest bits are the nearest whole one: quicker than a cast that minds all numbers.
+/// Added to a number from 0 to 2²² and no less, its lowest bits are the nearest whole one: quicker than a cast that minds
+/// all numbers.
 const WHOLE: f32 = (1u32 << 23) as f32;
 
 /// The sectors of a cell where only the film point's distance from the axis counts.

@@ -34,6 +34,16 @@ impl Clip {
         let end = (self.far - depth) / along;
         Ray { origin: ray.origin + ray.direction * begin, t_max: (end - begin).max(0.0), ..ray }
     }
+
+    /// The same for light that goes to the camera: how far of its way things may stand in it; `None` if it comes from
+    /// beyond.
+    pub fn way_to_camera(&self, ray: &Ray) -> Option<f32> {
+        let (along, depth) = (-self.forward.dot(ray.direction), self.forward.dot(ray.origin));
+        if along <= 1e-6 {
+            return Some(ray.t_max);
+        }
+        (self.near..=self.far).contains(&depth).then(|| ray.t_max.min((depth - self.near) / along))
+    }
 }
 
 #[cfg(test)]
@@ -51,6 +61,9 @@ mod tests {
             assert!((cut.origin.z + 1.0).abs() < 1e-6);
             assert!((cut.origin + cut.direction * cut.t_max).z + 10.0 < 1e-5);
         }
+        // The way back ends at the near plane; from outside there is none.
+        let back = |depth: f32| clip.way_to_camera(&Ray::new(Vec3A::NEG_Z * depth, Vec3A::Z));
+        assert_eq!([back(0.5), back(3.0), back(11.0)], [None, Some(2.0), None]);
         let sideways = Ray::new(Vec3A::ZERO, Vec3A::X);
         assert_eq!(clip.cut(sideways).t_max, f32::INFINITY);
         assert!(Clip::new(&CameraDescription { clip: [0.0, f64::INFINITY], ..d }, &camera).is_none());

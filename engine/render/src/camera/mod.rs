@@ -7,6 +7,7 @@ mod arrive;
 pub mod autofocus;
 pub mod batch;
 pub mod clip;
+mod description;
 pub mod exposure;
 mod focal_surface;
 pub mod from_scene;
@@ -25,24 +26,21 @@ pub mod scene_side;
 pub mod setup;
 pub mod thin;
 
+pub use description::{CameraDescription, Model, Spectrum};
+
 use crate::Rgb;
 use crate::accel::Ray;
-use exposure::PhysicalExposure;
 use gaussian::{Gaussian, Order};
-use glam::{DMat3, DMat4, DVec3, Mat3, Vec2};
+use glam::{DMat3, Mat3, Vec2};
 use image_based::ImageBased;
 use orthographic::Orthographic;
 use petzval_optics::autofocus::{AutofocusError, SharpPlaneError};
-use petzval_optics::diaphragm::ApertureMask;
-use petzval_optics::focus::{FocusError, Focusing};
+use petzval_optics::focus::FocusError;
 use petzval_optics::formats::lens::LensFileError;
 use petzval_optics::system::SystemError;
 use pinhole::Pinhole;
-use precision::Precision;
 use real_lens::RealLens;
 use setup::LensInfo;
-use std::path::PathBuf;
-use std::sync::Arc;
 use thin::Thin;
 
 /// Why a camera cannot photograph.
@@ -91,217 +89,6 @@ pub enum CameraError {
         /// Which, and what to do.
         what: String,
     },
-}
-
-/// Which model photographs.
-#[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
-pub enum Model {
-    /// Every ray traced through the prescription.
-    #[default]
-    Lens,
-    /// A point.
-    Pinhole,
-    /// A plane that bends light without aberration.
-    Thin,
-    /// The lens's principal planes and pupils at one wavelength.
-    Thick,
-    /// The same at every wavelength.
-    Paraxial,
-    /// A table of the lens's rays at one wavelength.
-    ImageBased,
-    /// No lens at all: parallel rays.
-    Orthographic,
-}
-
-/// Into what the film parts the light.
-#[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
-pub enum Spectrum {
-    /// All visible wavelengths.
-    #[default]
-    Visible,
-    /// One wavelength for each of red, green and blue (Lee, Eisemann and Seidel 2010).
-    Three,
-}
-
-/// A camera as it arrives. Angles in radians; `None` leaves the lens's own value.
-#[derive(Clone, Debug)]
-pub struct CameraDescription {
-    /// For messages.
-    pub object_name: String,
-    /// Which model.
-    pub model: Model,
-    /// Camera space (x right, y up, looking along -z) to world space; its scale does not count.
-    pub matrix_world: DMat4,
-    /// Blender's own focal length, mm, for pinhole and thin.
-    pub pinhole_focal_length_mm: f64,
-    /// Width of the whole picture on Blender's own sensor, mm.
-    pub pinhole_film_width_mm: f64,
-    /// Blender's own shift, in units of the picture's larger side.
-    pub pinhole_shift: [f64; 2],
-    /// The lens file.
-    pub lens_path: PathBuf,
-    /// Focal length to scale the lens to, mm.
-    pub focal_length_mm: Option<f64>,
-    /// Or its scale.
-    pub focal_scale: Option<f64>,
-    /// Stop; `None` is wide open.
-    pub f_number: Option<f64>,
-    /// Diaphragm blades; 0 is round.
-    pub blades: u32,
-    /// Turn of the diaphragm.
-    pub blade_rotation_rad: f64,
-    /// How far the blades are curved: 0 straight, 1 round.
-    pub blade_curvature: f64,
-    /// The opening's shape instead of blades; turned like them.
-    pub aperture_mask: Option<Arc<ApertureMask>>,
-    /// Along the axis from what `focusing` says, Blender units; `None` is infinity.
-    pub focus_distance: Option<f64>,
-    /// What the focus distance is counted from, and what of a lens stands at the camera's origin.
-    pub focusing: Focusing,
-    /// A point whose depth is focused on, world space; wins over the distance.
-    pub focus_point_world: Option<DVec3>,
-    /// From the last vertex to the film's middle, mm; wins over both.
-    pub film_distance_mm: Option<f64>,
-    /// Film.
-    pub film_width_mm: f64,
-    /// Film.
-    pub film_height_mm: f64,
-    /// Turn of the film about its horizontal axis.
-    pub tilt_rad: f64,
-    /// Turn of the film about its vertical axis.
-    pub swing_rad: f64,
-    /// How far the lens is moved right and up against the film: the picture moves the same way over the scene.
-    pub shift_mm: [f64; 2],
-    /// Millimetres in the lens's space for a Blender unit along the camera's axes.
-    pub scale_mm_per_unit: DVec3,
-    /// One wavelength, nm; `None` is all that `spectrum` says.
-    pub wavelength_nm: Option<f64>,
-    /// For lenses that treat wavelengths differently.
-    pub spectrum: Spectrum,
-    /// Of the numbers in which rays are traced from the film through the lens.
-    pub precision: Precision,
-    /// `None`: a uniform world of radiance one makes the middle of the film one, whatever the f-number.
-    pub exposure: Option<PhysicalExposure>,
-    /// Width of an orthographic picture, Blender units.
-    pub orthographic_width: f64,
-    /// What is nearer along the camera's axis than the first, or farther than the second, is not seen by camera rays, Blender
-    /// units.
-    pub clip: [f64; 2],
-}
-
-impl Default for CameraDescription {
-    /// At the world's origin, before full-frame film; everything is seen. A lens is still to be named.
-    fn default() -> Self {
-        Self {
-            object_name: "Camera".into(),
-            model: Model::default(),
-            matrix_world: DMat4::IDENTITY,
-            pinhole_focal_length_mm: 50.0,
-            pinhole_film_width_mm: 36.0,
-            pinhole_shift: [0.0; 2],
-            lens_path: PathBuf::new(),
-            focal_length_mm: None,
-            focal_scale: None,
-            f_number: None,
-            blades: 0,
-            blade_rotation_rad: 0.0,
-            blade_curvature: 0.0,
-            aperture_mask: None,
-            focus_distance: None,
-            focusing: Focusing::default(),
-            focus_point_world: None,
-            film_distance_mm: None,
-            film_width_mm: 36.0,
-            film_height_mm: 24.0,
-            tilt_rad: 0.0,
-            swing_rad: 0.0,
-            shift_mm: [0.0; 2],
-            scale_mm_per_unit: DVec3::splat(1000.0),
-            wavelength_nm: None,
-            spectrum: Spectrum::default(),
-            precision: Precision::default(),
-            exposure: None,
-            orthographic_width: 1.0,
-            clip: [0.0, f64::INFINITY],
-        }
-    }
-}
-
-impl CameraDescription {
-    pub(super) fn error(&self, what: impl Into<String>) -> CameraError {
-        CameraError::Setting { camera: self.object_name.clone(), what: what.into() }
-    }
-
-    /// The camera's place in the world: render space's origin.
-    pub fn position(&self) -> DVec3 {
-        self.matrix_world.w_axis.truncate()
-    }
-
-    /// Camera axes in world space, unit and perpendicular.
-    fn axes(&self) -> Result<DMat3, CameraError> {
-        let m = DMat3::from_mat4(self.matrix_world);
-        let bad = || self.error("its matrix is not finite or has no scale; reset the camera object's scale");
-        if !self.matrix_world.is_finite() {
-            return Err(bad());
-        }
-        let z = m.z_axis.try_normalize().ok_or_else(bad)?;
-        let x = (m.x_axis - z * m.x_axis.dot(z)).try_normalize().ok_or_else(bad)?;
-        // A mirrored camera object still takes an unmirrored picture, as in Cycles.
-        let y = z.cross(x);
-        Ok(DMat3::from_cols(x, y, z))
-    }
-
-    /// Distance of the plane to be sharp along the axis, Blender units; `None` is infinity.
-    pub(super) fn focus_depth(&self) -> Result<Option<f64>, CameraError> {
-        if let Some(p) = self.focus_point_world {
-            let depth = -(p - self.position()).dot(self.axes()?.z_axis);
-            if !(depth > 0.0 && depth.is_finite()) {
-                return Err(self.error("the focus object lies behind the camera or in it; move one of them"));
-            }
-            return Ok(Some(depth));
-        }
-        match self.focus_distance {
-            Some(d) if d.is_nan() || d <= 0.0 => Err(self.error("the focus distance is not positive; raise it")),
-            Some(d) if d.is_infinite() => Ok(None),
-            d => Ok(d),
-        }
-    }
-
-    /// Checks what every model needs.
-    fn check(&self, width: u32, height: u32) -> Result<(), CameraError> {
-        if width == 0 || height == 0 {
-            return Err(self.error("the picture has no pixels; raise the resolution"));
-        }
-        let positive = |value: f64, name: &str| {
-            if value > 0.0 && value.is_finite() {
-                Ok(())
-            } else {
-                Err(self.error(format!("{name} is {value}; set it above zero")))
-            }
-        };
-        if let Some(e) = self.exposure {
-            positive(e.shutter_s, "the shutter time")?;
-            positive(e.iso, "the film speed")?;
-            positive(e.lumens_per_watt, "the lumens of a watt")?;
-            if matches!(self.model, Model::Pinhole | Model::Orthographic) {
-                return Err(self.error("a pinhole has no f-number to expose by; switch physical exposure off"));
-            }
-        }
-        for value in self.scale_mm_per_unit.to_array() {
-            positive(value, "a world-to-lens scale")?;
-        }
-        match self.model {
-            Model::Lens | Model::Thick | Model::Paraxial | Model::ImageBased => {
-                positive(self.film_width_mm, "the film width")?;
-                positive(self.film_height_mm, "the film height")
-            }
-            Model::Orthographic => positive(self.orthographic_width, "the orthographic scale"),
-            Model::Pinhole | Model::Thin => {
-                positive(self.pinhole_focal_length_mm, "the focal length")?;
-                positive(self.pinhole_film_width_mm, "the sensor width")
-            }
-        }
-    }
 }
 
 /// A ray into the scene and what its radiance adds to the picture's colour.

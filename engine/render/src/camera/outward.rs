@@ -74,9 +74,7 @@ impl<R: Real> FlatFilm<R> {
             vertex_z: R::from_f64(vertex_z_mm),
         })
     }
-}
 
-impl<R: Real> FlatFilm<R> {
     /// Chooses a ray for each of at most as many requests as fill a register: where it crosses the plane of the pupil's map,
     /// its direction, and the density of the choice as [`Lead`] has it.
     #[inline]

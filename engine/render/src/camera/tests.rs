@@ -1,6 +1,12 @@
 //! Cameras against closed forms and against the lens itself.
 
 use super::*;
+use glam::{DMat4, DVec3};
+use petzval_optics::diaphragm::ApertureMask;
+use petzval_optics::focus::Focusing;
+use std::path::PathBuf;
+use std::sync::Arc;
+
 use glam::Vec3A;
 use petzval_optics::diaphragm::Diaphragm;
 use std::path::Path;

@@ -13,6 +13,7 @@ use super::Stage;
 use super::path::{Limits, PathResult};
 use crate::Rgb;
 use crate::accel::Ray;
+use crate::camera::clip::Clip;
 use crate::camera::real_lens::RealLens;
 use crate::sampler::{PathSampler, raster::Raster};
 use vertex::Vertex;
@@ -30,7 +31,7 @@ pub enum Techniques {
 pub struct CameraEnd<'a> {
     /// The lens.
     pub lens: &'a RealLens,
-    /// Render space.
+    /// Render space; as long as the camera sees.
     pub ray: Ray,
     /// Of the ray's choice, per unit of etendue ([`crate::camera::from_scene`]).
     pub density: f64,
@@ -42,6 +43,8 @@ pub struct FilmEnd<'a> {
     pub lens: &'a RealLens,
     /// The picture behind it.
     pub raster: &'a Raster,
+    /// What of the scene it sees.
+    pub clip: Option<Clip>,
     /// What else makes the same paths.
     pub techniques: Techniques,
 }

@@ -14,8 +14,15 @@ use rayon::prelude::*;
 /// to be left out is said.
 pub fn displace(scene: &mut Scene) -> Vec<String> {
     let mut warnings = Vec::new();
-    for mesh in 0..scene.meshes.len() {
-        let Some(instance) = scene.instances.iter().position(|one| one.mesh as usize == mesh) else { continue };
+    if !scene.materials.iter().filter_map(|material| material.graph.as_deref()).any(Graph::moves_vertices) {
+        return warnings;
+    }
+    let mut first = vec![None; scene.meshes.len()];
+    for (instance, one) in scene.instances.iter().enumerate() {
+        first[one.mesh as usize].get_or_insert(instance);
+    }
+    for (mesh, instance) in first.into_iter().enumerate() {
+        let Some(instance) = instance else { continue };
         let Some(offsets) = offsets(scene, instance) else { continue };
         let owner = &scene.instances[instance];
         let graphs = owner.materials.iter().filter_map(|&i| scene.materials[i as usize].graph.as_deref());
@@ -36,8 +43,7 @@ fn offsets(scene: &Scene, instance: usize) -> Option<Vec<Vec3>> {
     let owner = &scene.instances[instance];
     let mesh = &scene.meshes[owner.mesh as usize];
     let graph_of = |slot: u32| -> Option<&Graph> {
-        let graph = scene.materials[owner.material(slot) as usize].graph.as_deref()?;
-        (graph.displacement.moves() && graph.program.displacement.is_some()).then_some(graph)
+        scene.materials[owner.material(slot) as usize].graph.as_deref().filter(|graph| graph.moves_vertices())
     };
     let slots = mesh.material_slots.as_ref().map_or(1, |slots| slots.iter().max().map_or(1, |most| most + 1));
     if !(0..slots).any(|slot| graph_of(slot).is_some()) {

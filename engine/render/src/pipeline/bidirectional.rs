@@ -17,13 +17,19 @@ pub(super) fn sample(lens: &RealLens, techniques: Techniques, path: &mut LightPa
     let light_sampler = shot.pattern.apart(LIGHT_SEED).pixel(s.x, s.y).sampler(s.index);
     s.counts.rays += u64::from(path.trace(stage, limits, light_sampler.clone()));
     let (mut non_finite, light) = (0, &mut *s.light);
-    let rays = path.splat(stage, &FilmEnd { lens, raster, techniques }, limits, light_sampler, |x, y, colour| {
-        if colour.is_finite() {
-            light.add_anywhere(x, y, colour);
-        } else {
-            non_finite += 1;
-        }
-    });
+    let rays = path.splat(
+        stage,
+        &FilmEnd { lens, raster, clip: shot.clip, techniques },
+        limits,
+        light_sampler,
+        |x, y, colour| {
+            if colour.is_finite() {
+                light.add_anywhere(x, y, colour);
+            } else {
+                non_finite += 1;
+            }
+        },
+    );
     s.counts.rays += u64::from(rays);
     s.counts.non_finite += non_finite;
     let mut sampler = s.sampler();
@@ -36,7 +42,7 @@ pub(super) fn sample(lens: &RealLens, techniques: Techniques, path: &mut LightPa
     let led = lens.lead_all(&request, raster);
     s.count_camera(led.is_none());
     let Some(led) = led else { return s.lost() };
-    let camera = CameraEnd { lens, ray: led.ray, density: lens.led_density(&led) };
+    let camera = CameraEnd { lens, ray: shot.seen(led.ray), density: lens.led_density(&led) };
     let found = path.join(stage, &camera, limits, sampler);
     if !s.count_path(&found) {
         return;

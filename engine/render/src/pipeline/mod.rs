@@ -8,6 +8,7 @@ pub mod scene_first;
 mod stretch;
 
 use crate::Rgb;
+use crate::accel::Ray;
 use crate::camera::Camera;
 use crate::camera::clip::Clip;
 use crate::camera::packet::Splats;
@@ -85,6 +86,12 @@ pub struct Shot<'a> {
 }
 
 impl Shot<'_> {
+    /// What of a camera's ray lies in the part of the scene that the camera sees.
+    #[inline]
+    fn seen(&self, ray: Ray) -> Ray {
+        self.clip.map_or(ray, |clip| clip.cut(ray))
+    }
+
     /// The number of the camera at the time of a sample.
     fn camera(&self, [x, y]: [u32; 2], index: u32) -> usize {
         if self.cameras.len() == 1 {
@@ -215,7 +222,7 @@ impl Sample<'_> {
     }
 
     /// What the sample's ray, of the wavelength that `u_wavelength` chose, is for the pixel that it belongs to.
-    fn note(&mut self, found: &PathResult, ray: &crate::accel::Ray, u_wavelength: f32) {
+    fn note(&mut self, found: &PathResult, ray: &Ray, u_wavelength: f32) {
         self.note_alpha(found);
         self.note_surface(found, ray, u_wavelength);
     }
@@ -226,7 +233,7 @@ impl Sample<'_> {
     }
 
     /// What surface the sample's ray found for the pixel that it belongs to.
-    fn note_surface(&mut self, found: &PathResult, ray: &crate::accel::Ray, u_wavelength: f32) {
+    fn note_surface(&mut self, found: &PathResult, ray: &Ray, u_wavelength: f32) {
         self.light.add_data(self.x, self.y, found.first);
         if let Some(motion) = self.shot.motion {
             let vector = motion.vector(&self.shot.stage.scene, ray, u_wavelength, found.first.as_ref());

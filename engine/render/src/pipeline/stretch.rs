@@ -60,8 +60,7 @@ pub(super) fn render<L: Leads>(
         wave.clear();
         for (lead, sampler) in leads.iter().zip(&stretch.samplers) {
             if let Some(lead) = lead {
-                let ray = L::ray(lead);
-                wave.start(shot.clip.map_or(ray, |clip| clip.cut(ray)), sampler.clone());
+                wave.start(shot.seen(L::ray(lead)), sampler.clone());
             }
         }
         wave.follow(shot.stage, &shot.limits);

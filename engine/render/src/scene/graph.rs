@@ -188,6 +188,11 @@ impl Graph {
         (Self { program, layers, pass_index, displacement: Displacement::default() }, reports)
     }
 
+    /// Whether it moves the vertices of meshes.
+    pub fn moves_vertices(&self) -> bool {
+        self.displacement.moves() && self.program.displacement.is_some()
+    }
+
     /// Whether its program asks for any of these.
     pub fn reads_any(&self, fields: &[Field]) -> bool {
         self.program.reads().any(|field| fields.contains(&field))

@@ -39,7 +39,7 @@ pub(super) fn trace(
             result.hit = true;
         });
         let Some((point, hit)) = stretch.end else {
-            if !(bounce == 0 && limits.hide_sky) && stretch.distance.is_infinite() {
+            if !(bounce == 0 && limits.hide_sky) {
                 met.sky(|light| result.radiance += limits.clamp(carried * light, bounce));
             }
             break;

@@ -124,7 +124,7 @@ pub(super) fn splat(
     path: &[Vertex],
     mut add: impl FnMut(u32, u32, Rgb),
 ) -> u32 {
-    let FilmEnd { lens, raster, techniques } = *film;
+    let FilmEnd { lens, raster, clip, techniques } = *film;
     let mut rays = 0;
     sampler.jump_to(AIM_SETS);
     for (bounce, vertex) in path.iter().enumerate() {
@@ -146,10 +146,14 @@ pub(super) fn splat(
         };
         let others = vertex.partial.others(density * f64::from(vertex.cos(d)), back_pdf) / squared(aim_pdf);
         let light = sent * (techniques.weight(others) / aim_pdf);
-        rays += 1;
         let mut ray = vertex.ray(d);
         ray.t_max = lens.distance_from(ray.origin, d);
+        if let Some(clip) = clip {
+            let Some(way) = clip.way_to_camera(&ray) else { continue };
+            ray.t_max = way;
+        }
         let through = |hit: &Hit| opening(&stage.scene, hit, &View::along(&ray, hit.t, Way::CAMERA.shadow())).light;
+        rays += 1;
         let open = stage.accel.light_through(&ray, Rays::CAMERA, through);
         let light = light * open;
         if is_dark(light) {

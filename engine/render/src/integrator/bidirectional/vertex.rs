@@ -186,8 +186,9 @@ impl Walk<'_> {
                 return Stretch { end, distance, through, kept, u_end, u_light, u_lobe };
             }
             let origin = offset_origin(point.position, -point.geometric_normal, point.position_error);
-            ray = Ray::new(origin, ray.direction);
+            ray = Ray { origin, t_max: ray.t_max - hit.t, ..ray };
         }
-        Stretch { end: None, distance: f32::INFINITY, through, kept: 1.0, u_end: 0.0, u_light: 0.0, u_lobe: 0.0 }
+        let distance = distance + ray.t_max;
+        Stretch { end: None, distance, through, kept: 1.0, u_end: 0.0, u_light: 0.0, u_lobe: 0.0 }
     }
 }
