@@ -5,10 +5,21 @@ from __future__ import annotations
 
 import sys
 
-from . import autofocus, engine, focus_operators, native, operators, properties, redraw, ui, viewport_camera
+from . import (
+    autofocus,
+    engine,
+    focus_operators,
+    native,
+    operators,
+    plan_operator,
+    properties,
+    redraw,
+    ui,
+    viewport_camera,
+)
 
 # What is used stands before what uses it.
-PARTS = (properties, redraw, viewport_camera, autofocus, operators, focus_operators, engine, ui)
+PARTS = (properties, redraw, viewport_camera, autofocus, operators, focus_operators, plan_operator, engine, ui)
 
 
 def register() -> None:

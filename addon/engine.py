@@ -12,9 +12,9 @@ import traceback
 import bpy
 import numpy as np
 
-from . import export, loop, passes, persistent, statistics, tiles
-from .description import CameraDescription, Report, SettingsDescription, focused
-from .export import aperture_mask, viewport, visibility
+from . import effects, export, loop, passes, persistent, planning, render_settings, statistics, tiles
+from .description import CameraDescription, Report, focused
+from .export import aperture_mask, viewport
 from .export import camera as camera_export
 from .export.errors import ExportError
 from .export.motion import Frame, Motion
@@ -26,6 +26,8 @@ ENGINE = "PETZVAL"
 
 # How much of the shutter's time has gone by at the frame.
 _OPENS = {"START": 0.0, "CENTER": 0.5, "END": 1.0}
+# Samples: with fewer, the time that a forecast takes would be seen.
+_WORTH_A_FORECAST = 1 << 21
 # Pictures of a lens that changes while the shutter is open: enough for changes of a few f-stops, or of a focus pull
 # across a scene, to look smooth.
 _SHUTTER_STEPS = 16
@@ -118,6 +120,9 @@ class _Photograph:
         self.data_passes = passes.wanted(layer)
         self.mattes, self.matte_levels = passes.wanted_mattes(layer), passes.matte_levels(layer)
         self.focus: dict | None = None
+        self.plan = None
+        # In a line, for the status.
+        self.planned = ""
 
     def take(self) -> None:
         native = engine()
@@ -126,7 +131,7 @@ class _Photograph:
         width, height = camera_export.resolution(self.scene.render)
         camera = camera_export.describe(self.scene.camera, self.scene, width, height, self.report)
         camera.aperture_mask = aperture_mask.read(self.scene.camera.data)
-        settings = self._settings(width, height)
+        settings = render_settings.describe(self.scene, width, height, bool(self.data_passes))
         moving = self._over_the_shutter(camera, width, height)
         neighbours, motion = self._beside(camera, width, height)
         builder = native.SceneBuilder()
@@ -150,13 +155,30 @@ class _Photograph:
             neighbours = neighbours and tuple(
                 dataclasses.replace(then, **focused(then, self.focus)) for then in neighbours
             )
+        if not self._plan(native, scene, camera, settings, moving):
+            return
         mattes = [one.engine_name for one in self.mattes]
-        beside = {"mattes": mattes, "matte_levels": self.matte_levels, "neighbours": neighbours}
+        beside = {"plan": self.plan, "mattes": mattes, "matte_levels": self.matte_levels, "neighbours": neighbours}
         job = loop.stoppable(lambda: native.Job(scene, camera, settings, moving, **beside), self._stop_asked)
         stopped = loop.follow(job, stop_asked=self._stop_asked, show=self._show, tell=self._progress)
         self._progress(job.progress() if stopped else 1.0, job.samples_done())
         self._show_all(job)
         self._keep(json.loads(job.stats_json()), sync_seconds, stopped)
+
+    def _plan(self, native, scene, camera, settings, moving) -> bool:
+        """Decides what is simulated; true if it is to be rendered, too."""
+        self._tell("Planning the effects", 0.0)
+        wishes = effects.wishes(self.scene.petzval)
+        self.plan = loop.stoppable(lambda: native.Plan(scene, camera, settings, moving, **wishes), self._stop_asked)
+        planned = json.loads(self.plan.json())
+        if loop.WATCH.plan_only or settings.width * settings.height * settings.samples > _WORTH_A_FORECAST:
+            planned = json.loads(loop.stoppable(lambda: self.plan.forecast(scene, camera, settings), self._stop_asked))
+        planning.keep(self.scene.name, planned)
+        self.planned = effects.summary(planned)
+        if loop.WATCH.plan_only:
+            _deliver_black(self.host, self.depsgraph)
+            return False
+        return True
 
     def _over_the_shutter(self, camera: CameraDescription, width: int, height: int) -> list[CameraDescription]:
         """The camera at even times while the shutter is open; nothing where the lens does not change meanwhile."""
@@ -215,30 +237,6 @@ class _Photograph:
         for name, value in focused(camera, self.focus).items():
             setattr(camera, name, value)
 
-    def _settings(self, width: int, height: int) -> SettingsDescription:
-        own, render = self.scene.petzval, self.scene.render
-        return SettingsDescription(
-            width=width,
-            height=height,
-            samples=own.samples,
-            noise_threshold=own.noise_threshold if own.use_noise_threshold else 0.0,
-            min_samples=own.min_samples,
-            seed=own.seed,
-            blue_noise=own.use_blue_noise,
-            # Cycles keeps the film's exposure; a picture must not change with the engine.
-            film_exposure=getattr(getattr(self.scene, "cycles", None), "film_exposure", 1.0),
-            sample_offset=own.sample_offset,
-            threads=render.threads if render.threads_mode == "FIXED" else 0,
-            max_bounces=visibility.most_bounces(self.scene),
-            **visibility.bounces(self.scene),
-            clamp_indirect=own.clamp_indirect,
-            filter_width_px=own.filter_width,
-            pipeline=own.pipeline,
-            with_data=bool(self.data_passes),
-            integrator=own.integrator,
-            transparent_film=render.film_transparent,
-        )
-
     def _show_all(self, job) -> None:
         """The finished picture with its passes of data, at once: a result without a pass would blacken it."""
         pictures = {passes.COMBINED.name: job.image()}
@@ -256,6 +254,16 @@ class _Photograph:
                 one.rect.foreach_set(tiles.flat(part))
         self.host.end_result(result)
         self._name_mattes(job)
+        self._name_effects()
+
+    def _name_effects(self) -> None:
+        """Says in the picture's metadata what of the lens was simulated."""
+        planned = json.loads(self.plan.json())
+        whole = self.host.get_result()
+        for row in planned["effects"]:
+            whole.stamp_data_add_field(f"petzval/effects/{row['effect']}", f"{row['decision']}: {row['why']}")
+        whole.stamp_data_add_field("petzval/camera", json.dumps(planned["camera"]))
+        whole.stamp_data_add_field("petzval/quality", f"{planned['quality']:g}")
 
     def _name_mattes(self, job) -> None:
         """Says in the picture's metadata what the mattes' numbers stand for."""
@@ -270,7 +278,7 @@ class _Photograph:
         _deliver(self.host, self.depsgraph, [tile for tile in inside if tile is not None])
 
     def _progress(self, part: float, samples: int) -> None:
-        self._tell(f"Sample {samples}/{self.scene.petzval.samples}", part)
+        self._tell(f"Sample {samples}/{self.scene.petzval.samples} | {self.planned}", part)
 
     def _tell(self, text: str, part: float) -> None:
         self.host.update_stats("", text)
@@ -304,4 +312,5 @@ def register() -> None:
 def unregister() -> None:
     bpy.utils.unregister_class(PetzvalRenderEngine)
     statistics.forget()
+    planning.forget()
     persistent.forget()

@@ -28,6 +28,8 @@ class Watch:
     def __init__(self) -> None:
         self.stop = threading.Event()
         self.on_progress: Callable[[float, str], None] | None = None
+        #: A render ends when it is known what it would simulate.
+        self.plan_only = False
 
 
 #: Read by every render of this process.

@@ -29,6 +29,7 @@ from .choices import (
     PRECISIONS,
     SPECTRA,
 )
+from .effects import EFFECTS, WORDS
 
 
 def _changed(settings: PetzvalCamera, context: bpy.types.Context) -> None:
@@ -332,8 +333,29 @@ class PetzvalCamera(bpy.types.PropertyGroup):
     )
 
 
+class PetzvalEffects(bpy.types.PropertyGroup):
+    """`Scene.petzval.effects`: what the user says of each effect."""
+
+    __annotations__ = {
+        effect.name: EnumProperty(name=effect.label, description=effect.tooltip, items=WORDS) for effect in EFFECTS
+    }
+
+
 class PetzvalScene(bpy.types.PropertyGroup):
     """`Scene.petzval`."""
+
+    effects: PointerProperty(type=PetzvalEffects, name="Effects", description="What is simulated of the lens")
+    quality: FloatProperty(
+        name="Quality",
+        description="What is too small to be simulated: at 1, half a pixel, a fiftieth of a stop, a 255th of the exposure. "
+        "At 2, half as much",
+        default=1.0,
+        min=0.01,
+        max=1000.0,
+        soft_min=0.25,
+        soft_max=8.0,
+        precision=2,
+    )
 
     samples: IntProperty(
         name="Samples",
@@ -419,7 +441,7 @@ class PetzvalScene(bpy.types.PropertyGroup):
     )
 
 
-CLASSES = (PetzvalCamera, PetzvalScene)
+CLASSES = (PetzvalCamera, PetzvalEffects, PetzvalScene)
 
 
 def register() -> None:

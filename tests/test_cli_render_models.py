@@ -72,7 +72,12 @@ CHANGES = {
     "swing": ("--swing", -12),
     "shift": ("--shift", "2,-3"),
     "scale": ("--scale", "100,100,100"),
-    "one wavelength": ("--effect", "lateral_colour=off", "--effect", "axial_colour=off"),
+    # So small a picture does not call for it.
+    "all wavelengths": ("--effect", "lateral_colour=on"),
+    "no vignetting": ("--effect", "vignetting=off"),
+    "no distortion": ("--effect", "distortion=off"),
+    "no aberrations": ("--effect", "aberration=off"),
+    "no blur": ("--effect", "defocus=off"),
     "another lens": ("--lens", "tessar-brendel"),
     "pinhole": ("--camera", "pinhole"),
     "thin": ("--camera", "thin", "--f-number", 0.1),

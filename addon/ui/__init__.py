@@ -3,11 +3,12 @@
 
 from __future__ import annotations
 
-from . import builtin, camera, render, view_layer
+from . import builtin, camera, effects, render, view_layer
 
 
 def register() -> None:
     render.register()
+    effects.register()
     camera.register()
     view_layer.register()
     builtin.register()
@@ -17,4 +18,5 @@ def unregister() -> None:
     builtin.unregister()
     view_layer.unregister()
     camera.unregister()
+    effects.unregister()
     render.unregister()

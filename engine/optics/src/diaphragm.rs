@@ -138,6 +138,15 @@ impl Diaphragm {
         self.sides.len() as u32
     }
 
+    /// From the axis to the middle of a blade's edge, in mm: where the opening is narrowest.
+    pub fn inner_radius_mm(&self) -> f64 {
+        if self.blades() > 0 && self.curvature > 0.0 {
+            let (radius, centre, _) = self.arc();
+            return centre + radius;
+        }
+        self.apothem_mm
+    }
+
     /// Angle of one corner from the x axis towards y, in rad.
     pub fn rotation_rad(&self) -> f64 {
         self.rotation_rad

@@ -45,6 +45,12 @@ impl GaussianLens {
         DVec2::new(slope(0), slope(1))
     }
 
+    /// The point of the opening through which the ray with these slopes reaches the film point, mm.
+    pub fn stop_point(&self, film: DVec3, slopes: DVec2) -> DVec2 {
+        let point = |axis: usize| self.rear[axis].d * film[axis] - slopes[axis] * self.spread(axis, film.z);
+        DVec2::new(point(0), point(1))
+    }
+
     /// How much of the square of slopes a mm² of the opening fills, seen from a film at `film_z_mm`.
     pub fn slopes_per_mm2(&self, film_z_mm: f64) -> f64 {
         1.0 / (self.spread(0, film_z_mm) * self.spread(1, film_z_mm)).abs()

@@ -16,7 +16,7 @@
 //! either way; a [`pupil_map::PupilMap`] chooses where to aim from the film, an [`entrance_map::EntranceMap`] from the scene.
 //!
 //! A module uses only those that stand before it here: [`glass`] → [`lane`] → [`vector`] → [`surface`] → [`interface`] → [`single_surface`] → [`diaphragm`] →
-//! [`prescription`] → [`formats`] → [`first_order`] → [`system`] → [`trace`] → [`paraxial`] → [`focus`] → [`seidel`] → [`vignetting`] → [`gaussian`] →
+//! [`prescription`] → [`formats`] → [`first_order`] → [`system`] → [`transmission`] → [`trace`] → [`paraxial`] → [`focus`] → [`seidel`] → [`vignetting`] → [`gaussian`] → [`ghosts`] →
 //! [`pupil_map`] → [`entrance_map`] → [`autofocus`] → [`ray_table`].
 //!
 //! A ray that is lost is a result: the surface and one of seven reasons. No value is ever NaN, and no input panics.
@@ -68,6 +68,7 @@ pub mod first_order;
 pub mod focus;
 pub mod formats;
 pub mod gaussian;
+pub mod ghosts;
 pub mod glass;
 pub mod interface;
 pub mod lane;
@@ -80,5 +81,6 @@ pub mod single_surface;
 pub mod surface;
 pub mod system;
 pub mod trace;
+pub mod transmission;
 pub mod vector;
 pub mod vignetting;

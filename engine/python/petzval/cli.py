@@ -24,6 +24,7 @@ COMMANDS = {
     "lens": ("lens_command", "check a lens file, show its first-order data, trace rays through it"),
     "surface": ("surface_command", "trace rays at single surfaces"),
     "render": ("render_command", "render a .blend through a lens"),
+    "plan": ("plan_command", "say what a render would simulate of the lens, and why"),
 }
 
 EXIT_ERROR = 1

@@ -1,5 +1,6 @@
 # SPDX-License-Identifier: GPL-3.0-or-later
-"""The half of `petzval render` that runs where Blender is: opens the scene, sets the camera, renders, saves.
+"""The half of `petzval render` and `petzval plan` that runs where Blender is: opens the scene, sets the camera, renders,
+saves.
 
 Imported in bpy, or run as a script by `blender -b --python render_in_blender.py -- OPTIONS`.
 """
@@ -20,7 +21,8 @@ _ONE_KEYPRESS_SECONDS = 1.0
 
 
 def render(options: dict) -> int:
-    """Renders as `render_command` has checked the options; gives the exit status and has said what went wrong."""
+    """Renders as `render_command` has checked the options, or plans as `plan_command` has; gives the exit status and has
+    said what went wrong."""
     voice = _own_stderr(options.get("stderr_fd"))
     try:
         error, interrupted = _render(options, voice)
@@ -70,20 +72,26 @@ def _render(options: dict, voice: TextIO) -> tuple[str | None, bool]:
     if error:
         return error, False
     watch = addon.loop.WATCH
-    if voice.isatty():
+    plan = options.get("plan")
+    watch.plan_only = plan is not None
+    if voice.isatty() and plan is None:
         watch.on_progress = _progress_bar(voice)
     _stop_on_interrupt(watch)
     problem = None
     try:
-        bpy.ops.render.render(write_still=True, scene=scene.name)
+        bpy.ops.render.render(write_still=plan is None, scene=scene.name)
     except RuntimeError as failed:
         problem = _one_line(failed)
     interrupted = watch.stop.is_set()
     if watch.on_progress is not None:
         watch.on_progress.end()
-    last = addon.statistics.last(scene.name)
+    last = addon.planning.last(scene.name) if plan is not None else addon.statistics.last(scene.name)
     if problem is None and last is None and not interrupted:
         problem = f"nothing was rendered: {options['scene']}: look at what Blender said"
+    if problem is None and plan is not None:
+        with open(plan, "w", encoding="utf-8") as out:
+            json.dump(addon.planning.last(scene.name), out)
+        return None, interrupted
     if problem is None and not os.path.isfile(options["output"]):
         problem = f"cannot write {options['output']}: is there room, and may you write there"
     if problem is None and options["stats"] and last is not None:
@@ -137,7 +145,12 @@ def _apply(scene: Any, o: dict, addon: Any, found: dict) -> str | None:
         scene.petzval.pipeline = o["pipeline"].upper()
     if o["integrator"]:
         scene.petzval.integrator = o["integrator"]
-    _apply_output(r, o["output"])
+    if o["quality"] is not None:
+        scene.petzval.quality = o["quality"]
+    for name, word in o["effects"].items():
+        setattr(scene.petzval.effects, name, word.upper())
+    if o["output"] is not None:
+        _apply_output(r, o["output"])
     try:
         _apply_camera(scene, scene.camera.data, o, addon)
     except RuntimeError as error:  # only the mask is a file that is read here

@@ -7,7 +7,7 @@ use petzval_optics::diaphragm::ApertureMask;
 use petzval_optics::focus::{Anchor, Focusing, Relation};
 use petzval_render::camera::exposure::PhysicalExposure;
 use petzval_render::camera::precision::Precision;
-use petzval_render::camera::{self, CameraDescription, Model, Spectrum};
+use petzval_render::camera::{self, CameraDescription, Model, Shown, Spectrum};
 use pyo3::prelude::*;
 use serde_json::json;
 use std::sync::Arc;
@@ -165,6 +165,7 @@ impl TryFrom<PyCamera> for CameraDescription {
             scale_mm_per_unit: DVec3::new(sx, sy, sz),
             wavelength_nm: c.wavelength_nm,
             spectrum,
+            shown: Shown::default(),
             precision,
             exposure: c.exposure.map(|(shutter_s, iso, lumens_per_watt)| PhysicalExposure {
                 shutter_s,

@@ -6,6 +6,7 @@ use petzval_optics::formats::lens::LensFileError;
 use petzval_optics::system::SystemError;
 use petzval_render::camera::CameraError;
 use petzval_render::job::SettingsError;
+use petzval_render::plan::PlanError;
 use petzval_render::scene::SceneError;
 use pyo3::create_exception;
 use pyo3::exceptions::PyException;
@@ -58,6 +59,7 @@ maps! {
     Parsing => SceneError_,
     CameraError => CameraError_,
     SettingsError => PetzvalError,
+    PlanError => PetzvalError,
 }
 
 /// What Python handed over is not what was asked for.

@@ -3,11 +3,13 @@
 use crate::camera::PyCamera;
 use crate::doorway::away;
 use crate::error::{Error, refused};
+use crate::plan::Plan;
 use crate::scene::Scene;
 use numpy::{PyArray1, PyArray3, PyArrayMethods};
 use petzval_render::camera::clip::Clip;
 use petzval_render::camera::imaging::Imaging;
 use petzval_render::camera::precision::TOLERANCE_PX;
+use petzval_render::camera::shade;
 use petzval_render::camera::{Camera, CameraDescription};
 use petzval_render::film::cryptomatte::{self, MatteLayer};
 use petzval_render::film::data::DataPass;
@@ -18,12 +20,12 @@ use petzval_render::pipeline::Pipeline;
 use petzval_render::pipeline::motion::Motion;
 use petzval_render::shading::Caustics;
 use pyo3::prelude::*;
-use serde_json::json;
+use serde_json::{Value, json};
 use std::collections::BTreeMap;
 use std::time::Duration;
 
 #[derive(FromPyObject)]
-struct PySettings {
+pub(crate) struct PySettings {
     width: u32,
     height: u32,
     samples: u32,
@@ -102,13 +104,15 @@ type PyTile<'py> = (u32, u32, u32, u32, Bound<'py, PyArray3<f32>>);
 #[pyclass(frozen)]
 pub(crate) struct Job {
     job: engine::Job,
+    /// What was planned, to be told with what was done.
+    planned: Option<Value>,
 }
 
 #[pymethods]
 impl Job {
     #[new]
     #[pyo3(signature = (
-        scene, camera, settings, over_the_shutter=Vec::new(), *, mattes=Vec::new(), matte_levels=6, neighbours=None
+        scene, camera, settings, over_the_shutter=Vec::new(), *, plan=None, mattes=Vec::new(), matte_levels=6, neighbours=None
     ))]
     #[allow(clippy::too_many_arguments)]
     fn new(
@@ -117,22 +121,31 @@ impl Job {
         camera: PyCamera,
         settings: PySettings,
         over_the_shutter: Vec<PyCamera>,
+        plan: Option<&Plan>,
         mattes: Vec<String>,
         matte_levels: u32,
         neighbours: Option<[PyCamera; 2]>,
     ) -> Result<Self, Error> {
         let now: CameraDescription = camera.try_into()?;
-        let descriptions = if over_the_shutter.is_empty() {
+        let is_moving = plan.is_none_or(|plan| plan.plan.camera.is_moving);
+        let descriptions = if over_the_shutter.is_empty() || !is_moving {
             vec![now.clone()]
         } else {
             over_the_shutter.into_iter().map(TryInto::try_into).collect::<Result<Vec<CameraDescription>, Error>>()?
         };
+        let planned = |d: &CameraDescription| plan.map_or_else(|| d.clone(), |plan| plan.plan.applied(d));
+        let descriptions: Vec<CameraDescription> = descriptions.iter().map(planned).collect();
         let neighbours = match neighbours {
             Some([before, after]) => Some([before.try_into()?, after.try_into()?]),
             None => None,
         };
         let mattes = mattes.iter().map(|name| matte_layer(name)).collect::<Result<Vec<_>, Error>>()?;
-        let settings: Settings = settings.try_into()?;
+        let mut settings: Settings = settings.try_into()?;
+        if let Some(plan) = plan {
+            settings.pipeline = plan.plan.pipeline();
+        }
+        let now = planned(&now);
+        let planned = plan.map(Plan::value);
         let stage = scene.stage.clone();
         away(py, || -> Result<Self, Error> {
             let camera = |d| Camera::new(d, settings.width, settings.height);
@@ -146,8 +159,9 @@ impl Job {
                 None => None,
             };
             let clip = Clip::new(&now, &cameras[0]);
-            let beside = Beside { mattes, matte_levels, motion, clip };
-            Ok(Self { job: engine::Job::start_with(stage, cameras, settings, beside)? })
+            let gains = shade::gains(&now, &cameras[cameras.len() / 2], settings.width, settings.height)?;
+            let beside = Beside { mattes, matte_levels, motion, clip, gains };
+            Ok(Self { job: engine::Job::start_with(stage, cameras, settings, beside)?, planned })
         })?
     }
 
@@ -234,7 +248,7 @@ impl Job {
         let lens_share = if timed > 0.0 { s.counts.camera_time.as_secs_f64() / timed } else { 0.0 };
         let mut seconds = json!({
             "bvh": self.job.stage().build_seconds,
-            "plan": 0.0,
+            "plan": self.planned.as_ref().map_or(json!(0.0), |plan| plan["seconds"].clone()),
             "render": s.render_seconds,
         });
         if let Some(lens) = self.job.camera().traced_lens() {
@@ -251,6 +265,8 @@ impl Job {
         });
         json!({
             "seconds": seconds,
+            "plan": self.planned.as_ref().map_or(json!([]), |plan| plan["effects"].clone()),
+            "planned": self.planned,
             "trees_refitted": self.job.stage().accel.refitted(),
             "samples": s.samples,
             "samples_mean": s.mean_samples,

@@ -11,6 +11,7 @@ mod job;
 mod layer;
 mod lens;
 mod material;
+mod plan;
 mod scene;
 mod surface;
 
@@ -39,12 +40,14 @@ fn _native(m: &Bound<'_, PyModule>) -> PyResult<()> {
     m.add_class::<scene::SceneBuilder>()?;
     m.add_class::<scene::Scene>()?;
     m.add_class::<job::Job>()?;
+    m.add_class::<plan::Plan>()?;
     m.add_function(wrap_pyfunction!(camera::camera_info_json, m)?)?;
     m.add_function(wrap_pyfunction!(focusing::autofocus_json, m)?)?;
     m.add_function(wrap_pyfunction!(focusing::autofocus_by_json, m)?)?;
     m.add_function(wrap_pyfunction!(focusing::sharp_points_json, m)?)?;
     m.add_function(wrap_pyfunction!(edges::random_per_island, m)?)?;
     m.add_function(wrap_pyfunction!(edges::pointiness, m)?)?;
+    m.add_function(wrap_pyfunction!(plan::effects_json, m)?)?;
     m.add_function(wrap_pyfunction!(graph::evaluate_graph, m)?)?;
     m.add_function(wrap_pyfunction!(surface::trace_surfaces_json, m)?)?;
     Ok(())

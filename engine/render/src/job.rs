@@ -4,6 +4,7 @@
 //! them, so that the same seed gives the same bits for any number of threads.
 
 mod adaptive;
+pub mod forecast;
 mod settings;
 
 use crate::camera::Camera;
@@ -40,6 +41,8 @@ pub struct Beside {
     pub motion: Option<Motion>,
     /// What of the scene the camera's rays see; `None`: all of it.
     pub clip: Option<Clip>,
+    /// By what each pixel's light is multiplied, rows from below; `None`: by one ([`crate::camera::shade`]).
+    pub gains: Option<Vec<f32>>,
 }
 
 /// What a render did.
@@ -121,40 +124,8 @@ impl Job {
         settings: Settings,
         beside: Beside,
     ) -> Result<Self, SettingsError> {
-        settings.check()?;
-        let first = cameras.first().ok_or(SettingsError::Camera)?;
-        settings.check_integrator(first)?;
         let threads = settings.thread_count();
-        let is_bidirectional = settings.integrator == Integrator::Bidirectional;
-        let asked = if is_bidirectional { Pipeline::Hero } else { settings.pipeline };
-        let pipeline = asked.with(first);
-        let spreads = is_bidirectional || pipeline != Pipeline::FilmFirst;
-        let (width, height) = (settings.width, settings.height);
-        let mattes = Mattes::new(&stage.scene, &beside.mattes, beside.matte_levels);
-        let adapts = settings.noise_threshold > 0.0;
-        let keep = Keep { surfaces: settings.with_data, vectors: beside.motion.is_some(), mattes, halves: adapts };
-        let film = Film::keeping(width, height, spreads, keep).exposed(settings.film_exposure);
-        let shared = Arc::new(Shared {
-            raster: Raster::new(width, height, PixelFilter::new(settings.filter_width_px)),
-            adaptive: adapts.then(|| Adaptive::new(&settings, film.tile_count())),
-            film,
-            motion: beside.motion,
-            clip: beside.clip,
-            limits: OnceLock::new(),
-            pipeline,
-            passes: passes(settings.samples),
-            stage,
-            cameras,
-            settings,
-            next: AtomicUsize::new(0),
-            stop: AtomicBool::new(false),
-            counts: Mutex::default(),
-            failure: Mutex::default(),
-            running: Mutex::new(threads),
-            ended: Condvar::new(),
-            started: Instant::now(),
-            ended_at: Mutex::default(),
-        });
+        let shared = Arc::new(Shared::new(stage, cameras, settings, beside)?);
         let threads = (0..threads)
             .map(|_| {
                 let shared = shared.clone();
@@ -280,6 +251,45 @@ impl Drop for Job {
 }
 
 impl Shared {
+    /// Before the first thread.
+    fn new(stage: Arc<Stage>, cameras: Vec<Camera>, settings: Settings, beside: Beside) -> Result<Self, SettingsError> {
+        settings.check()?;
+        let first = cameras.first().ok_or(SettingsError::Camera)?;
+        settings.check_integrator(first)?;
+        let is_bidirectional = settings.integrator == Integrator::Bidirectional;
+        let asked = if is_bidirectional { Pipeline::Hero } else { settings.pipeline };
+        let pipeline = asked.with(first);
+        let spreads = is_bidirectional || pipeline != Pipeline::FilmFirst;
+        let (width, height) = (settings.width, settings.height);
+        let mattes = Mattes::new(&stage.scene, &beside.mattes, beside.matte_levels);
+        let adapts = settings.noise_threshold > 0.0;
+        let keep = Keep { surfaces: settings.with_data, vectors: beside.motion.is_some(), mattes, halves: adapts };
+        let film = Film::keeping(width, height, spreads, keep)
+            .exposed(settings.film_exposure)
+            .shaded(beside.gains.unwrap_or_default());
+        Ok(Self {
+            raster: Raster::new(width, height, PixelFilter::new(settings.filter_width_px)),
+            adaptive: adapts.then(|| Adaptive::new(&settings, film.tile_count())),
+            film,
+            motion: beside.motion,
+            clip: beside.clip,
+            limits: OnceLock::new(),
+            pipeline,
+            passes: passes(settings.samples),
+            running: Mutex::new(settings.thread_count()),
+            stage,
+            cameras,
+            settings,
+            next: AtomicUsize::new(0),
+            stop: AtomicBool::new(false),
+            counts: Mutex::default(),
+            failure: Mutex::default(),
+            ended: Condvar::new(),
+            started: Instant::now(),
+            ended_at: Mutex::default(),
+        })
+    }
+
     /// One thread's life.
     fn work(&self) {
         if let Err(panic) = catch_unwind(AssertUnwindSafe(|| self.render())) {
@@ -322,9 +332,13 @@ impl Shared {
         Limits { roulette: path::roulette(&self.stage, &limits, &rays), ..limits }
     }
 
-    fn render(&self) {
+    /// What is the same for every sample.
+    fn shot(&self) -> Shot<'_> {
         let s = &self.settings;
-        let shot = Shot {
+        if self.pipeline == Pipeline::SceneFirst {
+            self.cameras.iter().filter_map(Camera::traced_lens).for_each(RealLens::prepare_for_scene_first);
+        }
+        Shot {
             stage: &self.stage,
             cameras: &self.cameras,
             clip: self.clip,
@@ -334,10 +348,12 @@ impl Shared {
             limits: *self.limits.get_or_init(|| self.find_limits()),
             pattern: s.pattern(),
             motion: self.motion.as_ref(),
-        };
-        if self.pipeline == Pipeline::SceneFirst {
-            self.cameras.iter().filter_map(Camera::traced_lens).for_each(RealLens::prepare_for_scene_first);
         }
+    }
+
+    fn render(&self) {
+        let s = &self.settings;
+        let shot = self.shot();
         let stopped = || self.stop.load(Ordering::Relaxed);
         if let Some(adaptive) = &self.adaptive {
             while !stopped() && self.render_next(&shot, adaptive, &stopped).is_some() {}

@@ -2,7 +2,7 @@
 //!
 //! Data goes one way, and a module uses only those above it in this list:
 //! [`spectrum`] → [`sampler`] → [`scene`] → [`accel`] → [`surface`] → [`nodes`] → [`shading`] → [`lights`] → [`camera`] →
-//! [`integrator`] → [`film`] → [`pipeline`] → [`job`].
+//! [`integrator`] → [`film`] → [`pipeline`] → [`plan`] → [`job`].
 //!
 //! # Spaces and units
 //! *World space* is Blender's, in Blender units. *Render space* has the world's axes and its origin at the
@@ -20,6 +20,7 @@ pub mod job;
 pub mod lights;
 pub mod nodes;
 pub mod pipeline;
+pub mod plan;
 pub mod sampler;
 pub mod scene;
 pub mod shading;

@@ -2,7 +2,7 @@
 
 use super::{Camera, CameraDescription};
 use crate::accel::Ray;
-use glam::Vec3A;
+use glam::{DVec3, Vec3A};
 
 /// Two planes at right angles to a camera's axis.
 #[derive(Clone, Copy, Debug)]
@@ -16,10 +16,14 @@ pub struct Clip {
 impl Clip {
     /// Of a camera whose place is render space's origin; `None` if it leaves nothing out.
     pub fn new(d: &CameraDescription, camera: &Camera) -> Option<Self> {
+        Self::along(d, camera.axes().z_axis)
+    }
+
+    /// The same of a camera that is not made yet; `backwards` is its axis from the scene to the film, render space.
+    pub fn along(d: &CameraDescription, backwards: DVec3) -> Option<Self> {
         let [near, far] = d.clip;
         let leaves_out = near > 0.0 || far < f64::INFINITY;
-        let forward = -camera.axes().z_axis.as_vec3a();
-        leaves_out.then_some(Self { forward, near: near as f32, far: far as f32 })
+        leaves_out.then_some(Self { forward: -backwards.as_vec3a(), near: near as f32, far: far as f32 })
     }
 
     /// What of a camera ray lies between the planes.

@@ -3,6 +3,7 @@
 use super::CameraError;
 use super::exposure::PhysicalExposure;
 use super::precision::Precision;
+use crate::spectrum::SPECTRAL_COUNT;
 use glam::{DMat3, DMat4, DVec3};
 use petzval_optics::diaphragm::ApertureMask;
 use petzval_optics::focus::Focusing;
@@ -37,6 +38,56 @@ pub enum Spectrum {
     Visible,
     /// One wavelength for each of red, green and blue (Lee, Eisemann and Seidel 2010).
     Three,
+    /// All visible wavelengths in so many bands: enough where the lens spreads colours little.
+    Bands(usize),
+}
+
+impl Spectrum {
+    /// How many wavelengths that is.
+    pub fn count(self) -> usize {
+        match self {
+            Self::Visible => SPECTRAL_COUNT,
+            Self::Three => 3,
+            Self::Bands(count) => count,
+        }
+    }
+}
+
+/// What of a lens that is traced is to be seen in the picture; all of it, but where somebody takes something out.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub struct Shown {
+    /// Blur of what is out of focus; else everything is seen through the middle of the pupil.
+    pub defocus: bool,
+    /// Aberrations; else Gaussian optics make the image, with all else of the lens.
+    pub aberration: bool,
+    /// Distortion; else straight lines are straight.
+    pub distortion: bool,
+    /// Vignetting; else the picture is as bright everywhere as in its middle. Blur keeps its shapes.
+    pub vignetting: bool,
+    /// Colours of different size.
+    pub lateral_colour: bool,
+    /// Colours of different focus.
+    pub axial_colour: bool,
+}
+
+impl Default for Shown {
+    fn default() -> Self {
+        Self {
+            defocus: true,
+            aberration: true,
+            distortion: true,
+            vignetting: true,
+            lateral_colour: true,
+            axial_colour: true,
+        }
+    }
+}
+
+impl Shown {
+    /// Rays are those of the lens.
+    pub fn is_traced_plainly(&self) -> bool {
+        self.defocus && self.aberration && self.distortion && self.lateral_colour && self.axial_colour
+    }
 }
 
 /// A camera as it arrives. Angles in radians; `None` leaves the lens's own value.
@@ -94,6 +145,8 @@ pub struct CameraDescription {
     pub wavelength_nm: Option<f64>,
     /// For lenses that treat wavelengths differently.
     pub spectrum: Spectrum,
+    /// What of the real lens is left out.
+    pub shown: Shown,
     /// Of the numbers in which rays are traced from the film through the lens.
     pub precision: Precision,
     /// `None`: a uniform world of radiance one makes the middle of the film one, whatever the f-number.
@@ -135,6 +188,7 @@ impl Default for CameraDescription {
             scale_mm_per_unit: DVec3::splat(1000.0),
             wavelength_nm: None,
             spectrum: Spectrum::default(),
+            shown: Shown::default(),
             precision: Precision::default(),
             exposure: None,
             orthographic_width: 1.0,

@@ -72,10 +72,19 @@ impl Gaussian {
     /// A ray for a picture point.
     #[inline]
     pub fn sample(&self, p: Vec2, u_lens: [f32; 2], u_wavelength: f32) -> CameraRay {
+        self.through(p, DVec2::from(self.diaphragm.sample(u_lens.map(f64::from))), u_wavelength)
+    }
+
+    /// The ray through the middle of the opening, as bright.
+    pub(super) fn chief(&self, p: Vec2, u_wavelength: f32) -> CameraRay {
+        self.through(p, DVec2::ZERO, u_wavelength)
+    }
+
+    #[inline]
+    fn through(&self, p: Vec2, stop: DVec2, u_wavelength: f32) -> CameraRay {
         let index = self.spectrum.sample(u_wavelength);
         let (lens, gain) = &self.lines[index];
         let film = self.mount.film_at(p);
-        let stop = DVec2::from(self.diaphragm.sample(u_lens.map(f64::from)));
         let slopes = lens.slopes(film.point, stop);
         let out = lens.into_scene(film.point, slopes);
         let towards = slopes.extend(1.0);

@@ -3,6 +3,7 @@
 //! The only place where lens millimetres meet world units. Picture coordinates are fractions of the picture's
 //! width and height from its centre, right and up as one looks at the finished picture: -1/2 to 1/2.
 
+pub mod adapted;
 mod arrive;
 pub mod autofocus;
 pub mod batch;
@@ -24,16 +25,21 @@ pub mod precision;
 pub mod real_lens;
 pub mod scene_side;
 pub mod setup;
+pub mod shade;
+pub mod survey;
 pub mod thin;
 
-pub use description::{CameraDescription, Model, Spectrum};
+pub use description::{CameraDescription, Model, Shown, Spectrum};
 
 use crate::Rgb;
 use crate::accel::Ray;
+use adapted::Adapted;
+use batch::LensBatch;
 use gaussian::{Gaussian, Order};
 use glam::{DMat3, Mat3, Vec2};
 use image_based::ImageBased;
 use orthographic::Orthographic;
+use packet::Request;
 use petzval_optics::autofocus::{AutofocusError, SharpPlaneError};
 use petzval_optics::focus::FocusError;
 use petzval_optics::formats::lens::LensFileError;
@@ -119,6 +125,8 @@ pub enum Camera {
     Gaussian(Box<Gaussian>),
     /// A real one as a table.
     ImageBased(Box<ImageBased>),
+    /// A real one of which something is taken out.
+    Adapted(Box<Adapted>),
     /// None.
     Orthographic(Orthographic),
 }
@@ -134,6 +142,9 @@ impl Camera {
         Ok(match d.model {
             Model::Pinhole => Self::Pinhole(Pinhole::new(d, axes, width, height)),
             Model::Thin => Self::Thin(Thin::new(d, axes, width, height)?),
+            Model::Lens if !d.shown.is_traced_plainly() => {
+                Self::Adapted(Box::new(Adapted::new(d, axes, width, height)?))
+            }
             Model::Lens => Self::Lens(Box::new(RealLens::new(d, axes, width, height)?)),
             Model::Thick => Self::Gaussian(Box::new(Gaussian::new(Order::Thick, d, axes, width, height)?)),
             Model::Paraxial => Self::Gaussian(Box::new(Gaussian::new(Order::Paraxial, d, axes, width, height)?)),
@@ -152,7 +163,26 @@ impl Camera {
             Self::Lens(c) => c.sample(p, u_lens, u_wavelength),
             Self::Gaussian(c) => Some(c.sample(p, u_lens, u_wavelength)),
             Self::ImageBased(c) => c.sample(p, u_lens),
+            Self::Adapted(c) => c.sample(p, u_lens, u_wavelength),
             Self::Orthographic(c) => Some(c.ray(p)),
+        }
+    }
+
+    /// Memory for batches, where there are any.
+    pub fn batch(&self) -> Option<LensBatch> {
+        match self {
+            Self::Lens(lens) => Some(lens.batch()),
+            Self::Adapted(lens) => lens.batch(),
+            _ => None,
+        }
+    }
+
+    /// Appends [`Self::sample`] for each request, to the last bit; `batch` is one of this camera's.
+    pub fn sample_batch(&self, requests: &[Request], batch: Option<&mut LensBatch>, rays: &mut Vec<Option<CameraRay>>) {
+        match (self, batch) {
+            (Self::Lens(lens), Some(batch)) => lens.sample_batch(requests, batch, rays),
+            (Self::Adapted(lens), Some(batch)) => lens.sample_batch(requests, batch, rays),
+            _ => rays.extend(requests.iter().map(|r| self.sample(r.place, r.u_lens, r.u_wavelength))),
         }
     }
 
@@ -172,6 +202,7 @@ impl Camera {
             Self::Lens(c) => c.mount.axes(),
             Self::Gaussian(c) => c.axes(),
             Self::ImageBased(c) => c.axes(),
+            Self::Adapted(c) => c.axes(),
             Self::Orthographic(c) => c.axes(),
         }
     }
@@ -184,6 +215,7 @@ impl Camera {
             Self::Lens(lens) => &lens.info().lens_name,
             Self::Gaussian(lens) => &lens.info().lens_name,
             Self::ImageBased(lens) => &lens.info().lens_name,
+            Self::Adapted(lens) => &lens.info().lens_name,
             Self::Orthographic(_) => "orthographic",
         }
     }

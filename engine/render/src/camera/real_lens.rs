@@ -31,6 +31,7 @@ pub(super) fn film_spectrum(d: &CameraDescription, system: &System) -> FilmSpect
         (None, _) if !system.is_dispersive() => FilmSpectrum::single(D_LINE_NM),
         (None, Spectrum::Three) => FilmSpectrum::three(),
         (None, Spectrum::Visible) => FilmSpectrum::visible(),
+        (None, Spectrum::Bands(count)) => FilmSpectrum::visible_in(count),
     }
 }
 

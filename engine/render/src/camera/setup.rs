@@ -12,7 +12,7 @@ use petzval_optics::system::{FocalLength, System, SystemError, SystemSettings};
 use petzval_optics::trace::{Ray as LensRay, Tracer};
 
 /// Yellow helium line, where lenses are focused and measured, nm.
-pub(super) const D_LINE_NM: f64 = 587.5618;
+pub const D_LINE_NM: f64 = 587.5618;
 
 /// What a lens does in a camera: for panels, reports, and a viewport that frames the same picture.
 #[derive(Clone, Debug)]

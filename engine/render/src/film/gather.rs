@@ -118,6 +118,12 @@ impl Film {
                 pixel.iter_mut().zip(sums.get(number(i))).for_each(|(p, s)| *p += (s * scale) as f32);
             }
         }
+        if !self.gains.is_empty() {
+            for (i, pixel) in out.iter_mut().enumerate() {
+                let gain = self.gains[number(i)];
+                pixel[..3].iter_mut().for_each(|part| *part *= gain);
+            }
+        }
         if self.exposure != 1.0 {
             out.iter_mut().flat_map(|pixel| &mut pixel[..3]).for_each(|part| *part *= self.exposure);
         }

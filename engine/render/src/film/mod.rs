@@ -207,6 +207,8 @@ pub struct Film {
     keep: Keep,
     /// What the light is multiplied by when it is asked for.
     exposure: f32,
+    /// By pixel, rows from below, what it is multiplied by, too; empty where that is one.
+    gains: Vec<f32>,
 }
 
 impl Film {
@@ -247,13 +249,30 @@ impl Film {
         };
         let sums = || SplatSums::new(width as usize * height as usize);
         let tiles = order.iter().map(tile).collect();
-        Self { width, height, tile_size, tiles, places, far: sums(), anywhere: [sums(), sums()], keep, exposure: 1.0 }
+        Self {
+            width,
+            height,
+            tile_size,
+            tiles,
+            places,
+            far: sums(),
+            anywhere: [sums(), sums()],
+            keep,
+            exposure: 1.0,
+            gains: Vec::new(),
+        }
     }
 
     /// The same, with all its light multiplied by a factor.
     #[must_use]
     pub fn exposed(self, exposure: f32) -> Self {
         Self { exposure, ..self }
+    }
+
+    /// The same, with each pixel's light multiplied by a factor of its own, rows from below.
+    #[must_use]
+    pub fn shaded(self, gains: Vec<f32>) -> Self {
+        Self { gains, ..self }
     }
 
     /// Columns and rows.

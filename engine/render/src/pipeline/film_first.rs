@@ -18,7 +18,7 @@ pub(super) struct FilmFirst<'a> {
 
 impl<'a> FilmFirst<'a> {
     pub(super) fn new(shot: &Shot<'a>) -> Self {
-        Self { cameras: shot.cameras.iter().map(|c| (c, c.traced_lens().map(|lens| lens.batch()))).collect() }
+        Self { cameras: shot.cameras.iter().map(|camera| (camera, camera.batch())).collect() }
     }
 }
 
@@ -26,10 +26,8 @@ impl Leads for FilmFirst<'_> {
     type Lead = CameraRay;
 
     fn ask(&mut self, camera: usize, requests: &[Request], leads: &mut Vec<Option<CameraRay>>) {
-        match &mut self.cameras[camera] {
-            (Camera::Lens(lens), Some(batch)) => lens.sample_batch(requests, batch, leads),
-            (camera, _) => leads.extend(requests.iter().map(|r| camera.sample(r.place, r.u_lens, r.u_wavelength))),
-        }
+        let (camera, batch) = &mut self.cameras[camera];
+        camera.sample_batch(requests, batch.as_mut(), leads);
     }
 
     fn ray(lead: &CameraRay) -> Ray {

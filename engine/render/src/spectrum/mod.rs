@@ -21,7 +21,7 @@ const REC_709_FROM_XYZ: [[f64; 3]; 3] = [
 
 /// How many wavelengths a spectral film tells apart. More makes set-up slower (one lens, one set of indices
 /// each); fewer shows as separate images of a bright point where the lens disperses by more pixels than this.
-const SPECTRAL_COUNT: usize = 48;
+pub const SPECTRAL_COUNT: usize = 48;
 
 /// How many wavelengths a path can carry at a time: a [`FilmSpectrum`] falls into sets of so many. Divides
 /// [`SPECTRAL_COUNT`].
@@ -64,6 +64,11 @@ impl FilmSpectrum {
 
     /// The visible spectrum in bands of equal importance to the film.
     pub fn visible() -> Self {
+        Self::visible_in(SPECTRAL_COUNT)
+    }
+
+    /// The same in that many bands, a multiple of [`SET_SIZE`]: fewer do where the lens disperses little.
+    pub fn visible_in(count: usize) -> Self {
         // The chance of a wavelength is the size of the film's answer to white: no sample outweighs the others.
         let fine = 20;
         let step_nm = STEP_NM / f64::from(fine);
@@ -76,15 +81,15 @@ impl FilmSpectrum {
         }
         let total = cumulative[steps];
         let one = |k: usize| {
-            let target = (k as f64 + 0.5) / SPECTRAL_COUNT as f64 * total;
+            let target = (k as f64 + 0.5) / count as f64 * total;
             let i = cumulative.partition_point(|&c| c < target).clamp(1, steps);
             let part = (target - cumulative[i - 1]) / (cumulative[i] - cumulative[i - 1]);
             let nm = at(i as f64 - 1.0 + part);
             (nm, response(nm) * importance(nm).recip())
         };
-        let mut list: Vec<(f64, DMat3)> = (0..SPECTRAL_COUNT).map(one).collect();
+        let mut list: Vec<(f64, DMat3)> = (0..count).map(one).collect();
         // What the bands' middles miss of the integral, some 1e-3, is made up on the film's side.
-        let mean = list.iter().fold(DMat3::ZERO, |sum, (_, m)| sum + *m) * (SPECTRAL_COUNT as f64).recip();
+        let mean = list.iter().fold(DMat3::ZERO, |sum, (_, m)| sum + *m) * (count as f64).recip();
         let correct = mean.inverse();
         let wavelengths =
             list.drain(..).map(|(nm, m)| FilmWavelength { nm, response: (correct * m).as_mat3() }).collect();

@@ -102,6 +102,7 @@ impl Exact {
             (Some(nm), _) => FilmSpectrum::single(nm),
             (None, Spectrum::Three) => FilmSpectrum::three(),
             (None, Spectrum::Visible) => FilmSpectrum::visible(),
+            (None, Spectrum::Bands(count)) => FilmSpectrum::visible_in(count),
         };
         let lines = spectrum.wavelengths().iter().map(|line| {
             let tracer = system.at_wavelength(line.nm);

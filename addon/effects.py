@@ -1,0 +1,84 @@
+# SPDX-License-Identifier: GPL-3.0-or-later
+"""The closed list of a lens's effects as people read it, and what may be said of each. No bpy."""
+
+from __future__ import annotations
+
+from typing import Any, NamedTuple
+
+
+class Effect(NamedTuple):
+    """`name` is the engine's."""
+
+    name: str
+    label: str
+    tooltip: str
+
+
+#: In the order of panels and reports; the engine has the same.
+EFFECTS = (
+    Effect("defocus", "Defocus", "Blur of what is not at the distance of focus"),
+    Effect("aberration", "Aberrations", "Spherical aberration, coma, astigmatism and field curvature"),
+    Effect("distortion", "Distortion", "Straight lines bent towards the picture's edge"),
+    Effect("lateral_colour", "Lateral Colour", "Colours of different size: fringes that grow towards the corners"),
+    Effect("axial_colour", "Axial Colour", "Colours of different focus: tinted blur before and behind what is sharp"),
+    Effect(
+        "vignetting",
+        "Vignetting",
+        "Less light towards the corners. Off: as bright as in the middle; blur keeps its shapes",
+    ),
+    Effect("diaphragm", "Diaphragm Shape", "Blades or a mask in blur discs. Off: a round opening as large"),
+    Effect("motion_blur", "Lens in Motion", "Focus, zoom or diaphragm that change while the shutter is open"),
+    Effect("transmission", "Transmission", "What glass and coatings take of each colour"),
+    Effect("ghosts", "Ghosts", "Light reflected between the surfaces of the lens"),
+    Effect("glare", "Veiling Glare", "Light scattered in the lens"),
+    Effect("diffraction", "Diffraction", "The wave nature of light at the edge of the opening"),
+    Effect("spectral_materials", "Spectral Materials", "Materials that are more than three colours"),
+)
+#: What may be said of an effect: identifier, name, tooltip, icon, number in saved files.
+WORDS = (
+    ("AUTO", "Auto", "Simulated where this picture would show it", "", 0),
+    ("ON", "On", "Simulated in any case", "", 1),
+    ("OFF", "Off", "Left out in any case", "", 2),
+)
+LABELS = {effect.name: effect.label for effect in EFFECTS}
+
+
+def wishes(settings: Any) -> dict[str, Any]:
+    """What the scene's settings say of each effect, for the engine."""
+    words = {effect.name: getattr(settings.effects, effect.name).lower() for effect in EFFECTS}
+    return {"effects": words, "quality": settings.quality}
+
+
+def size(row: dict[str, Any]) -> str:
+    """The measured size in a row of the engine's plan."""
+    if row["is_unbounded"]:
+        return "unbounded"
+    if row["measure"] is None:
+        return "–"
+    return (
+        f"{row['measure']:.2g} {row['unit'].removeprefix('of ')}"
+        if row["measure"] < 10.0
+        else f"{row['measure']:.0f} {row['unit']}"
+    )
+
+
+def cost(row: dict[str, Any]) -> str:
+    """What simulating it costs, in parts of the time without it."""
+    part = row.get("predicted_cost")
+    if part is None or row["decision"] == "off":
+        return ""
+    return f"+{100.0 * part:.0f} %" if part >= 0.005 else "free"
+
+
+def summary(plan: dict[str, Any]) -> str:
+    """A plan in a line, for the status of a render."""
+    camera = plan["camera"]
+    count = camera["wavelengths"]
+    light = f"{count} wavelengths" if count > 1 else "one wavelength"
+    off = [
+        LABELS[row["effect"]].lower()
+        for row in plan["effects"]
+        if row["decision"] == "off" and row["is_available"] and row["measure"]
+    ]
+    left_out = f", without {', '.join(off)}" if off else ""
+    return f"{camera['model']} camera, {light}{left_out}"

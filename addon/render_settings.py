@@ -1,0 +1,35 @@
+# SPDX-License-Identifier: GPL-3.0-or-later
+"""What a scene says of how it is to be rendered."""
+
+from __future__ import annotations
+
+import bpy
+
+from .description import SettingsDescription
+from .export import visibility
+
+
+def describe(scene: bpy.types.Scene, width: int, height: int, with_data: bool = False) -> SettingsDescription:
+    """The settings of a scene for a picture of that many pixels."""
+    own, render = scene.petzval, scene.render
+    return SettingsDescription(
+        width=width,
+        height=height,
+        samples=own.samples,
+        noise_threshold=own.noise_threshold if own.use_noise_threshold else 0.0,
+        min_samples=own.min_samples,
+        seed=own.seed,
+        blue_noise=own.use_blue_noise,
+        # Cycles keeps the film's exposure; a picture must not change with the engine.
+        film_exposure=getattr(getattr(scene, "cycles", None), "film_exposure", 1.0),
+        sample_offset=own.sample_offset,
+        threads=render.threads if render.threads_mode == "FIXED" else 0,
+        max_bounces=visibility.most_bounces(scene),
+        **visibility.bounces(scene),
+        clamp_indirect=own.clamp_indirect,
+        filter_width_px=own.filter_width,
+        pipeline=own.pipeline,
+        with_data=with_data,
+        integrator=own.integrator,
+        transparent_film=render.film_transparent,
+    )

@@ -1,0 +1,107 @@
+# SPDX-License-Identifier: GPL-3.0-or-later
+"""The Effects panel: one row an effect with the user's word, the measured size, the decision and its cost."""
+
+from __future__ import annotations
+
+import bpy
+
+from .. import planning
+from ..description import OF_LENS_FILE
+from ..effects import EFFECTS, cost, size
+from .camera_parts import lines_of
+from .mixin import PetzvalPanel, columns
+
+
+class PETZVAL_RENDER_PT_effects(PetzvalPanel, bpy.types.Panel):
+    bl_label = "Effects"
+    bl_context = "render"
+
+    def draw(self, context):
+        layout = columns(self)
+        settings = context.scene.petzval
+        holder = context.scene.camera
+        model = holder.data.petzval.model if holder is not None and holder.type == "CAMERA" else None
+        layout.prop(settings, "quality")
+        layout.operator("petzval.plan_effects", icon="VIEWZOOM")
+        if model is not None and model != "LENS":
+            what = "made from a lens" if model in OF_LENS_FILE else "without a lens"
+            layout.label(text=f"A camera {what} by a simpler model: nothing to choose", icon="INFO")
+            return
+        plan = planning.last(context.scene.name)
+        rows = {row["effect"]: row for row in plan["effects"]} if plan else {}
+        column = self.layout.column(align=True)
+        for effect in EFFECTS:
+            _row(column, effect, settings.effects, rows.get(effect.name))
+        if plan:
+            _chosen(self.layout, context, plan)
+
+
+def _row(column, effect, settings, row) -> None:
+    """Name and word; size, decision and cost where they are known."""
+    line = column.split(factor=0.33, align=True)
+    name = line.row()
+    is_available = row is None or row["is_available"]
+    name.active = is_available
+    icon = "NONE"
+    if row is not None:
+        icon = "CHECKMARK" if row["decision"] == "on" else "X"
+        if not is_available and row["measure"] and row["measure"] > row["tolerance"]:
+            icon = "ERROR"
+    name.label(text=effect.label, icon=icon if row is not None else "BLANK1")
+    rest = line.split(factor=0.5, align=True)
+    words = rest.row(align=True)
+    words.enabled = is_available
+    words.prop(settings, effect.name, expand=True)
+    told = rest.split(factor=0.68, align=True)
+    size_text = told.row()
+    size_text.alignment = "RIGHT"
+    size_text.label(text="" if row is None else size(row))
+    price = told.row()
+    price.alignment = "RIGHT"
+    price.label(text="" if row is None else cost(row))
+
+
+def _chosen(layout, context, plan) -> None:
+    """What follows from the decisions, and what they leave out though it would be seen."""
+    camera = plan["camera"]
+    light = f"{camera['wavelengths']} wavelengths" if camera["wavelengths"] > 1 else "one wavelength"
+    column = layout.column(align=True)
+    text = f"Camera: {camera['model']}, {light}, light followed by {camera['pipeline']}"
+    predicted = plan.get("predicted")
+    if predicted:
+        text += f"; about {predicted['seconds']:.0f} s"
+    for line in lines_of(context, text):
+        column.label(text=line)
+
+
+class PETZVAL_RENDER_PT_effects_why(PetzvalPanel, bpy.types.Panel):
+    bl_label = "Why"
+    bl_context = "render"
+    bl_parent_id = "PETZVAL_RENDER_PT_effects"
+    bl_options = {"DEFAULT_CLOSED"}
+
+    @classmethod
+    def poll(cls, context):
+        return super().poll(context) and planning.last(context.scene.name) is not None
+
+    def draw(self, context):
+        column = self.layout.column(align=True)
+        labels = {effect.name: effect.label for effect in EFFECTS}
+        for row in planning.last(context.scene.name)["effects"]:
+            first, *others = lines_of(context, f"{labels[row['effect']]}: {row['why']}")
+            column.label(text=first, icon="DOT")
+            for line in others:
+                column.label(text=line, icon="BLANK1")
+
+
+CLASSES = (PETZVAL_RENDER_PT_effects, PETZVAL_RENDER_PT_effects_why)
+
+
+def register() -> None:
+    for cls in CLASSES:
+        bpy.utils.register_class(cls)
+
+
+def unregister() -> None:
+    for cls in reversed(CLASSES):
+        bpy.utils.unregister_class(cls)

@@ -1,0 +1,124 @@
+# SPDX-License-Identifier: GPL-3.0-or-later
+"""What an argument of the command line may be: each kind is a function that reads it, or says what it should be."""
+
+from __future__ import annotations
+
+import argparse
+import math
+
+from . import film_formats
+from .effect_names import EFFECTS, WORDS
+
+FILM_NAMES = ", ".join(film.name for film in film_formats.FILM_FORMATS)
+
+
+def number(text: str) -> float:
+    value = float(text)
+    if not math.isfinite(value):
+        raise argparse.ArgumentTypeError(f"not a finite number: {text}")
+    return value
+
+
+def positive(text: str) -> float:
+    value = number(text)
+    if value <= 0.0:
+        raise argparse.ArgumentTypeError(f"must be above zero: {text}")
+    return value
+
+
+def part(text: str) -> float:
+    value = float(text)
+    if not 0.0 <= value <= 1.0:
+        raise argparse.ArgumentTypeError(f"must be from 0 to 1: {text}")
+    return value
+
+
+def threshold(text: str) -> float:
+    value = float(text)
+    if not 0.0 <= value <= 10.0:
+        raise argparse.ArgumentTypeError(f"must be from 0 to 10: {text}")
+    return value
+
+
+def distance(text: str) -> float:
+    value = float(text)
+    if math.isnan(value) or value <= 0.0:
+        raise argparse.ArgumentTypeError(f"not a distance: {text}")
+    return value
+
+
+def natural(text: str) -> int:
+    value = int(text)
+    if not 0 <= value < 2**31:
+        raise argparse.ArgumentTypeError(f"must be from 0 to 2^31 - 1: {text}")
+    return value
+
+
+def count(text: str) -> int:
+    value = natural(text)
+    if value == 0:
+        raise argparse.ArgumentTypeError("must be at least 1")
+    return value
+
+
+def _split(text: str, separator: str, count: int) -> list[str]:
+    parts = text.lower().split(separator)
+    if len(parts) != count:
+        raise argparse.ArgumentTypeError(f"must be {count} values with '{separator}' between them: {text}")
+    return parts
+
+
+def size_mm(text: str) -> list[float]:
+    return [positive(one) for one in _split(text, "x", 2)]
+
+
+def film(text: str) -> list[float]:
+    known = film_formats.by_name(text)
+    if known is not None:
+        return [known.width_mm, known.height_mm]
+    if "x" not in text.lower():
+        raise argparse.ArgumentTypeError(f"no such film: {text}: give WIDTHxHEIGHT in mm, or one of {FILM_NAMES}")
+    return size_mm(text)
+
+
+def pixels(text: str) -> list[int]:
+    return [count(one) for one in _split(text, "x", 2)]
+
+
+def pair(text: str) -> list[float]:
+    return [number(one) for one in _split(text, ",", 2)]
+
+
+def place(text: str) -> list[float]:
+    at = pair(text)
+    if not all(0.0 <= one <= 1.0 for one in at):
+        raise argparse.ArgumentTypeError(f"must be from 0 to 1: {text}")
+    return at
+
+
+def point(text: str) -> list[float]:
+    return [number(one) for one in _split(text, ",", 3)]
+
+
+def triple(text: str) -> list[float]:
+    return [positive(one) for one in _split(text, ",", 3)]
+
+
+def wavelengths(text: str) -> str | float:
+    words = {"visible": "VISIBLE", "rgb": "THREE"}
+    return words.get(text) or positive(text)
+
+
+def effect(text: str) -> tuple[str, str]:
+    name, _, word = text.partition("=")
+    if name not in EFFECTS or word not in WORDS:
+        raise argparse.ArgumentTypeError(f"{text}: give NAME=auto|on|off, NAME one of {', '.join(EFFECTS)}")
+    return name, word
+
+
+for _type, _name in ((number, "number"), (positive, "number"), (part, "number"), (distance, "distance"),
+                     (threshold, "number"), (natural, "number"), (count, "number"), (size_mm, "size"), (film, "film"),
+                     (pixels, "size"), (pair, "pair"), (triple, "triple"), (effect, "effect"),
+                     (wavelengths, "spectrum"), (place, "place"), (point, "point")):  # fmt: skip
+    # argparse names the type in its message: "invalid number value: 'x'".
+    _type.__name__ = _name

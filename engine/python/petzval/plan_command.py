@@ -1,0 +1,87 @@
+# SPDX-License-Identifier: GPL-3.0-or-later
+"""`petzval plan`: which effects of the lens a picture calls for, how large each is, and what was decided."""
+
+from __future__ import annotations
+
+import argparse
+import json
+import os
+import sys
+import tempfile
+from pathlib import Path
+from typing import Any
+
+from . import scene_options
+
+
+def add_parser(subparsers: argparse._SubParsersAction) -> None:
+    """Adds `plan`."""
+    p = subparsers.add_parser("plan", help="say what a render would simulate, and why", allow_abbrev=False)
+    scene_options.add(p)
+    p.add_argument("--json", action="store_true", help="one JSON object on stdout, and nothing else")
+
+
+def run(arguments: argparse.Namespace) -> int:
+    """Plans; the exit status."""
+    options = scene_options.checked(arguments)
+    # Blender says what it likes on stdout: that is kept for the plan.
+    own_stdout = os.dup(1)
+    os.dup2(os.open(os.devnull, os.O_WRONLY), 1)
+    with tempfile.TemporaryDirectory() as folder:
+        answer = Path(folder) / "plan.json"
+        options |= {"plan": str(answer)}
+        if arguments.blender:
+            status = scene_options.in_blender(arguments.blender, options)
+        else:
+            from .render_in_blender import render
+
+            status = render(options)
+        text = ""
+        if status == 0:
+            plan = json.loads(answer.read_text(encoding="utf-8"))
+            text = json.dumps(plan, indent=2) if arguments.json else "\n".join(lines(plan))
+    with os.fdopen(own_stdout, "w", encoding="utf-8") as out:
+        if text:
+            print(text, file=out)
+    if arguments.blender:
+        return status
+    from .render_in_blender import finish
+
+    # bpy with a render engine hangs or crashes when Python ends by itself.
+    sys.stdout = open(os.devnull, "w")  # noqa: SIM115
+    finish(status)
+    return status
+
+
+def lines(plan: dict[str, Any]) -> list[str]:
+    """A plan for people: a row an effect, then the camera that follows from it."""
+    rows = [("effect", "", "measure", "tolerance", "cost", "why")]
+    rows += [
+        (row["effect"], row["decision"], _size(row), f"{row['tolerance']:.3g}", _cost(row), row["why"])
+        for row in plan["effects"]
+    ]
+    widths = [max(len(row[column]) for row in rows) for column in range(5)]
+    table = [
+        "  ".join(cell.ljust(width) for cell, width in zip(row, [*widths, 0], strict=True)).rstrip() for row in rows
+    ]
+    camera = plan["camera"]
+    ways = f"{camera['wavelengths']} wavelengths" if camera["wavelengths"] > 1 else "one wavelength"
+    end = [f"camera: {camera['model']}, {ways}, pipeline {camera['pipeline']}; planned in {plan['seconds']:.2f} s"]
+    predicted = plan.get("predicted")
+    if predicted:
+        end.append(
+            f"predicted: {predicted['seconds']:.1f} s for {predicted['samples']} samples a pixel on "
+            f"{predicted['threads']} threads"
+        )
+    return table + end
+
+
+def _size(row: dict[str, Any]) -> str:
+    if row["is_unbounded"]:
+        return "unbounded"
+    return "-" if row["measure"] is None else f"{row['measure']:.3g} {row['unit']}"
+
+
+def _cost(row: dict[str, Any]) -> str:
+    cost = row.get("predicted_cost")
+    return "-" if cost is None else f"{100.0 * cost:+.1f} %"

@@ -1,0 +1,191 @@
+# SPDX-License-Identifier: GPL-3.0-or-later
+"""The options that every command has which opens a .blend: which lens, how it is set, what is simulated; and where it runs:
+in this Python's bpy, or in a Blender that is named."""
+
+from __future__ import annotations
+
+import argparse
+import json
+import math
+import os
+import re
+import signal
+import subprocess
+from pathlib import Path
+
+from . import argument_types as types
+from .errors import CommandError
+from .places import find_lens
+
+#: Exit status of a command that was broken off.
+INTERRUPTED = 130
+#: What the half in Blender ends with, having said why, and what that means here. No program ends so by chance.
+_OWN_STATUS = {70: 0, 71: 1, INTERRUPTED: INTERRUPTED}
+
+
+def add(p: argparse.ArgumentParser) -> None:
+    """Adds the scene and its options."""
+    p.add_argument("scene", metavar="SCENE.blend")
+    p.add_argument("--lens", metavar="FILE", help="a lens file, or the name of a shipped lens")
+    p.add_argument(
+        "--camera",
+        choices=("pinhole", "thin", "thick", "paraxial", "image-based"),
+        help="a simpler camera instead; thick, paraxial and image-based are made from the lens",
+    )
+    p.set_defaults(usage_error=p.error)
+    p.add_argument("--focal-length", type=types.positive, metavar="MM", help="scale the lens to this focal length")
+    p.add_argument("--f-number", type=types.positive, metavar="N", help="default: as the file has it")
+    p.add_argument("--blades", type=int, metavar="N", help="blades of the diaphragm, 3 to 24; 0 is round")
+    p.add_argument("--shutter", type=types.positive, metavar="S", help="expose physically, so many seconds")
+    p.add_argument("--iso", type=types.positive, metavar="N", help="expose physically, with a film of that speed")
+    p.add_argument("--blade-curvature", type=types.part, metavar="C", help="of the blades' edges: 0 straight, 1 round")
+    p.add_argument("--blade-rotation", type=types.number, metavar="DEG", help="turn of the diaphragm about the axis")
+    p.add_argument("--aperture-mask", metavar="FILE", help="a square picture of the opening, instead of blades")
+    p.add_argument("--film", type=types.film, metavar="NAME|WxH", help=f"mm, or one of {types.FILM_NAMES}")
+    p.add_argument("--film-diagonal", type=types.positive, metavar="MM", help="the film scaled to it, its shape kept")
+    p.add_argument("--focus-distance", type=types.distance, metavar="MM|inf", help="from the anchor")
+    p.add_argument(
+        "--anchor",
+        choices=("entrance-pupil", "front-vertex", "film"),
+        help="what distances count from, at the camera's place",
+    )
+    p.add_argument(
+        "--focus-relation", choices=("exact", "thin"), help="thin: 1/U + 1/V = 1/f, from the principal planes"
+    )
+    p.add_argument(
+        "--autofocus",
+        type=types.place,
+        metavar="X,Y",
+        help="on what the picture shows there; 0,0 is lower left, 1,1 upper right",
+    )
+    p.add_argument(
+        "--sharp",
+        type=types.point,
+        nargs=3,
+        metavar="X,Y,Z",
+        help="turn the film so that three points of the world are sharp",
+    )
+    # Coordinates may begin with a minus: what looks so is no option here.
+    p._negative_number_matcher = re.compile(r"-[\d.]")
+    p.add_argument("--tilt", type=types.number, metavar="DEG", help="turn of the film about its horizontal axis")
+    p.add_argument("--swing", type=types.number, metavar="DEG", help="turn of the film about its vertical axis")
+    p.add_argument("--shift", type=types.pair, metavar="X,Y", help="the lens right and up against the film, mm")
+    p.add_argument(
+        "--scale", type=types.triple, metavar="X,Y,Z", help="millimetres for one Blender unit along each axis"
+    )
+    p.add_argument(
+        "--spectrum", type=types.wavelengths, metavar="visible|rgb|NM", help="all wavelengths, three, or one"
+    )
+    p.add_argument(
+        "--precision",
+        choices=("auto", "f32", "f64"),
+        help="of rays on their way out of the lens; auto: f32 where it moves none by more than 0.01 pixel",
+    )
+    p.add_argument("--pipeline", choices=("film", "scene", "hero"), help="default: hero where the glass disperses")
+    p.add_argument(
+        "--integrator", choices=("path", "bdpt"), help="bdpt: from the lights, too; default: as the scene has it"
+    )
+    p.add_argument("--effect", action="append", default=[], type=types.effect, metavar="NAME=auto|on|off")
+    p.add_argument("--quality", type=types.positive, metavar="Q", help="1 is the default")
+    p.add_argument("--resolution", type=types.pixels, metavar="WxH")
+    p.add_argument("--frame", type=int, metavar="N")
+    p.add_argument("--threads", type=types.natural, metavar="N", help="0: one for each core")
+    p.add_argument("--blender", metavar="PATH", help="run in this Blender rather than in bpy")
+
+
+def checked(a: argparse.Namespace) -> dict:
+    """These options as plain data, checked as far as they can be without Blender."""
+    scene = Path(a.scene)
+    if not scene.is_file():
+        raise CommandError(f"no such scene: {scene}: name a .blend file")
+    if a.lens and a.camera in {"pinhole", "thin"}:
+        a.usage_error(f"--camera {a.camera} has no lens: leave out the one or the other")
+    if a.blades is not None and a.blades != 0 and not 3 <= a.blades <= 24:
+        raise CommandError(f"{a.blades} blades: a diaphragm has 3 to 24, or 0 for a round one: change --blades")
+    if a.aperture_mask and a.blades:
+        a.usage_error("--aperture-mask stands instead of --blades: leave out the one or the other")
+    if a.aperture_mask and not Path(a.aperture_mask).is_file():
+        raise CommandError(f"no such picture: {a.aperture_mask}: change --aperture-mask")
+    ways = {"--focus-distance": a.focus_distance, "--autofocus": a.autofocus, "--sharp": a.sharp}
+    if len(asked := [name for name, value in ways.items() if value is not None]) > 1:
+        a.usage_error(f"{' and '.join(asked)} say different things of the focus: leave out all but one")
+    if a.sharp and (a.tilt is not None or a.swing is not None):
+        a.usage_error("--sharp finds tilt and swing: leave out --tilt and --swing")
+    return {
+        "scene": str(scene.absolute()),
+        "lens": str(find_lens(a.lens).absolute()) if a.lens else None,
+        "camera": a.camera,
+        "focal_length_mm": a.focal_length,
+        "f_number": a.f_number,
+        "blades": a.blades,
+        "shutter_s": a.shutter,
+        "iso": a.iso,
+        "blade_curvature": a.blade_curvature,
+        "aperture_mask": str(Path(a.aperture_mask).absolute()) if a.aperture_mask else None,
+        "blade_rotation_rad": None if a.blade_rotation is None else math.radians(a.blade_rotation),
+        "focus_distance_mm": "inf" if a.focus_distance == math.inf else a.focus_distance,
+        "anchor": a.anchor,
+        "focus_relation": a.focus_relation,
+        "autofocus": a.autofocus,
+        "sharp": a.sharp,
+        "film_mm": a.film,
+        "film_diagonal_mm": a.film_diagonal,
+        "tilt_rad": None if a.tilt is None else math.radians(a.tilt),
+        "swing_rad": None if a.swing is None else math.radians(a.swing),
+        "shift_mm": a.shift,
+        "scale_mm": a.scale,
+        "spectrum": a.spectrum,
+        "effects": dict(a.effect),
+        "quality": a.quality,
+        "precision": a.precision,
+        "pipeline": a.pipeline,
+        "integrator": {"path": "PATH", "bdpt": "BIDIRECTIONAL", None: None}[a.integrator],
+        "resolution": a.resolution,
+        "frame": a.frame,
+        "threads": a.threads,
+        "samples": None,
+        "noise_threshold": None,
+        "min_samples": None,
+        "seed": None,
+        "blue_noise": None,
+        "sample_offset": None,
+        "output": None,
+        "stats": None,
+    }
+
+
+def check_writable(file: Path) -> None:
+    """Before the work, not after it."""
+    if not file.absolute().parent.is_dir():
+        raise CommandError(f"no such folder: {file.parent}: make it first")
+    is_new = not file.exists()
+    try:
+        file.open("ab").close()
+        if is_new:
+            file.unlink()
+    except OSError as error:
+        raise CommandError(f"cannot write {file}: {error.strerror}: name another file") from None
+
+
+def in_blender(program: str, options: dict) -> int:
+    """Runs the same inside of a Blender program; Ctrl-C is handed on, and its picture waited for."""
+    runner = Path(__file__).with_name("render_in_blender.py")
+    # Blender may complain on its stderr as it likes: that goes to stdout, and Petzval's own words come through a pipe
+    # of their own.
+    voice = os.dup(2)
+    handed_over = {**options, "package_parent": str(Path(__file__).resolve().parent.parent), "stderr_fd": voice}
+    command = [program, "-b", "--factory-startup", "--disable-autoexec", "--python-exit-code", "3"]
+    command += ["--python", str(runner), "--", json.dumps(handed_over)]
+    try:
+        # A group of its own: the terminal's Ctrl-C comes here alone, and goes on to all that the program started.
+        child = subprocess.Popen(
+            command, stdin=subprocess.DEVNULL, stderr=subprocess.STDOUT, pass_fds=(voice,), start_new_session=True
+        )
+    except OSError as error:
+        raise CommandError(f"cannot start {program}: {error.strerror}: give --blender a Blender program") from None
+    for number in (signal.SIGINT, signal.SIGTERM):
+        signal.signal(number, lambda asked, _frame: os.killpg(child.pid, asked))
+    status = child.wait()
+    if status in _OWN_STATUS:
+        return _OWN_STATUS[status]
+    raise CommandError(f"{program} ended with status {status}: it does not run, or crashed: see what it said above")

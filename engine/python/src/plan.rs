@@ -1,0 +1,153 @@
+//! Plans of effects: made of a scene and a camera, told of, and handed to a render.
+
+use crate::camera::PyCamera;
+use crate::doorway::away;
+use crate::error::{Error, refused};
+use crate::job::PySettings;
+use crate::scene::Scene;
+use petzval_render::camera::clip::Clip;
+use petzval_render::camera::{Camera, CameraDescription};
+use petzval_render::integrator::Integrator;
+use petzval_render::job::forecast::Forecast;
+use petzval_render::job::{Beside, Settings};
+use petzval_render::plan::{self, Decision, Effect, Wishes, Word};
+use pyo3::prelude::*;
+use serde_json::{Value, json};
+use std::collections::BTreeMap;
+
+/// What is simulated in one picture, and why.
+#[pyclass(frozen)]
+pub(crate) struct Plan {
+    pub(crate) plan: plan::Plan,
+    quality: f64,
+}
+
+#[pymethods]
+impl Plan {
+    #[new]
+    #[pyo3(signature = (scene, camera, settings, over_the_shutter=Vec::new(), *, effects=BTreeMap::new(), quality=1.0))]
+    fn new(
+        py: Python<'_>,
+        scene: &Scene,
+        camera: PyCamera,
+        settings: PySettings,
+        over_the_shutter: Vec<PyCamera>,
+        effects: BTreeMap<String, String>,
+        quality: f64,
+    ) -> Result<Self, Error> {
+        let description: CameraDescription = camera.try_into()?;
+        let moving =
+            over_the_shutter.into_iter().map(TryInto::try_into).collect::<Result<Vec<CameraDescription>, _>>()?;
+        let settings: Settings = settings.try_into()?;
+        let wishes = wishes(&effects, quality, &settings)?;
+        let needs_lens = settings.integrator == Integrator::Bidirectional;
+        let size = [settings.width, settings.height];
+        let stage = scene.stage.clone();
+        let plan = away(py, || plan::Plan::new(&stage, &description, &moving, size, &wishes, needs_lens))??;
+        Ok(Self { plan, quality })
+    }
+
+    /// The plan with what the render will take.
+    fn forecast(&self, py: Python<'_>, scene: &Scene, camera: PyCamera, settings: PySettings) -> Result<String, Error> {
+        let camera = self.plan.applied(&camera.try_into()?);
+        let mut settings: Settings = settings.try_into()?;
+        settings.pipeline = self.plan.pipeline();
+        let (stage, samples) = (scene.stage.clone(), settings.samples);
+        let found = away(py, || -> Result<Forecast, Error> {
+            let ready = Camera::new(&camera, settings.width, settings.height)?;
+            let beside = Beside { clip: Clip::new(&camera, &ready), ..Beside::default() };
+            Ok(Forecast::new(stage, vec![ready], settings, beside)?)
+        })??;
+        let mut told = self.value();
+        told["camera"]["pipeline"] = json!(found.pipeline.name());
+        told["predicted"] = json!({
+            "seconds": found.seconds,
+            "samples": samples,
+            "threads": found.threads,
+            "camera_part": found.camera_part,
+        });
+        for (row, effect) in told["effects"].as_array_mut().into_iter().flatten().zip(Effect::ALL) {
+            row["predicted_cost"] = json!(self.plan.cost(effect, found.camera_part));
+        }
+        Ok(told.to_string())
+    }
+
+    fn json(&self) -> String {
+        self.value().to_string()
+    }
+}
+
+impl Plan {
+    /// Everything that is told of it.
+    pub(crate) fn value(&self) -> Value {
+        let plan = &self.plan;
+        let look = &plan.look;
+        let brightest: Vec<Value> = look
+            .brightest
+            .iter()
+            .map(|one| json!({"towards": one.towards.to_array(), "irradiance": one.irradiance, "part": one.part}))
+            .collect();
+        json!({
+            "effects": self.rows(),
+            "quality": self.quality,
+            "camera": {
+                "model": plan.camera.way.name(),
+                "wavelengths": plan.camera.wavelengths(),
+                "pipeline": plan.camera.pipeline.name(),
+                "round_f_number": plan.camera.round_f_number,
+            },
+            "look": {
+                "depths": look.depths,
+                "open_part": look.open_part,
+                "exposure": look.exposure,
+                "brightest": brightest,
+            },
+            "seconds": plan.seconds,
+        })
+    }
+
+    /// A row for each effect.
+    pub(crate) fn rows(&self) -> Value {
+        self.plan.decisions.iter().map(row).collect()
+    }
+}
+
+fn row(d: &Decision) -> Value {
+    json!({
+        "effect": d.effect.name(),
+        "measure": d.measure.filter(|m| m.is_finite()),
+        "is_unbounded": d.measure.is_some_and(f64::is_infinite),
+        "unit": d.effect.unit().name(),
+        "tolerance": d.tolerance,
+        "word": d.word.name(),
+        "decision": if d.is_on { "on" } else { "off" },
+        "is_available": d.effect.is_available(),
+        "is_uncertain": d.is_uncertain,
+        "predicted_cost": Value::Null,
+        "why": d.why,
+    })
+}
+
+fn wishes(effects: &BTreeMap<String, String>, quality: f64, settings: &Settings) -> Result<Wishes, Error> {
+    let mut wishes = Wishes::default();
+    (wishes.quality, wishes.pipeline) = (quality, settings.pipeline);
+    for (name, word) in effects {
+        let names = || Effect::ALL.map(Effect::name).join(", ");
+        let effect = Effect::named(name)
+            .ok_or_else(|| refused(format!("there is no effect '{name}'; use one of {}", names())))?;
+        let word =
+            Word::named(word).ok_or_else(|| refused(format!("effect {name} is '{word}'; use auto, on or off")))?;
+        wishes.say(effect, word);
+    }
+    Ok(wishes)
+}
+
+/// Name and unit of each effect, in the order of reports, and whether it can be simulated.
+#[pyfunction]
+pub(crate) fn effects_json() -> String {
+    let one = |effect: Effect| {
+        json!({"name": effect.name(), "unit": effect.unit().name(), "is_available": effect.is_available(),
+               "tolerance": effect.unit().tolerance(1.0)})
+    };
+    Effect::ALL.map(one).to_vec().into_iter().collect::<Value>().to_string()
+}

@@ -1,0 +1,421 @@
+//! What each effect of a lens does in a picture, measured by exact rays: by how many pixels it moves light, by how many
+//! stops it takes some away.
+//!
+//! From places all over the picture fans of rays leave through the lens. What one place sees of the scene, a ray of the
+//! fan sees somewhat aside: how far, in pixels of this picture, is found by how the place's mean ray moves over the scene
+//! from one place to the next. By reciprocity a point of the scene is spread as far over the picture. Beside each exact fan
+//! goes that of Gaussian optics, which has defocus and nothing else: what is left between the two are the aberrations.
+
+use super::CameraError;
+use super::description::CameraDescription;
+use super::mount::Mount;
+use super::real_lens::film_spectrum;
+use super::setup::LensInfo;
+use crate::accel::Ray;
+use glam::{DMat2, DVec2, DVec3, Vec2};
+use petzval_optics::gaussian::GaussianLens;
+use petzval_optics::ghosts;
+use petzval_optics::paraxial::Paraxial;
+use petzval_optics::pupil_map::{PupilMap, on_axis_throughput};
+use petzval_optics::surface::Shape;
+use petzval_optics::system::System;
+use petzval_optics::trace::{Ray as LensRay, Tracer, Travel};
+use petzval_optics::transmission;
+use std::f64::consts::PI;
+
+mod fan;
+
+pub use fan::Subject;
+use fan::{Fan, Steps};
+
+/// Places across the picture and up, its edges among them: how the scene is looked at.
+pub const GRID: [usize; 2] = [65, 37];
+/// Colour and brightness change slowly over the picture: they are measured at each so many-th place.
+const COARSE: usize = 4;
+/// The part of the film's light that the two wavelengths farthest apart leave outside, at either end.
+const TAIL: f64 = 0.05;
+/// Rays for the brightness of a place: an error of some 0.3 %.
+const BRIGHTNESS_RAYS: u32 = 256;
+/// Where diffraction is measured, nm.
+const GREEN_NM: f64 = 550.0;
+
+/// The largest value over the picture, and where.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct Worst {
+    /// Pixels or stops.
+    pub value: f64,
+    /// Fractions of the picture's width and height from its centre.
+    pub place: Vec2,
+}
+
+impl Worst {
+    const NONE: Self = Self { value: 0.0, place: Vec2::ZERO };
+
+    fn or(self, value: f64, place: Vec2) -> Self {
+        if value > self.value { Self { value, place } } else { self }
+    }
+}
+
+/// What the effects of a lens do in one picture.
+#[derive(Clone, Copy, Debug)]
+pub struct LensMeasures {
+    /// Radius of the blur disc that Gaussian optics give what is farthest out of focus, px: the largest distance on the film
+    /// between a ray of a point and its chief ray.
+    pub defocus: Worst,
+    /// The largest distance between where a ray lands and where Gaussian optics would have it land, both counted from their
+    /// chief rays, px: spherical aberration, coma, astigmatism and field curvature together.
+    pub aberration: Worst,
+    /// The largest distance between a point's image and where Gaussian optics (a flat picture without distortion) would have
+    /// it, px; infinite where these have no image.
+    pub distortion: Worst,
+    /// The largest distance between the images of a point at two wavelengths, px.
+    pub lateral_colour: Worst,
+    /// The largest difference between a ray's distance from its chief ray at one wavelength and at another, px.
+    pub axial_colour: Worst,
+    /// What the darkest place of the picture gets less than its middle of a uniform world, stops.
+    pub vignetting: Worst,
+    /// By how much rims narrow a blur disc, px.
+    pub cats_eye: Worst,
+    /// How far the opening's edge is from that of a round one of its area, as a part of the radius.
+    pub diaphragm_part: f64,
+    /// Radius of the first dark ring of a point, 1.22 λ N at 550 nm for the light cone in the film's middle, px.
+    pub airy_px: f64,
+    /// What uncoated glass takes of blue (450 nm) more than of red (650 nm) on the axis, stops; negative if less.
+    pub tint_stops: f64,
+    /// The part of the places that get no light.
+    pub dark_part: f64,
+}
+
+/// How much there is of a lens to trace.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub struct LensShape {
+    /// Planes, spheres and conics.
+    pub plain: usize,
+    /// Surfaces that take several steps to meet.
+    pub aspheres: usize,
+}
+
+/// A lens before a film, to be measured.
+pub struct Survey {
+    mount: Mount,
+    system: System,
+    map: PupilMap,
+    tracer: Tracer,
+    gaussian: GaussianLens,
+    /// Its middle by Gaussian optics; `None` at infinity.
+    entrance_pupil: Option<DVec3>,
+    /// Of the ends of the spectrum and between; empty where the film has one wavelength.
+    colours: Vec<Tracer>,
+    size_px: DVec2,
+    /// Irradiance in the film's middle for a uniform world of radiance one.
+    middle: f64,
+}
+
+impl Survey {
+    /// For a picture of that many pixels.
+    ///
+    /// # Errors
+    /// As [`super::Camera::new`].
+    pub fn new(d: &CameraDescription, width: u32, height: u32) -> Result<Self, CameraError> {
+        d.check(width, height)?;
+        let (mount, system) = Mount::new(d, d.axes()?, width, height)?;
+        let line_nm = d.wavelength_nm.unwrap_or(super::setup::D_LINE_NM);
+        let tracer = system.at_wavelength(line_nm);
+        let half = [0.5 * mount.info.picture_width_mm, 0.5 * mount.info.picture_height_mm];
+        let map = PupilMap::new(&tracer, &system, &mount.film, half[0], half[1]);
+        let spectrum = film_spectrum(d, &system);
+        let lines = spectrum.wavelengths();
+        let colours = match lines.len() {
+            0 | 1 => Vec::new(),
+            n => {
+                let at = |part: f64| lines[((n as f64 * part) as usize).min(n - 1)].nm;
+                [TAIL, 0.3, 0.7, 1.0 - TAIL].map(|part| system.at_wavelength(at(part))).to_vec()
+            }
+        };
+        let middle = on_axis_throughput(&tracer, &system, mount.film.z_mm);
+        Ok(Self {
+            gaussian: GaussianLens::new(&system, line_nm),
+            entrance_pupil: Paraxial::new(&system, line_nm).entrance_pupil.z_mm.map(|z| DVec3::new(0.0, 0.0, z)),
+            size_px: DVec2::new(f64::from(width), f64::from(height)),
+            mount,
+            system,
+            map,
+            tracer,
+            colours,
+            middle,
+        })
+    }
+
+    /// What the lens does in this camera.
+    pub fn info(&self) -> &LensInfo {
+        &self.mount.info
+    }
+
+    /// How much there is of it to trace.
+    pub fn shape(&self) -> LensShape {
+        let surfaces = self.system.surfaces();
+        let aspheres = surfaces.iter().filter(|surface| !matches!(surface.shape, Shape::Conic(_))).count();
+        LensShape { plain: surfaces.len() - aspheres, aspheres }
+    }
+
+    /// Whether colours take different ways.
+    pub fn has_colours(&self) -> bool {
+        !self.colours.is_empty()
+    }
+
+    /// An f-number at which a round opening has the area of the one that is.
+    pub fn f_number_by_area(&self) -> f64 {
+        let diaphragm = self.system.diaphragm();
+        self.system.f_number() * diaphragm.radius_mm() / (diaphragm.area_mm2() / PI).sqrt()
+    }
+
+    /// The film stands upright and is flat, and the world has one scale: a pinhole can frame the same picture.
+    pub fn is_upright(&self) -> bool {
+        !self.mount.film.is_uneven() && self.mount.scale().is_some()
+    }
+
+    /// The scene's depth is counted along this, render space: from the scene to the film.
+    pub fn backwards(&self) -> DVec3 {
+        self.mount.axes().z_axis
+    }
+
+    /// How bright the brightest disc of light that is reflected twice would be in the picture, uncoated, for a far source whose
+    /// light has the irradiance one before the lens; 0 where nothing reflects twice.
+    pub fn ghost_value(&self) -> f64 {
+        let pixel_mm = self.mount.info.picture_width_mm / self.size_px.x;
+        let ghosts = ghosts::all(&self.system, self.tracer.wavelength_nm(), self.mount.film.z_mm, 0.5 * pixel_mm);
+        ghosts.first().map_or(0.0, |ghost| ghost.irradiance / self.middle)
+    }
+
+    /// A place of the grid, rows from below.
+    pub fn place(column: usize, row: usize) -> Vec2 {
+        Vec2::new(column as f32 / (GRID[0] - 1) as f32 - 0.5, row as f32 / (GRID[1] - 1) as f32 - 0.5)
+    }
+
+    /// Fans from all places of the grid.
+    pub fn fans(&self) -> Fans<'_> {
+        let places = (0..GRID[1]).flat_map(|row| (0..GRID[0]).map(move |column| Self::place(column, row)));
+        let fans = places.map(|place| Fan::new(&self.mount, &self.map, place)).collect::<Vec<_>>();
+        let mut bundle = self.tracer.bundle(Travel::FromFilm);
+        fans.iter().for_each(|fan| fan.push(&mut bundle));
+        self.tracer.trace(&mut bundle);
+        let fans = fans.into_iter().enumerate().map(|(i, fan)| fan.traced(&bundle, i)).collect();
+        Fans { survey: self, fans }
+    }
+
+    /// Irradiance of a place for a uniform world, over that of the film's middle.
+    fn brightness(&self, places: &[Vec2]) -> Vec<f64> {
+        let mut bundle = self.tracer.bundle(Travel::FromFilm);
+        let mut inverse = Vec::with_capacity(places.len() * BRIGHTNESS_RAYS as usize);
+        for &place in places {
+            let film = self.mount.film_at(place);
+            for i in 0..BRIGHTNESS_RAYS {
+                let u = [0.754_877_666_2, 0.569_840_291].map(|step| (0.5 + step * f64::from(i)).fract());
+                let aim = self.map.sample(film.point, u);
+                let to = aim.target - film.point;
+                let distance2 = to.length_squared();
+                bundle.push(LensRay { origin: film.point, direction: to / distance2.sqrt() });
+                let cosines = (film.normal.dot(to) * to.z).abs();
+                inverse.push(cosines / (aim.pdf_per_mm2 * distance2 * distance2));
+            }
+        }
+        self.tracer.trace(&mut bundle);
+        let rays = BRIGHTNESS_RAYS as usize;
+        let arrived = |i: usize| if bundle.result(i).is_ok() { inverse[i] } else { 0.0 };
+        let sum = |place: usize| (place * rays..(place + 1) * rays).map(arrived).sum::<f64>();
+        (0..places.len()).map(|place| sum(place) / (rays as f64 * self.middle)).collect()
+    }
+
+    /// Radius of the Airy disc in pixels.
+    fn airy_px(&self) -> f64 {
+        // Irradiance is π n² sin² θ' for radiance one, and the working f-number 1 / (2 n sin θ').
+        let working_f_number = 0.5 * (PI / self.middle).sqrt();
+        let radius_mm = 1.22 * GREEN_NM * 1e-6 * working_f_number;
+        radius_mm * self.size_px.x / self.mount.info.picture_width_mm
+    }
+}
+
+/// The fans of a lens, before it is known what is seen.
+pub struct Fans<'a> {
+    survey: &'a Survey,
+    fans: Vec<Fan>,
+}
+
+impl Fans<'_> {
+    /// What each place looks along, render space; `None` where no light arrives.
+    pub fn rays(&self) -> Vec<Option<Ray>> {
+        self.fans.iter().map(|fan| fan.mean().map(|ray| self.survey.mount.to_render(&ray))).collect()
+    }
+
+    /// How the lens as it is at another time differs, with the same things before it, px.
+    pub fn moved(&self, other: &Fans<'_>, seen: &[Option<DVec3>]) -> Worst {
+        let mut worst = Worst::NONE;
+        for i in Self::coarse() {
+            let subject = self.subject(seen[i]);
+            let (Some(steps), Some(here), Some(then)) =
+                (self.steps(i, subject), self.fans[i].mean(), other.fans[i].mean())
+            else {
+                continue;
+            };
+            let way = subject.met_by(&then, &here).zip(subject.met_by(&here, &here)).map(|(then, here)| then - here);
+            let moved = way.map_or(0.0, |way| steps.place_px(way, self.survey).length());
+            let blur =
+                self.fans[i].blur_radius(self.survey, subject) - other.fans[i].blur_radius(other.survey, subject);
+            worst = worst.or(moved + blur.abs(), self.fans[i].place);
+        }
+        worst
+    }
+
+    fn subject(&self, seen: Option<DVec3>) -> Subject {
+        seen.map_or(Subject::Far, |point| Subject::At(self.survey.mount.to_lens(point)))
+    }
+
+    /// What the effects do to what each place sees: a point of render space, or nothing.
+    pub fn measure(&self, seen: &[Option<DVec3>]) -> LensMeasures {
+        let s = self.survey;
+        let subjects: Vec<Subject> =
+            seen.iter().map(|point| point.map_or(Subject::Far, |point| Subject::At(s.mount.to_lens(point)))).collect();
+        let steps: Vec<Option<Steps>> = (0..self.fans.len()).map(|i| self.steps(i, subjects[i])).collect();
+        let mut found = LensMeasures {
+            defocus: Worst::NONE,
+            aberration: Worst::NONE,
+            distortion: Worst::NONE,
+            lateral_colour: Worst::NONE,
+            axial_colour: Worst::NONE,
+            vignetting: Worst::NONE,
+            cats_eye: Worst::NONE,
+            diaphragm_part: diaphragm_part(&s.system),
+            airy_px: s.airy_px(),
+            tint_stops: transmission::tint_stops(&s.system),
+            dark_part: self.fans.iter().filter(|fan| fan.mean().is_none()).count() as f64 / self.fans.len() as f64,
+        };
+        let mut blur = vec![0.0; self.fans.len()];
+        for (i, fan) in self.fans.iter().enumerate() {
+            let Some(steps) = &steps[i] else { continue };
+            let exact = fan.aside(s, subjects[i], steps);
+            let ideal = fan.ideal_aside(s, subjects[i]);
+            blur[i] = fan.blur_radius(s, subjects[i]);
+            found.defocus = found.defocus.or(blur[i], fan.place);
+            let apart = exact.iter().zip(&ideal).filter_map(|(a, b)| Some((*a.as_ref()? - *b).length()));
+            found.aberration = found.aberration.or(apart.fold(0.0, f64::max), fan.place);
+            found.distortion = found.distortion.or(fan.distortion(s, subjects[i]), fan.place);
+        }
+        let coarse = Self::coarse();
+        self.measure_colours(&coarse, &subjects, &steps, &mut found);
+        self.measure_brightness(&coarse, &blur, &mut found);
+        found
+    }
+
+    fn coarse() -> Vec<usize> {
+        let rows = (0..GRID[1]).step_by(COARSE);
+        rows.flat_map(|row| (0..GRID[0]).step_by(COARSE).map(move |column| row * GRID[0] + column)).collect()
+    }
+
+    fn measure_colours(
+        &self,
+        coarse: &[usize],
+        subjects: &[Subject],
+        steps: &[Option<Steps>],
+        found: &mut LensMeasures,
+    ) {
+        let s = self.survey;
+        // By colour, by place: where each ray of the fan lands aside of the d line's mean.
+        let by_colour: Vec<Vec<Vec<Option<DVec2>>>> = s
+            .colours
+            .iter()
+            .map(|tracer| {
+                let mut bundle = tracer.bundle(Travel::FromFilm);
+                coarse.iter().for_each(|&i| self.fans[i].push(&mut bundle));
+                tracer.trace(&mut bundle);
+                let place = |(k, &i): (usize, &usize)| match &steps[i] {
+                    Some(steps) => self.fans[i].coloured_aside(s, &bundle, k, subjects[i], steps),
+                    None => Vec::new(),
+                };
+                coarse.iter().enumerate().map(place).collect()
+            })
+            .collect();
+        for (k, &i) in coarse.iter().enumerate() {
+            let Some(steps) = &steps[i] else { continue };
+            let base = self.fans[i].aside(s, subjects[i], steps);
+            // Of each colour: how far its mean lies aside, and how much wider or narrower its fan is.
+            let apart: Vec<(DVec2, Vec<Option<DVec2>>)> = by_colour
+                .iter()
+                .filter_map(|places| {
+                    let moved: Vec<Option<DVec2>> =
+                        places[k].iter().zip(&base).map(|(a, b)| Some((*a)? - (*b)?)).collect();
+                    let count = moved.iter().flatten().count();
+                    let mean = moved.iter().flatten().sum::<DVec2>() / count.max(1) as f64;
+                    (count > 0).then(|| (mean, moved.iter().map(|m| Some((*m)? - mean)).collect()))
+                })
+                .collect();
+            for (a, (mean_a, rays_a)) in apart.iter().enumerate() {
+                let alone = rays_a.iter().flatten().map(|r| r.length()).fold(0.0, f64::max);
+                found.lateral_colour = found.lateral_colour.or(mean_a.length(), self.fans[i].place);
+                found.axial_colour = found.axial_colour.or(alone, self.fans[i].place);
+                for (mean_b, rays_b) in &apart[..a] {
+                    let wider = rays_a.iter().zip(rays_b).filter_map(|(a, b)| Some(((*a)? - (*b)?).length()));
+                    found.lateral_colour = found.lateral_colour.or((*mean_a - *mean_b).length(), self.fans[i].place);
+                    found.axial_colour = found.axial_colour.or(wider.fold(0.0, f64::max), self.fans[i].place);
+                }
+            }
+        }
+    }
+
+    fn measure_brightness(&self, coarse: &[usize], blur: &[f64], found: &mut LensMeasures) {
+        let s = self.survey;
+        let places: Vec<Vec2> = coarse.iter().map(|&i| self.fans[i].place).collect();
+        let full = s.map.pupil_area_mm2(s.mount.film_at(Vec2::ZERO).point);
+        for ((bright, &i), place) in s.brightness(&places).into_iter().zip(coarse).zip(&places) {
+            let stops = if bright > 0.0 { -bright.log2() } else { f64::INFINITY };
+            found.vignetting = found.vignetting.or(stops, *place);
+            let open = (s.map.pupil_area_mm2(s.mount.film_at(*place).point) / full).clamp(0.0, 1.0);
+            found.cats_eye = found.cats_eye.or(blur[i] * (1.0 - open.sqrt()), *place);
+        }
+    }
+
+    /// How what fan `i` sees moves with its place, from its neighbours.
+    fn steps(&self, i: usize, subject: Subject) -> Option<Steps> {
+        let (column, row) = (i % GRID[0], i / GRID[0]);
+        let here = self.fans[i].mean()?;
+        let slope = |before: Option<usize>, after: Option<usize>| -> Option<DVec3> {
+            let near = |k: Option<usize>| k.and_then(|k| Some((self.fans[k].place, self.fans[k].mean()?)));
+            let one = (self.fans[i].place, here);
+            let (a, b) = match (near(before), near(after)) {
+                (Some(a), Some(b)) => (a, b),
+                (Some(a), None) => (a, one),
+                (None, Some(b)) => (one, b),
+                (None, None) => return None,
+            };
+            let part = f64::from((b.0 - a.0).length());
+            Some((subject.met_by(&b.1, &here)? - subject.met_by(&a.1, &here)?) / part)
+        };
+        let across = slope((column > 0).then(|| i.wrapping_sub(1)), (column + 1 < GRID[0]).then(|| i + 1))?;
+        let up = slope((row > 0).then(|| i.wrapping_sub(GRID[0])), (row + 1 < GRID[1]).then(|| i + GRID[0]))?;
+        Steps::new(across, up)
+    }
+}
+
+/// How far an opening's edge is from the round one of its area, as a part of that one's radius.
+fn diaphragm_part(system: &System) -> f64 {
+    let diaphragm = system.diaphragm();
+    if diaphragm.is_masked() {
+        return 1.0;
+    }
+    if diaphragm.blades() == 0 {
+        return 0.0;
+    }
+    let round = (diaphragm.area_mm2() / PI).sqrt();
+    // Corners lie on the circle of the radius; the middles of the sides are nearest to the axis.
+    let outer = diaphragm.radius_mm() / round - 1.0;
+    let inner = 1.0 - diaphragm.inner_radius_mm() / round;
+    outer.max(inner)
+}
+
+/// Two by two, inverted; `None` where it has no inverse.
+fn inverse(m: DMat2) -> Option<DMat2> {
+    let inverse = m.inverse();
+    inverse.is_finite().then_some(inverse)
+}
+
+#[cfg(test)]
+mod tests;

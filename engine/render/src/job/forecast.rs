@@ -1,0 +1,111 @@
+//! What a render will take, from rendering a little of it: tiles all over the picture, on as many threads.
+
+use super::{Beside, Settings, SettingsError, Shared};
+use crate::camera::Camera;
+use crate::integrator::Stage;
+use crate::pipeline::{Counts, Pipeline, render_tile};
+use std::sync::atomic::{AtomicUsize, Ordering};
+use std::sync::{Arc, Mutex, PoisonError};
+use std::time::{Duration, Instant};
+
+/// Tiles that are rendered, a sample a pixel.
+const TILES: usize = 12;
+/// Rendered before the clock starts, by each thread: memory is not there yet, caches and branches know nothing.
+const WARM_UP: usize = 2;
+/// The clock runs at least so long, so that its own noise is small.
+const LEAST: Duration = Duration::from_millis(40);
+/// But not longer, on scenes where a path takes very long.
+const MOST: Duration = Duration::from_millis(120);
+
+/// What a render will take.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct Forecast {
+    /// Wall time of its samples, s.
+    pub seconds: f64,
+    /// Samples of the whole picture; where pixels get as many as they need, the most.
+    pub samples: u64,
+    /// Threads.
+    pub threads: usize,
+    /// Of a thread's time, the part in the camera.
+    pub camera_part: f64,
+    /// How light is followed.
+    pub pipeline: Pipeline,
+}
+
+impl Forecast {
+    /// Renders a little of what [`super::Job::start_with`] would render with the same arguments, and throws it away.
+    ///
+    /// # Errors
+    /// [`SettingsError`].
+    pub fn new(
+        stage: Arc<Stage>,
+        cameras: Vec<Camera>,
+        settings: Settings,
+        beside: Beside,
+    ) -> Result<Self, SettingsError> {
+        let threads = settings.thread_count();
+        let all = u64::from(settings.width) * u64::from(settings.height) * u64::from(settings.samples);
+        let shared = Shared::new(stage, cameras, settings, beside)?;
+        let shot = shared.shot();
+        let tiles: Vec<usize> = (0..TILES + WARM_UP).map(|i| shared.tile(i)).collect();
+        let next = AtomicUsize::new(0);
+        let done: Mutex<(Counts, u64)> = Mutex::default();
+        let render = |tile: usize, index: u32| {
+            let (mut light, rect) = (shared.film.patch(tile), shared.film.rect(tile));
+            let counts = render_tile(&shot, rect, [index, 1], &mut light, &|| false);
+            (counts.unwrap_or_default(), u64::from(rect.width * rect.height))
+        };
+        let mut wall = Duration::ZERO;
+        std::thread::scope(|scope| {
+            for _ in 0..threads {
+                scope.spawn(|| {
+                    for &tile in &tiles[..WARM_UP] {
+                        render(tile, 0);
+                    }
+                });
+            }
+        });
+        let start = Instant::now();
+        std::thread::scope(|scope| {
+            let workers: Vec<_> = (0..threads)
+                .map(|_| {
+                    scope.spawn(|| {
+                        loop {
+                            let task = next.fetch_add(1, Ordering::Relaxed);
+                            let (round, tile) = (task / TILES, task % TILES);
+                            // Whole rounds, if there is time: the tiles differ.
+                            let is_over = start.elapsed() > if round == 0 { MOST } else { LEAST };
+                            if is_over {
+                                return start.elapsed();
+                            }
+                            let (counts, samples) = render(tiles[WARM_UP + tile], round as u32);
+                            let mut sum = done.lock().unwrap_or_else(PoisonError::into_inner);
+                            sum.0.add(&counts);
+                            sum.1 += samples;
+                        }
+                    })
+                })
+                .collect();
+            // The mean of when they ended: some end while others still work.
+            let ends: Vec<Duration> = workers.into_iter().filter_map(|worker| worker.join().ok()).collect();
+            wall = ends.iter().sum::<Duration>() / ends.len().max(1) as u32;
+        });
+        let (counts, samples) = *done.lock().unwrap_or_else(PoisonError::into_inner);
+        let timed = counts.sample_time.as_secs_f64();
+        Ok(Self {
+            seconds: wall.as_secs_f64() * all as f64 / samples.max(1) as f64,
+            samples: all,
+            threads,
+            camera_part: if timed > 0.0 { counts.camera_time.as_secs_f64() / timed } else { 0.0 },
+            pipeline: shared.pipeline,
+        })
+    }
+}
+
+impl Shared {
+    /// The number of a tile: all of them spread evenly over the picture.
+    fn tile(&self, i: usize) -> usize {
+        let place = (0.5 + 0.618_033_988_75 * i as f64).fract();
+        (place * self.film.tile_count() as f64) as usize
+    }
+}

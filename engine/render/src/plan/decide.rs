@@ -1,0 +1,352 @@
+//! From measures and wishes to decisions: the cheapest camera that leaves out nothing that can be seen.
+
+use super::price::{Price, sample_ns};
+use super::words::{size, worst};
+use super::{Decision, Effect, PlanError, Unit, Wishes, Word};
+use crate::camera::setup::{D_LINE_NM, LensInfo};
+use crate::camera::survey::{LensMeasures, LensShape, Survey, Worst};
+use crate::camera::{CameraDescription, Model, Shown, Spectrum};
+use crate::pipeline::Pipeline;
+use crate::spectrum::{SET_SIZE, SPECTRAL_COUNT};
+
+/// Measures are taken at some places and for some rays of all: what is worst may lie between them.
+const MARGIN: f64 = 1.25;
+/// Where so many of the places get no light, what they would show is not known.
+const DARK: f64 = 0.02;
+
+/// The kind of camera that stands for what was asked for.
+#[derive(Clone, Debug, PartialEq)]
+pub enum Way {
+    /// The camera as it was given: it has no lens that could be planned.
+    Given,
+    /// The lens, every ray traced through its surfaces.
+    Exact,
+    /// Gaussian optics: by the measure nothing else can be seen.
+    Gaussian,
+    /// Not even that: everything is sharp.
+    Pinhole {
+        /// That frames the same picture, mm.
+        focal_length_mm: f64,
+        /// mm.
+        film_width_mm: f64,
+        /// As Blender counts it.
+        shift: [f64; 2],
+    },
+}
+
+impl Way {
+    /// In reports.
+    pub fn name(&self) -> &'static str {
+        match self {
+            Self::Given => "as given",
+            Self::Exact => "exact",
+            Self::Gaussian => "gaussian",
+            Self::Pinhole { .. } => "pinhole",
+        }
+    }
+}
+
+/// How the camera is simulated.
+#[derive(Clone, Debug, PartialEq)]
+pub struct CameraChoice {
+    /// By which model.
+    pub way: Way,
+    /// How light is followed.
+    pub pipeline: Pipeline,
+    /// Into what the film parts the light; `None` is one wavelength.
+    pub spectrum: Option<Spectrum>,
+    /// Where the opening's shape does not matter: the f-number of a round one as large.
+    pub round_f_number: Option<f64>,
+    /// What is left out of the lens that is traced.
+    pub shown: Shown,
+    /// The lens changes while the shutter is open.
+    pub is_moving: bool,
+}
+
+impl CameraChoice {
+    /// The camera as it is.
+    pub(super) fn given(wishes: &Wishes, is_moving: bool, has_colours: bool) -> Self {
+        Self {
+            way: Way::Given,
+            pipeline: wishes.pipeline,
+            spectrum: has_colours.then_some(Spectrum::Visible),
+            round_f_number: None,
+            shown: Shown::default(),
+            is_moving,
+        }
+    }
+
+    /// Wavelengths that the film tells apart.
+    pub fn wavelengths(&self) -> usize {
+        self.spectrum.map_or(1, Spectrum::count)
+    }
+
+    pub(super) fn applied(&self, d: &CameraDescription) -> CameraDescription {
+        if self.way == Way::Given {
+            let line_nm = d.wavelength_nm.or(self.spectrum.is_none().then_some(D_LINE_NM));
+            return CameraDescription { wavelength_nm: line_nm, ..d.clone() };
+        }
+        let mut d = CameraDescription { shown: self.shown, ..d.clone() };
+        match self.spectrum {
+            Some(spectrum) => (d.spectrum, d.wavelength_nm) = (spectrum, None),
+            None => d.wavelength_nm = Some(d.wavelength_nm.unwrap_or(D_LINE_NM)),
+        }
+        if let Some(f_number) = self.round_f_number {
+            (d.blades, d.aperture_mask, d.f_number) = (0, None, Some(f_number));
+        }
+        match self.way {
+            Way::Given | Way::Exact => {}
+            Way::Gaussian => d.model = Model::Thick,
+            Way::Pinhole { focal_length_mm, film_width_mm, shift } => {
+                d.model = Model::Pinhole;
+                (d.pinhole_focal_length_mm, d.pinhole_film_width_mm) = (focal_length_mm, film_width_mm);
+                d.pinhole_shift = shift;
+            }
+        }
+        d
+    }
+}
+
+/// What is known when it is decided.
+pub(super) struct Known<'a> {
+    pub(super) d: &'a CameraDescription,
+    pub(super) survey: &'a Survey,
+    pub(super) lens: LensMeasures,
+    /// `None` where the lens stands still.
+    pub(super) motion: Option<Worst>,
+    /// Ghosts of the brightest source, as a part of the exposure.
+    pub(super) ghosts: Option<f64>,
+    /// Light paths end in a lens that is traced.
+    pub(super) needs_lens: bool,
+}
+
+/// An effect's size, and what is said of it.
+struct Measured {
+    value: Option<f64>,
+    text: String,
+}
+
+pub(super) fn decide(known: &Known<'_>, wishes: &Wishes) -> Result<(Vec<Decision>, CameraChoice, f64), PlanError> {
+    let Known { d, survey, lens, .. } = known;
+    let tolerance = |effect: Effect| effect.unit().tolerance(wishes.quality);
+    let measured = |effect| measure(known, effect);
+    // Whether an effect is called for.
+    let wanted = |effect: Effect| match wishes.word(effect) {
+        Word::On => true,
+        Word::Off => false,
+        Word::Auto => effect.is_available() && measured(effect).value.is_some_and(|m| m * MARGIN > tolerance(effect)),
+    };
+    if let Some(effect) = Effect::ALL.into_iter().find(|e| wishes.word(*e) == Word::On && !e.is_available()) {
+        return Err(PlanError::NotYet(effect));
+    }
+
+    // Colours: as many wavelengths as their images need to lie closer together than can be told apart.
+    let colours = [Effect::LateralColour, Effect::AxialColour];
+    let has_colours =
+        survey.has_colours() || (d.wavelength_nm.is_some() && colours.map(|e| wishes.word(e)).contains(&Word::On));
+    let in_colour = has_colours && colours.into_iter().any(wanted);
+    let spread = lens.lateral_colour.value.max(lens.axial_colour.value);
+    let bands = match d.spectrum {
+        Spectrum::Visible => {
+            let needed = (MARGIN * spread / tolerance(Effect::LateralColour)).ceil();
+            let sets = ((needed / SET_SIZE as f64).ceil() as usize).clamp(1, SPECTRAL_COUNT / SET_SIZE);
+            Spectrum::Bands(sets * SET_SIZE)
+        }
+        given => given,
+    };
+    let spectrum = in_colour.then_some(bands);
+
+    // What the user takes out of a lens that is traced all the same.
+    let off = |effect| wishes.word(effect) == Word::Off;
+    let shown = Shown {
+        defocus: !off(Effect::Defocus),
+        aberration: !off(Effect::Aberration),
+        distortion: !off(Effect::Distortion),
+        vignetting: !off(Effect::Vignetting),
+        lateral_colour: !off(Effect::LateralColour) || !in_colour,
+        axial_colour: !off(Effect::AxialColour) || !in_colour,
+    };
+
+    // The cheapest that has what is called for.
+    let shape = survey.shape();
+    let geometry = [Effect::Aberration, Effect::Distortion, Effect::Vignetting];
+    let is_plain = !in_colour
+        && !known.needs_lens
+        && shown == Shown::default()
+        && Effect::ALL.into_iter().all(|e| wishes.word(e) != Word::On || !e.is_lens())
+        && !geometry.into_iter().any(wanted)
+        && lens.cats_eye.value * MARGIN <= tolerance(Effect::Defocus)
+        && lens.dark_part == 0.0;
+    let carried = spectrum.map_or(1, |s| s.count().min(SET_SIZE));
+    let exact = Price::Exact { is_single: true, carried };
+    let info = survey.info();
+    let can_be_pinhole = survey.is_upright() && d.exposure.is_none();
+    let (way, price) = if is_plain && !wanted(Effect::Defocus) && can_be_pinhole {
+        (pinhole(info), Price::Pinhole)
+    } else if is_plain && sample_ns(Price::Gaussian, shape) < sample_ns(exact, shape) {
+        (Way::Gaussian, Price::Gaussian)
+    } else {
+        (Way::Exact, exact)
+    };
+
+    let round_f_number = (lens.diaphragm_part > 0.0 && !wanted(Effect::Diaphragm)).then(|| survey.f_number_by_area());
+    let is_moving = known.motion.is_some() && wanted(Effect::MotionBlur);
+    // Rays that are sent elsewhere on purpose are followed from the film.
+    let pipeline = if shown.is_traced_plainly() { wishes.pipeline } else { Pipeline::FilmFirst };
+    let choice = CameraChoice { way, pipeline, spectrum, round_f_number, shown, is_moving };
+
+    let cost = |effect: Effect| cost_ns(effect, &choice, price, shape, lens);
+    let decision = |effect: Effect| {
+        let (word, m) = (wishes.word(effect), measured(effect));
+        let is_large = m.value.is_some_and(|value| value * MARGIN > tolerance(effect));
+        let is_on = is_simulated(effect, &choice, known, word);
+        if m.value == Some(0.0) && word == Word::Auto && !is_on {
+            let (tolerance, measure) = (tolerance(effect), m.value);
+            let why = m.text + ": nothing to simulate";
+            return Decision { effect, measure, tolerance, word, is_on, is_uncertain: false, why, cost_ns: 0.0 };
+        }
+        let sized = match m.value {
+            Some(value) if value > tolerance(effect) => {
+                format!("{}, more than {}", m.text, limit(effect, tolerance(effect)))
+            }
+            Some(_) if is_large => format!("{}, too near to {}", m.text, limit(effect, tolerance(effect))),
+            Some(_) => format!("{}, less than {}", m.text, limit(effect, tolerance(effect))),
+            None => m.text,
+        };
+        let outcome = match (word, is_on) {
+            (Word::On, _) => ": simulated, as asked".to_owned(),
+            (Word::Off, false) => ": left out, as asked".to_owned(),
+            (_, false) if !effect.is_available() && is_large => {
+                ": it would be seen, but cannot be simulated yet".to_owned()
+            }
+            (_, false) => ": left out".to_owned(),
+            (Word::Off, true) => ": comes along, for it cannot be taken out of this lens".to_owned(),
+            (Word::Auto, true) if is_large => ": simulated".to_owned(),
+            (Word::Auto, true) => format!(": comes along at no cost with the {} lens", choice.way.name()),
+        };
+        let is_uncertain =
+            lens.dark_part > DARK || (is_large && m.value.is_some_and(|value| value <= tolerance(effect)));
+        Decision {
+            effect,
+            measure: m.value,
+            tolerance: tolerance(effect),
+            word,
+            is_on,
+            is_uncertain,
+            why: sized + &outcome,
+            cost_ns: if is_on { cost(effect) } else { 0.0 },
+        }
+    };
+    let decisions = Effect::ALL.into_iter().map(decision).collect();
+    Ok((decisions, choice, sample_ns(price, shape)))
+}
+
+fn limit(effect: Effect, tolerance: f64) -> String {
+    size(tolerance, effect.unit())
+}
+
+fn pinhole(info: &LensInfo) -> Way {
+    Way::Pinhole {
+        focal_length_mm: info.viewport_focal_length_mm,
+        film_width_mm: info.picture_width_mm,
+        shift: info.viewport_shift,
+    }
+}
+
+/// Whether the choice simulates an effect.
+fn is_simulated(effect: Effect, choice: &CameraChoice, known: &Known<'_>, word: Word) -> bool {
+    let is_exact = choice.way == Way::Exact;
+    match effect {
+        Effect::Defocus => choice.shown.defocus && (is_exact || choice.way == Way::Gaussian),
+        Effect::Aberration => is_exact && choice.shown.aberration,
+        Effect::Distortion => is_exact && choice.shown.distortion,
+        Effect::Vignetting => is_exact && choice.shown.vignetting,
+        Effect::LateralColour => choice.spectrum.is_some() && choice.shown.lateral_colour,
+        Effect::AxialColour => choice.spectrum.is_some() && choice.shown.axial_colour,
+        Effect::Diaphragm => known.lens.diaphragm_part > 0.0 && choice.round_f_number.is_none(),
+        Effect::MotionBlur => choice.is_moving,
+        Effect::Transmission | Effect::Ghosts | Effect::Glare | Effect::Diffraction | Effect::SpectralMaterials => {
+            debug_assert!(word != Word::On);
+            false
+        }
+    }
+}
+
+/// What having an effect costs beside not having it, ns a sample.
+fn cost_ns(effect: Effect, choice: &CameraChoice, price: Price, shape: LensShape, lens: &LensMeasures) -> f64 {
+    let with = sample_ns(price, shape);
+    match effect {
+        // What is larger carries both.
+        Effect::LateralColour | Effect::AxialColour => {
+            let is_larger = (effect == Effect::LateralColour) == (lens.lateral_colour.value >= lens.axial_colour.value);
+            if !is_larger {
+                return 0.0;
+            }
+            with - sample_ns(Price::Exact { is_single: true, carried: 1 }, shape)
+        }
+        Effect::Defocus if choice.way == Way::Gaussian => with - sample_ns(Price::Pinhole, shape),
+        _ => 0.0,
+    }
+}
+
+/// The size of an effect in this picture.
+fn measure(known: &Known<'_>, effect: Effect) -> Measured {
+    let Known { survey, lens, .. } = known;
+    let of = |one: Worst| Measured { value: Some(one.value), text: worst(one, effect) };
+    match effect {
+        Effect::Defocus => of(lens.defocus),
+        Effect::Aberration => of(lens.aberration),
+        Effect::Distortion => of(lens.distortion),
+        Effect::LateralColour | Effect::AxialColour if !survey.has_colours() => {
+            let text = match known.d.wavelength_nm {
+                Some(nm) => format!("the camera photographs at {nm:.0} nm alone"),
+                None => "nothing in the lens disperses".to_owned(),
+            };
+            Measured { value: Some(0.0), text }
+        }
+        Effect::LateralColour => of(lens.lateral_colour),
+        Effect::AxialColour => of(lens.axial_colour),
+        Effect::Vignetting => {
+            let cut = match lens.cats_eye.value {
+                v if v >= 0.1 => format!(", rims narrow blur by {}", size(v, Unit::Pixels)),
+                _ => String::new(),
+            };
+            let one = of(lens.vignetting);
+            Measured { text: one.text + &cut, ..one }
+        }
+        Effect::Diaphragm if lens.diaphragm_part == 0.0 => {
+            Measured { value: Some(0.0), text: "the opening is round".to_owned() }
+        }
+        Effect::Diaphragm => {
+            let value = lens.diaphragm_part * (lens.defocus.value + lens.aberration.value);
+            Measured { value: Some(value), text: size(value, Unit::Pixels) }
+        }
+        Effect::MotionBlur => match known.motion {
+            Some(motion) => of(motion),
+            None => Measured { value: Some(0.0), text: "the lens stands still".to_owned() },
+        },
+        Effect::Transmission => {
+            let value = lens.tint_stops.abs();
+            let colour = if lens.tint_stops > 0.0 { "blue" } else { "red" };
+            Measured {
+                value: Some(value),
+                text: format!("uncoated, it would take {} more of {colour}", size(value, Unit::Stops)),
+            }
+        }
+        Effect::Ghosts => match known.ghosts {
+            Some(value) => Measured {
+                value: Some(value),
+                text: format!("uncoated, the brightest is {}", size(value, Unit::Exposure)),
+            },
+            None => Measured { value: Some(0.0), text: "no surface reflects twice".to_owned() },
+        },
+        Effect::Glare => Measured { value: None, text: "not measured: there is no model of it yet".to_owned() },
+        Effect::Diffraction => Measured {
+            value: Some(lens.airy_px),
+            text: format!("the first dark ring is {} wide", size(lens.airy_px, Unit::Pixels)),
+        },
+        Effect::SpectralMaterials => {
+            Measured { value: Some(0.0), text: "all of the scene is described in three colours".to_owned() }
+        }
+    }
+}

@@ -1,0 +1,93 @@
+//! A look at the scene through a camera: what each place of the picture sees first, how bright it is, and where the light
+//! comes from.
+
+use super::light::{self, Brightest};
+use crate::accel::Ray;
+use crate::camera::clip::Clip;
+use crate::integrator::Stage;
+use crate::integrator::path::{CAMERA_SETS, KindLimits, Limits, Wave};
+use crate::luminance;
+use crate::sampler::PathSampler;
+use crate::scene::visibility::Rays;
+use glam::DVec3;
+use rayon::prelude::*;
+
+/// Of the rays, how many are followed as paths, to know the picture's brightness.
+const FOLLOWED: usize = 512;
+/// Bounces of those.
+const BOUNCES: u32 = 3;
+/// The part of the paths that is brightest does not count: a source in the picture is not its exposure.
+const TRIMMED: f32 = 0.02;
+
+/// What a camera sees.
+#[derive(Clone, Debug)]
+pub struct Look {
+    /// The nearest and the farthest that it sees along its axis, Blender units; `None` if it sees nothing.
+    pub depths: Option<[f64; 2]>,
+    /// The part of the picture that sees nothing.
+    pub open_part: f64,
+    /// Mean luminance of the picture, without its brightest spots.
+    pub exposure: f32,
+    /// What sends most light to the camera, the strongest first.
+    pub brightest: Vec<Brightest>,
+}
+
+impl Look {
+    /// Looks along `rays` (render space) of places all over the picture. `backwards` is the camera's axis, from the scene to
+    /// the film. Also what each ray meets.
+    pub(super) fn along(
+        stage: &Stage,
+        rays: &[Option<Ray>],
+        clip: Option<Clip>,
+        backwards: DVec3,
+    ) -> (Self, Vec<Option<DVec3>>) {
+        let seen = |ray: &Ray| clip.map_or(*ray, |clip| clip.cut(*ray));
+        let first = |ray: &Option<Ray>| {
+            let ray = seen(ray.as_ref()?);
+            let hit = stage.accel.closest(&ray, Rays::CAMERA)?;
+            Some((ray.origin + ray.direction * hit.t).as_dvec3())
+        };
+        let met: Vec<Option<DVec3>> = rays.par_iter().map(first).collect();
+        let depths = met.iter().flatten().map(|point| -point.dot(backwards));
+        let range = depths.fold(None, |range: Option<[f64; 2]>, depth| {
+            Some(range.map_or([depth; 2], |[near, far]| [near.min(depth), far.max(depth)]))
+        });
+        let looking = rays.iter().flatten().count().max(1);
+        let some: Vec<Ray> = rays.iter().flatten().step_by(looking.div_ceil(FOLLOWED)).map(seen).collect();
+        let look = Self {
+            depths: range,
+            open_part: 1.0 - met.iter().flatten().count() as f64 / looking as f64,
+            exposure: exposure(stage, &some),
+            brightest: light::brightest(stage),
+        };
+        (look, met)
+    }
+}
+
+/// Mean luminance along rays, without the brightest.
+fn exposure(stage: &Stage, rays: &[Ray]) -> f32 {
+    let limits = Limits {
+        max_bounces: BOUNCES,
+        kinds: KindLimits::default(),
+        clamp_indirect: f32::INFINITY,
+        hide_sky: false,
+        openness: 0.5,
+        roulette: f32::INFINITY,
+    };
+    let light = |(chunk, rays): (usize, &[Ray])| -> Vec<f32> {
+        let mut wave = Wave::default();
+        for (i, ray) in rays.iter().enumerate() {
+            let mut sampler = PathSampler::new((chunk * WAVE + i) as u32, 2, 0, 0);
+            sampler.jump_to(CAMERA_SETS);
+            wave.start(*ray, sampler);
+        }
+        wave.follow(stage, &limits);
+        (0..rays.len()).map(|i| luminance(wave.found(i).radiance)).collect()
+    };
+    const WAVE: usize = 64;
+    let mut light: Vec<f32> =
+        rays.par_chunks(WAVE).enumerate().flat_map_iter(light).filter(|l| l.is_finite()).collect();
+    light.sort_by(f32::total_cmp);
+    light.truncate(((1.0 - TRIMMED) * light.len() as f32).ceil() as usize);
+    light.iter().sum::<f32>() / light.len().max(1) as f32
+}

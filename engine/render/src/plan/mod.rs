@@ -1,0 +1,403 @@
+//! Only the effects that a picture calls for: what each effect of the lens would change in this frame is measured, what can
+//! be seen is simulated, what cannot is left out, and what the user says goes before both.
+//!
+//! A plan is a value: made once before a render from the lens, the camera and a look at the scene, printed, kept with the
+//! picture, and applied to the camera's description. After that nothing asks any more what is simulated. No decision depends
+//! on a clock, so the same scene has the same plan on every machine.
+
+mod decide;
+mod light;
+mod look;
+mod price;
+mod words;
+
+use crate::camera::clip::Clip;
+use crate::camera::survey::{GRID, LensMeasures, Survey, Worst};
+use crate::camera::{Camera, CameraDescription, CameraError, Model};
+use crate::integrator::Stage;
+use crate::pipeline::Pipeline;
+pub use decide::{CameraChoice, Way};
+use decide::{Known, decide};
+pub use light::Brightest;
+pub use look::Look;
+pub use price::{Price, sample_ns};
+use std::time::Instant;
+
+/// What a lens can do to a picture, or the wave nature of light, or time.
+#[derive(Clone, Copy, Debug, PartialEq, Eq, Hash)]
+pub enum Effect {
+    /// Blur of what is not at the distance of focus.
+    Defocus,
+    /// Spherical aberration, coma, astigmatism, field curvature.
+    Aberration,
+    /// Straight lines bent.
+    Distortion,
+    /// Colours of different size.
+    LateralColour,
+    /// Colours of different focus.
+    AxialColour,
+    /// Less light towards the corners.
+    Vignetting,
+    /// The shape of the opening in blur discs.
+    Diaphragm,
+    /// The lens changes while the shutter is open.
+    MotionBlur,
+    /// What glass and coatings take of each colour.
+    Transmission,
+    /// Light reflected between surfaces.
+    Ghosts,
+    /// Light scattered in the lens.
+    Glare,
+    /// The wave nature of light.
+    Diffraction,
+    /// Materials that are more than three colours.
+    SpectralMaterials,
+}
+
+impl Effect {
+    /// All of them, in the order of panels and reports.
+    pub const ALL: [Self; 13] = [
+        Self::Defocus,
+        Self::Aberration,
+        Self::Distortion,
+        Self::LateralColour,
+        Self::AxialColour,
+        Self::Vignetting,
+        Self::Diaphragm,
+        Self::MotionBlur,
+        Self::Transmission,
+        Self::Ghosts,
+        Self::Glare,
+        Self::Diffraction,
+        Self::SpectralMaterials,
+    ];
+
+    /// On the command line and in files.
+    pub fn name(self) -> &'static str {
+        match self {
+            Self::Defocus => "defocus",
+            Self::Aberration => "aberration",
+            Self::Distortion => "distortion",
+            Self::LateralColour => "lateral_colour",
+            Self::AxialColour => "axial_colour",
+            Self::Vignetting => "vignetting",
+            Self::Diaphragm => "diaphragm",
+            Self::MotionBlur => "motion_blur",
+            Self::Transmission => "transmission",
+            Self::Ghosts => "ghosts",
+            Self::Glare => "glare",
+            Self::Diffraction => "diffraction",
+            Self::SpectralMaterials => "spectral_materials",
+        }
+    }
+
+    /// The one of that name.
+    pub fn named(name: &str) -> Option<Self> {
+        Self::ALL.into_iter().find(|effect| effect.name() == name)
+    }
+
+    /// What it is measured in.
+    pub fn unit(self) -> Unit {
+        match self {
+            Self::Vignetting | Self::Transmission => Unit::Stops,
+            Self::Ghosts | Self::Glare | Self::SpectralMaterials => Unit::Exposure,
+            _ => Unit::Pixels,
+        }
+    }
+
+    /// A lens is needed for it.
+    pub(super) fn is_lens(self) -> bool {
+        !matches!(self, Self::MotionBlur | Self::SpectralMaterials)
+    }
+
+    /// False for those that this engine cannot simulate yet: they are measured and reported.
+    pub fn is_available(self) -> bool {
+        !matches!(self, Self::Transmission | Self::Ghosts | Self::Glare | Self::Diffraction | Self::SpectralMaterials)
+    }
+}
+
+/// What effects are measured in.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub enum Unit {
+    /// By how many pixels of this picture light is moved.
+    Pixels,
+    /// Powers of two of brightness.
+    Stops,
+    /// Light added, as a part of the picture's mean brightness.
+    Exposure,
+}
+
+impl Unit {
+    /// As it is written behind a number.
+    pub fn name(self) -> &'static str {
+        match self {
+            Self::Pixels => "px",
+            Self::Stops => "stops",
+            Self::Exposure => "of exposure",
+        }
+    }
+
+    /// What is left out is smaller, at quality 1: half a pixel, a fiftieth of a stop, a 255th of the exposure.
+    pub fn tolerance(self, quality: f64) -> f64 {
+        let coarse = match self {
+            Self::Pixels => 0.5,
+            Self::Stops => 0.02,
+            Self::Exposure => 1.0 / 255.0,
+        };
+        coarse / quality
+    }
+}
+
+/// What the user says of an effect.
+#[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
+pub enum Word {
+    /// As the measure has it.
+    #[default]
+    Auto,
+    /// Simulate it.
+    On,
+    /// Leave it out.
+    Off,
+}
+
+impl Word {
+    /// On the command line and in files.
+    pub fn name(self) -> &'static str {
+        match self {
+            Self::Auto => "auto",
+            Self::On => "on",
+            Self::Off => "off",
+        }
+    }
+
+    /// The one of that name.
+    pub fn named(name: &str) -> Option<Self> {
+        [Self::Auto, Self::On, Self::Off].into_iter().find(|word| word.name() == name)
+    }
+}
+
+/// What a simpler model of a camera has (docs/camera-models.md).
+fn model_has(model: Model, effect: Effect) -> bool {
+    let is_image_based = model == Model::ImageBased;
+    match effect {
+        Effect::Defocus | Effect::Diaphragm => !matches!(model, Model::Pinhole | Model::Orthographic),
+        Effect::Aberration | Effect::Distortion | Effect::Vignetting => is_image_based,
+        Effect::LateralColour | Effect::AxialColour => model == Model::Paraxial,
+        _ => false,
+    }
+}
+
+/// What the user asks of a plan.
+#[derive(Clone, Debug, PartialEq)]
+pub struct Wishes {
+    words: [Word; Effect::ALL.len()],
+    /// All tolerances are divided by it.
+    pub quality: f64,
+    /// The way that light is followed, if the user has chosen.
+    pub pipeline: Pipeline,
+}
+
+impl Default for Wishes {
+    fn default() -> Self {
+        Self { words: Default::default(), quality: 1.0, pipeline: Pipeline::Auto }
+    }
+}
+
+impl Wishes {
+    /// Of one effect.
+    pub fn word(&self, effect: Effect) -> Word {
+        self.words[effect as usize]
+    }
+
+    /// Says one word more.
+    pub fn say(&mut self, effect: Effect, word: Word) {
+        self.words[effect as usize] = word;
+    }
+}
+
+/// Why there is no plan.
+#[derive(Debug, thiserror::Error)]
+pub enum PlanError {
+    /// The camera cannot photograph.
+    #[error(transparent)]
+    Camera(#[from] CameraError),
+    /// Something was asked for that there is not.
+    #[error("effect {}=on: it cannot be simulated yet; set it to auto or off", .0.name())]
+    NotYet(Effect),
+    /// Two wishes are against each other.
+    #[error("effects: {0}")]
+    Conflict(String),
+    /// No number of tolerances.
+    #[error("quality {0}: set it from 0.01 to 1000; 1 is the default, more is finer")]
+    Quality(f64),
+}
+
+/// What becomes of an effect, and why.
+#[derive(Clone, Debug, PartialEq)]
+pub struct Decision {
+    /// Which.
+    pub effect: Effect,
+    /// What it would change; infinite where it has no bound, `None` where it is not measured.
+    pub measure: Option<f64>,
+    /// What may be left out.
+    pub tolerance: f64,
+    /// What the user said.
+    pub word: Word,
+    /// It is simulated.
+    pub is_on: bool,
+    /// The measure may be too small, and was taken for larger than it is.
+    pub is_uncertain: bool,
+    /// In a sentence.
+    pub why: String,
+    /// What simulating it costs, ns for a sample of the camera on the machine of [`price`]; 0 for what comes along.
+    pub cost_ns: f64,
+}
+
+/// Everything that a picture's measures and wishes decide.
+#[derive(Clone, Debug)]
+pub struct Plan {
+    /// One for each effect, in the order of [`Effect::ALL`].
+    pub decisions: Vec<Decision>,
+    /// How the camera is simulated.
+    pub camera: CameraChoice,
+    /// What was found; `None` for a camera without a lens.
+    pub lens: Option<LensMeasures>,
+    /// What the camera sees.
+    pub look: Look,
+    /// What the camera takes for a sample, by [`price`].
+    pub camera_ns: f64,
+    /// Wall time that it took, s.
+    pub seconds: f64,
+}
+
+impl Plan {
+    /// Measures and decides for a picture of that many pixels. `moving` is the camera at times over which the shutter is
+    /// open, if the lens changes meanwhile; `needs_lens` says that rays from lights are to end in a lens that is traced.
+    ///
+    /// # Errors
+    /// [`PlanError`].
+    pub fn new(
+        stage: &Stage,
+        d: &CameraDescription,
+        moving: &[CameraDescription],
+        [width, height]: [u32; 2],
+        wishes: &Wishes,
+        needs_lens: bool,
+    ) -> Result<Self, PlanError> {
+        let start = Instant::now();
+        if !(0.01..=1000.0).contains(&wishes.quality) {
+            return Err(PlanError::Quality(wishes.quality));
+        }
+        if d.model != Model::Lens {
+            return Self::without_lens(stage, d, moving, [width, height], wishes, start);
+        }
+        let survey = Survey::new(d, width, height)?;
+        let fans = survey.fans();
+        let clip = Clip::along(d, survey.backwards());
+        let (look, seen) = Look::along(stage, &fans.rays(), clip, survey.backwards());
+        let lens = fans.measure(&seen);
+        let mut motion: Option<Worst> = None;
+        if let [first, .., last] = moving {
+            for then in [first, last] {
+                let other = Survey::new(then, width, height)?;
+                let one = fans.moved(&other.fans(), &seen);
+                motion = Some(motion.filter(|worst| worst.value >= one.value).unwrap_or(one));
+            }
+        }
+        let source = look.brightest.first().map_or(0.0, |one| f64::from(one.irradiance));
+        let exposure = f64::from(look.exposure).max(f64::MIN_POSITIVE);
+        let ghosts = Some(survey.ghost_value() * source / exposure).filter(|value| value.is_finite());
+        let known = Known { d, survey: &survey, lens, motion, ghosts, needs_lens };
+        let (decisions, camera, camera_ns) = decide(&known, wishes)?;
+        Ok(Self { decisions, camera, camera_ns, lens: Some(lens), look, seconds: start.elapsed().as_secs_f64() })
+    }
+
+    /// A camera without a lens, or with a simpler model of one, is taken as it is.
+    fn without_lens(
+        stage: &Stage,
+        d: &CameraDescription,
+        moving: &[CameraDescription],
+        [width, height]: [u32; 2],
+        wishes: &Wishes,
+        start: Instant,
+    ) -> Result<Self, PlanError> {
+        if let Some(effect) = Effect::ALL.into_iter().find(|e| wishes.word(*e) == Word::On && !e.is_available()) {
+            return Err(PlanError::NotYet(effect));
+        }
+        // What a model leaves out it leaves out; what it has it has, but for its colours.
+        let colours = [Effect::LateralColour, Effect::AxialColour].map(|effect| wishes.word(effect));
+        let has_colours = model_has(d.model, Effect::LateralColour) && colours != [Word::Off; 2];
+        let has = |effect: Effect| match effect {
+            Effect::LateralColour | Effect::AxialColour => has_colours,
+            _ => model_has(d.model, effect),
+        };
+        let is_against = |effect: &Effect| {
+            *effect != Effect::MotionBlur
+                && match wishes.word(*effect) {
+                    Word::Auto => false,
+                    Word::On => !has(*effect),
+                    Word::Off => has(*effect),
+                }
+        };
+        if let Some(effect) = Effect::ALL.into_iter().find(is_against) {
+            return Err(PlanError::Conflict(format!(
+                "{}={}: the camera's model decides this one; set it to auto, or choose the lens as model",
+                effect.name(),
+                wishes.word(effect).name()
+            )));
+        }
+        let camera = Camera::new(d, width, height)?;
+        let ray = |i: usize| {
+            let place = Survey::place(i % GRID[0], i / GRID[0]);
+            camera.sample(place, [0.5; 2], 0.5).map(|found| found.ray)
+        };
+        let rays: Vec<_> = (0..GRID[0] * GRID[1]).map(ray).collect();
+        let clip = Clip::new(d, &camera);
+        let (look, _) = Look::along(stage, &rays, clip, camera.axes().z_axis);
+        let is_moving = moving.len() > 1 && wishes.word(Effect::MotionBlur) != Word::Off;
+        let decision = |effect: Effect| Decision {
+            effect,
+            measure: None,
+            tolerance: effect.unit().tolerance(wishes.quality),
+            word: wishes.word(effect),
+            is_on: has(effect) || (effect == Effect::MotionBlur && is_moving),
+            is_uncertain: false,
+            why: "decided by the camera's model".to_owned(),
+            cost_ns: 0.0,
+        };
+        Ok(Self {
+            decisions: Effect::ALL.into_iter().map(decision).collect(),
+            camera: CameraChoice::given(wishes, is_moving, has_colours),
+            camera_ns: 0.0,
+            lens: None,
+            look,
+            seconds: start.elapsed().as_secs_f64(),
+        })
+    }
+
+    /// What was decided of an effect.
+    pub fn decision(&self, effect: Effect) -> &Decision {
+        &self.decisions[effect as usize]
+    }
+
+    /// What simulating an effect costs, as a part of the time that a render without it takes; `camera_part` is the part of a
+    /// sample's time that the camera takes with it.
+    pub fn cost(&self, effect: Effect, camera_part: f64) -> f64 {
+        let of_camera = self.decision(effect).cost_ns / self.camera_ns.max(f64::MIN_POSITIVE);
+        let part = (of_camera * camera_part).clamp(-0.99, 0.99);
+        part / (1.0 - part)
+    }
+
+    /// The camera with what was decided.
+    pub fn applied(&self, d: &CameraDescription) -> CameraDescription {
+        self.camera.applied(d)
+    }
+
+    /// The way that light is followed.
+    pub fn pipeline(&self) -> Pipeline {
+        self.camera.pipeline
+    }
+}
+
+#[cfg(test)]
+mod tests;
