@@ -398,6 +398,3 @@ impl Plan {
         self.camera.pipeline
     }
 }
-
-#[cfg(test)]
-mod tests;
