@@ -34,7 +34,8 @@ def sky(parts, bpy):
 @pytest.fixture
 def stage(blender):
     """A smooth ball seen from the side, in that sky."""
-    parts = pytest.importorskip("scene_parts")
+    import scene_parts as parts
+
     scene = parts.set_up(SIDE, SIDE, SAMPLES)
     scene.world = sky(parts, blender)
     blender.ops.mesh.primitive_uv_sphere_add(segments=64, ring_count=32, radius=1.0, location=(0, 0, 0))

@@ -15,7 +15,8 @@ WIDTH, HEIGHT, SAMPLES = 24, 16, 256
 @pytest.fixture
 def stage(blender):
     """A floor seen from above, without any light."""
-    parts = pytest.importorskip("scene_parts")
+    import scene_parts as parts
+
     scene = parts.set_up(WIDTH, HEIGHT, SAMPLES)
     scene.world = parts.grey_world(0.0)
     scene.camera.location = (0.0, 0.0, 6.0)

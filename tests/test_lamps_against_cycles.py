@@ -6,7 +6,7 @@ from __future__ import annotations
 import numpy as np
 import pytest
 
-from test_graphs_against_cycles import Tree
+from node_tree import Tree
 from test_visibility_against_cycles import both, same, shaded
 
 SIDE, SAMPLES = 32, 1024
@@ -25,7 +25,8 @@ KINDS = {
 @pytest.fixture
 def studio(blender):
     """A matte floor, a wall and a ball, in a dim sky: what no lamp reaches is not dark."""
-    parts = pytest.importorskip("scene_parts")
+    import scene_parts as parts
+
     scene = parts.set_up(SIDE, SIDE, SAMPLES)
     scene.world = parts.grey_world(0.3)
     scene.camera.location, scene.camera.rotation_euler = (0.0, -8.0, 3.5), (1.2, 0.0, 0.0)

@@ -6,8 +6,9 @@ from __future__ import annotations
 import numpy as np
 import pytest
 
+from node_tree import Tree
 from test_closures_against_cycles import BLOCK, SIDE, both, stage  # noqa: F401 (a fixture)
-from test_graphs_against_cycles import Tree, _material_of
+from test_graphs_against_cycles import _material_of
 
 
 def _noise(t: Tree, place, scale: float = 3.0):

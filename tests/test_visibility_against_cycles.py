@@ -6,7 +6,7 @@ from __future__ import annotations
 import numpy as np
 import pytest
 
-from test_graphs_against_cycles import Tree
+from node_tree import Tree
 
 SIDE, SAMPLES = 32, 1024
 #: Pixels of a block's side.
@@ -17,7 +17,8 @@ WHITE = (0.8, 0.8, 0.8, 1.0)
 @pytest.fixture
 def room(blender):
     """A floor and three balls in a row: matte, rough metal and glass; a lamp above, and a dim sky."""
-    parts = pytest.importorskip("scene_parts")
+    import scene_parts as parts
+
     scene = parts.set_up(SIDE, SIDE, SAMPLES)
     scene.world = parts.grey_world(0.2)
     scene.camera.location, scene.camera.rotation_euler = (0.0, -7.0, 3.0), (1.25, 0.0, 0.0)

@@ -6,8 +6,8 @@ from __future__ import annotations
 import numpy as np
 import pytest
 
+from node_tree import Tree
 from test_closures_against_cycles import BLOCK, SIDE, both, stage  # noqa: F401 (a fixture)
-from test_graphs_against_cycles import Tree
 
 
 def clouds(t: Tree):

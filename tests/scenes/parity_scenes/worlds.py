@@ -6,8 +6,10 @@ from __future__ import annotations
 import bpy
 import numpy as np
 
+from scene_parts import image
+
 from . import scene
-from .studio import CREAM, GOLD, RED, WHITE, Tree, ball, empty_studio, image, monkey, plain, world
+from .studio import CREAM, GOLD, RED, WHITE, Tree, ball, empty_studio, monkey, plain, world
 
 
 def _under(build) -> None:
