@@ -66,7 +66,7 @@ def hosek():
     _under(build)
 
 
-@scene("A sky of scattered light, and its sun", noise=0.04)
+@scene("A sky of scattered light, and its sun", noise=0.025)
 def scattering():
     def build(t: Tree):
         older = "SINGLE_SCATTERING" not in bpy.types.ShaderNodeTexSky.bl_rna.properties["sky_type"].enum_items
