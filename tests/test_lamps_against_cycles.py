@@ -7,7 +7,7 @@ import numpy as np
 import pytest
 
 from node_tree import Tree
-from test_visibility_against_cycles import both, same, shaded
+from test_visibility_against_cycles import alike, shaded
 
 SIDE, SAMPLES = 32, 1024
 
@@ -74,7 +74,7 @@ def test_coordinates(studio, blender, tmp_path, kind, space):
         shows(t, t.node(node).outputs[space], *scales.get(space, (0.45, 0.5)))
 
     lamp(blender, kind, build)
-    same(*both(studio, blender, tmp_path))
+    alike(tmp_path)
 
 
 @pytest.mark.parametrize("kind", ["POINT", "SPOT", "AREA", "POINT without size"])
@@ -85,7 +85,7 @@ def test_falloff(studio, blender, tmp_path, kind, falloff):
         t.shows(t.node("Emission", Strength=node.outputs[falloff]).outputs[0])
 
     lamp(blender, kind, build)
-    same(*both(studio, blender, tmp_path))
+    alike(tmp_path)
 
 
 def noise(t: Tree):
@@ -132,7 +132,7 @@ def two(t: Tree):
 def test_nodes(studio, blender, tmp_path, kind, build):
     lamp(blender, kind, build)
     # Where only light from other surfaces comes to there is some noise.
-    same(*both(studio, blender, tmp_path), block=0.06)
+    alike(tmp_path, block=0.06)
 
 
 def luminaire(vertical, horizontal, candela, kind: int = 1) -> str:
@@ -180,7 +180,7 @@ def test_luminaires(studio, blender, tmp_path, name, is_file):
         t.shows(t.node("Emission", Strength=node.outputs[0]).outputs[0])
 
     lamp(blender, "POINT without size", build)
-    same(*both(studio, blender, tmp_path))
+    alike(tmp_path)
 
 
 def test_a_luminaire_without_its_file_is_named(studio, blender, tmp_path):
@@ -210,4 +210,4 @@ def test_settings(studio, blender, tmp_path, name):
         if not hasattr(where, key):
             pytest.skip("this Blender's lamps have no such setting")
         setattr(where, key, value)
-    same(*both(studio, blender, tmp_path), block=0.06)
+    alike(tmp_path, block=0.06)

@@ -6,10 +6,13 @@ use petzval_render::scene::graph::{Displacement, Graph};
 use std::collections::HashMap;
 use std::sync::Arc;
 
-/// By the graph's text and what its owner adds to it: the graph, and what the engine does otherwise than Blender.
+/// A graph, and what of it the engine does otherwise than Blender.
+type Compiled = (Arc<Graph>, Vec<String>);
+
+/// By a graph's text, and the pass index and displacement of what shows it.
 #[derive(Default)]
 pub(crate) struct Graphs {
-    known: HashMap<(String, i32, Displacement), (Arc<Graph>, Vec<String>)>,
+    known: HashMap<(String, i32, Displacement), Compiled>,
 }
 
 impl Graphs {
@@ -34,7 +37,7 @@ impl Graphs {
     }
 }
 
-fn compiled(json: &str, pass_index: i32, displacement: Displacement) -> Result<(Arc<Graph>, Vec<String>), Error> {
+fn compiled(json: &str, pass_index: i32, displacement: Displacement) -> Result<Compiled, Error> {
     let (program, reports) = compile(&ShaderGraph::from_json(json)?);
     let (mut graph, more) = Graph::new(program, pass_index);
     graph.displacement = displacement;

@@ -9,6 +9,7 @@ from pathlib import Path
 import bpy
 import numpy as np
 
+import beside_cycles
 import scene_parts
 
 BOUNCES = 16
@@ -21,20 +22,14 @@ def prepare(width: int, height: int, samples: int, bounces: int = BOUNCES) -> No
     render.resolution_x, render.resolution_y, render.resolution_percentage = width, height, 100
     render.use_compositing = render.use_sequencer = render.use_border = render.use_motion_blur = False
     scene_parts.exr(scene)
-    scene.camera.data.dof.use_dof = False
     scene.camera.data.petzval.model = "PINHOLE"
+    beside_cycles.without_tricks(samples)
     own, cycles = scene.petzval, scene.cycles
-    own.samples = cycles.samples = samples
     own.seed = cycles.seed = 0
-    own.filter_width, own.clamp_indirect, own.noise_threshold = 0.0, 0.0, 0.0
     own.max_bounces = cycles.max_bounces = bounces
     for kind in ("diffuse", "glossy", "transmission"):
         setattr(cycles, f"{kind}_bounces", bounces)
     cycles.transparent_max_bounces = 64
-    cycles.device = "CPU"
-    cycles.use_denoising = cycles.use_adaptive_sampling = False
-    cycles.sample_clamp_direct = cycles.sample_clamp_indirect = cycles.blur_glossy = 0.0
-    cycles.pixel_filter_type = "BOX"
     cycles.caustics_reflective = cycles.caustics_refractive = True
 
 
