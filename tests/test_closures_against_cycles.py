@@ -263,7 +263,6 @@ BLOCK_LIMITS = {
     # Tables of albedos with other steps.
     "multiscatter glass": 0.015,
     "brushed ashikhmin-shirley": 0.02,
-    "principled, film": 0.02,
     # Noise of both: walks through a body are not guided here, and end by chance.
     "subsurface": 0.03,
     "backward subsurface": 0.03,
@@ -274,7 +273,7 @@ BLOCK_LIMITS = {
 
 
 #: The same before Blender 5, whose colours of films are a fit.
-OLD_BLOCK_LIMITS = {"principled glass, film": 0.015}
+OLD_BLOCK_LIMITS = {"principled, film": 0.02, "principled glass, film": 0.015}
 
 
 @pytest.mark.parametrize("name", CASES)
