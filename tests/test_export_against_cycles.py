@@ -15,7 +15,8 @@ WIDTH, HEIGHT, SAMPLES = 24, 16, 256
 @pytest.fixture
 def stage(blender):
     """A floor seen from above, without any light."""
-    parts = pytest.importorskip("scene_parts")
+    import scene_parts as parts
+
     scene = parts.set_up(WIDTH, HEIGHT, SAMPLES)
     scene.world = parts.grey_world(0.0)
     scene.camera.location = (0.0, 0.0, 6.0)
@@ -29,37 +30,11 @@ def stage(blender):
     return parts
 
 
-def both(parts, blender, folder):
-    """Petzval's picture and Cycles's."""
-    scene = blender.context.scene
-    scene.petzval.filter_width = 0.0
-    cycles = scene.cycles
-    cycles.device, cycles.samples, cycles.use_denoising, cycles.use_adaptive_sampling = "CPU", SAMPLES, False, False
-    cycles.sample_clamp_indirect, cycles.blur_glossy = 0.0, 0.0
-    for kind in ("max", "diffuse", "glossy", "transmission", "transparent_max"):
-        setattr(cycles, f"{kind}_bounces", 12)
-    cycles.pixel_filter_type = "BOX"
-    scene.camera.data.dof.use_dof = False
-    ours = parts.render(folder, "petzval.exr")[..., :3]
-    scene.render.engine = "CYCLES"
-    try:
-        theirs = parts.render(folder, "cycles.exr")[..., :3]
-    finally:
-        scene.render.engine = "PETZVAL"
-    return ours, theirs
+def alike(folder, *, mean: float = 0.01, block: float = 0.06) -> None:
+    """Petzval shows what Cycles does, in the mean and in blocks of 4 x 4 pixels."""
+    import beside_cycles
 
-
-def same(ours, theirs, *, mean: float = 0.01, block: float = 0.06) -> None:
-    """Both in the mean, and in blocks of 4 x 4 pixels where there is light."""
-    assert theirs.mean() > 1e-4, "the scene is dark in Cycles"
-    assert ours.mean((0, 1)) == pytest.approx(theirs.mean((0, 1)), rel=mean, abs=1e-4)
-
-    def blocks(picture):
-        return picture.reshape(HEIGHT // 4, 4, WIDTH // 4, 4, 3).mean((1, 3))
-
-    a, b = blocks(ours), blocks(theirs)
-    worst = np.abs(a - b) / (b + 0.1 * b.mean())
-    assert worst.max() < block, f"{worst.max():.3f} at {np.unravel_index(worst.argmax(), worst.shape)}"
+    beside_cycles.alike(folder, SAMPLES, side=4, mean=mean, block=block, bounces=12)
 
 
 def lamp(blender, kind: str, **settings):
@@ -103,7 +78,7 @@ def test_lamps(stage, blender, tmp_path, kind, settings):
     lamp(blender, kind, **settings)
     # The blend of a stretched cone is met at its ends, not between.
     stretched = kind == "SPOT" and "scale" in settings
-    same(*both(stage, blender, tmp_path), mean=0.05 if stretched else 0.01, block=0.2 if stretched else 0.06)
+    alike(tmp_path, mean=0.05 if stretched else 0.01, block=0.2 if stretched else 0.06)
 
 
 def test_nodes_of_a_lamp(stage, blender, tmp_path):
@@ -112,7 +87,7 @@ def test_nodes_of_a_lamp(stage, blender, tmp_path):
     emission = light.node_tree.nodes["Emission"]
     emission.inputs["Color"].default_value = (0.2, 0.5, 1.0, 1.0)
     emission.inputs["Strength"].default_value = 3.0
-    same(*both(stage, blender, tmp_path))
+    alike(tmp_path)
 
 
 def four_colours(parts, **more):
@@ -141,7 +116,7 @@ def test_a_world_image(stage, blender, tmp_path, kind, turn):
     # Half of the picture sees the sky, half the floor in its light.
     scene.camera.location = (0.0, -6.0, 1.0)
     scene.camera.rotation_euler = (radians(80.0), 0.0, radians(5.0))
-    same(*both(stage, blender, tmp_path), block=0.1)
+    alike(tmp_path, block=0.1)
 
 
 MAPPINGS = [
@@ -173,7 +148,7 @@ def test_an_image_on_a_surface(stage, blender, tmp_path, given, image):
     diffuse = next(node for node in tree.nodes if node.type == "BSDF_DIFFUSE")
     tree.links.new(texture.outputs["Color"], diffuse.inputs["Color"])
     blender.context.scene.world = stage.grey_world(1.0, "Bright")
-    same(*both(stage, blender, tmp_path), mean=0.01, block=0.06)
+    alike(tmp_path, mean=0.01, block=0.06)
 
 
 def shader(tree, kind: str, **inputs):
@@ -264,7 +239,7 @@ def test_surfaces(stage, blender, tmp_path, name):
     ball.data.materials.append(made)
     ball.data.shade_smooth()
     blender.context.scene.world = stage.grey_world(0.7, "Bright")
-    same(*both(stage, blender, tmp_path), mean=0.01, block=0.08)
+    alike(tmp_path, mean=0.01, block=0.08)
 
 
 def test_a_shader_inside_of_groups(stage, blender, tmp_path):
@@ -289,12 +264,14 @@ def test_a_shader_inside_of_groups(stage, blender, tmp_path):
     out = next(node for node in floor.nodes if node.type == "OUTPUT_MATERIAL")
     floor.links.new(group.outputs[0], out.inputs["Surface"])
     blender.context.scene.world = stage.grey_world(1.0, "Bright")
-    same(*both(stage, blender, tmp_path))
+    alike(tmp_path)
 
 
 @pytest.mark.parametrize("fit", ["AUTO", "HORIZONTAL", "VERTICAL"])
 @pytest.mark.parametrize("upright", [False, True])
 def test_the_pinhole_frames_as_blender_does(stage, blender, tmp_path, fit, upright):
+    import beside_cycles
+
     scene = blender.context.scene
     if upright:
         scene.render.resolution_x, scene.render.resolution_y = HEIGHT, WIDTH
@@ -308,6 +285,6 @@ def test_the_pinhole_frames_as_blender_does(stage, blender, tmp_path, fit, uprig
     tree.links.new(texture.outputs["Color"], emission.inputs["Color"])
     out = next(node for node in tree.nodes if node.type == "OUTPUT_MATERIAL")
     tree.links.new(emission.outputs[0], out.inputs["Surface"])
-    ours, theirs = both(stage, blender, tmp_path)
+    ours, theirs = beside_cycles.both(tmp_path, SAMPLES, 12)
     # The ramps of red and green are places.
     assert np.abs(ours - theirs)[..., :2].max() < 0.01 * math.sqrt(theirs.max())

@@ -199,6 +199,27 @@ def test_shared_data_is_sent_once(parts, blender):
     assert len({one["mesh"] for one in recorder.instances if one["name"].startswith("Twin")}) == 1
 
 
+def test_a_lights_nodes_are_read_once(parts, blender, monkeypatch):
+    from node_tree import Tree
+
+    light = blender.data.lights.new("Lamp", "POINT")
+    light.use_nodes = True
+    tree = parts.with_nodes(light)
+    t = Tree(tree, tree.nodes.new("ShaderNodeOutputLight").inputs["Surface"])
+    t.shows(t.node("Emission", Color=t.ramp(t.node("TexNoise").outputs[0])).outputs[0])
+    for index in range(5):
+        holder = blender.data.objects.new(f"Lamp {index}", light)
+        holder.location.x = index
+        blender.context.scene.collection.objects.link(holder)
+    graph, read = parts.part("export.graph"), []
+    describe = graph.describe
+    monkeypatch.setattr(graph, "describe", lambda *given: read.append(given) or describe(*given))
+    recorder, _, _ = parts.sent()
+    assert len(read) == 1
+    assert len(recorder.lights) == 5 and len({one.graph for one in recorder.lights}) == 1
+    assert recorder.lights[0].graph and len({one.matrix_world for one in recorder.lights}) == 5
+
+
 def test_texts_with_one_font_are_not_mixed_up(parts, blender):
     for words in ("first", "the second"):
         blender.ops.object.text_add()

@@ -6,8 +6,8 @@ from __future__ import annotations
 import numpy as np
 import pytest
 
-from test_graphs_against_cycles import Tree
-from test_visibility_against_cycles import both, same, shaded
+from node_tree import Tree
+from test_visibility_against_cycles import alike, shaded
 
 SIDE, SAMPLES = 32, 1024
 
@@ -25,7 +25,8 @@ KINDS = {
 @pytest.fixture
 def studio(blender):
     """A matte floor, a wall and a ball, in a dim sky: what no lamp reaches is not dark."""
-    parts = pytest.importorskip("scene_parts")
+    import scene_parts as parts
+
     scene = parts.set_up(SIDE, SIDE, SAMPLES)
     scene.world = parts.grey_world(0.3)
     scene.camera.location, scene.camera.rotation_euler = (0.0, -8.0, 3.5), (1.2, 0.0, 0.0)
@@ -73,7 +74,7 @@ def test_coordinates(studio, blender, tmp_path, kind, space):
         shows(t, t.node(node).outputs[space], *scales.get(space, (0.45, 0.5)))
 
     lamp(blender, kind, build)
-    same(*both(studio, blender, tmp_path))
+    alike(tmp_path)
 
 
 @pytest.mark.parametrize("kind", ["POINT", "SPOT", "AREA", "POINT without size"])
@@ -84,7 +85,7 @@ def test_falloff(studio, blender, tmp_path, kind, falloff):
         t.shows(t.node("Emission", Strength=node.outputs[falloff]).outputs[0])
 
     lamp(blender, kind, build)
-    same(*both(studio, blender, tmp_path))
+    alike(tmp_path)
 
 
 def noise(t: Tree):
@@ -131,7 +132,7 @@ def two(t: Tree):
 def test_nodes(studio, blender, tmp_path, kind, build):
     lamp(blender, kind, build)
     # Where only light from other surfaces comes to there is some noise.
-    same(*both(studio, blender, tmp_path), block=0.06)
+    alike(tmp_path, block=0.06)
 
 
 def luminaire(vertical, horizontal, candela, kind: int = 1) -> str:
@@ -156,19 +157,20 @@ LUMINAIRES = {
 }
 
 
-@pytest.mark.parametrize("file", [False, True])
-@pytest.mark.parametrize("name", LUMINAIRES)
-def test_luminaires(studio, blender, tmp_path, name, file):
+# All from a text in the file; one from a file of its own too, which is read alike.
+@pytest.mark.parametrize(
+    ("name", "is_file"), [*((name, False) for name in LUMINAIRES), ("whole", True)],
+    ids=[*LUMINAIRES, "whole from a file"],
+)  # fmt: skip
+def test_luminaires(studio, blender, tmp_path, name, is_file):
     vertical, horizontal = LUMINAIRES[name]
     if len(horizontal) == 1 and blender.app.version < (5, 0, 0):
         pytest.skip("Blender 4.5 shows these 6 % brighter")
     text = luminaire(vertical, horizontal, bright(vertical, horizontal))
-    if file and name != "whole":
-        pytest.skip("files are read alike")
 
     def build(t):
         node = t.node("TexIES", None, Strength=0.02)
-        if file:
+        if is_file:
             path = tmp_path / "lamp.ies"
             path.write_bytes(text.encode())
             node.mode, node.filepath = "EXTERNAL", str(path)
@@ -178,7 +180,7 @@ def test_luminaires(studio, blender, tmp_path, name, file):
         t.shows(t.node("Emission", Strength=node.outputs[0]).outputs[0])
 
     lamp(blender, "POINT without size", build)
-    same(*both(studio, blender, tmp_path))
+    alike(tmp_path)
 
 
 def test_a_luminaire_without_its_file_is_named(studio, blender, tmp_path):
@@ -208,4 +210,4 @@ def test_settings(studio, blender, tmp_path, name):
         if not hasattr(where, key):
             pytest.skip("this Blender's lamps have no such setting")
         setattr(where, key, value)
-    same(*both(studio, blender, tmp_path), block=0.06)
+    alike(tmp_path, block=0.06)

@@ -6,7 +6,7 @@ from __future__ import annotations
 import numpy as np
 import pytest
 
-from test_graphs_against_cycles import Tree
+from node_tree import Tree
 
 SIDE, SAMPLES = 32, 1024
 #: Pixels of a block's side.
@@ -17,7 +17,8 @@ WHITE = (0.8, 0.8, 0.8, 1.0)
 @pytest.fixture
 def room(blender):
     """A floor and three balls in a row: matte, rough metal and glass; a lamp above, and a dim sky."""
-    parts = pytest.importorskip("scene_parts")
+    import scene_parts as parts
+
     scene = parts.set_up(SIDE, SIDE, SAMPLES)
     scene.world = parts.grey_world(0.2)
     scene.camera.location, scene.camera.rotation_euler = (0.0, -7.0, 3.0), (1.25, 0.0, 0.0)
@@ -59,36 +60,12 @@ def add_panel(parts, colour=(0.9, 0.2, 0.1), strength: float = 4.0):
     return panel
 
 
-def both(parts, blender, folder, **cycles_settings):
-    """Petzval's picture and Cycles's."""
-    scene = blender.context.scene
-    cycles = scene.cycles
-    scene.petzval.filter_width = 0.0
-    scene.petzval.clamp_indirect = 0.0
-    cycles.device, cycles.samples, cycles.use_denoising, cycles.use_adaptive_sampling = "CPU", SAMPLES, False, False
-    cycles.sample_clamp_indirect, cycles.blur_glossy = 0.0, 0.0
-    cycles.pixel_filter_type = "BOX"
-    for name, value in cycles_settings.items():
-        setattr(cycles, name, value)
-    scene.camera.data.dof.use_dof = False
-    ours = parts.render(folder, "petzval.exr")[..., :3]
-    warnings = parts.part("statistics").last("Scene").warnings
-    assert not warnings, warnings
-    scene.render.engine = "CYCLES"
-    try:
-        theirs = parts.render(folder, "cycles.exr")[..., :3]
-    finally:
-        scene.render.engine = "PETZVAL"
-    return ours, theirs
+def alike(folder, mean: float = 0.01, block: float = 0.03, **cycles_settings) -> np.ndarray:
+    """Petzval shows what Cycles does, in the mean and block by block: edges fall between the samples of 64 pixels. Gives
+    Petzval's picture."""
+    import beside_cycles
 
-
-def same(ours, theirs, mean: float = 0.01, block: float = 0.03) -> None:
-    """In the mean, and block by block: edges fall between the samples of 64 pixels."""
-    blocks = [p.reshape(SIDE // BLOCK, BLOCK, SIDE // BLOCK, BLOCK, 3).mean((1, 3)) for p in (ours, theirs)]
-    apart = np.abs(blocks[0] - blocks[1]) / (blocks[1] + 0.1 * blocks[1].mean())
-    print(f"mean {ours.mean((0, 1)) / theirs.mean((0, 1))}, worst block {apart.max():.4f}")
-    assert np.abs(ours.mean((0, 1)) / theirs.mean((0, 1)) - 1.0).max() < mean
-    assert apart.max() < block, apart
+    return beside_cycles.alike(folder, SAMPLES, side=BLOCK, mean=mean, block=block, **cycles_settings)
 
 
 def differs(first, second, part: float = 0.01) -> None:
@@ -106,8 +83,7 @@ def test_objects_hide(room, blender, tmp_path, kind):
     )  # fmt: skip
     for one in (panel, screen):
         setattr(one, f"visible_{kind}", False)
-    ours, theirs = both(room, blender, tmp_path)
-    same(ours, theirs)
+    ours = alike(tmp_path)
     for one in (panel, screen):
         setattr(one, f"visible_{kind}", True)
     # Little of the panel is seen through the glass.
@@ -125,8 +101,7 @@ def test_lamps_reach(room, blender, tmp_path, kind, lamp):
         room.lamp.data.shadow_soft_size = 0.4
         room.lamp.location = (1.0, 0.5, 3.2)
     setattr(room.lamp, f"visible_{kind}", False)
-    ours, theirs = both(room, blender, tmp_path)
-    same(ours, theirs)
+    alike(tmp_path)
 
 
 @pytest.mark.parametrize("kind", ["camera", "diffuse", "glossy", "transmission"])
@@ -134,8 +109,7 @@ def test_worlds_show(room, blender, tmp_path, kind):
     room.lamp.data.energy = 20.0
     blender.context.scene.world = room.grey_world(0.8)
     setattr(blender.context.scene.world.cycles_visibility, kind, False)
-    ours, theirs = both(room, blender, tmp_path)
-    same(ours, theirs)
+    alike(tmp_path)
 
 
 OUTPUTS = (
@@ -163,8 +137,7 @@ def test_light_path(room, blender, tmp_path, output):
     panel.rotation_euler = (1.2, 0.0, 0.0)
     panel.scale = (0.5, 0.5, 0.5)
     room.lamp.location = (0.4, -1.0, 4.0)
-    ours, theirs = both(room, blender, tmp_path)
-    same(ours, theirs)
+    alike(tmp_path)
 
 
 @pytest.mark.parametrize("output", ["Is Glossy Ray", "Is Singular Ray", "Is Transmission Ray", "Ray Depth"])
@@ -181,8 +154,7 @@ def test_light_path_in_a_world(room, blender, tmp_path, output):
     world.cycles.sampling_method = "NONE"
     room.lamp.data.energy = 20.0
     blender.data.objects["Metal"].data.materials[0] = shaded(room, "BsdfAnisotropic", Roughness=0.0)
-    ours, theirs = both(room, blender, tmp_path)
-    same(ours, theirs)
+    alike(tmp_path)
 
 
 @pytest.mark.parametrize(
@@ -205,9 +177,8 @@ def test_bounces(room, blender, tmp_path, limits):
         ball = blender.data.objects[name]
         # Rough, so that light samples find their caustics.
         ball.data.materials[0].node_tree.nodes[1].inputs["Roughness"].default_value = 0.4
-    ours, theirs = both(room, blender, tmp_path, **limits)
     # Light through rough glass: see docs/design/closures.md.
-    same(ours, theirs, mean=0.015, block=0.05)
+    alike(tmp_path, **limits, mean=0.015, block=0.05)
 
 
 @pytest.mark.parametrize("limit", [1, 2, 3])
@@ -218,14 +189,12 @@ def test_transparent_bounces(room, blender, tmp_path, limit):
         room.square(f"Leaf {place}", (0.0, -1.2 - 0.4 * place, 1.2), 1.6 - 0.4 * place, clear)
     shade = room.mesh_object("Roof", [(-2, -3, 2), (2, -3, 2), (2, 1, 2), (-2, 1, 2)], [(0, 1, 2, 3)], clear)
     shade.visible_camera = False
-    ours, theirs = both(room, blender, tmp_path, transparent_max_bounces=limit)
-    same(ours, theirs)
+    alike(tmp_path, transparent_max_bounces=limit)
 
 
 @pytest.mark.parametrize("bounces", [0, 1])
 def test_lamps_of_few_bounces(room, blender, tmp_path, bounces):
     room.lamp.data.cycles.max_bounces = bounces
-    ours, theirs = both(room, blender, tmp_path)
-    same(ours, theirs)
+    ours = alike(tmp_path)
     room.lamp.data.cycles.max_bounces = 1024
     differs(ours, room.render(tmp_path, "all.exr")[..., :3])

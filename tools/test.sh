@@ -65,7 +65,9 @@ export PYO3_PYTHON
 
 step "cargo fmt" cargo fmt --all --check
 step "cargo clippy" cargo clippy --quiet --all-targets --workspace --locked -- -D warnings
-step "cargo test" cargo test --quiet --locked
+# Examples, which clippy has compiled, are left out: the tracer's kernels are long to make for each program.
+step "cargo test" cargo test --quiet --locked --lib --tests
+step "cargo test --doc" cargo test --quiet --locked --doc
 # A report, not a test: what a sample costs in instructions, beside what it cost when that was last kept.
 timeout 300 .venv-tools/bin/python tools/instructions.py >output/instructions.txt 2>&1 || true
 step "ruff check" .venv-tools/bin/ruff check

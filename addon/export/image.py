@@ -41,6 +41,12 @@ class Images:
                 self._known[key[0], not associated] = self._known[key]
         return self._known[key]
 
+    def of_node(self, node: bpy.types.Node, owner: str) -> int:
+        """The engine's index of the image that a texture node shows, its colours multiplied by alpha or not as the node
+        gives them."""
+        associated = node.type == "TEX_ENVIRONMENT" or not node.outputs["Alpha"].is_linked
+        return self.index(node.image, owner, associated=associated)
+
     def _read(self, image: bpy.types.Image, associated: bool) -> tuple[str, np.ndarray, bool]:
         """Name, pixels (height, width, 4) from below, and whether they are sRGB-encoded."""
         width, height = image.size

@@ -9,9 +9,10 @@ from typing import Any
 import bpy
 
 from ..description import Report
-from . import light, mesh, object_info
+from . import mesh, object_info
 from .camera import rows
 from .image import Images
+from .light import Lights
 from .linking import Links
 from .material import Materials
 from .motion import Motion
@@ -19,6 +20,8 @@ from .visibility import hidden_from
 
 #: Objects whose surface Blender can hand over as a mesh.
 WITH_SURFACE = {"MESH", "CURVE", "SURFACE", "FONT", "META"}
+#: What a surface sends on: rays that only some paths know of.
+BOUNCES = {"DIFFUSE", "GLOSSY", "TRANSMISSION"}
 #: Objects that are seen in a Blender render, but not here yet.
 NOT_YET = {
     "CURVES": "hair curves",
@@ -62,22 +65,29 @@ class Stage:
     def send(self, depsgraph: bpy.types.Depsgraph) -> None:
         """All objects and their instances, as they are visible in this graph."""
         links = Links(depsgraph, self._report)
+        lights = Lights(self._images, links)
         for place in depsgraph.object_instances:
             self._check_stop()
             holder = place.object
             self._warn_of_particles(holder)
             if not place.show_self:
                 continue
-            self.is_selective |= links.any or bool({"DIFFUSE", "GLOSSY", "TRANSMISSION"} & {*hidden_from(holder)})
+            hidden = hidden_from(holder)
+            self.is_selective |= links.any or not BOUNCES.isdisjoint(hidden)
             if holder.type in WITH_SURFACE:
-                self._surface(holder, place, links)
+                self._surface(holder, place, links, hidden)
             elif holder.type == "LIGHT":
-                described = light.describe(holder, place.matrix_world, self._images, links)
-                self._builder.add_light(described)
+                self._builder.add_light(lights.describe(holder, place.matrix_world, hidden))
             elif holder.type in NOT_YET:
                 self._report.warn(f"Object '{holder.name}': {NOT_YET[holder.type]} are not supported yet, left out")
 
-    def _surface(self, holder: bpy.types.Object, place: bpy.types.DepsgraphObjectInstance, links: Links) -> None:
+    def _surface(
+        self,
+        holder: bpy.types.Object,
+        place: bpy.types.DepsgraphObjectInstance,
+        links: Links,
+        hidden: tuple[str, ...],
+    ) -> None:
         index = self._mesh(holder, place)
         if index is None:
             return
@@ -94,7 +104,7 @@ class Stage:
             index,
             rows(place.matrix_world),
             [self._materials.index(slot.material) for slot in holder.material_slots],
-            hidden_from=hidden_from(holder),
+            hidden_from=hidden,
             links=links.of(holder),
             asset_name=_asset(holder),
             moved=self._motion.matrices(place) if self._motion is not None else None,

@@ -16,24 +16,41 @@ from .camera import rows
 from .image import Images
 from .linking import Links
 from .material import uses_nodes
-from .visibility import hidden_from
 
 
-def describe(holder: bpy.types.Object, matrix: Matrix, images: Images, links: Links) -> LightDescription:
-    """What the engine is told of a lamp object; `matrix` is where this instance of it stands."""
-    light = holder.data
-    description = LightDescription(
-        object_name=holder.name,
-        kind=light.type,
-        matrix_world=rows(matrix),
-        color=_colour(light),
-        graph=_nodes(light, images),
-        hidden_from=hidden_from(holder),
-        sets=links.sets(holder),
-        # Cycles's own setting; without Cycles nothing limits it.
-        max_bounces=getattr(getattr(light, "cycles", None), "max_bounces", 1024),
-        cast_shadow=light.use_shadow,
-    )
+class Lights:
+    """The lamps of one scene; the nodes of a light are read once, wherever it stands."""
+
+    def __init__(self, images: Images, links: Links) -> None:
+        self._images = images
+        self._links = links
+        # By the light datablock: its nodes, if they change anything.
+        self._nodes: dict[int, str | None] = {}
+
+    def describe(self, holder: bpy.types.Object, matrix: Matrix, hidden_from: tuple[str, ...]) -> LightDescription:
+        """What the engine is told of a lamp object; `matrix` is where this instance of it stands."""
+        light = holder.data
+        key = light.original.as_pointer()
+        if key not in self._nodes:
+            self._nodes[key] = _nodes(light, self._images)
+        description = LightDescription(
+            object_name=holder.name,
+            kind=light.type,
+            matrix_world=rows(matrix),
+            color=_colour(light),
+            graph=self._nodes[key],
+            hidden_from=hidden_from,
+            sets=self._links.sets(holder),
+            # Cycles's own setting; without Cycles nothing limits it.
+            max_bounces=getattr(getattr(light, "cycles", None), "max_bounces", 1024),
+            cast_shadow=light.use_shadow,
+        )
+        _shape(description, light, matrix)
+        return description
+
+
+def _shape(description: LightDescription, light: bpy.types.Light, matrix: Matrix) -> None:
+    """Fills in what only some kinds of light have."""
     if light.type in {"POINT", "SPOT"}:
         description.radius = light.shadow_soft_size
         description.soft_falloff = light.use_soft_falloff
@@ -48,7 +65,6 @@ def describe(holder: bpy.types.Object, matrix: Matrix, images: Images, links: Li
     if not getattr(light, "normalize", True):
         size = _size(light, matrix)
         description.color = tuple(part * size for part in description.color)
-    return description
 
 
 def _colour(light: bpy.types.Light) -> Colour:
@@ -64,13 +80,8 @@ def _nodes(light: bpy.types.Light, images: Images) -> str | None:
     """What the engine is told of a light's nodes; a new light's, which change nothing, are left out."""
     if not uses_nodes(light):
         return None
-    described = graph.describe(light.node_tree, lambda node: _image(node, light, images))
+    described = graph.describe(light.node_tree, lambda node: images.of_node(node, f"Light '{light.name}'"))
     return None if described["nodes"] and _is_plain(described) else json.dumps(described)
-
-
-def _image(node: bpy.types.Node, light: bpy.types.Light, images: Images) -> int | None:
-    associated = node.type == "TEX_ENVIRONMENT" or not node.outputs["Alpha"].is_linked
-    return images.index(node.image, f"Light '{light.name}'", associated=associated)
 
 
 def _is_plain(described: dict[str, Any]) -> bool:

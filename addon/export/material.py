@@ -54,7 +54,8 @@ class Materials:
         if output is None:
             self._report.warnings += report.warnings
             return described
-        graph = describe_graph(material.node_tree, lambda node: self._image(node, material))
+        owner = f"Material '{material.name}'"
+        graph = describe_graph(material.node_tree, lambda node: self._images.of_node(node, owner))
         self._wanted[material.original.as_pointer()] = attributes.wanted(graph)
         return MaterialDescription(
             material.name,
@@ -62,10 +63,6 @@ class Materials:
             pass_index=material.pass_index,
             displacement_method=material.displacement_method,
         )
-
-    def _image(self, node: bpy.types.Node, material: bpy.types.Material) -> int | None:
-        associated = node.type == "TEX_ENVIRONMENT" or not node.outputs["Alpha"].is_linked
-        return self._images.index(node.image, f"Material '{material.name}'", associated=associated)
 
     def _by_the_short_way(self, material: bpy.types.Material, report: Report) -> MaterialDescription:
         if material.grease_pencil is not None or not uses_nodes(material):

@@ -29,12 +29,10 @@ def describe(world: bpy.types.World | None, images: Images, report: Report) -> W
 
 
 def _by_its_nodes(world: bpy.types.World, images: Images, report: Report) -> WorldDescription:
-    def image(node: bpy.types.Node) -> int:
-        return images.index(node.image, f"World '{world.name}'", associated=True)
-
+    owner = f"World '{world.name}'"
     if isinstance(nodes.trace(nodes.Input(world.node_tree.get_output_node("CYCLES").inputs["Volume"])), nodes.Source):
-        report.warn(f"World '{world.name}': volume is not supported yet, it is left out")
-    return WorldDescription(graph=json.dumps(graph.describe(world.node_tree, image)))
+        report.warn(f"{owner}: volume is not supported yet, it is left out")
+    return WorldDescription(graph=json.dumps(graph.describe(world.node_tree, lambda node: images.of_node(node, owner))))
 
 
 def _surface(world: bpy.types.World, inputs: Inputs) -> WorldDescription:

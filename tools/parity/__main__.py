@@ -22,7 +22,7 @@ WORK = TOP / "output" / "parity"
 
 def main() -> int:
     asked = argparse.ArgumentParser(prog="parity", description="Compares Petzval with Cycles, scene by scene.")
-    asked.add_argument("--samples", type=int, default=512, help="a pixel, in each program")
+    asked.add_argument("--samples", type=int, default=256, help="a pixel, in each program")
     asked.add_argument("--size", default="160x120", help="of a picture")
     asked.add_argument("--only", nargs="+", metavar="NAME", help="these scenes alone; the page stays as it is")
     asked.add_argument("--scenes", default=os.environ.get("PETZVAL_SCENES"), help="a folder of .blend files to try too")
@@ -69,7 +69,7 @@ class Run:
 
     def __init__(self, python: Path, size: tuple[int, int], samples: int, again: bool) -> None:
         self.python, self.numbers, self.again = python, [*map(str, size), str(samples)], again
-        paths = [TOP / "tools", TOP / "tests" / "scenes", *filter(None, [os.environ.get("PYTHONPATH")])]
+        paths = [TOP / "tools", TOP / "tests", TOP / "tests" / "scenes", *filter(None, [os.environ.get("PYTHONPATH")])]
         self.environment = {**os.environ, "PYTHONPATH": os.pathsep.join(map(str, paths))}
 
     def listed(self) -> dict[str, dict]:

@@ -14,6 +14,8 @@
 
 mod aims;
 mod axis;
+#[cfg(test)]
+mod cases;
 mod cell;
 mod ellipse;
 mod lanes;

@@ -2,6 +2,7 @@
 //! every long call. Nothing is computed here. `petzval/_native.pyi` is the shape as Python sees it.
 
 mod camera;
+mod compiled;
 mod doorway;
 mod edges;
 mod error;

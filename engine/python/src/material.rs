@@ -1,20 +1,19 @@
 //! Material, lamp and world descriptions, read by attribute.
 
 use crate::camera::Matrix4;
+use crate::compiled::Graphs;
 use crate::error::{Error, bad_scene};
 use crate::layer::PyLayer;
 use glam::{Affine3A, DMat4, Mat3, Mat3A};
-use petzval_nodes::{Graph as ShaderGraph, compile};
 use petzval_render::Rgb;
 use petzval_render::nodes::lamp;
-use petzval_render::scene::graph::{Displacement, Graph};
+use petzval_render::scene::graph::Displacement;
 use petzval_render::scene::lamp::{Lamp, LampKind};
 use petzval_render::scene::material::{Channel, ImageInput, Input, Material};
 use petzval_render::scene::texture::{Extension, Interpolation};
 use petzval_render::scene::visibility::{Rays, Sets};
 use petzval_render::scene::world::World;
 use pyo3::prelude::*;
-use std::sync::Arc;
 
 type Colour = (f32, f32, f32);
 
@@ -121,24 +120,9 @@ pub(crate) struct PyMaterial {
     displacement_method: String,
 }
 
-/// A compiled graph, and what of it the engine does otherwise than Blender.
-fn read_graph(
-    json: Option<&str>,
-    pass_index: i32,
-    displacement: Displacement,
-    owner: &str,
-) -> Result<(Option<Arc<Graph>>, Vec<String>), Error> {
-    let Some(json) = json else { return Ok((None, Vec::new())) };
-    let (program, reports) = compile(&ShaderGraph::from_json(json)?);
-    let (mut graph, more) = Graph::new(program, pass_index);
-    graph.displacement = displacement;
-    let all = reports.iter().map(ToString::to_string).chain(more);
-    Ok((Some(Arc::new(graph)), all.map(|what| format!("{owner}: {what}")).collect()))
-}
-
 impl PyMaterial {
     /// The material, and what of its nodes the engine does otherwise than Blender.
-    pub(crate) fn material(self) -> Result<(Material, Vec<String>), Error> {
+    pub(crate) fn material(self, graphs: &mut Graphs) -> Result<(Material, Vec<String>), Error> {
         let m = self;
         let owner = format!("Material '{}'", m.name);
         let displacement = match m.displacement_method.as_str() {
@@ -146,7 +130,7 @@ impl PyMaterial {
             "BOTH" => Displacement::Both,
             _ => Displacement::Bump,
         };
-        let (graph, reports) = read_graph(m.graph.as_deref(), m.pass_index, displacement, &owner)?;
+        let (graph, reports) = graphs.read(m.graph, m.pass_index, displacement, &owner)?;
         let material = Material {
             name: m.name,
             base_color: m.base_color.input()?,
@@ -190,7 +174,7 @@ pub(crate) struct PyLight {
 
 impl PyLight {
     /// The lamp, where it stands, and what of its nodes the engine does otherwise than Blender.
-    pub(crate) fn lamp(self) -> Result<(Lamp, DMat4, Vec<String>), Error> {
+    pub(crate) fn lamp(self, graphs: &mut Graphs) -> Result<(Lamp, DMat4, Vec<String>), Error> {
         let unknown = |what: &str, value: &str| bad_scene(format!("light '{}': no {what} '{value}'", self.object_name));
         let reaches = visible(&self.hidden_from, &self.object_name)?;
         let kind = match self.kind.as_str() {
@@ -214,7 +198,7 @@ impl PyLight {
             other => return Err(unknown("kind of light", other)),
         };
         let owner = format!("Light '{}'", self.object_name);
-        let (graph, mut reports) = read_graph(self.graph.as_deref(), 0, Displacement::default(), &owner)?;
+        let (graph, mut reports) = graphs.read(self.graph, 0, Displacement::default(), &owner)?;
         for field in graph.iter().flat_map(|graph| lamp::unknown(graph)) {
             reports.push(format!("{owner}: {field:?} is not supported in a light yet, it is 0"));
         }
@@ -244,9 +228,9 @@ pub(crate) struct PyWorld {
 
 impl PyWorld {
     /// The world, and what of its nodes the engine does otherwise than Blender.
-    pub(crate) fn world(self) -> Result<(World, Vec<String>), Error> {
+    pub(crate) fn world(self, graphs: &mut Graphs) -> Result<(World, Vec<String>), Error> {
         let w = self;
-        let (graph, reports) = read_graph(w.graph.as_deref(), 0, Displacement::default(), "World")?;
+        let (graph, reports) = graphs.read(w.graph, 0, Displacement::default(), "World")?;
         let world = World {
             color: rgb(w.color),
             texture: w.image,

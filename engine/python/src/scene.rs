@@ -1,6 +1,7 @@
 //! Scenes from Python's arrays.
 
 use crate::camera::Matrix4;
+use crate::compiled::Graphs;
 use crate::doorway::away;
 use crate::error::{Error, bad_scene, refused};
 use crate::material::{PyLight, PyMaterial, PyWorld, visible};
@@ -24,6 +25,7 @@ type PyObjectInfo = ((f32, f32, f32, f32), i32, f32);
 #[derive(Default)]
 pub(crate) struct SceneBuilder {
     builder: engine::SceneBuilder,
+    graphs: Graphs,
 }
 
 /// A built scene; cheap to share between renders.
@@ -63,7 +65,7 @@ impl SceneBuilder {
     }
 
     fn add_material(&mut self, material: PyMaterial) -> Result<usize, Error> {
-        let (material, reports) = material.material()?;
+        let (material, reports) = material.material(&mut self.graphs)?;
         reports.into_iter().for_each(|report| self.builder.warn(report));
         Ok(self.builder.add_material(material)?)
     }
@@ -185,13 +187,13 @@ impl SceneBuilder {
     }
 
     fn add_light(&mut self, light: PyLight) -> Result<(), Error> {
-        let (lamp, matrix, reports) = light.lamp()?;
+        let (lamp, matrix, reports) = light.lamp(&mut self.graphs)?;
         reports.into_iter().for_each(|report| self.builder.warn(report));
         Ok(self.builder.add_lamp(lamp, matrix)?)
     }
 
     fn set_world(&mut self, world: PyWorld) -> Result<(), Error> {
-        let (world, reports) = world.world()?;
+        let (world, reports) = world.world(&mut self.graphs)?;
         reports.into_iter().for_each(|report| self.builder.warn(report));
         Ok(self.builder.set_world(world)?)
     }
@@ -228,7 +230,7 @@ impl SceneBuilder {
         if !origin.is_finite() {
             return Err(refused("the camera's position is not finite; reset its location"));
         }
-        let builder = std::mem::take(&mut self.builder);
+        let Self { builder, .. } = std::mem::take(self);
         let stage = away(py, || -> Result<Stage, Error> {
             let pool = rayon::ThreadPoolBuilder::new()
                 .num_threads(threads)

@@ -5,6 +5,8 @@ from __future__ import annotations
 
 import numpy as np
 
+from scene_parts import image
+
 from . import scene
 from .studio import (
     CREAM,
@@ -16,7 +18,6 @@ from .studio import (
     cube,
     empty_studio,
     grey_world,
-    image,
     lamp,
     material,
     monkey,
@@ -46,7 +47,7 @@ def sun():
     lamp("SUN", 3.0, (0, 0, 5), (55, -15, -40), (1.0, 0.85, 0.7), angle=np.radians(5.0))
 
 
-@scene("Spots, hard and soft at the edge", noise=0.02)
+@scene("Spots, hard and soft at the edge", noise=0.01)
 def spot():
     _things(strength=0.03)
     lamp("SPOT", 700.0, (-2.5, -2.5, 4.0), (35, -30, 0), spot_size=np.radians(40), spot_blend=0.1, shadow_soft_size=0.05)  # fmt: skip
@@ -62,9 +63,9 @@ def area():
     lamp("AREA", 60.0, (1.2, 2.0, 3.0), (-30, 0, 0), (1, 0.7, 0.9), shape="ELLIPSE", size=1.2, size_y=0.4)
 
 
-@scene("Area lamps that spread little", noise=0.1)
+@scene("Area lamps that spread little", noise=0.06)
 def area_spread():
-    _things(strength=0.05)
+    _things(strength=0.25)
     lamp("AREA", 120.0, (-1.2, -0.5, 4.0), (8, -8, 0), shape="SQUARE", size=1.2, spread=np.radians(30))
     lamp("AREA", 80.0, (1.6, -0.5, 3.5), (5, 10, 0), (0.6, 0.8, 1), shape="DISK", size=1.0, spread=np.radians(75))
 
@@ -91,7 +92,7 @@ def many_lamps():
         lamp("POINT", float(turn.uniform(1.0, 12.0)), (x, y, z), colour=tuple(colour), shadow_soft_size=0.05)
 
 
-@scene("A hundred small meshes that glow", noise=0.05)
+@scene("A hundred small meshes that glow", noise=0.02)
 def many_emitters():
     _things(strength=0.02)
     turn = np.random.default_rng(6)
@@ -113,7 +114,7 @@ def lamp_shares():
     lamp("AREA", 150.0, (2.5, -2.0, 3.0), (45, 40, 0), (0.6, 0.8, 1), shape="DISK", size=0.7, diffuse_factor=0.0)
 
 
-@scene("Light from one room into another", noise=0.04)
+@scene("Light from one room into another", noise=0.025)
 def indirect():
     empty_studio(lit=False, strength=0.0)
     plane(plain(CREAM), (0, 0.5, 3.0), 8.0)

@@ -9,6 +9,9 @@ from pathlib import Path
 import bpy
 import numpy as np
 
+import beside_cycles
+import scene_parts
+
 BOUNCES = 16
 
 
@@ -18,38 +21,19 @@ def prepare(width: int, height: int, samples: int, bounces: int = BOUNCES) -> No
     render = scene.render
     render.resolution_x, render.resolution_y, render.resolution_percentage = width, height, 100
     render.use_compositing = render.use_sequencer = render.use_border = render.use_motion_blur = False
-    image = render.image_settings
-    if hasattr(image, "media_type"):
-        image.media_type = "IMAGE"
-    image.file_format, image.color_depth, image.color_mode = "OPEN_EXR", "32", "RGBA"
-    scene.camera.data.dof.use_dof = False
+    scene_parts.exr(scene)
     scene.camera.data.petzval.model = "PINHOLE"
+    beside_cycles.without_tricks(samples)
     own, cycles = scene.petzval, scene.cycles
-    own.samples = cycles.samples = samples
     own.seed = cycles.seed = 0
-    own.filter_width, own.clamp_indirect, own.noise_threshold = 0.0, 0.0, 0.0
     own.max_bounces = cycles.max_bounces = bounces
     for kind in ("diffuse", "glossy", "transmission"):
         setattr(cycles, f"{kind}_bounces", bounces)
     cycles.transparent_max_bounces = 64
-    cycles.device = "CPU"
-    cycles.use_denoising = cycles.use_adaptive_sampling = False
-    cycles.sample_clamp_direct = cycles.sample_clamp_indirect = cycles.blur_glossy = 0.0
-    cycles.pixel_filter_type = "BOX"
     cycles.caustics_reflective = cycles.caustics_refractive = True
 
 
 def take(engine: str, folder: Path) -> np.ndarray:
     """The picture of `PETZVAL` or `CYCLES`: linear, (height, width, 4), first row at the bottom."""
-    scene = bpy.context.scene
-    scene.render.engine = engine
-    path = folder / f"{engine.lower()}.exr"
-    scene.render.filepath = str(path)
-    bpy.ops.render.render(write_still=True)
-    loaded = bpy.data.images.load(str(path))
-    loaded.colorspace_settings.name = "Non-Color"
-    width, height = loaded.size
-    pixels = np.empty(width * height * loaded.channels, np.float32)
-    loaded.pixels.foreach_get(pixels)
-    bpy.data.images.remove(loaded)
-    return pixels.reshape(height, width, -1)
+    bpy.context.scene.render.engine = engine
+    return scene_parts.render(folder, f"{engine.lower()}.exr")

@@ -8,47 +8,16 @@ from collections.abc import Callable
 import bpy
 import numpy as np
 
+import node_tree
+from scene_parts import with_nodes
+
 RED, GREEN, BLUE = (0.7, 0.12, 0.08, 1.0), (0.15, 0.5, 0.2, 1.0), (0.1, 0.2, 0.7, 1.0)
 GOLD, CREAM, DARK = (0.9, 0.6, 0.2, 1.0), (0.8, 0.75, 0.6, 1.0), (0.05, 0.05, 0.06, 1.0)
 WHITE, BLACK = (1.0, 1.0, 1.0, 1.0), (0.0, 0.0, 0.0, 1.0)
 
 
-class Tree:
-    """Builds a node tree in few words."""
-
-    def __init__(self, tree, surface):
-        self.tree, self._surface = tree, surface
-
-    def node(self, kind: str, settings: dict | None = None, **inputs):
-        """A node; an input's value, or an output that is linked to it. `_2` is the input of that number."""
-        made = self.tree.nodes.new(f"ShaderNode{kind}")
-        for name, value in (settings or {}).items():
-            setattr(made, name, value)
-        for name, value in inputs.items():
-            socket = made.inputs[int(name[1:])] if name[0] == "_" else made.inputs[name.replace("_", " ")]
-            if hasattr(value, "is_linked"):
-                self.tree.links.new(value, socket)
-            else:
-                socket.default_value = value
-        return made
-
-    def shows(self, output):
-        """Links a shader to the tree's output."""
-        self.tree.links.new(output, self._surface)
-
-    def lifts(self, output):
-        """Links a displacement to the tree's output."""
-        self.tree.links.new(output, self._surface.node.inputs["Displacement"])
-
-    def coordinates(self, output: str):
-        return self.node("TexCoord").outputs[output]
-
-    def math(self, operation: str, first, second=0.0):
-        return self.node("Math", {"operation": operation}, _0=first, _1=second).outputs[0]
-
-    def mix(self, share, first, second):
-        """Of two shaders."""
-        return self.node("MixShader", _0=share, _1=first, _2=second).outputs[0]
+class Tree(node_tree.Tree):
+    """With this studio's colours for shaders."""
 
     def mixed_colour(self, share, first, second, blend="MIX"):
         settings = {"data_type": "RGBA", "blend_type": blend}
@@ -65,29 +34,11 @@ class Tree:
     def principled(self, **inputs):
         return self.node("BsdfPrincipled", **inputs).outputs[0]
 
-    def ramp(self, factor, *stops, interpolation="LINEAR"):
-        """`stops`: (position, colour)."""
-        made = self.node("ValToRGB", Fac=factor)
-        elements = made.color_ramp.elements
-        made.color_ramp.interpolation = interpolation
-        while len(elements) < len(stops):
-            elements.new(0.5)
-        for element, (position, colour) in zip(elements, stops, strict=True):
-            element.position, element.color = position, colour
-        return made.outputs["Color"]
-
-
-def _emptied(holder):
-    if holder.node_tree is None or bpy.app.version < (5, 0, 0):
-        holder.use_nodes = True
-    holder.node_tree.nodes.clear()
-    return holder.node_tree
-
 
 def material(build: Callable[[Tree], None], name: str = "Material") -> bpy.types.Material:
     """A material whose nodes `build` makes."""
     made = bpy.data.materials.new(name)
-    tree = _emptied(made)
+    tree = with_nodes(made)
     build(Tree(tree, tree.nodes.new("ShaderNodeOutputMaterial").inputs["Surface"]))
     return made
 
@@ -101,7 +52,7 @@ def plain(colour=CREAM, **inputs) -> bpy.types.Material:
 def world(build: Callable[[Tree], None]) -> bpy.types.World:
     """The scene's world, with the nodes that `build` makes."""
     made = bpy.context.scene.world = bpy.data.worlds.new("World")
-    tree = _emptied(made)
+    tree = with_nodes(made)
     build(Tree(tree, tree.nodes.new("ShaderNodeOutputWorld").inputs["Surface"]))
     return made
 
@@ -159,18 +110,6 @@ def monkey(surface, location=(0.0, 0.0, 1.0), size: float = 2.2, turn: float = 0
 def plane(surface, location=(0, 0, 0), size: float = 2.0, rotation=(0, 0, 0)) -> bpy.types.Object:
     bpy.ops.mesh.primitive_plane_add(size=size, location=location, rotation=np.radians(rotation))
     return _made(surface, smooth=False)
-
-
-def image(name: str, pixels, *, is_float: bool = False, space: str | None = None) -> bpy.types.Image:
-    """A packed image; `pixels` (height, width, 4), first row at the bottom."""
-    pixels = np.asarray(pixels, np.float32)
-    made = bpy.data.images.new(name, pixels.shape[1], pixels.shape[0], alpha=True, float_buffer=is_float)
-    if space:
-        made.colorspace_settings.name = space
-    made.pixels.foreach_set(pixels.reshape(-1))
-    made.update()
-    made.pack()
-    return made
 
 
 def test_card(size: int = 64) -> np.ndarray:

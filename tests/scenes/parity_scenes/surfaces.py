@@ -109,7 +109,7 @@ def principled_alpha():
     _pair(plain(RED, Alpha=0.6), plain(GREEN, Alpha=0.25, Roughness=0.1))
 
 
-@scene("Principled: thin film", noise=0.03)
+@scene("Principled: thin film", noise=0.02)
 def principled_thin_film():
     def film(**inputs):
         inputs = {"Thin_Film_Thickness": 450.0, "Thin_Film_IOR": 1.4, **inputs}

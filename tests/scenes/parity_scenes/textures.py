@@ -6,6 +6,8 @@ from __future__ import annotations
 import bpy
 import numpy as np
 
+from scene_parts import image
+
 from . import scene
 from .studio import (
     BLUE,
@@ -19,7 +21,6 @@ from .studio import (
     ball,
     cube,
     empty_studio,
-    image,
     material,
     monkey,
     plain,

@@ -6,8 +6,10 @@ from __future__ import annotations
 import bpy
 import numpy as np
 
+from scene_parts import image
+
 from . import scene
-from .studio import CREAM, GOLD, RED, WHITE, Tree, ball, empty_studio, image, monkey, plain, world
+from .studio import CREAM, GOLD, RED, WHITE, Tree, ball, empty_studio, monkey, plain, world
 
 
 def _under(build) -> None:
@@ -64,7 +66,7 @@ def hosek():
     _under(build)
 
 
-@scene("A sky of scattered light, and its sun", noise=0.04)
+@scene("A sky of scattered light, and its sun", noise=0.025)
 def scattering():
     def build(t: Tree):
         older = "SINGLE_SCATTERING" not in bpy.types.ShaderNodeTexSky.bl_rna.properties["sky_type"].enum_items

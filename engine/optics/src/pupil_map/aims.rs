@@ -159,30 +159,16 @@ impl PupilMap {
 
 #[cfg(test)]
 mod tests {
-    use super::*;
-    use crate::focus::FilmPlane;
-    use crate::formats::lens;
-    use crate::glass::Catalogue;
-    use crate::system::{System, SystemSettings};
+    use super::super::cases::{ROUNDS, for_each_map, part, place};
 
     /// Several in single precision are those alone but for roundings, for plain maps and others.
     #[test]
     fn together_as_alone() {
-        let folder = std::path::Path::new(concat!(env!("CARGO_MANIFEST_DIR"), "/../../lenses"));
-        let prescription = lens::read(folder.join("double-gauss-f1.35.lens").as_path(), Catalogue::shipped()).unwrap();
-        for (blades, tilt_rad) in [(0, 0.0), (6, 0.0), (0, 0.1)] {
-            let settings = SystemSettings { blades, ..SystemSettings::default() };
-            let system = System::new(&prescription, &settings).unwrap();
-            let film = FilmPlane { tilt_rad, ..FilmPlane::upright(system.film_z_published_mm()) };
-            let map = PupilMap::new(&system.at_wavelength(550.0), &system, &film, 18.0, 12.0);
+        for_each_map(|map, film, which| {
             let (mut same, mut other) = (0, 0);
-            for round in 0..4000 {
-                let part = |i: usize, by: f64| ((round * 8 + i) as f64 * by).fract() as f32;
-                let place = |i: usize| {
-                    let [u, v] = [part(i, 0.618), part(i, 0.755)];
-                    film.point(f64::from(u - 0.5) * 36.0, f64::from(v - 0.5) * 24.0).as_vec3()
-                };
-                let places: [glam::Vec3; 8] = std::array::from_fn(place);
+            for round in 0..ROUNDS {
+                let part = |i: usize, by: f64| part(round, i, by);
+                let places: [glam::Vec3; 8] = std::array::from_fn(|i| place(film, [part(i, 0.618), part(i, 0.755)]));
                 let films = [0, 1, 2].map(|axis| places.map(|p| p[axis]));
                 let u = [0.3137, 0.4729].map(|by| std::array::from_fn(|i| part(i, by)));
                 let samples = map.samples(&films, &u);
@@ -196,7 +182,7 @@ mod tests {
                     if is_near { same += 1 } else { other += 1 }
                 }
             }
-            assert!(other * 3000 < same, "{blades} {tilt_rad}: {same} {other}");
-        }
+            assert!(other * 3000 < same, "{which}: {same} {other}");
+        });
     }
 }

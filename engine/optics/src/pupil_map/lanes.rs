@@ -144,36 +144,25 @@ impl PupilMap {
 
 #[cfg(test)]
 mod tests {
+    use super::super::cases::{ROUNDS, for_each_map, part, place};
     use super::*;
-    use crate::focus::FilmPlane;
-    use crate::formats::lens;
-    use crate::glass::Catalogue;
-    use crate::system::{System, SystemSettings};
 
     /// Several at once have the densities that they have alone, for plain maps and others.
     #[test]
     fn together_as_alone() {
-        let folder = std::path::Path::new(concat!(env!("CARGO_MANIFEST_DIR"), "/../../lenses"));
-        let prescription = lens::read(folder.join("double-gauss-f1.35.lens").as_path(), Catalogue::shipped()).unwrap();
-        for (blades, tilt_rad) in [(0, 0.0), (6, 0.0), (0, 0.1)] {
-            let settings = SystemSettings { blades, ..SystemSettings::default() };
-            let system = System::new(&prescription, &settings).unwrap();
-            let film = FilmPlane { tilt_rad, ..FilmPlane::upright(system.film_z_published_mm()) };
-            let map = PupilMap::new(&system.at_wavelength(550.0), &system, &film, 18.0, 12.0);
+        for_each_map(|map, film, which| {
             let (mut same, mut other, mut lit) = (0, 0, 0);
-            for round in 0..4000 {
-                let part = |i: usize, by: f64| ((round * 8 + i) as f64 * by).fract() as f32;
-                let near = [part(0, 0.618), part(0, 0.755)];
-                let place = |i: usize| {
-                    // Every other round they lie all over the film.
-                    let [u, v] = if round % 2 == 0 { near } else { [part(i, 0.618), part(i, 0.755)] };
-                    film.point(f64::from(u - 0.5) * 36.0 + i as f64 * 0.01, f64::from(v - 0.5) * 24.0).as_vec3()
-                };
+            for round in 0..ROUNDS {
+                let part = |i: usize, by: f64| part(round, i, by);
+                // Side by side, and every other round all over the film.
+                let places: [glam::Vec3; 8] = std::array::from_fn(|i| {
+                    let at = if round % 2 == 0 { 0 } else { i };
+                    place(film, [part(at, 0.618) + i as f32 * 3e-4, part(at, 0.755)])
+                });
+                let films = [0, 1, 2].map(|axis| places.map(|p| p[axis]));
                 let radius = map.glass_radius as f32;
                 let target: [[f32; 8]; 2] =
                     [0.5707, 0.8321].map(|by| std::array::from_fn(|i| (part(i, by) * 2.0 - 1.0) * radius));
-                let places: [glam::Vec3; 8] = std::array::from_fn(place);
-                let films = [0, 1, 2].map(|axis| places.map(|p| p[axis]));
                 let together = map.pdfs(&films, &target);
                 for i in 0..8 {
                     let alone = map.pdf_of(&films, &target, i);
@@ -187,7 +176,7 @@ mod tests {
                     }
                 }
             }
-            assert!(other * 3000 < same && lit > 500, "{blades} {tilt_rad}: {same} {other} {lit}");
-        }
+            assert!(other * 3000 < same && lit > 500, "{which}: {same} {other} {lit}");
+        });
     }
 }

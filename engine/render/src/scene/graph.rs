@@ -121,7 +121,7 @@ pub struct Graph {
 }
 
 /// What a material's displacement does.
-#[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
+#[derive(Clone, Copy, Debug, Default, PartialEq, Eq, Hash)]
 pub enum Displacement {
     /// Bends normals.
     #[default]

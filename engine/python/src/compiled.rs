@@ -1,0 +1,45 @@
+//! The shader graphs of a scene, each compiled once, however many materials and lamps show it.
+
+use crate::error::Error;
+use petzval_nodes::{Graph as ShaderGraph, compile};
+use petzval_render::scene::graph::{Displacement, Graph};
+use std::collections::HashMap;
+use std::sync::Arc;
+
+/// A graph, and what of it the engine does otherwise than Blender.
+type Compiled = (Arc<Graph>, Vec<String>);
+
+/// By a graph's text, and the pass index and displacement of what shows it.
+#[derive(Default)]
+pub(crate) struct Graphs {
+    known: HashMap<(String, i32, Displacement), Compiled>,
+}
+
+impl Graphs {
+    /// The graph of a text, if there is one, and what to say of it to `owner`.
+    pub(crate) fn read(
+        &mut self,
+        json: Option<String>,
+        pass_index: i32,
+        displacement: Displacement,
+        owner: &str,
+    ) -> Result<(Option<Arc<Graph>>, Vec<String>), Error> {
+        let Some(json) = json else { return Ok((None, Vec::new())) };
+        let key = (json, pass_index, displacement);
+        let (graph, reports) = match self.known.get(&key) {
+            Some(known) => known,
+            None => {
+                let made = compiled(&key.0, pass_index, displacement)?;
+                self.known.entry(key).or_insert(made)
+            }
+        };
+        Ok((Some(graph.clone()), reports.iter().map(|what| format!("{owner}: {what}")).collect()))
+    }
+}
+
+fn compiled(json: &str, pass_index: i32, displacement: Displacement) -> Result<Compiled, Error> {
+    let (program, reports) = compile(&ShaderGraph::from_json(json)?);
+    let (mut graph, more) = Graph::new(program, pass_index);
+    graph.displacement = displacement;
+    Ok((Arc::new(graph), reports.iter().map(ToString::to_string).chain(more).collect()))
+}
