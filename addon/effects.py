@@ -50,16 +50,15 @@ def wishes(settings: Any) -> dict[str, Any]:
 
 
 def size(row: dict[str, Any]) -> str:
-    """The measured size in a row of the engine's plan."""
+    """The measured size in a row of the engine's plan, short."""
     if row["is_unbounded"]:
         return "unbounded"
-    if row["measure"] is None:
+    value, unit = row["measure"], row["unit"]
+    if value is None:
         return "–"
-    return (
-        f"{row['measure']:.2g} {row['unit'].removeprefix('of ')}"
-        if row["measure"] < 10.0
-        else f"{row['measure']:.0f} {row['unit']}"
-    )
+    if unit == "of exposure":
+        value, unit = 100.0 * value, "%"
+    return f"{value:.2g} {unit}" if value < 10.0 else f"{value:.0f} {unit}"
 
 
 def cost(row: dict[str, Any]) -> str:

@@ -11,6 +11,9 @@ from ..effects import EFFECTS, cost, size
 from .camera_parts import lines_of
 from .mixin import PetzvalPanel, columns
 
+# Pixels of an unscaled interface: in a narrower panel words are chosen from a menu, and there is no room for costs.
+_NARROW_PX = 360
+
 
 class PETZVAL_RENDER_PT_effects(PetzvalPanel, bpy.types.Panel):
     bl_label = "Effects"
@@ -30,35 +33,39 @@ class PETZVAL_RENDER_PT_effects(PetzvalPanel, bpy.types.Panel):
         plan = planning.last(context.scene.name)
         rows = {row["effect"]: row for row in plan["effects"]} if plan else {}
         column = self.layout.column(align=True)
+        column.use_property_split = column.use_property_decorate = False
         for effect in EFFECTS:
-            _row(column, effect, settings.effects, rows.get(effect.name))
+            _row(context, column, effect, settings.effects, rows.get(effect.name))
         if plan:
             _chosen(self.layout, context, plan)
 
 
-def _row(column, effect, settings, row) -> None:
+def _row(context, column, effect, settings, row) -> None:
     """Name and word; size, decision and cost where they are known."""
-    line = column.split(factor=0.33, align=True)
-    name = line.row()
+    is_narrow = context.region.width / context.preferences.system.ui_scale < _NARROW_PX
     is_available = row is None or row["is_available"]
-    name.active = is_available
-    icon = "NONE"
+    icon = "BLANK1"
     if row is not None:
         icon = "CHECKMARK" if row["decision"] == "on" else "X"
         if not is_available and row["measure"] and row["measure"] > row["tolerance"]:
             icon = "ERROR"
-    name.label(text=effect.label, icon=icon if row is not None else "BLANK1")
-    rest = line.split(factor=0.5, align=True)
+    line = column.split(factor=0.46 if is_narrow else 0.36, align=True)
+    name = line.row()
+    name.active = is_available
+    name.label(text=effect.label, icon=icon)
+    rest = line.split(factor=0.48, align=True)
     words = rest.row(align=True)
     words.enabled = is_available
-    words.prop(settings, effect.name, expand=True)
-    told = rest.split(factor=0.68, align=True)
-    size_text = told.row()
-    size_text.alignment = "RIGHT"
-    size_text.label(text="" if row is None else size(row))
-    price = told.row()
-    price.alignment = "RIGHT"
-    price.label(text="" if row is None else cost(row))
+    if is_narrow:
+        words.prop(settings, effect.name, text="")
+    else:
+        words.prop(settings, effect.name, expand=True)
+    told = rest if is_narrow else rest.split(factor=0.62, align=True)
+    texts = [""] if row is None else [size(row), cost(row)]
+    for text in texts[:1] if is_narrow else texts:
+        right = told.row()
+        right.alignment = "RIGHT"
+        right.label(text=text)
 
 
 def _chosen(layout, context, plan) -> None:

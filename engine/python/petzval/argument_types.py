@@ -40,6 +40,13 @@ def threshold(text: str) -> float:
     return value
 
 
+def quality(text: str) -> float:
+    value = number(text)
+    if not 0.01 <= value <= 1000.0:
+        raise argparse.ArgumentTypeError(f"quality {text}: must be from 0.01 to 1000")
+    return value
+
+
 def distance(text: str) -> float:
     value = float(text)
     if math.isnan(value) or value <= 0.0:
@@ -116,7 +123,7 @@ def effect(text: str) -> tuple[str, str]:
     return name, word
 
 
-for _type, _name in ((number, "number"), (positive, "number"), (part, "number"), (distance, "distance"),
+for _type, _name in ((number, "number"), (positive, "number"), (part, "number"), (quality, "number"), (distance, "distance"),
                      (threshold, "number"), (natural, "number"), (count, "number"), (size_mm, "size"), (film, "film"),
                      (pixels, "size"), (pair, "pair"), (triple, "triple"), (effect, "effect"),
                      (wavelengths, "spectrum"), (place, "place"), (point, "point")):  # fmt: skip

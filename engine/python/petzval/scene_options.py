@@ -86,7 +86,9 @@ def add(p: argparse.ArgumentParser) -> None:
         "--integrator", choices=("path", "bdpt"), help="bdpt: from the lights, too; default: as the scene has it"
     )
     p.add_argument("--effect", action="append", default=[], type=types.effect, metavar="NAME=auto|on|off")
-    p.add_argument("--quality", type=types.positive, metavar="Q", help="1 is the default")
+    p.add_argument(
+        "--quality", type=types.quality, metavar="Q", help="1 leaves out what is below half a pixel; 2, a quarter"
+    )
     p.add_argument("--resolution", type=types.pixels, metavar="WxH")
     p.add_argument("--frame", type=int, metavar="N")
     p.add_argument("--threads", type=types.natural, metavar="N", help="0: one for each core")

@@ -273,6 +273,7 @@ impl Job {
             "samples_most": s.most_samples,
             "camera_rays": s.counts.camera_rays,
             "camera_rays_lost": s.counts.camera_rays_lost,
+            "wavelengths_carried": s.counts.wavelengths_carried,
             "rays": s.counts.rays,
             "lens_share": lens_share,
             "non_finite_samples": s.counts.non_finite,

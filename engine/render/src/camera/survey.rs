@@ -36,6 +36,9 @@ const COARSE: usize = 4;
 const TAIL: f64 = 0.05;
 /// Rays for the brightness of a place: an error of some 0.3 %.
 const BRIGHTNESS_RAYS: u32 = 256;
+/// Ghosts that are smaller, as a part of the picture's diagonal, count as if they filled a disc of this radius: sources are
+/// no points, and a dot is seen less than a disc.
+const GHOST_PATCH: f64 = 0.01;
 /// Where diffraction is measured, nm.
 const GREEN_NM: f64 = 550.0;
 
@@ -182,8 +185,8 @@ impl Survey {
     /// How bright the brightest disc of light that is reflected twice would be in the picture, uncoated, for a far source whose
     /// light has the irradiance one before the lens; 0 where nothing reflects twice.
     pub fn ghost_value(&self) -> f64 {
-        let pixel_mm = self.mount.info.picture_width_mm / self.size_px.x;
-        let ghosts = ghosts::all(&self.system, self.tracer.wavelength_nm(), self.mount.film.z_mm, 0.5 * pixel_mm);
+        let patch_mm = GHOST_PATCH * self.mount.info.picture_width_mm.hypot(self.mount.info.picture_height_mm);
+        let ghosts = ghosts::all(&self.system, self.tracer.wavelength_nm(), self.mount.film.z_mm, patch_mm);
         ghosts.first().map_or(0.0, |ghost| ghost.irradiance / self.middle)
     }
 

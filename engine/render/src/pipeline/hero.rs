@@ -39,6 +39,10 @@ impl Leads for Hero<'_> {
         lead.ray
     }
 
+    fn carried(&self, camera: usize) -> usize {
+        self.lenses[camera].0.packet_size()
+    }
+
     fn add(&self, camera: usize, _: &Request, lead: &Led, radiance: Rgb, light: &mut Patch) {
         add_splats(light, self.lenses[camera].0, &lead.splats, radiance);
     }

@@ -111,6 +111,8 @@ pub struct Counts {
     pub camera_rays: u64,
     /// Of those, lost in the lens.
     pub camera_rays_lost: u64,
+    /// Wavelengths at which light of them was carried back through the lens.
+    pub wavelengths_carried: u64,
     /// Rays traced through the scene.
     pub rays: u64,
     /// Samples that were dropped because they were not finite.
@@ -126,6 +128,7 @@ impl Counts {
     pub fn add(&mut self, other: &Self) {
         self.camera_rays += other.camera_rays;
         self.camera_rays_lost += other.camera_rays_lost;
+        self.wavelengths_carried += other.wavelengths_carried;
         self.rays += other.rays;
         self.non_finite += other.non_finite;
         self.camera_time += other.camera_time;

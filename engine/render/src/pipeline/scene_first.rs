@@ -41,6 +41,10 @@ impl Leads for SceneFirst<'_> {
         !is_astray(request)
     }
 
+    fn carried(&self, camera: usize) -> usize {
+        self.lenses[camera].packet_size()
+    }
+
     fn add(&self, camera: usize, _: &Request, lead: &Led, radiance: Rgb, light: &mut Patch) {
         add_splats(light, self.lenses[camera], &lead.splats, radiance);
     }

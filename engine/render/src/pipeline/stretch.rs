@@ -25,6 +25,11 @@ pub(super) trait Leads {
     /// The ray into the scene.
     fn ray(lead: &Self::Lead) -> Ray;
 
+    /// At how many wavelengths light of a sample is carried back through the lens of camera number `camera`.
+    fn carried(&self, _camera: usize) -> usize {
+        0
+    }
+
     /// Whether the surface that the ray meets is one that its pixel sees.
     fn sees_its_pixel(&self, _: &Request) -> bool {
         true
@@ -73,6 +78,7 @@ pub(super) fn render<L: Leads>(
                 s.lost();
                 continue;
             };
+            s.counts.wavelengths_carried += pipeline.carried(stretch.cameras[i]) as u64;
             let found = wave.found(path);
             path += 1;
             if s.count_path(&found) {
