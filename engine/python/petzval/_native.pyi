@@ -232,6 +232,31 @@ class SettingsDescription(Protocol):
     transparent_film: bool  # world seen directly is left out, alpha 0
     integrator: str  # PATH | BIDIRECTIONAL: the real lens alone, one scale for all axes
 
+class Plan:
+    """What is simulated of a camera's lens in one picture, and why."""
+
+    def __init__(
+        self,
+        scene: Scene,
+        camera: CameraDescription,
+        settings: SettingsDescription,
+        over_the_shutter: Sequence[CameraDescription] = (),
+        *,
+        effects: dict[str, str] = ...,  # name: "auto" | "on" | "off"; what is not named is auto
+        quality: float = 1.0,  # tolerances are divided by it
+    ) -> None: ...
+    def json(self) -> str:
+        """effects: a row each (effect, measure, is_unbounded, unit, tolerance, word, decision "on" | "off", is_available,
+        is_uncertain, predicted_cost, why), measure null where it is not measured or unbounded; quality; camera (model "exact" |
+        "gaussian" | "pinhole" | "as given", wavelengths, pipeline, round_f_number); look (depths in Blender units, open_part,
+        exposure, brightest: towards, irradiance, part); seconds."""
+    def forecast(self, scene: Scene, camera: CameraDescription, settings: SettingsDescription) -> str:
+        """The same with predicted (seconds, samples, threads, camera_part) and each row's predicted_cost, a part of the time
+        without the effect: renders a little for that, about 0.1 s."""
+
+def effects_json() -> str:
+    """The closed list: name, unit, is_available, tolerance at quality 1, in the order of reports."""
+
 class Job:
     """One render. Starts at once in threads of its own; every method returns without waiting unless it says so."""
 
@@ -242,6 +267,7 @@ class Job:
         settings: SettingsDescription,
         over_the_shutter: Sequence[CameraDescription] = (),
         *,
+        plan: Plan | None = None,  # without one, the camera as it is described
         mattes: Sequence[str] = (),  # OBJECT | MATERIAL | ASSET
         matte_levels: int = 6,
         neighbours: tuple[CameraDescription, CameraDescription] | None = None,
