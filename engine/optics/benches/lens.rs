@@ -14,7 +14,7 @@ use petzval_optics::lane::{Lane, LaneKernel, Level, Real};
 use petzval_optics::paraxial::Paraxial;
 use petzval_optics::pupil_map::PupilMap;
 use petzval_optics::system::{System, SystemSettings};
-use petzval_optics::trace::{Ray, Tracer, Travel};
+use petzval_optics::trace::{Ray, Traced, Tracer, Travel};
 
 /// Kind of lens and its file in `lenses/`.
 const LENSES: [(&str, &str); 5] = [
@@ -58,7 +58,7 @@ fn levels() -> Vec<(&'static str, Level)> {
     levels
 }
 
-fn bench_kind<R: Real>(c: &mut Criterion, lens: &str, kind: &str, tracer: &Tracer, rays: &[Ray]) {
+fn bench_kind<R: Traced>(c: &mut Criterion, lens: &str, kind: &str, tracer: &Tracer, rays: &[Ray]) {
     let mut group = c.benchmark_group(lens);
     group.throughput(Throughput::Elements((rays.len() * tracer.surface_count()) as u64));
     let tracer: Tracer<R> = tracer.cast();

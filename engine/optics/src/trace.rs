@@ -18,7 +18,7 @@ use crate::vector::Vector;
 use step::{Action, Step, is_far};
 
 pub use crate::surface::Failure;
-pub use bundle::Bundle;
+pub use bundle::{Bundle, Traced};
 pub use spectral::{LINES, Leaving, SpectralBundle, SpectralTracer};
 
 /// A ray in lens space, mm.

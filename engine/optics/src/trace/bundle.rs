@@ -31,7 +31,7 @@ pub struct Bundle<R = f64> {
     is_traced: bool,
 }
 
-impl<R: Real> Tracer<R> {
+impl<R: Traced> Tracer<R> {
     /// An empty bundle of rays that go `travel`.
     pub fn bundle(&self, travel: Travel) -> Bundle<R> {
         Bundle::along(self.way(travel).clone())
@@ -47,7 +47,7 @@ impl<R: Real> Tracer<R> {
     pub fn trace_with(&self, level: Level, bundle: &mut Bundle<R>) {
         bundle.begin();
         let way = self.way(bundle.way.travel);
-        R::run_wide(level, Trace { way, diaphragm: &self.diaphragm, bundle, lines: None });
+        R::run(level, Trace { way, diaphragm: &self.diaphragm, bundle, lines: None });
     }
 }
 
@@ -237,8 +237,32 @@ impl<R: Real> Lines<'_, R> {
     }
 }
 
+/// Numbers in which bundles are traced.
+///
+/// The code for each kind of them, in all instructions that a processor may have, is made here and nowhere else: a generic
+/// function would have it made anew in every program that calls it, which takes minutes.
+pub trait Traced: Real {
+    /// Traces the rays of a bundle.
+    #[doc(hidden)]
+    fn run(level: Level, work: Trace<'_, Self>);
+}
+
+impl Traced for f32 {
+    #[inline(never)]
+    fn run(level: Level, work: Trace<'_, Self>) {
+        Self::run_wide(level, work);
+    }
+}
+
+impl Traced for f64 {
+    #[inline(never)]
+    fn run(level: Level, work: Trace<'_, Self>) {
+        Self::run_wide(level, work);
+    }
+}
+
 /// The work of one [`Bundle`].
-pub(super) struct Trace<'a, R> {
+pub struct Trace<'a, R> {
     pub(super) way: &'a Way<R>,
     pub(super) diaphragm: &'a Diaphragm<R>,
     pub(super) bundle: &'a mut Bundle<R>,

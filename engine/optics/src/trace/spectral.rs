@@ -7,7 +7,7 @@ use std::sync::Arc;
 
 use glam::DVec3;
 
-use super::bundle::{Block, Bundle, Lines, Losses, Trace};
+use super::bundle::{Block, Bundle, Lines, Losses, Trace, Traced};
 use super::fate::Fate;
 use super::step::Action;
 use super::{Lost, Ray, Tracer, Travel, Way};
@@ -83,7 +83,7 @@ impl SpectralTracer {
     }
 
     /// As [`Tracer::from_scene`] at each of the [`LINES`] lines from `first` on, to the last bit.
-    #[inline]
+    // Not inline: its code for all instructions would be made in every program.
     pub fn from_scene(&self, ray: Ray, first: usize) -> [Result<Ray, Lost>; LINES] {
         f64::run_wide(Level::new(), Packet { tracer: self, ray, first })
     }
@@ -119,7 +119,7 @@ impl LaneKernel<f64> for Packet<'_> {
     }
 }
 
-impl<R: Real> SpectralTracer<R> {
+impl<R: Traced> SpectralTracer<R> {
     /// An empty bundle of rays that go `travel`, each of which counts as `group` rays: 1 or [`LINES`].
     pub fn bundle(&self, travel: Travel, group: usize) -> SpectralBundle<R> {
         assert!(group == 1 || group == LINES, "a group is one line or {LINES}");
@@ -134,7 +134,7 @@ impl<R: Real> SpectralTracer<R> {
         let (way, tables) = self.way(rays.travel());
         // One line alone needs no table.
         let lines = (self.lines > 1).then_some(Lines { tables, first, group: *group });
-        R::run_wide(Level::new(), Trace { way, diaphragm: &self.diaphragm, bundle: rays, lines });
+        R::run(Level::new(), Trace { way, diaphragm: &self.diaphragm, bundle: rays, lines });
     }
 
     fn way(&self, travel: Travel) -> &(Way<R>, Tables<R>) {
@@ -261,7 +261,7 @@ mod tests {
         (0..200).map(ray).collect()
     }
 
-    fn check<R: Real>(system: &System, travel: Travel, group: usize) -> usize {
+    fn check<R: Traced>(system: &System, travel: Travel, group: usize) -> usize {
         let lines: Vec<Tracer> = (0..24).map(|i| system.at_wavelength(400.0 + 12.0 * f64::from(i))).collect();
         let together = SpectralTracer::new(&lines.iter().collect::<Vec<_>>()).cast::<R>();
         let alone: Vec<Tracer<R>> = lines.iter().map(Tracer::cast).collect();

@@ -7,9 +7,8 @@ use std::sync::atomic::{AtomicU64, Ordering};
 use glam::DVec3;
 use petzval_optics::formats::lens;
 use petzval_optics::glass::Catalogue;
-use petzval_optics::lane::Real;
 use petzval_optics::system::{System, SystemSettings};
-use petzval_optics::trace::{Bundle, Ray, Tracer, Travel};
+use petzval_optics::trace::{Bundle, Ray, Traced, Tracer, Travel};
 
 /// Rays in a bundle.
 const BUNDLE: u64 = 4096;
@@ -80,7 +79,7 @@ fn ray(dice: &mut Dice, semi: f64, towards: f64, vertex: f64) -> Ray {
 }
 
 /// Traces `rays`; returns how many passed, or the first that is wrong.
-fn trace<R: Real>(tracer: &Tracer<R>, bundle: &mut Bundle<R>, rays: impl Fn(u64) -> Ray) -> Result<u64, String> {
+fn trace<R: Traced>(tracer: &Tracer<R>, bundle: &mut Bundle<R>, rays: impl Fn(u64) -> Ray) -> Result<u64, String> {
     bundle.clear();
     (0..BUNDLE).for_each(|i| bundle.push(rays(i)));
     tracer.trace(bundle);

@@ -11,10 +11,10 @@ use crate::accel::Ray;
 use crate::spectrum::FilmSpectrum;
 use glam::{DMat3, DVec3, Mat3, Vec3A};
 use petzval_optics::lane::Real;
-use petzval_optics::trace::{LINES, SpectralBundle, SpectralTracer, Travel};
+use petzval_optics::trace::{LINES, SpectralBundle, SpectralTracer, Traced, Travel};
 
 /// The way out, ready for rays.
-pub(super) struct Outward<R: Real> {
+pub(super) struct Outward<R: Traced> {
     tracer: SpectralTracer<R>,
     /// `None` for a film that is curved.
     film: Option<FlatFilm<R>>,
@@ -26,7 +26,7 @@ pub(super) struct Outward<R: Real> {
 }
 
 /// Memory for batches on the way out.
-pub(super) struct OutwardBatch<R: Real> {
+pub(super) struct OutwardBatch<R: Traced> {
     rays: SpectralBundle<R>,
     /// By request: the density of its choice.
     densities: Vec<R>,
@@ -146,7 +146,7 @@ fn dot<R: Real>(row: &[R; 3], x: R, y: R, z: R) -> R {
     row[0] * x + row[1] * y + row[2] * z
 }
 
-impl<R: Real> Outward<R> {
+impl<R: Traced> Outward<R> {
     /// Of the film's wavelengths.
     pub(super) fn new(
         mount: &Mount,
@@ -230,7 +230,7 @@ impl<R: Real> Outward<R> {
     }
 }
 
-impl<R: Real> OutwardBatch<R> {
+impl<R: Traced> OutwardBatch<R> {
     /// What became of request `i`.
     #[inline]
     pub(super) fn lead(&self, i: usize) -> Option<Lead> {

@@ -9,8 +9,7 @@ use super::outward::Outward;
 use super::packet::{Request, backwards};
 use super::real_lens::RealLens;
 use glam::{DVec2, Vec2};
-use petzval_optics::lane::Real;
-use petzval_optics::trace::Tracer;
+use petzval_optics::trace::{Traced, Tracer};
 
 /// Which numbers are asked for.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
@@ -130,7 +129,7 @@ fn worst_px(
 }
 
 /// True if some of a request's neighbours in the pupil get through the lens, and some do not.
-fn is_at_an_edge<R: Real>(lens: &RealLens, way: &Outward<R>, request: &Request) -> bool {
+fn is_at_an_edge<R: Traced>(lens: &RealLens, way: &Outward<R>, request: &Request) -> bool {
     let [u, v] = request.u_lens;
     let near = |u: f32, v: f32| Request { u_lens: [u.clamp(0.0, 1.0), v.clamp(0.0, 1.0)], ..*request };
     let all = [near(u, v), near(u - EDGE, v), near(u + EDGE, v), near(u, v - EDGE), near(u, v + EDGE)];

@@ -17,10 +17,9 @@ use super::{CameraDescription, CameraError, CameraRay, Spectrum};
 use crate::spectrum::FilmSpectrum;
 use glam::{DMat3, Mat3, Vec2};
 use petzval_optics::entrance_map::EntranceMap;
-use petzval_optics::lane::Real;
 use petzval_optics::pupil_map::{PupilMap, on_axis_throughput};
 use petzval_optics::system::System;
-use petzval_optics::trace::{Ray as LensRay, SpectralTracer, Tracer};
+use petzval_optics::trace::{Ray as LensRay, SpectralTracer, Traced, Tracer};
 use std::sync::OnceLock;
 use std::time::Instant;
 
@@ -138,7 +137,7 @@ impl RealLens {
     }
 
     /// Its way out in numbers of some kind.
-    pub(super) fn outward<R: Real>(&self) -> Outward<R> {
+    pub(super) fn outward<R: Traced>(&self) -> Outward<R> {
         outward(&self.mount, &self.system, &self.spectrum, &self.lines)
     }
 
@@ -216,7 +215,7 @@ impl RealLens {
 }
 
 /// The way out in numbers of some kind.
-fn outward<R: Real>(mount: &Mount, system: &System, spectrum: &FilmSpectrum, lines: &[Line]) -> Outward<R> {
+fn outward<R: Traced>(mount: &Mount, system: &System, spectrum: &FilmSpectrum, lines: &[Line]) -> Outward<R> {
     let tracers: Vec<&Tracer> = lines.iter().map(|line| &line.tracer).collect();
     Outward::new(mount, system.last_vertex_z_mm(), SpectralTracer::new(&tracers).cast(), spectrum, lines)
 }

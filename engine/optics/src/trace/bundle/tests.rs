@@ -37,7 +37,7 @@ fn rays(system: &System, travel: Travel, count: u32) -> impl Iterator<Item = Ray
     })
 }
 
-fn check<R: Real>(system: &System, travel: Travel) -> usize {
+fn check<R: Traced>(system: &System, travel: Travel) -> usize {
     let tracer: Tracer<R> = system.at_wavelength(550.0).cast();
     let mut passed = 0;
     for level in levels() {
