@@ -85,6 +85,7 @@ impl Plan {
         let brightest: Vec<Value> = look
             .brightest
             .iter()
+            .take(4)
             .map(|one| json!({"towards": one.towards.to_array(), "irradiance": one.irradiance, "part": one.part}))
             .collect();
         json!({

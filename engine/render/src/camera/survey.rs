@@ -39,6 +39,8 @@ const BRIGHTNESS_RAYS: u32 = 256;
 /// Ghosts that are smaller, as a part of the picture's diagonal, count as if they filled a disc of this radius: sources are
 /// no points, and a dot is seen less than a disc.
 const GHOST_PATCH: f64 = 0.01;
+/// From farther outside of the field, as a part of it, hoods and barrels keep light away.
+const BEYOND_FIELD: f64 = 1.25;
 /// Where diffraction is measured, nm.
 const GREEN_NM: f64 = 550.0;
 
@@ -271,6 +273,15 @@ impl Fans<'_> {
 
     fn subject(&self, seen: Option<DVec3>) -> Subject {
         seen.map_or(Subject::Far, |point| Subject::At(self.survey.mount.to_lens(point)))
+    }
+
+    /// Whether light from a direction of render space comes near enough to the picture's field to be reflected into it.
+    pub fn nearly_sees(&self, towards: DVec3) -> bool {
+        let axis = -self.survey.backwards();
+        let angle = |d: DVec3| d.angle_between(axis);
+        let rays = self.rays();
+        let widest = rays.iter().flatten().map(|ray| angle(ray.direction.as_dvec3())).fold(0.0, f64::max);
+        angle(towards) < BEYOND_FIELD * widest
     }
 
     /// What the effects do to what each place sees: a point of render space, or nothing.

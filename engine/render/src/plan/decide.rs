@@ -338,7 +338,7 @@ fn measure(known: &Known<'_>, effect: Effect) -> Measured {
                 value: Some(value),
                 text: format!("uncoated, the brightest is {}", size(value, Unit::Exposure)),
             },
-            None => Measured { value: Some(0.0), text: "no surface reflects twice".to_owned() },
+            None => Measured { value: Some(0.0), text: "no bright source in the field or near it".to_owned() },
         },
         Effect::Glare => Measured { value: None, text: "not measured: there is no model of it yet".to_owned() },
         Effect::Diffraction => Measured {

@@ -12,7 +12,7 @@ const SAMPLES: u32 = 512;
 /// Sources within this angle count as one.
 const TOGETHER_RAD: f32 = 0.05;
 /// Told of so many.
-const MOST: usize = 4;
+const MOST: usize = 64;
 
 /// Light from one direction.
 #[derive(Clone, Copy, Debug, PartialEq)]

@@ -304,9 +304,9 @@ impl Plan {
                 motion = Some(motion.filter(|worst| worst.value >= one.value).unwrap_or(one));
             }
         }
-        let source = look.brightest.first().map_or(0.0, |one| f64::from(one.irradiance));
-        let exposure = f64::from(look.exposure).max(f64::MIN_POSITIVE);
-        let ghosts = Some(survey.ghost_value() * source / exposure).filter(|value| value.is_finite());
+        let source = look.brightest.iter().find(|one| fans.nearly_sees(one.towards));
+        let of_exposure = |one: &Brightest| survey.ghost_value() * f64::from(one.irradiance / look.exposure);
+        let ghosts = if look.exposure > 0.0 { source.map(of_exposure) } else { None };
         let known = Known { d, survey: &survey, lens, motion, ghosts, needs_lens };
         let (decisions, camera, camera_ns) = decide(&known, wishes)?;
         Ok(Self { decisions, camera, camera_ns, lens: Some(lens), look, seconds: start.elapsed().as_secs_f64() })
