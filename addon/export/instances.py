@@ -12,6 +12,7 @@ from ..description import Report
 from . import light, mesh, object_info
 from .camera import rows
 from .image import Images
+from .light_groups import LightGroups
 from .linking import Links
 from .material import Materials
 from .motion import Motion
@@ -44,6 +45,7 @@ class Stage:
         builder: Any,
         materials: Materials,
         images: Images,
+        groups: LightGroups,
         report: Report,
         check_stop: Callable[[], None],
         motion: Motion | None = None,
@@ -52,6 +54,7 @@ class Stage:
         self._motion = motion
         self._materials = materials
         self._images = images
+        self._groups = groups
         self._report = report
         self._check_stop = check_stop
         #: Something is hidden from some bounces alone, or lights some objects alone.
@@ -72,7 +75,7 @@ class Stage:
             if holder.type in WITH_SURFACE:
                 self._surface(holder, place, links)
             elif holder.type == "LIGHT":
-                described = light.describe(holder, place.matrix_world, self._images, links)
+                described = light.describe(holder, place.matrix_world, self._images, links, self._groups)
                 self._builder.add_light(described)
             elif holder.type in NOT_YET:
                 self._report.warn(f"Object '{holder.name}': {NOT_YET[holder.type]} are not supported yet, left out")
@@ -99,6 +102,7 @@ class Stage:
             asset_name=_asset(holder),
             moved=self._motion.matrices(place) if self._motion is not None else None,
             info=(tuple(holder.color), holder.pass_index, object_info.random(holder, place)),
+            light_group=self._groups.number(holder),
         )
 
     def _mesh(self, holder: bpy.types.Object, place: bpy.types.DepsgraphObjectInstance) -> int | None:

@@ -14,12 +14,15 @@ from ..description import Colour, LightDescription
 from . import graph
 from .camera import rows
 from .image import Images
+from .light_groups import LightGroups
 from .linking import Links
 from .material import uses_nodes
 from .visibility import hidden_from
 
 
-def describe(holder: bpy.types.Object, matrix: Matrix, images: Images, links: Links) -> LightDescription:
+def describe(
+    holder: bpy.types.Object, matrix: Matrix, images: Images, links: Links, groups: LightGroups
+) -> LightDescription:
     """What the engine is told of a lamp object; `matrix` is where this instance of it stands."""
     light = holder.data
     description = LightDescription(
@@ -30,6 +33,7 @@ def describe(holder: bpy.types.Object, matrix: Matrix, images: Images, links: Li
         graph=_nodes(light, images),
         hidden_from=hidden_from(holder),
         sets=links.sets(holder),
+        light_group=groups.number(holder),
         # Cycles's own setting; without Cycles nothing limits it.
         max_bounces=getattr(getattr(light, "cycles", None), "max_bounces", 1024),
         cast_shadow=light.use_shadow,

@@ -150,7 +150,7 @@ impl SceneBuilder {
 
     #[pyo3(signature = (
         object_name, mesh, matrix_world, materials, *, hidden_from = Vec::new(), links = None, asset_name = None,
-        moved = None, info = None
+        moved = None, info = None, light_group = 0
     ))]
     #[allow(clippy::too_many_arguments)]
     fn add_instance(
@@ -164,6 +164,7 @@ impl SceneBuilder {
         asset_name: Option<&str>,
         moved: Option<[Matrix4; 2]>,
         info: Option<PyObjectInfo>,
+        light_group: u16,
     ) -> Result<(), Error> {
         let instance = self.builder.add_instance(object_name, mesh, matrix_world.into(), &materials, true, true)?;
         let Some(instance) = instance else { return Ok(()) };
@@ -172,6 +173,7 @@ impl SceneBuilder {
             let sets = Sets { receivers: receivers & 63, blockers: blockers & 63 };
             self.builder.set_links(instance, Links { receives, blocks, sets });
         }
+        self.builder.set_light_group(instance, light_group);
         if let Some((color, pass_index, random)) = info {
             self.builder.set_info(instance, ObjectInfo { color: color.into(), pass_index, random });
         }

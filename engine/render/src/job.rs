@@ -40,6 +40,8 @@ pub struct Beside {
     pub motion: Option<Motion>,
     /// What of the scene the camera's rays see; `None`: all of it.
     pub clip: Option<Clip>,
+    /// Groups of emitters, from number 1 on, for [`Film::groups`]; bidirectional paths leave them black.
+    pub light_groups: u16,
 }
 
 /// What a render did.
@@ -132,7 +134,13 @@ impl Job {
         let (width, height) = (settings.width, settings.height);
         let mattes = Mattes::new(&stage.scene, &beside.mattes, beside.matte_levels);
         let adapts = settings.noise_threshold > 0.0;
-        let keep = Keep { surfaces: settings.with_data, vectors: beside.motion.is_some(), mattes, halves: adapts };
+        let keep = Keep {
+            surfaces: settings.with_data,
+            vectors: beside.motion.is_some(),
+            mattes,
+            halves: adapts,
+            groups: beside.light_groups,
+        };
         let film = Film::keeping(width, height, spreads, keep).exposed(settings.film_exposure);
         let shared = Arc::new(Shared {
             raster: Raster::new(width, height, PixelFilter::new(settings.filter_width_px)),

@@ -4,6 +4,7 @@
 //! Many paths go on together: see [`Wave`].
 
 mod choice;
+mod groups;
 mod pilot;
 mod wave;
 

@@ -240,8 +240,12 @@ fn mattes_and_vectors_do_not_depend_on_threads() {
     let render = |model: Model, threads: usize| {
         let imaging = || Imaging::new(&description(model), 75, 50, DVec3::ZERO).unwrap();
         let motion = Some(Motion::new(imaging(), [imaging(), imaging()], 75, 50));
-        let beside =
-            Beside { mattes: vec![MatteLayer::Object, MatteLayer::Asset], matte_levels: 3, motion, clip: None };
+        let beside = Beside {
+            mattes: vec![MatteLayer::Object, MatteLayer::Asset],
+            matte_levels: 3,
+            motion,
+            ..Beside::default()
+        };
         let job = Job::start_with(stage.clone(), vec![camera(model)], settings(37, threads), beside).unwrap();
         assert!(job.wait(Duration::from_secs(120)));
         let bits = |list: Vec<f32>| list.into_iter().map(f32::to_bits).collect::<Vec<u32>>();

@@ -122,6 +122,19 @@ impl Lights {
         }
     }
 
+    /// The number of the light group that a source is in; 0 is none.
+    pub fn group(&self, scene: &Scene, source: Source) -> u16 {
+        let of_lamp = |lamp: u32| scene.lamps[lamp as usize].light_group;
+        match self.local.get(source.0) {
+            Some(Emitter::Triangle(triangle)) => scene.instances[triangle.instance as usize].light_group,
+            Some(Emitter::Lamp(lamp)) => of_lamp(*lamp),
+            None => match source.0 - self.local.len() {
+                0 => scene.world.light_group,
+                sun => of_lamp(self.sky.suns()[sun - 1]),
+            },
+        }
+    }
+
     /// A place that light may reach. `openness` is the part of the sky that is seen from places in this picture on
     /// average: the sky is chosen in proportion to what it may bring, so far as nothing stands in its way.
     pub fn receiver(&self, position: Vec3A, normal: Option<Vec3A>, openness: f32) -> Receiver {

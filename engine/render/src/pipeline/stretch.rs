@@ -44,7 +44,7 @@ pub(super) fn render<L: Leads>(
 ) -> Option<Counts> {
     let mut counts = Counts::default();
     let mut stretch = Stretch::default();
-    let mut wave = Wave::default();
+    let mut wave = Wave::noting(light.group_count());
     let mut leads = Vec::with_capacity(STRETCH);
     loop {
         if stopped() {
@@ -73,7 +73,7 @@ pub(super) fn render<L: Leads>(
                 s.lost();
                 continue;
             };
-            let found = wave.found(path);
+            let (found, groups) = (wave.found(path), wave.found_of_groups(path));
             path += 1;
             if s.count_path(&found) {
                 s.note_alpha(&found);
@@ -81,6 +81,9 @@ pub(super) fn render<L: Leads>(
                     s.note_surface(&found, &L::ray(lead), request.u_wavelength);
                 }
                 pipeline.add(stretch.cameras[i], request, lead, found.radiance, light);
+                for (place, &radiance) in groups.iter().enumerate().filter(|(_, radiance)| **radiance != Rgb::ZERO) {
+                    pipeline.add(stretch.cameras[i], request, lead, radiance, light.group(place));
+                }
             }
         }
         counts.sample_time += start.elapsed();

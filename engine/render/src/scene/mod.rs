@@ -89,6 +89,8 @@ pub struct Instance {
     pub visible: Rays,
     /// Which lights light it, and in which it throws shadows.
     pub links: Links,
+    /// The number of the light group of what it emits; 0 is none.
+    pub light_group: u16,
     /// Object space to render space a frame before and a frame after; `None` where it stands still.
     pub moved: Option<Box<[DAffine3; 2]>>,
     /// What shader graphs may ask of the object.
@@ -158,6 +160,7 @@ struct RawInstance {
     materials: Vec<u32>,
     visible: Rays,
     links: Links,
+    light_group: u16,
 }
 
 /// Collects a scene's pieces in any order in which each piece comes after those that it names.
@@ -269,6 +272,7 @@ impl SceneBuilder {
                 .without(if visible_camera { Rays::NONE } else { Rays::CAMERA })
                 .without(if visible_shadow { Rays::NONE } else { Rays::SHADOW }),
             links: Links::default(),
+            light_group: 0,
         });
         Ok(Some(self.instances.len() - 1))
     }
@@ -286,6 +290,11 @@ impl SceneBuilder {
     /// Says which lights light an instance, and in which it throws shadows.
     pub fn set_links(&mut self, instance: usize, links: Links) {
         self.instances[instance].links = links;
+    }
+
+    /// Says which light group what an instance emits is in; 0 is none.
+    pub fn set_light_group(&mut self, instance: usize, group: u16) {
+        self.instances[instance].light_group = group;
     }
 
     /// Says what shader graphs may ask of an instance's object.
@@ -381,6 +390,7 @@ impl SceneBuilder {
                     materials: if raw.materials.is_empty() { vec![0] } else { raw.materials },
                     visible: raw.visible,
                     links: raw.links,
+                    light_group: raw.light_group,
                 }
             })
             .collect();

@@ -5,6 +5,7 @@
 mod found;
 
 use super::choice::{Chosen, power_heuristic};
+use super::groups::Groups;
 use super::{CAMERA_SETS, FirstSurface, Limits, MOST_STEPS, PathResult, SETS_PER_STEP, leave, mix, opening};
 use crate::Rgb;
 use crate::accel::{Hit, Ray, offset_origin};
@@ -19,6 +20,7 @@ use crate::shading::Scattering;
 use crate::shading::mixture::Mixture;
 use crate::shading::principled::Bsdf;
 use crate::surface::SurfacePoint;
+use found::Found;
 use glam::Vec3A;
 
 /// Memory for paths, used again and again.
@@ -26,6 +28,7 @@ use glam::Vec3A;
 pub struct Wave {
     paths: Vec<Path>,
     results: Vec<PathResult>,
+    groups: Groups,
     /// Those that still go on, in the order of their numbers.
     live: Vec<u32>,
     hits: Vec<Option<Hit>>,
@@ -76,13 +79,21 @@ struct Shadow {
     light: Rgb,
     way: Way,
     sets: Sets,
+    /// The light's group, if that is asked for.
+    of: u16,
 }
 
 impl Wave {
+    /// Memory that notes the light of groups 1 to `groups`, too.
+    pub fn noting(groups: u16) -> Self {
+        Self { groups: Groups::new(groups), ..Self::default() }
+    }
+
     /// Forgets all paths.
     pub fn clear(&mut self) {
         self.paths.clear();
         self.results.clear();
+        self.groups.clear();
         self.live.clear();
         self.is_alive.clear();
     }
@@ -91,6 +102,7 @@ impl Wave {
     pub fn start(&mut self, ray: Ray, sampler: PathSampler) {
         self.live.push(self.paths.len() as u32);
         self.results.push(PathResult::default());
+        self.groups.start();
         self.is_alive.push(true);
         self.paths.push(Path {
             ray,
@@ -107,6 +119,12 @@ impl Wave {
     /// What a path found, once all were followed.
     pub fn found(&self, path: usize) -> PathResult {
         self.results[path]
+    }
+
+    /// What of it is the light of the groups that are noted.
+    #[inline]
+    pub fn found_of_groups(&self, path: usize) -> &[Rgb] {
+        self.groups.found(path)
     }
 
     /// Follows all paths to their ends.
@@ -139,11 +157,12 @@ impl Wave {
     fn meet(&mut self, stage: &Stage, limits: &Limits, step: u32) {
         self.meetings.clear();
         for (&i, hit) in self.live.iter().zip(&self.hits) {
-            let (path, result) = (&mut self.paths[i as usize], &mut self.results[i as usize]);
+            let path = &mut self.paths[i as usize];
+            let mut found = Found { path: i, result: &mut self.results[i as usize], groups: &mut self.groups };
             self.is_alive[i as usize] = false;
             let Some(hit) = hit else {
-                path.lamps_before(stage, limits, path.travelled + path.ray.t_max, result);
-                path.sky(stage, limits, result);
+                path.lamps_before(stage, limits, path.travelled + path.ray.t_max, &mut found);
+                path.sky(stage, limits, &mut found);
                 continue;
             };
             path.sampler.jump_to(CAMERA_SETS + step * SETS_PER_STEP);
@@ -163,12 +182,12 @@ impl Wave {
                 self.is_alive[i as usize] = true;
                 continue;
             }
-            path.lamps_before(stage, limits, path.travelled + hit.t, result);
-            result.hit = true;
-            if result.first.is_none() {
-                result.first = Some(FirstSurface::from(&point));
+            path.lamps_before(stage, limits, path.travelled + hit.t, &mut found);
+            found.result.hit = true;
+            if found.result.first.is_none() {
+                found.result.first = Some(FirstSurface::from(&point));
             }
-            path.emission(stage, limits, hit, &point, opening.kept, result);
+            path.emission(stage, limits, hit, &point, opening.kept, &mut found);
             if limits.scatters(path.way) {
                 let kept = opening.kept;
                 self.meetings.push(Meeting { path: i, point, kept, view, u: [u_end, u_light, u_lobe] });
@@ -250,30 +269,31 @@ impl Wave {
     #[inline(always)]
     fn go_on(&mut self, stage: &Stage, limits: &Limits, meeting: usize, bsdf: &impl Scattering) {
         let Meeting { path: i, point, u: [u_end, u_light, u_lobe], .. } = &self.meetings[meeting];
-        let (path, result) = (&mut self.paths[*i as usize], &mut self.results[*i as usize]);
+        let path = &mut self.paths[*i as usize];
+        let mut found = Found { path: *i, result: &mut self.results[*i as usize], groups: &mut self.groups };
         let [u0, u1, u2, u3] = path.sampler.next_4d();
-        let at = Place { stage, limits, path: *i, point };
-        let to = at.light(path, result, &mut self.shadows, bsdf, [*u_light, u0, u1]);
+        let at = Place { stage, limits, point };
+        let to = at.light(path, &mut found, &mut self.shadows, bsdf, [*u_light, u0, u1]);
         let is_alive = &mut self.is_alive[*i as usize];
         let Some(entry) = bsdf.enter(*u_lobe, [u2, u3]) else {
             *is_alive = at.turn(path, bsdf, to, [*u_end, *u_lobe, u2, u3]);
             return;
         };
         let mut numbers = Numbers::new([*u_lobe, u2, u3]);
-        let Some((exit, light)) = walk(stage, point, &entry, &mut numbers, &mut result.rays) else { return };
+        let Some((exit, light)) = walk(stage, point, &entry, &mut numbers, &mut found.result.rays) else { return };
         path.throughput *= light;
         let mut four = || std::array::from_fn(|_| numbers.next());
         let ([u_light, u0, u1, _], [u_lobe, u2, u3, _]) = (four(), four());
         let (at, bsdf) = (Place { point: &exit, ..at }, Mixture::exit(&exit));
-        let to = at.light(path, result, &mut self.shadows, &bsdf, [u_light, u0, u1]);
+        let to = at.light(path, &mut found, &mut self.shadows, &bsdf, [u_light, u0, u1]);
         *is_alive = at.turn(path, &bsdf, to, [*u_end, u_lobe, u2, u3]);
     }
 
     /// Adds the light whose way is free, as far as it is.
     fn shadow(&mut self, stage: &Stage, limits: &Limits) {
-        for Shadow { path, ray, light, way, sets } in &self.shadows {
-            let result = &mut self.results[*path as usize];
-            result.rays += 1;
+        for Shadow { path, ray, light, way, sets, of } in &self.shadows {
+            let mut found = Found { path: *path, result: &mut self.results[*path as usize], groups: &mut self.groups };
+            found.result.rays += 1;
             let mut left = limits.shadows_pass(*way);
             let free = stage.accel.light_through(ray, Rays::SHADOW, |hit| {
                 if sets.blockers != 0 && !stage.scene.instances[hit.instance as usize].links.blocks_light_of(*sets) {
@@ -285,7 +305,7 @@ impl Wave {
                 left -= 1;
                 opening(&stage.scene, hit, &View::along(ray, hit.t, way.shadow())).light
             });
-            result.radiance += limits.clamp(*light * free, u32::from(way.depth));
+            found.add(*of, limits.clamp(*light * free, u32::from(way.depth)));
         }
     }
 }
@@ -295,7 +315,6 @@ impl Wave {
 struct Place<'a> {
     stage: &'a Stage,
     limits: &'a Limits,
-    path: u32,
     point: &'a SurfacePoint,
 }
 
@@ -305,7 +324,7 @@ impl Place<'_> {
     fn light(
         &self,
         path: &Path,
-        result: &mut PathResult,
+        found: &mut Found<'_>,
         shadows: &mut Vec<Shadow>,
         bsdf: &impl Scattering,
         [u_light, u0, u1]: [f32; 3],
@@ -313,16 +332,18 @@ impl Place<'_> {
         let Self { stage, limits, point, .. } = self;
         let to = stage.lights.receiver(point.position, bsdf.receiving_normal(), limits.openness);
         if !bsdf.is_mirror()
-            && let Some(light) = stage.lights.sample(&stage.scene, &to, u_light, [u0, u1], path.way)
+            && let Some((light, source)) = stage.lights.sample_source(&stage.scene, &to, u_light, [u0, u1], path.way)
             && let Some(light) = self.linked(light)
         {
-            let found = path.throughput * direct(bsdf, &light);
+            let arrives = path.throughput * direct(bsdf, &light);
+            let of = found.groups.of(|| stage.lights.group(&stage.scene, source));
             if !light.cast_shadow {
-                result.radiance += limits.clamp(found, u32::from(path.way.depth));
-            } else if found != Rgb::ZERO {
+                found.add(of, limits.clamp(arrives, u32::from(path.way.depth)));
+            } else if arrives != Rgb::ZERO {
                 let origin = leave(point, light.wi);
                 let ray = Ray { origin, direction: light.wi, t_max: light.distance };
-                shadows.push(Shadow { path: self.path, ray, light: found, way: path.way, sets: light.sets });
+                let (way, sets) = (path.way, light.sets);
+                shadows.push(Shadow { path: found.path, ray, light: arrives, way, sets, of });
             }
         }
         to
