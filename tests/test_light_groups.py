@@ -36,6 +36,7 @@ def stage(studio, blender):  # noqa: F811
         scene.view_layers[0].lightgroups.add(name=name)
     glowing.lightgroup, scene.world.lightgroup = "Panel", "Sky"
     scene.petzval.filter_width = scene.petzval.clamp_indirect = 0.0
+    scene.cycles.film_exposure = 0.7
     studio.panel = glowing
     return studio
 

@@ -83,7 +83,7 @@ fn main() -> Result<(), Box<dyn std::error::Error>> {
             let begun = Instant::now();
             let stage = room(kind, count)?;
             let built = begun.elapsed().as_secs_f64();
-            let mut wave = Wave::default();
+            let mut wave: Wave = Wave::default();
             let (mut noise, begun) = (0.0, Instant::now());
             for pixel in 0..SIDE * SIDE {
                 wave.clear();

@@ -8,6 +8,7 @@ mod groups;
 mod pilot;
 mod wave;
 
+pub use groups::{ByGroup, Groups, NoGroups};
 pub use pilot::{openness, roulette};
 pub use wave::Wave;
 
@@ -150,7 +151,7 @@ impl Limits {
 
 /// Follows a ray from the camera.
 pub fn trace(stage: &Stage, camera_ray: Ray, limits: &Limits, sampler: &mut PathSampler) -> PathResult {
-    let mut wave = Wave::default();
+    let mut wave: Wave = Wave::default();
     wave.start(camera_ray, sampler.clone());
     wave.follow(stage, limits);
     wave.found(0)

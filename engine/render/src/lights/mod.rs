@@ -163,6 +163,7 @@ impl Lights {
     }
 
     /// Light at a place, and where it comes from.
+    #[inline(always)]
     pub fn sample_source(
         &self,
         scene: &Scene,

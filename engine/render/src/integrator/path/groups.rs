@@ -1,65 +1,93 @@
 //! Light by groups of emitters, beside the whole.
+//!
+//! A kind rather than a value: where no group is asked for, nothing of it is left in the code that follows paths.
 
 use crate::Rgb;
 
-/// What paths found of the light of groups 1 to `count`; where no group is asked for, one branch for each light found.
+/// Where paths note the light that they found by its emitters' groups.
+pub trait Groups {
+    /// What is known of an emitter's group.
+    type Of: Copy;
+
+    /// The group that an emitter of that number is in; 0 is none.
+    fn of(&self, number: impl FnOnce() -> u16) -> Self::Of;
+
+    /// Forgets all paths.
+    fn clear(&mut self);
+
+    /// Adds a path.
+    fn start(&mut self);
+
+    /// Adds light that a path found.
+    fn add(&mut self, path: u32, of: Self::Of, light: Rgb);
+
+    /// What a path found, group by group.
+    fn found(&self, path: usize) -> &[Rgb];
+}
+
+/// Notes nothing.
 #[derive(Default)]
-pub(super) struct Groups {
+pub struct NoGroups;
+
+impl Groups for NoGroups {
+    type Of = ();
+
+    #[inline(always)]
+    fn of(&self, _: impl FnOnce() -> u16) {}
+
+    #[inline(always)]
+    fn clear(&mut self) {}
+
+    #[inline(always)]
+    fn start(&mut self) {}
+
+    #[inline(always)]
+    fn add(&mut self, _: u32, (): (), _: Rgb) {}
+
+    #[inline(always)]
+    fn found(&self, _: usize) -> &[Rgb] {
+        &[]
+    }
+}
+
+/// Notes the light of groups number 1 and on.
+pub struct ByGroup {
     count: u16,
     /// Path by path.
     sums: Vec<Rgb>,
 }
 
-impl Groups {
-    pub(super) fn new(count: u16) -> Self {
+impl ByGroup {
+    /// For that many groups.
+    pub fn new(count: u16) -> Self {
         Self { count, sums: Vec::new() }
     }
+}
 
-    /// The group that an emitter of that number is in, as far as it is asked for; 0 is none.
-    #[inline(always)]
-    pub(super) fn of(&self, number: impl FnOnce() -> u16) -> u16 {
-        if self.count == 0 { 0 } else { self.known(number()) }
-    }
+impl Groups for ByGroup {
+    type Of = u16;
 
-    fn known(&self, number: u16) -> u16 {
+    fn of(&self, number: impl FnOnce() -> u16) -> u16 {
+        let number = number();
         if number <= self.count { number } else { 0 }
     }
 
-    /// Forgets all paths.
-    pub(super) fn clear(&mut self) {
+    fn clear(&mut self) {
         self.sums.clear();
     }
 
-    /// Adds a path.
-    #[inline(always)]
-    pub(super) fn start(&mut self) {
-        if self.count != 0 {
-            self.start_one();
-        }
-    }
-
-    #[cold]
-    fn start_one(&mut self) {
+    fn start(&mut self) {
         self.sums.resize(self.sums.len() + usize::from(self.count), Rgb::ZERO);
     }
 
-    /// Adds light that a path found, of what [`Groups::of`] said.
-    #[inline(always)]
-    pub(super) fn add(&mut self, path: u32, of: u16, light: Rgb) {
+    fn add(&mut self, path: u32, of: u16, light: Rgb) {
         if of != 0 {
-            self.add_to_one(path, of, light);
+            self.sums[path as usize * usize::from(self.count) + usize::from(of) - 1] += light;
         }
     }
 
-    #[cold]
-    fn add_to_one(&mut self, path: u32, of: u16, light: Rgb) {
-        self.sums[path as usize * usize::from(self.count) + usize::from(of) - 1] += light;
-    }
-
-    /// What a path found, group by group.
-    #[inline(always)]
-    pub(super) fn found(&self, path: usize) -> &[Rgb] {
+    fn found(&self, path: usize) -> &[Rgb] {
         let count = usize::from(self.count);
-        if count == 0 { &[] } else { &self.sums[path * count..][..count] }
+        &self.sums[path * count..][..count]
     }
 }

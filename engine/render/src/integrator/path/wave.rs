@@ -3,32 +3,32 @@
 //! the cache. What a path finds does not depend on which others go with it.
 
 mod found;
+mod place;
 
-use super::choice::{Chosen, power_heuristic};
-use super::groups::Groups;
-use super::{CAMERA_SETS, FirstSurface, Limits, MOST_STEPS, PathResult, SETS_PER_STEP, leave, mix, opening};
+use super::choice::Chosen;
+use super::groups::{Groups, NoGroups};
+use super::{CAMERA_SETS, FirstSurface, Limits, MOST_STEPS, PathResult, SETS_PER_STEP, mix, opening};
 use crate::Rgb;
 use crate::accel::{Hit, Ray, offset_origin};
 use crate::integrator::Stage;
 use crate::integrator::subsurface::{Numbers, walk};
-use crate::lights::{LightSample, receiver::Receiver};
 use crate::nodes::{self, Layers, View, Way};
 use crate::sampler::PathSampler;
 use crate::scene::layer::Layer;
-use crate::scene::visibility::{Rays, Sets};
+use crate::scene::visibility::Rays;
 use crate::shading::Scattering;
 use crate::shading::mixture::Mixture;
 use crate::shading::principled::Bsdf;
 use crate::surface::SurfacePoint;
 use found::Found;
 use glam::Vec3A;
+use place::{Place, Shadow};
 
 /// Memory for paths, used again and again.
-#[derive(Default)]
-pub struct Wave {
+pub struct Wave<G: Groups = NoGroups> {
     paths: Vec<Path>,
     results: Vec<PathResult>,
-    groups: Groups,
+    groups: G,
     /// Those that still go on, in the order of their numbers.
     live: Vec<u32>,
     hits: Vec<Option<Hit>>,
@@ -39,7 +39,7 @@ pub struct Wave {
     counts: Vec<u32>,
     /// The materials met.
     met: Vec<u32>,
-    shadows: Vec<Shadow>,
+    shadows: Vec<Shadow<G::Of>>,
     /// By path, whether it goes on.
     is_alive: Vec<bool>,
     /// Those of the material that is being looked at.
@@ -72,21 +72,29 @@ struct Meeting {
     u: [f32; 3],
 }
 
-/// Light that arrives unless something stands in its way.
-struct Shadow {
-    path: u32,
-    ray: Ray,
-    light: Rgb,
-    way: Way,
-    sets: Sets,
-    /// The light's group, if that is asked for.
-    of: u16,
+impl Default for Wave {
+    fn default() -> Self {
+        Self::noting(NoGroups)
+    }
 }
 
-impl Wave {
-    /// Memory that notes the light of groups 1 to `groups`, too.
-    pub fn noting(groups: u16) -> Self {
-        Self { groups: Groups::new(groups), ..Self::default() }
+impl<G: Groups> Wave<G> {
+    /// Memory that notes the light of groups, too.
+    pub fn noting(groups: G) -> Self {
+        Self {
+            groups,
+            paths: Vec::new(),
+            results: Vec::new(),
+            live: Vec::new(),
+            hits: Vec::new(),
+            meetings: Vec::new(),
+            order: Vec::new(),
+            counts: Vec::new(),
+            met: Vec::new(),
+            shadows: Vec::new(),
+            is_alive: Vec::new(),
+            layers: Layers::default(),
+        }
     }
 
     /// Forgets all paths.
@@ -308,90 +316,4 @@ impl Wave {
             found.add(*of, limits.clamp(*light * free, u32::from(way.depth)));
         }
     }
-}
-
-/// Where a path scatters.
-#[derive(Clone, Copy)]
-struct Place<'a> {
-    stage: &'a Stage,
-    limits: &'a Limits,
-    point: &'a SurfacePoint,
-}
-
-impl Place<'_> {
-    /// A sample of the lights.
-    #[inline(always)]
-    fn light(
-        &self,
-        path: &Path,
-        found: &mut Found<'_>,
-        shadows: &mut Vec<Shadow>,
-        bsdf: &impl Scattering,
-        [u_light, u0, u1]: [f32; 3],
-    ) -> Receiver {
-        let Self { stage, limits, point, .. } = self;
-        let to = stage.lights.receiver(point.position, bsdf.receiving_normal(), limits.openness);
-        if !bsdf.is_mirror()
-            && let Some((light, source)) = stage.lights.sample_source(&stage.scene, &to, u_light, [u0, u1], path.way)
-            && let Some(light) = self.linked(light)
-        {
-            let arrives = path.throughput * direct(bsdf, &light);
-            let of = found.groups.of(|| stage.lights.group(&stage.scene, source));
-            if !light.cast_shadow {
-                found.add(of, limits.clamp(arrives, u32::from(path.way.depth)));
-            } else if arrives != Rgb::ZERO {
-                let origin = leave(point, light.wi);
-                let ray = Ray { origin, direction: light.wi, t_max: light.distance };
-                let (way, sets) = (path.way, light.sets);
-                shadows.push(Shadow { path: found.path, ray, light: arrives, way, sets, of });
-            }
-        }
-        to
-    }
-
-    /// A light sample, if the light lights this object. Where it has shadows of its own it counts as if no ray found it: see
-    /// [`Path::finds`].
-    #[inline(always)]
-    fn linked(&self, light: LightSample) -> Option<LightSample> {
-        if !self.stage.lights.is_linked() {
-            return Some(light);
-        }
-        let links = &self.stage.scene.instances[self.point.instance as usize].links;
-        let point_like = light.point_like || light.sets.blockers != 0;
-        links.takes_light_of(light.sets).then_some(LightSample { point_like, ..light })
-    }
-
-    /// A direction to go on in; whether there is one.
-    #[inline(always)]
-    fn turn(&self, path: &mut Path, bsdf: &impl Scattering, to: Receiver, [u_end, u_lobe, u2, u3]: [f32; 4]) -> bool {
-        let Some(next) = bsdf.sample(u_lobe, [u2, u3]) else { return false };
-        path.throughput *= next.weight;
-        path.way = path.way.scattered(next.matte, next.mirror, next.transmitted);
-        let brightest = path.throughput.max_element();
-        if brightest <= 0.0 {
-            return false;
-        }
-        let go_on = brightest * self.limits.roulette;
-        if go_on < 1.0 {
-            if u_end >= go_on {
-                return false;
-            }
-            path.throughput /= go_on;
-        }
-        path.chosen = if next.mirror { Chosen::Alone } else { Chosen::WithPdf(next.pdf, to) };
-        path.travelled = 0.0;
-        path.ray = Ray::new(leave(self.point, next.wi), next.wi);
-        path.start = path.ray.origin;
-        path.from = self.point.instance;
-        true
-    }
-}
-
-/// Light from one sample that a surface scatters along the path, if nothing stands in between.
-fn direct(bsdf: &impl Scattering, light: &LightSample) -> Rgb {
-    let everything = light.reaches.all_of(Rays::BOUNCE);
-    let (value, pdf) = if everything { bsdf.evaluate(light.wi) } else { bsdf.evaluate_some(light.wi, light.reaches) };
-    let weight = if light.point_like { 1.0 } else { power_heuristic(light.pdf, pdf) };
-    let contribution = value * light.radiance * (weight / light.pdf);
-    if contribution.is_finite() { contribution } else { Rgb::ZERO }
 }

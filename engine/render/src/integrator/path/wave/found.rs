@@ -11,17 +11,17 @@ use crate::scene::visibility::Sets;
 use crate::surface::SurfacePoint;
 
 /// What a path has found.
-pub(super) struct Found<'a> {
+pub(super) struct Found<'a, G> {
     /// Its number.
     pub(super) path: u32,
     pub(super) result: &'a mut PathResult,
-    pub(super) groups: &'a mut Groups,
+    pub(super) groups: &'a mut G,
 }
 
-impl Found<'_> {
+impl<G: Groups> Found<'_, G> {
     /// Adds light of an emitter of that group.
     #[inline(always)]
-    pub(super) fn add(&mut self, of: u16, light: Rgb) {
+    pub(super) fn add(&mut self, of: G::Of, light: Rgb) {
         self.result.radiance += light;
         self.groups.add(self.path, of, light);
     }
@@ -47,7 +47,7 @@ impl Path {
 
     /// Adds the light of lamps that the ray meets within `t_max` of where it was scattered: from there a light sample
     /// would have been taken, whatever surfaces it passed since.
-    pub(super) fn lamps_before(&self, stage: &Stage, limits: &Limits, t_max: f32, found: &mut Found<'_>) {
+    pub(super) fn lamps_before<G: Groups>(&self, stage: &Stage, limits: &Limits, t_max: f32, found: &mut Found<'_, G>) {
         if stage.scene.lamps.is_empty() {
             return;
         }
@@ -73,7 +73,7 @@ impl Path {
     }
 
     /// Adds the light of the world and of suns.
-    pub(super) fn sky(&self, stage: &Stage, limits: &Limits, found: &mut Found<'_>) {
+    pub(super) fn sky<G: Groups>(&self, stage: &Stage, limits: &Limits, found: &mut Found<'_, G>) {
         let to = self.chosen.receiver();
         if self.way.is_camera() && limits.hide_sky {
             return;
@@ -89,14 +89,14 @@ impl Path {
     }
 
     /// Adds the light of the surface that the ray meets.
-    pub(super) fn emission(
+    pub(super) fn emission<G: Groups>(
         &self,
         stage: &Stage,
         limits: &Limits,
         hit: &Hit,
         point: &SurfacePoint,
         kept: f32,
-        found: &mut Found<'_>,
+        found: &mut Found<'_, G>,
     ) {
         let material = &stage.scene.materials[point.material as usize];
         if !material.emits() || !self.finds(stage, || stage.scene.instances[hit.instance as usize].links.sets) {
