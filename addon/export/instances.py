@@ -37,6 +37,14 @@ def _asset(holder: bpy.types.Object) -> str:
     return holder.name
 
 
+def _softening(holder: bpy.types.Object) -> tuple[float, float]:
+    """An object's shadow terminator: geometry offset and shading offset. Before 4.2 Cycles keeps its own."""
+    own = holder if hasattr(holder, "shadow_terminator_geometry_offset") else getattr(holder, "cycles", None)
+    geometry = getattr(own, "shadow_terminator_geometry_offset", 0.1)
+    shading = getattr(own, "shadow_terminator_shading_offset", getattr(own, "shadow_terminator_offset", 0.0))
+    return geometry, shading
+
+
 class Stage:
     """Sends the instances of a dependency graph to the engine's builder."""
 
@@ -103,6 +111,7 @@ class Stage:
             moved=self._motion.matrices(place) if self._motion is not None else None,
             info=(tuple(holder.color), holder.pass_index, object_info.random(holder, place)),
             light_group=self._groups.number(holder),
+            softening=_softening(holder),
         )
 
     def _mesh(self, holder: bpy.types.Object, place: bpy.types.DepsgraphObjectInstance) -> int | None:

@@ -2,7 +2,7 @@
 
 use super::super::choice::{Chosen, power_heuristic};
 use super::super::groups::Groups;
-use super::super::{Limits, leave};
+use super::super::{Limits, leave, terminator};
 use super::Path;
 use super::found::Found;
 use crate::Rgb;
@@ -49,13 +49,18 @@ impl Place<'_> {
             && let Some((light, source)) = stage.lights.sample_source(&stage.scene, &to, u_light, [u0, u1], path.way)
             && let Some(light) = self.linked(light)
         {
-            let arrives = path.throughput * direct(bsdf, &light);
+            let grazing = terminator::grazing(&stage.scene, point, light.wi);
+            let arrives = path.throughput
+                * direct(bsdf, &light, grazing.is_some_and(|grazing| grazing.is_beyond))
+                * terminator::dimmed(&stage.scene, point, light.wi);
             let of = found.groups.of(|| stage.lights.group(&stage.scene, source));
             if !light.cast_shadow {
                 found.add(of, limits.clamp(arrives, u32::from(path.way.depth)));
             } else if arrives != Rgb::ZERO {
-                let origin = leave(point, light.wi);
-                let ray = Ray { origin, direction: light.wi, t_max: light.distance };
+                let ray = match grazing {
+                    None => Ray { origin: leave(point, light.wi), direction: light.wi, t_max: light.distance },
+                    Some(grazing) => grazing.ray(&stage.scene, point, light.wi, light.distance),
+                };
                 let (way, sets) = (path.way, light.sets);
                 shadows.push(Shadow { path: found.path, ray, light: arrives, way, sets, of });
             }
@@ -86,6 +91,9 @@ impl Place<'_> {
     ) -> bool {
         let Some(next) = bsdf.sample(u_lobe, [u2, u3]) else { return false };
         path.throughput *= next.weight;
+        if !next.transmitted {
+            path.throughput *= terminator::dimmed(&self.stage.scene, self.point, next.wi);
+        }
         path.way = path.way.scattered(next.matte, next.mirror, next.transmitted);
         let brightest = path.throughput.max_element();
         if brightest <= 0.0 {
@@ -107,11 +115,17 @@ impl Place<'_> {
     }
 }
 
-/// Light from one sample that a surface scatters along the path, if nothing stands in between.
+/// Light from one sample that a surface scatters along the path, if nothing stands in between. `is_beyond`: it comes to the other
+/// side of the triangle than of the smooth surface.
 #[inline(always)]
-fn direct(bsdf: &impl Scattering, light: &LightSample) -> Rgb {
-    let everything = light.reaches.all_of(Rays::BOUNCE);
-    let (value, pdf) = if everything { bsdf.evaluate(light.wi) } else { bsdf.evaluate_some(light.wi, light.reaches) };
+fn direct(bsdf: &impl Scattering, light: &LightSample, is_beyond: bool) -> Rgb {
+    let (value, pdf) = if is_beyond {
+        bsdf.evaluate_smooth(light.wi, light.reaches)
+    } else if light.reaches.all_of(Rays::BOUNCE) {
+        bsdf.evaluate(light.wi)
+    } else {
+        bsdf.evaluate_some(light.wi, light.reaches)
+    };
     let weight = if light.point_like { 1.0 } else { power_heuristic(light.pdf, pdf) };
     let contribution = value * light.radiance * (weight / light.pdf);
     if contribution.is_finite() { contribution } else { Rgb::ZERO }
