@@ -174,7 +174,12 @@ impl LightTree {
             if !(total > 0.0 && total.is_finite()) {
                 return None;
             }
-            let (mut lane, mut left) = pick(&weights, u * total);
+            let mut left = u * total;
+            let mut lane = 0;
+            while lane < WIDTH - 1 && left >= weights[lane] {
+                left -= weights[lane];
+                lane += 1;
+            }
             // Rounding may have gone past the last that has any.
             while weights[lane] <= 0.0 {
                 lane = lane.checked_sub(1)?;
@@ -214,19 +219,6 @@ impl LightTree {
             place = node.parent;
         }
     }
-}
-
-/// The lane in whose stretch of the sums a number lies, and how far. Without branches, which nothing could foresee.
-#[inline]
-fn pick(weights: &[f32; WIDTH], number: f32) -> (usize, f32) {
-    let (mut end, mut start, mut lane) = (0.0, 0.0, 0);
-    for weight in &weights[..WIDTH - 1] {
-        end += weight;
-        let is_past = number >= end;
-        start = if is_past { end } else { start };
-        lane += usize::from(is_past);
-    }
-    (lane, number - start)
 }
 
 /// In one order everywhere, so that choosing and asking agree.
