@@ -44,7 +44,7 @@ impl Place<'_> {
         [u_light, u0, u1]: [f32; 3],
     ) -> Receiver {
         let Self { stage, limits, point, .. } = self;
-        let to = stage.lights.receiver(point.position, bsdf.receiving_normal(), limits.openness);
+        let to = stage.lights.receiver_on(point.instance, point.position, bsdf.receiving_normal(), limits.openness);
         if !bsdf.is_mirror()
             && let Some((light, source)) = stage.lights.sample_source(&stage.scene, &to, u_light, [u0, u1], path.way)
             && let Some(light) = self.linked(light)
