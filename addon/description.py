@@ -98,6 +98,7 @@ class LightDescription:
     graph: str | None = None
     hidden_from: tuple[str, ...] = ()  # of RAYS: as an object, and so what it does not light
     sets: tuple[int, int] = (0, 0)  # of objects that it lights, and that throw shadows in its light
+    light_group: int = 0  # its number; 0 is none
     max_bounces: int = 1024  # after which it lights nothing
     cast_shadow: bool = True
 
@@ -109,6 +110,7 @@ class WorldDescription:
     # Rotation of a Mapping node: world direction to texture direction, 3 x 3.
     rotation: tuple[tuple[float, float, float], ...] = ((1.0, 0.0, 0.0), (0.0, 1.0, 0.0), (0.0, 0.0, 1.0))
     hidden_from: tuple[str, ...] = ()  # of RAYS
+    light_group: int = 0  # its number; 0 is none
     # Instead of colour and image: the nodes, as JSON of what `export/graph.py` makes of them.
     graph: str | None = None
 

@@ -49,7 +49,8 @@ class PetzvalRenderEngine(bpy.types.RenderEngine):
     def update_render_passes(self, scene=None, renderlayer=None):
         levels = passes.matte_levels(renderlayer)
         mattes = (one for layer in passes.wanted_mattes(renderlayer) for one in passes.of_matte(layer, levels))
-        for one in (passes.COMBINED, *passes.wanted(renderlayer), *mattes):
+        groups = passes.of_light_groups(renderlayer)
+        for one in (passes.COMBINED, *passes.wanted(renderlayer), *mattes, *groups):
             self.register_pass(scene, renderlayer, one.name, one.channels, one.channel_names, one.kind)
 
     def render(self, depsgraph):
@@ -119,6 +120,7 @@ class _Photograph:
         layer = depsgraph.view_layer_eval
         self.data_passes = passes.wanted(layer)
         self.mattes, self.matte_levels = passes.wanted_mattes(layer), passes.matte_levels(layer)
+        self.light_groups = passes.of_light_groups(layer)
         self.focus: dict | None = None
         self.plan = None
         # In a line, for the status.
@@ -159,6 +161,7 @@ class _Photograph:
             return
         mattes = [one.engine_name for one in self.mattes]
         beside = {"plan": self.plan, "mattes": mattes, "matte_levels": self.matte_levels, "neighbours": neighbours}
+        beside["light_groups"] = len(self.light_groups)
         job = loop.stoppable(lambda: native.Job(scene, camera, settings, moving, **beside), self._stop_asked)
         stopped = loop.follow(job, stop_asked=self._stop_asked, show=self._show, tell=self._progress)
         self._progress(job.progress() if stopped else 1.0, job.samples_done())
@@ -241,6 +244,7 @@ class _Photograph:
         """The finished picture with its passes of data, at once: a result without a pass would blacken it."""
         pictures = {passes.COMBINED.name: job.image()}
         pictures |= {one.name: job.data(one.engine_name) for one in self.data_passes}
+        pictures |= {one.name: job.light_group(i)[..., :3] for i, one in enumerate(self.light_groups, 1)}
         for layer in self.mattes:
             channels = job.matte(layer.engine_name)
             for i, one in enumerate(passes.of_matte(layer, self.matte_levels)):

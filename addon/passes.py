@@ -37,6 +37,11 @@ MATTES = (
 )
 
 
+def of_light_groups(view_layer: object) -> tuple[Pass, ...]:
+    """A pass for the light of each group of emitters, named as Cycles names it; in the order of their numbers."""
+    return tuple(Pass(f"{COMBINED.name}_{one.name}", 3, "RGB", "COLOR") for one in view_layer.lightgroups)
+
+
 def wanted_mattes(view_layer: object) -> tuple[Pass, ...]:
     """The layers of Cryptomatte that a view layer asks for."""
     return tuple(one for one in MATTES if getattr(view_layer, one.switch, False))

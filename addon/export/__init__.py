@@ -15,6 +15,7 @@ from ..description import Report
 from . import world
 from .image import Images
 from .instances import Stage
+from .light_groups import LightGroups
 from .material import Materials
 from .motion import Motion
 
@@ -30,16 +31,19 @@ def send_scene(
     images = Images(builder, report)
     materials = Materials(builder, images, report)
     scene = depsgraph.scene_eval
-    builder.set_world(world.describe(scene.world, images, report))
-    stage = Stage(builder, materials, images, report, check_stop, motion)
+    groups = LightGroups(depsgraph.view_layer_eval)
+    sky = world.describe(scene.world, images, report)
+    sky.light_group = groups.number(scene.world)
+    builder.set_world(sky)
+    stage = Stage(builder, materials, images, groups, report, check_stop, motion)
     stage.send(depsgraph)
     if stage.is_selective and scene.petzval.integrator == "BIDIRECTIONAL":
         report.warn(
             f"Scene '{scene.name}': bidirectional paths know of no ray visibility but the camera's and shadows', and of no "
             "light linking"
         )
-    if depsgraph.view_layer_eval.lightgroups:
-        report.warn(f"Scene '{scene.name}': light groups are not supported yet, no pictures of them are made")
+    if groups.names and scene.petzval.integrator == "BIDIRECTIONAL":
+        report.warn(f"Scene '{scene.name}': bidirectional paths know of no light groups, their passes are black")
     if scene.render.use_motion_blur:
         report.warn(
             f"Scene '{scene.name}': motion blur is supported for the lens's settings only yet, that of objects is left out"

@@ -13,6 +13,7 @@ from . import mesh, object_info
 from .camera import rows
 from .image import Images
 from .light import Lights
+from .light_groups import LightGroups
 from .linking import Links
 from .material import Materials
 from .motion import Motion
@@ -39,6 +40,14 @@ def _asset(holder: bpy.types.Object) -> str:
     return holder.name
 
 
+def _softening(holder: bpy.types.Object) -> tuple[float, float]:
+    """An object's shadow terminator: geometry offset and shading offset. Before 4.2 Cycles keeps its own."""
+    own = holder if hasattr(holder, "shadow_terminator_geometry_offset") else getattr(holder, "cycles", None)
+    geometry = getattr(own, "shadow_terminator_geometry_offset", 0.1)
+    shading = getattr(own, "shadow_terminator_shading_offset", getattr(own, "shadow_terminator_offset", 0.0))
+    return geometry, shading
+
+
 class Stage:
     """Sends the instances of a dependency graph to the engine's builder."""
 
@@ -47,6 +56,7 @@ class Stage:
         builder: Any,
         materials: Materials,
         images: Images,
+        groups: LightGroups,
         report: Report,
         check_stop: Callable[[], None],
         motion: Motion | None = None,
@@ -55,6 +65,7 @@ class Stage:
         self._motion = motion
         self._materials = materials
         self._images = images
+        self._groups = groups
         self._report = report
         self._check_stop = check_stop
         #: Something is hidden from some bounces alone, or lights some objects alone.
@@ -65,7 +76,7 @@ class Stage:
     def send(self, depsgraph: bpy.types.Depsgraph) -> None:
         """All objects and their instances, as they are visible in this graph."""
         links = Links(depsgraph, self._report)
-        lights = Lights(self._images, links)
+        lights = Lights(self._images, links, self._groups)
         for place in depsgraph.object_instances:
             self._check_stop()
             holder = place.object
@@ -109,6 +120,8 @@ class Stage:
             asset_name=_asset(holder),
             moved=self._motion.matrices(place) if self._motion is not None else None,
             info=(tuple(holder.color), holder.pass_index, object_info.random(holder, place)),
+            light_group=self._groups.number(holder),
+            softening=_softening(holder),
         )
 
     def _mesh(self, holder: bpy.types.Object, place: bpy.types.DepsgraphObjectInstance) -> int | None:

@@ -14,6 +14,7 @@ from ..description import Colour, LightDescription
 from . import graph
 from .camera import rows
 from .image import Images
+from .light_groups import LightGroups
 from .linking import Links
 from .material import uses_nodes
 
@@ -21,9 +22,10 @@ from .material import uses_nodes
 class Lights:
     """The lamps of one scene; the nodes of a light are read once, wherever it stands."""
 
-    def __init__(self, images: Images, links: Links) -> None:
+    def __init__(self, images: Images, links: Links, groups: LightGroups) -> None:
         self._images = images
         self._links = links
+        self._groups = groups
         # By the light datablock: its nodes, if they change anything.
         self._nodes: dict[int, str | None] = {}
 
@@ -41,6 +43,7 @@ class Lights:
             graph=self._nodes[key],
             hidden_from=hidden_from,
             sets=self._links.sets(holder),
+            light_group=self._groups.number(holder),
             # Cycles's own setting; without Cycles nothing limits it.
             max_bounces=getattr(getattr(light, "cycles", None), "max_bounces", 1024),
             cast_shadow=light.use_shadow,

@@ -29,12 +29,13 @@ LEFT_OUT = {
     "VIEWLAYER_PT_layer_passes",
     "WORLD_PT_preview",
 }
-#: EEVEE's panels of what is the same here: shader nodes, slots, lamps.
+#: EEVEE's panels of what is the same here: shader nodes, slots, lamps, shadow terminators.
 TAKEN_FROM_EEVEE = {
     "DATA_PT_EEVEE_light",
     "EEVEE_MATERIAL_PT_context_material",
     "EEVEE_MATERIAL_PT_surface",
     "EEVEE_WORLD_PT_surface",
+    "OBJECT_PT_shadow_terminator",
 }
 
 

@@ -181,6 +181,8 @@ class SceneBuilder:
         asset_name: str | None = None,
         moved: tuple[Sequence[Sequence[float]], Sequence[Sequence[float]]] | None = None,
         info: tuple[tuple[float, float, float, float], int, float] | None = None,  # colour, pass index, random
+        light_group: int = 0,  # its number; 0 is none
+        softening: tuple[float, float] = (0.0, 0.0),  # Blender's geometry and shading offsets of shadow terminators
     ) -> None:
         """`materials[slot]` is a material index; slots past its end take the last; empty: the default grey.
 
@@ -271,6 +273,7 @@ class Job:
         mattes: Sequence[str] = (),  # OBJECT | MATERIAL | ASSET
         matte_levels: int = 6,
         neighbours: tuple[CameraDescription, CameraDescription] | None = None,
+        light_groups: int = 0,
     ) -> None:
         """`over_the_shutter`: the camera at the middles of equal parts of the exposure, where it changes meanwhile.
 

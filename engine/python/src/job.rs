@@ -112,7 +112,8 @@ pub(crate) struct Job {
 impl Job {
     #[new]
     #[pyo3(signature = (
-        scene, camera, settings, over_the_shutter=Vec::new(), *, plan=None, mattes=Vec::new(), matte_levels=6, neighbours=None
+        scene, camera, settings, over_the_shutter=Vec::new(), *, plan=None, mattes=Vec::new(), matte_levels=6,
+        neighbours=None, light_groups=0
     ))]
     #[allow(clippy::too_many_arguments)]
     fn new(
@@ -125,6 +126,7 @@ impl Job {
         mattes: Vec<String>,
         matte_levels: u32,
         neighbours: Option<[PyCamera; 2]>,
+        light_groups: u16,
     ) -> Result<Self, Error> {
         let now: CameraDescription = camera.try_into()?;
         let is_moving = plan.is_none_or(|plan| plan.plan.camera.is_moving);
@@ -160,7 +162,7 @@ impl Job {
             };
             let clip = Clip::new(&now, &cameras[0]);
             let gains = shade::gains(&now, &cameras[cameras.len() / 2], settings.width, settings.height)?;
-            let beside = Beside { mattes, matte_levels, motion, clip, gains };
+            let beside = Beside { mattes, matte_levels, motion, clip, gains, light_groups };
             Ok(Self { job: engine::Job::start_with(stage, cameras, settings, beside)?, planned })
         })?
     }
@@ -221,6 +223,15 @@ impl Job {
         let channels = 4 * film.mattes().passes();
         let flat = PyArray1::from_vec(py, away(py, || self.job.matte(layer))?);
         Ok(flat.reshape([height as usize, width as usize, channels])?)
+    }
+
+    fn light_group<'py>(&self, py: Python<'py>, number: usize) -> Result<Bound<'py, PyArray3<f32>>, Error> {
+        let film = self.job.film();
+        let group = number.checked_sub(1).and_then(|place| film.groups().get(place));
+        let group = group.ok_or_else(|| refused(format!("there is no light group of number {number}")))?;
+        let (width, height) = film.size();
+        let pixels = away(py, || group.picture())?;
+        array(py, pixels, width, height)
     }
 
     fn matte_metadata(&self, layer: &str, name: &str) -> Result<Vec<(String, String)>, Error> {

@@ -168,6 +168,7 @@ pub(crate) struct PyLight {
     graph: Option<String>,
     hidden_from: Vec<String>,
     sets: (u8, u8),
+    light_group: u16,
     max_bounces: u32,
     cast_shadow: bool,
 }
@@ -209,6 +210,7 @@ impl PyLight {
             graph,
             reaches,
             sets: Sets { receivers: self.sets.0 & 63, blockers: self.sets.1 & 63 },
+            light_group: self.light_group,
             max_bounces: self.max_bounces,
             cast_shadow: self.cast_shadow,
             to_render: Affine3A::IDENTITY,
@@ -223,6 +225,7 @@ pub(crate) struct PyWorld {
     image: Option<u32>,
     rotation: [[f32; 3]; 3],
     hidden_from: Vec<String>,
+    light_group: u16,
     graph: Option<String>,
 }
 
@@ -236,6 +239,7 @@ impl PyWorld {
             texture: w.image,
             rotation: Mat3A::from(Mat3::from_cols_array_2d(&w.rotation).transpose()),
             visible: visible(&w.hidden_from, "World")?,
+            light_group: w.light_group,
             graph,
         };
         Ok((world, reports))

@@ -9,6 +9,7 @@ use glam::{DVec3, Vec2, Vec3, Vec4};
 use numpy::{PyArrayDyn, PyArrayMethods, PyReadonlyArray2, PyReadonlyArray3, PyUntypedArrayMethods};
 use petzval_render::integrator::Stage;
 use petzval_render::scene::mesh::MeshDescription;
+use petzval_render::scene::softening::Softening;
 use petzval_render::scene::texture::Texture;
 use petzval_render::scene::viewport::ViewportDescription;
 use petzval_render::scene::visibility::{Links, Sets};
@@ -152,7 +153,7 @@ impl SceneBuilder {
 
     #[pyo3(signature = (
         object_name, mesh, matrix_world, materials, *, hidden_from = Vec::new(), links = None, asset_name = None,
-        moved = None, info = None
+        moved = None, info = None, light_group = 0, softening = (0.0, 0.0)
     ))]
     #[allow(clippy::too_many_arguments)]
     fn add_instance(
@@ -166,6 +167,8 @@ impl SceneBuilder {
         asset_name: Option<&str>,
         moved: Option<[Matrix4; 2]>,
         info: Option<PyObjectInfo>,
+        light_group: u16,
+        softening: (f32, f32),
     ) -> Result<(), Error> {
         let instance = self.builder.add_instance(object_name, mesh, matrix_world.into(), &materials, true, true)?;
         let Some(instance) = instance else { return Ok(()) };
@@ -174,6 +177,8 @@ impl SceneBuilder {
             let sets = Sets { receivers: receivers & 63, blockers: blockers & 63 };
             self.builder.set_links(instance, Links { receives, blocks, sets });
         }
+        self.builder.set_light_group(instance, light_group);
+        self.builder.set_softening(instance, Softening::new(softening.0, softening.1));
         if let Some((color, pass_index, random)) = info {
             self.builder.set_info(instance, ObjectInfo { color: color.into(), pass_index, random });
         }

@@ -1,7 +1,8 @@
 //! What many emitters cost: `cargo run --release -p petzval-render --example many_lights`.
 //!
 //! A floor of 10 x 10 under lamps or emitting triangles that hang at random over it and send as much light all together,
-//! however many they are. Prints the time of a sample, and its noise: relative mean squared error times samples.
+//! however many they are. Prints the time of a sample, and its noise: relative mean squared error times samples. A number in
+//! the command says how many there are at most.
 
 use glam::{DMat4, DVec3, Vec3, Vec3A};
 use petzval_render::Rgb;
@@ -78,12 +79,13 @@ fn main() -> Result<(), Box<dyn std::error::Error>> {
         openness: 0.5,
         roulette: f32::INFINITY,
     };
+    let most: u32 = std::env::args().nth(1).map_or(Ok(1_000_000), |word| word.parse())?;
     for kind in ["points", "balls", "triangles"] {
-        for count in [10, 10_000, 1_000_000] {
+        for count in [10, 10_000, 1_000_000].into_iter().filter(|&count| count <= most) {
             let begun = Instant::now();
             let stage = room(kind, count)?;
             let built = begun.elapsed().as_secs_f64();
-            let mut wave = Wave::default();
+            let mut wave: Wave = Wave::default();
             let (mut noise, begun) = (0.0, Instant::now());
             for pixel in 0..SIDE * SIDE {
                 wave.clear();
@@ -101,7 +103,7 @@ fn main() -> Result<(), Box<dyn std::error::Error>> {
                 noise += square / (mean * mean) / f64::from(SIDE * SIDE);
             }
             let us = begun.elapsed().as_secs_f64() * 1e6 / f64::from(SIDE * SIDE * SAMPLES);
-            println!("{count:8} {kind:9}: {us:.2} us a sample, noise {noise:.2}, ready in {built:.2} s");
+            println!("{count:8} {kind:9}: {us:.2} us a sample, noise {noise:.3}, ready in {built:.2} s");
         }
     }
     Ok(())

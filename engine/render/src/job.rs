@@ -43,6 +43,8 @@ pub struct Beside {
     pub clip: Option<Clip>,
     /// By what each pixel's light is multiplied, rows from below; `None`: by one ([`crate::camera::shade`]).
     pub gains: Option<Vec<f32>>,
+    /// Groups of emitters, from number 1 on, for [`Film::groups`]; bidirectional paths leave them black.
+    pub light_groups: u16,
 }
 
 /// What a render did.
@@ -263,10 +265,16 @@ impl Shared {
         let (width, height) = (settings.width, settings.height);
         let mattes = Mattes::new(&stage.scene, &beside.mattes, beside.matte_levels);
         let adapts = settings.noise_threshold > 0.0;
-        let keep = Keep { surfaces: settings.with_data, vectors: beside.motion.is_some(), mattes, halves: adapts };
+        let keep = Keep {
+            surfaces: settings.with_data,
+            vectors: beside.motion.is_some(),
+            mattes,
+            halves: adapts,
+            groups: beside.light_groups,
+        };
         let film = Film::keeping(width, height, spreads, keep)
             .exposed(settings.film_exposure)
-            .shaded(beside.gains.unwrap_or_default());
+            .shaded(beside.gains.unwrap_or_default().into());
         Ok(Self {
             raster: Raster::new(width, height, PixelFilter::new(settings.filter_width_px)),
             adaptive: adapts.then(|| Adaptive::new(&settings, film.tile_count())),

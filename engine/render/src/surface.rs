@@ -106,6 +106,29 @@ pub fn tangent_about_z(scene: &Scene, point: &SurfacePoint) -> Vec3A {
     point.shading_normal.cross(outward.cross(point.shading_normal).normalize_or_zero())
 }
 
+/// What hair at a point is: how it runs, and where it is met.
+#[derive(Clone, Copy, Debug)]
+pub struct Strand {
+    /// Along it, unit. A mesh with a hair shader has its triangles' first edges.
+    pub along: Vec3A,
+    /// What the older Hair shader takes instead: a triangle's other edge; `None` of real hair.
+    pub edge: Option<Vec3A>,
+    /// Where across its width it is met, -1 to 1; `None` where the surface's normal says so.
+    pub offset: Option<f32>,
+}
+
+/// The strand at a point.
+pub fn strand(scene: &Scene, point: &SurfacePoint) -> Strand {
+    let instance = &scene.instances[point.instance as usize];
+    let corners = mesh_of(scene, point.instance).corners(point.triangle);
+    let side = if point.backfacing { -1.0 } else { 1.0 };
+    let edge = |to: usize| {
+        let edge = instance.to_render.transform_vector3a(Vec3A::from(corners[to] - corners[0]));
+        edge.normalize_or(Vec3A::X) * side
+    };
+    Strand { along: edge(1), edge: Some(edge(2)), offset: None }
+}
+
 /// A bound on what rounding does to a point on its way from object to render space and, as a ray's start, back:
 /// the sum of absolute values (Higham 2002, section 3.1), with room for interpolation and the ray's own transform.
 fn position_error(instance: &Instance, local: Vec3A) -> f32 {

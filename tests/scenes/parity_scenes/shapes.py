@@ -9,7 +9,7 @@ import bpy
 import numpy as np
 
 from . import scene
-from .studio import BLUE, CREAM, GOLD, GREEN, RED, ball, empty_studio, monkey, plain, put
+from .studio import BLUE, CREAM, GOLD, GREEN, RED, ball, empty_studio, lamp, monkey, plain, put
 
 
 @scene("Text and curves")
@@ -38,10 +38,7 @@ def metaballs():
     bpy.context.object.data.materials.append(plain(CREAM))
 
 
-@scene(
-    "Several materials and flat, smooth and sharp faces", tolerance=0.03,
-    why="Cycles asks for shadows from a little above coarse smooth faces, so that they do not show; not done yet",
-)  # fmt: skip
+@scene("Several materials and flat, smooth and sharp faces")
 def faces():
     empty_studio()
     head = monkey(plain(CREAM), (-0.9, 0.0, 0.85), 1.6, turn=20, levels=0)
@@ -53,6 +50,24 @@ def faces():
     )
     bpy.ops.object.shade_smooth_by_angle(angle=np.radians(40))
     bpy.context.object.data.materials.append(plain(BLUE, Roughness=0.3))
+
+
+@scene("Shadow terminators: left alone, lifted more, dimmed")
+def terminators():
+    """Coarse balls, smooth, lit from the side."""
+    empty_studio(lit=False, strength=0.05)
+    lamp("SUN", 3.0, (0, 0, 4), (0, 75, 20), angle=np.radians(2.0))
+    for i, (geometry, shading) in enumerate(((0.0, 0.0), (0.5, 0.0), (0.1, 0.6))):
+        bpy.ops.mesh.primitive_uv_sphere_add(segments=10, ring_count=6, radius=0.75, location=(1.7 * i - 1.7, 0, 0.75))
+        bpy.ops.object.shade_smooth()
+        holder = bpy.context.object
+        holder.data.materials.append(plain((CREAM, BLUE, GREEN)[i], Roughness=0.4))
+        own = holder if hasattr(holder, "shadow_terminator_geometry_offset") else holder.cycles
+        own.shadow_terminator_geometry_offset = geometry
+        if own is holder:
+            own.shadow_terminator_shading_offset = shading
+        else:
+            own.shadow_terminator_offset = shading
 
 
 @scene("Instances of a collection, and by particles")

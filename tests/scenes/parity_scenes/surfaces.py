@@ -220,3 +220,35 @@ def emission_one_sided():
 
     plane(material(one_side), (-1.3, 0.3, 1.2), 1.6, (90, 0, 60))
     monkey(plain(CREAM), (0.8, 0.0, 0.9), 1.6, turn=-20)
+
+
+@scene("Hair shader: mirrored and come through, on a mesh, under an even sky")
+def hair():
+    """By the triangles' own edges, and along a tangent."""
+    empty_studio(lit=False, strength=1.0)
+    shaders = (
+        lambda t: t.node("BsdfHair", Color=GOLD, RoughnessU=0.4, RoughnessV=0.7),
+        lambda t: t.node("BsdfHair", {"component": "Transmission"}, Color=WHITE, RoughnessU=0.5, RoughnessV=0.5),
+        lambda t: t.node("BsdfHair", Color=RED, RoughnessU=0.2, RoughnessV=1.0, Offset=0.3, Tangent=_around_z(t)),
+    )
+    for i, shader in enumerate(shaders):
+        ball(material(lambda t, shader=shader: t.shows(shader(t).outputs[0])), (1.7 * i - 1.7, 0.0, 0.75), 0.75)
+
+
+@scene("Principled Hair (Chiang) by absorption, melanin and colour, on a mesh, under an even sky")
+def principled_hair():
+    """Where lamps light a mesh of it, Cycles leaves out half of the directions; docs/design/closures.md."""
+    empty_studio(lit=False, strength=1.0)
+    cases = (
+        {"parametrization": "ABSORPTION", "Absorption_Coefficient": (0.2, 0.5, 1.3), "Roughness": 0.5},
+        {"parametrization": "MELANIN", "Melanin": 0.35, "Melanin_Redness": 0.6, "Tint": (1.0, 0.8, 0.7, 1.0)},
+        {"parametrization": "COLOR", "Color": BLUE, "Roughness": 0.4, "Radial_Roughness": 0.6, "Random_Roughness": 0.2},
+    )
+    for i, case in enumerate(cases):
+        settings = {"model": "CHIANG", "parametrization": case.pop("parametrization")}
+        made = material(lambda t, s=settings, c=case: t.shows(t.node("BsdfHairPrincipled", s, **c).outputs[0]))
+        ball(made, (1.7 * i - 1.7, 0.0, 0.75), 0.75)
+
+
+def _around_z(t):
+    return t.node("Tangent", {"direction_type": "RADIAL", "axis": "Z"}).outputs[0]

@@ -10,6 +10,7 @@
 pub mod cryptomatte;
 pub mod data;
 mod gather;
+mod groups;
 pub mod halves;
 pub mod splats;
 
@@ -20,7 +21,7 @@ use data::{DataSums, VectorSums};
 use glam::Vec4;
 use halves::{BLOCK_SIZE, BLOCK_SPREAD, Half, half_of};
 use splats::SplatSums;
-use std::sync::{Mutex, MutexGuard, PoisonError};
+use std::sync::{Arc, Mutex, MutexGuard, PoisonError};
 
 /// Side of a tile in pixels. Larger tiles leave threads idle at the end of a pass; smaller ones cost messages.
 pub const TILE_SIZE: u32 = 32;
@@ -82,6 +83,8 @@ pub struct Keep {
     pub mattes: Mattes,
     /// Counts of samples that differ, in [`halves`].
     pub halves: bool,
+    /// Groups of emitters whose light is kept for itself as well.
+    pub groups: u16,
 }
 
 /// Light on a part of the picture, while one thread gathers it.
@@ -99,6 +102,8 @@ pub struct Patch {
     /// The same.
     vectors: Vec<VectorSums>,
     mattes: Option<Box<MatteNotes>>,
+    /// The same light by groups of emitters.
+    groups: Vec<Patch>,
 }
 
 impl Patch {
@@ -112,6 +117,7 @@ impl Patch {
             data: if keep.surfaces { vec![DataSums::default(); pixels] } else { Vec::new() },
             vectors: if keep.vectors { vec![VectorSums::default(); pixels] } else { Vec::new() },
             mattes: (!keep.mattes.is_empty()).then(|| Box::new(MatteNotes::new(pixels))),
+            groups: Vec::new(),
         }
     }
 
@@ -208,7 +214,8 @@ pub struct Film {
     /// What the light is multiplied by when it is asked for.
     exposure: f32,
     /// By pixel, rows from below, what it is multiplied by, too; empty where that is one.
-    gains: Vec<f32>,
+    gains: Arc<[f32]>,
+    groups: Vec<Film>,
 }
 
 impl Film {
@@ -249,30 +256,25 @@ impl Film {
         };
         let sums = || SplatSums::new(width as usize * height as usize);
         let tiles = order.iter().map(tile).collect();
-        Self {
-            width,
-            height,
-            tile_size,
-            tiles,
-            places,
-            far: sums(),
-            anywhere: [sums(), sums()],
-            keep,
-            exposure: 1.0,
-            gains: Vec::new(),
-        }
+        let groups = Self::of_groups(width, height, spreads, &keep);
+        let (far, anywhere) = (sums(), [sums(), sums()]);
+        let (exposure, gains) = (1.0, Arc::default());
+        Self { width, height, tile_size, tiles, places, far, anywhere, keep, exposure, gains, groups }
     }
 
-    /// The same, with all its light multiplied by a factor.
+    /// The same, with all its light multiplied by a factor, that of groups too.
     #[must_use]
     pub fn exposed(self, exposure: f32) -> Self {
-        Self { exposure, ..self }
+        let groups = self.groups.into_iter().map(|group| group.exposed(exposure)).collect();
+        Self { exposure, groups, ..self }
     }
 
-    /// The same, with each pixel's light multiplied by a factor of its own, rows from below.
+    /// The same, with each pixel's light multiplied by a factor of its own, rows from below, that of groups too; with none, by
+    /// one.
     #[must_use]
-    pub fn shaded(self, gains: Vec<f32>) -> Self {
-        Self { gains, ..self }
+    pub fn shaded(self, gains: Arc<[f32]>) -> Self {
+        let groups = self.groups.into_iter().map(|group| group.shaded(gains.clone())).collect();
+        Self { gains, groups, ..self }
     }
 
     /// Columns and rows.
@@ -292,7 +294,8 @@ impl Film {
 
     /// An empty patch for the samples of a tile.
     pub fn patch(&self, tile: usize) -> Patch {
-        Patch::new(self.tile(tile).light.rect, &self.keep)
+        let patch = Patch::new(self.tile(tile).light.rect, &self.keep);
+        Patch { groups: self.groups.iter().map(|group| group.patch(tile)).collect(), ..patch }
     }
 
     /// A tile's sums, for as long as the guard lives.
@@ -307,19 +310,27 @@ impl Film {
         if sums.passes != pass {
             return Err(Box::new(light));
         }
+        self.join(&mut sums, &light, samples);
+        // While nobody else can add to this tile: in the same order.
+        for (group, light) in self.groups.iter().zip(&light.groups) {
+            group.join(&mut group.tile(tile), light, samples);
+        }
+        Ok(())
+    }
+
+    fn join(&self, sums: &mut TileSums, light: &Patch, samples: u32) {
         for (sum, add) in sums.light.sums.iter_mut().zip(&light.sums) {
             for (s, a) in sum.iter_mut().zip(add) {
                 *s += a;
             }
         }
-        sums.join_data(&self.keep, &light);
+        sums.join_data(&self.keep, light);
         for &(x, y, radiance) in &light.far {
             self.far.add(y as usize * self.width as usize + x as usize, radiance.to_array());
         }
         sums.samples += samples;
         sums.passes += 1;
         sums.changed = true;
-        Ok(())
     }
 
     /// Adds a batch for each pixel of a half of a tile: samples for the picture, and others behind them for the error alone,
@@ -328,6 +339,9 @@ impl Film {
         let mut sums = self.tile(tile);
         let Some(halves) = &mut sums.halves else { return };
         halves[half].add(counted, beyond, self.width);
+        for (place, group) in self.groups.iter().enumerate() {
+            group.add_batch(tile, half, groups::of_group(counted, place), groups::of_group(beyond, place));
+        }
         let Some((light, _)) = counted else { return };
         let fewer = halves.iter().filter(|h| h.pixels > 0).map(|h| h.samples).min();
         sums.samples = fewer.unwrap_or(0);

@@ -4,9 +4,12 @@
 //! Many paths go on together: see [`Wave`].
 
 mod choice;
+mod groups;
 mod pilot;
+mod terminator;
 mod wave;
 
+pub use groups::{ByGroup, Groups, NoGroups};
 pub use pilot::{openness, roulette};
 pub use wave::Wave;
 
@@ -16,7 +19,7 @@ use crate::accel::{Hit, Ray, offset_origin};
 use crate::nodes::{self, Around, Layers, Opening, View, Way};
 use crate::sampler::PathSampler;
 use crate::shading::{Caustics, mixture::Mixture};
-use crate::surface::{SurfacePoint, tangent_about_z};
+use crate::surface::{SurfacePoint, strand, tangent_about_z};
 use glam::Vec3A;
 
 /// Bounces before a path of light may be ended by chance.
@@ -149,7 +152,7 @@ impl Limits {
 
 /// Follows a ray from the camera.
 pub fn trace(stage: &Stage, camera_ray: Ray, limits: &Limits, sampler: &mut PathSampler) -> PathResult {
-    let mut wave = Wave::default();
+    let mut wave: Wave = Wave::default();
     wave.start(camera_ray, sampler.clone());
     wave.follow(stage, limits);
     wave.found(0)
@@ -197,6 +200,9 @@ pub(super) fn mix(
             layer.coat_normal.unwrap_or(point.shading_normal),
             layer.tangent.filter(|_| brushed).unwrap_or(tangent),
         );
+        if layer.closure.is_hair() {
+            mixture.set_strand(strand(&stage.scene, point), layer.tangent);
+        }
         mixture.add(layer.weight, &layer.closure, layer.normal.unwrap_or(point.shading_normal));
     }
     mixture.finish(kept);

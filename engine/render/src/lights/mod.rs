@@ -19,7 +19,7 @@ use crate::scene::mesh::Mesh;
 use crate::scene::{
     Scene,
     lamp::LampKind,
-    visibility::{Rays, Sets},
+    visibility::{Links, Rays, Sets},
 };
 use crate::{Rgb, luminance};
 use bounds::LightBounds;
@@ -28,7 +28,7 @@ use lamp::PreparedLamp;
 use lamp_tree::LampTree;
 use receiver::Receiver;
 use sky::Sky;
-use std::collections::HashSet;
+use std::collections::{HashMap, HashSet};
 use std::f32::consts::PI;
 use tree::LightTree;
 use triangle::LitTriangle;
@@ -68,7 +68,10 @@ enum Emitter {
 pub struct Lights {
     // Lamps and emissive triangles within the scene, and their choice by what they may send to a place.
     local: Vec<Emitter>,
-    tree: Option<LightTree>,
+    // First that over all of them; then one for each way in which objects take part in links.
+    trees: Vec<Option<LightTree>>,
+    // By instance, which of these is for it; empty where there are no links.
+    tree_of: Vec<u32>,
     // By instance: by triangle, 1 + its index in `local`; empty where the instance emits nothing.
     emitter_of: Vec<Vec<u32>>,
     lamps: Vec<PreparedLamp>,
@@ -101,11 +104,12 @@ impl Lights {
             Emitter::Triangle(_) => None,
         }));
         let emitter_of = emissive_triangles(scene, &mut local, &mut bounds);
-        let tree = LightTree::new(&bounds);
         let sky = Sky::new(scene, &lamps);
         let sets = lamps.iter().map(PreparedLamp::sets).chain(scene.instances.iter().map(|one| one.links.sets));
         let is_linked = sets.into_iter().any(|sets| sets != Sets::EVERYTHING);
-        Self { local, tree, emitter_of, lamps, met, sky, is_linked }
+        let mut trees = vec![LightTree::new(&bounds)];
+        let tree_of = if is_linked { linked_trees(scene, &local, &lamps, &bounds, &mut trees) } else { Vec::new() };
+        Self { local, trees, tree_of, emitter_of, lamps, met, sky, is_linked }
     }
 
     /// Whether any light lights some objects alone, or has shadows of some alone.
@@ -122,13 +126,39 @@ impl Lights {
         }
     }
 
+    /// The number of the light group that a source is in; 0 is none.
+    pub fn group(&self, scene: &Scene, source: Source) -> u16 {
+        let of_lamp = |lamp: u32| scene.lamps[lamp as usize].light_group;
+        match self.local.get(source.0) {
+            Some(Emitter::Triangle(triangle)) => scene.instances[triangle.instance as usize].light_group,
+            Some(Emitter::Lamp(lamp)) => of_lamp(*lamp),
+            None => match source.0 - self.local.len() {
+                0 => scene.world.light_group,
+                sun => of_lamp(self.sky.suns()[sun - 1]),
+            },
+        }
+    }
+
     /// A place that light may reach. `openness` is the part of the sky that is seen from places in this picture on
     /// average: the sky is chosen in proportion to what it may bring, so far as nothing stands in its way.
     pub fn receiver(&self, position: Vec3A, normal: Option<Vec3A>, openness: f32) -> Receiver {
-        let Some(tree) = &self.tree else {
-            return Receiver { position, normal, weights: [0.0; receiver::WIDTH], total: 0.0, sky_chance: 1.0 };
+        self.receiver_by(0, position, normal, openness)
+    }
+
+    /// The same on an instance, which some lights may not light.
+    #[inline]
+    pub fn receiver_on(&self, instance: u32, position: Vec3A, normal: Option<Vec3A>, openness: f32) -> Receiver {
+        let tree = if self.is_linked { self.tree_of[instance as usize] } else { 0 };
+        self.receiver_by(tree, position, normal, openness)
+    }
+
+    #[inline]
+    fn receiver_by(&self, tree: u32, position: Vec3A, normal: Option<Vec3A>, openness: f32) -> Receiver {
+        let Some(of_tree) = &self.trees[tree as usize] else {
+            let weights = [0.0; receiver::WIDTH];
+            return Receiver { position, normal, tree, weights, total: 0.0, sky_chance: 1.0 };
         };
-        let mut to = tree.receiver(position, normal);
+        let mut to = Receiver { tree, ..of_tree.receiver(position, normal) };
         if !self.sky.is_dark() {
             let (sky, local) = (self.sky.irradiance() * openness, to.total / PI);
             let chance = if local > 0.0 { sky / (sky + local) } else { 1.0 };
@@ -150,6 +180,7 @@ impl Lights {
     }
 
     /// Light at a place, and where it comes from.
+    #[inline(always)]
     pub fn sample_source(
         &self,
         scene: &Scene,
@@ -166,7 +197,7 @@ impl Lights {
             return Some((sample, self.sky_source(index)));
         }
         let rest = ((u_choice - chance) / (1.0 - chance)).min(1.0 - f32::EPSILON);
-        let (index, probability) = self.tree.as_ref()?.sample(to, rest)?;
+        let (index, probability) = self.tree(to)?.sample(to, rest)?;
         let mut sample = match &self.local[index] {
             Emitter::Lamp(i) => self.lamps[*i as usize].light(scene, from, u, way)?,
             Emitter::Triangle(triangle) => triangle.sample(scene, from, u, way)?,
@@ -178,7 +209,7 @@ impl Lights {
     /// The density with which [`Lights::sample`] at `to` would have found a point on an emissive triangle:
     /// `distance` away, met at `cos` to its normal.
     pub fn triangle_pdf(&self, to: &Receiver, hit: (u32, u32), distance: f32, cos: f32) -> f32 {
-        let (Some(Source(index)), Some(tree)) = (self.triangle_source(hit.0, hit.1), &self.tree) else { return 0.0 };
+        let (Some(Source(index)), Some(tree)) = (self.triangle_source(hit.0, hit.1), self.tree(to)) else { return 0.0 };
         let Emitter::Triangle(triangle) = &self.local[index] else { return 0.0 };
         let chance = tree.probability(to, index) * (1.0 - to.sky_chance);
         chance / triangle.area * distance * distance / cos.max(1e-6)
@@ -222,10 +253,9 @@ impl Lights {
             }
             if let Some((radiance, pdf, t)) = lamp.hit(from, d, t_max) {
                 let radiance = radiance * lamp.shine(scene, from, d, t, way.light());
-                let chance = match (&self.tree, to) {
-                    (Some(tree), Some(to)) => tree.probability(to, index) * (1.0 - to.sky_chance),
-                    _ => 0.0,
-                };
+                let chance = to.map_or(0.0, |to| {
+                    self.tree(to).map_or(0.0, |tree| tree.probability(to, index) * (1.0 - to.sky_chance))
+                });
                 found(Source(index), radiance, pdf * chance);
             }
         });
@@ -252,6 +282,11 @@ impl Lights {
         });
     }
 
+    #[inline]
+    fn tree(&self, to: &Receiver) -> Option<&LightTree> {
+        self.trees[to.tree as usize].as_ref()
+    }
+
     fn sky_source(&self, index: usize) -> Source {
         Source(self.local.len() + index)
     }
@@ -261,6 +296,33 @@ impl Lights {
         let index = self.emitter_of[instance as usize].get(triangle as usize).copied().unwrap_or(0);
         (index > 0).then(|| Source(index as usize - 1))
     }
+}
+
+/// Appends a tree for each way in which objects take part in links, of the emitters that light these; gives by instance which
+/// is for it.
+fn linked_trees(
+    scene: &Scene,
+    local: &[Emitter],
+    lamps: &[PreparedLamp],
+    bounds: &[LightBounds],
+    trees: &mut Vec<Option<LightTree>>,
+) -> Vec<u32> {
+    let mut known = HashMap::new();
+    let sets = |emitter: &Emitter| match emitter {
+        Emitter::Triangle(triangle) => triangle.sets(),
+        Emitter::Lamp(lamp) => lamps[*lamp as usize].sets(),
+    };
+    let tree_for = |links: &Links| {
+        *known.entry(links.receives).or_insert_with(|| {
+            let reaching = local.iter().zip(bounds).map(|(emitter, bounds)| {
+                let power = if links.takes_light_of(sets(emitter)) { bounds.power } else { 0.0 };
+                LightBounds { power, ..*bounds }
+            });
+            trees.push(LightTree::new(&reaching.collect::<Vec<_>>()));
+            trees.len() as u32 - 1
+        })
+    };
+    scene.instances.iter().map(|instance| &instance.links).map(tree_for).collect()
 }
 
 /// Appends every triangle that may emit, with its bounds.

@@ -12,6 +12,8 @@ pub struct Receiver {
     pub position: Vec3A,
     /// The normal of a surface that light from behind does not matter to; `None` takes light from all sides.
     pub normal: Option<Vec3A>,
+    /// Which of the lights' trees is asked.
+    pub(super) tree: u32,
     /// What each part under the tree's root may send here.
     pub(super) weights: [f32; WIDTH],
     /// Their sum.

@@ -197,3 +197,40 @@ fn the_sky_is_chosen_by_what_it_brings() {
     // Where a light gets few of the samples, its part of the noise of 2^15 is about a percent.
     assert!((little / much - 1.0).abs().max_element() < 0.02, "{little} {much}");
 }
+
+/// An object's light samples all go to lamps that light it, and their chances there add up to one.
+#[test]
+fn lamps_that_do_not_light_an_object_take_none_of_its_samples() {
+    let mut builder = SceneBuilder::new();
+    let quad = crate::scene::mesh::MeshDescription {
+        name: "quad".into(),
+        positions: vec![glam::Vec3::ZERO, glam::Vec3::X, glam::Vec3::Y],
+        triangles: vec![[0, 1, 2]],
+        ..Default::default()
+    };
+    let mesh = builder.add_mesh(quad).unwrap();
+    for set in 1..3u8 {
+        let instance = builder.add_instance("object", mesh, DMat4::IDENTITY, &[], true, true).unwrap().unwrap();
+        builder.set_links(instance, Links { receives: 1 << set, ..Links::default() });
+        for i in 0..3 {
+            let sets = Sets { receivers: set, blockers: 0 };
+            let place = DVec3::new(f64::from(i), f64::from(set), 2.0);
+            let lamp = Lamp { sets, ..lamp(LampKind::Point { radius: 0.1, soft: false }) };
+            builder.add_lamp(lamp, DMat4::from_translation(place)).unwrap();
+        }
+    }
+    let scene = builder.build(DVec3::ZERO);
+    let lights = Lights::new(&scene);
+    for (instance, links) in scene.instances.iter().map(|instance| instance.links).enumerate() {
+        let to = lights.receiver_on(instance as u32, Vec3A::ZERO, None, 0.5);
+        for i in 0..64 {
+            let u = sobol_burley::sample_4d(i, 0, 3);
+            let (sample, source) = lights.sample_source(&scene, &to, u[0], [u[1], u[2]], Way::CAMERA).unwrap();
+            assert!(links.takes_light_of(sample.sets) && links.takes_light_of(lights.sets(source)));
+        }
+        let tree = lights.trees[to.tree as usize].as_ref().unwrap();
+        let chances: f32 = (0..6).map(|lamp| tree.probability(&to, lamp)).sum();
+        // Rounding of six products.
+        assert!((chances - 1.0).abs() < 1e-5);
+    }
+}

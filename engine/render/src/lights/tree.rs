@@ -70,8 +70,8 @@ impl Node {
         ];
         let d2 = dot(&offset, &offset);
         let base = self.power / d2.fast_max(self.half_diagonal2).fast_max(f32x8::splat(1e-20));
-        // From inside the box light may come from anywhere.
-        let inside = d2.simd_le(self.half_diagonal2);
+        // 1 from outside the sphere about the box on.
+        let outside = (d2 / self.half_diagonal2.fast_max(f32x8::splat(1e-20))).fast_min(one);
         let inverse = one / d2.fast_max(f32x8::splat(1e-30)).sqrt();
         let away = [offset[0] * inverse, offset[1] * inverse, offset[2] * inverse];
         // The angle that the box fills, seen from the place.
@@ -82,13 +82,15 @@ impl Node {
         let cos_axis = self.two_sided.select(cos_axis.abs(), cos_axis);
         let cos_x = cos_of_difference(sine(cos_axis), cos_axis, self.sin_normal_spread, self.cos_normal_spread);
         let cos_least = cos_of_difference(sine(cos_x), cos_x, sin_box, cos_box);
-        let mut cosines = cos_least.simd_gt(self.cos_emission_spread).select(cos_least.fast_max(zero), zero);
+        let mut cosines = cos_least.simd_gt(self.cos_emission_spread).select(mean_cosine(cos_x, sin_box), zero);
         if let Some(n) = normal {
             let n = [f32x8::splat(-n.x), f32x8::splat(-n.y), f32x8::splat(-n.z)];
             let cos_i = dot(&away, &n).fast_max(-one).fast_min(one);
-            cosines *= cos_of_difference(sine(cos_i), cos_i, sin_box, cos_box).fast_max(zero);
+            cosines *= mean_cosine(cos_i, sin_box);
         }
-        (base * inside.select(one, cosines)).to_array()
+        // From the middle of the box light may come from anywhere, at any slant.
+        let far = outside * outside;
+        (base * (one - far + cosines * far)).to_array()
     }
 }
 
@@ -107,6 +109,15 @@ fn sine(cosine: f32x8) -> f32x8 {
 #[inline]
 fn cos_of_difference(sin_a: f32x8, cos_a: f32x8, sin_b: f32x8, cos_b: f32x8) -> f32x8 {
     cos_a.simd_gt(cos_b).select(f32x8::splat(1.0), cos_a * cos_b + sin_a * sin_b)
+}
+
+/// About the mean of the cosines, where they are not negative, of directions in a cone of that sine about one of that cosine:
+/// its own as long as all are above the horizon; 0 where none is.
+#[inline]
+fn mean_cosine(cos: f32x8, sin_cone: f32x8) -> f32x8 {
+    let above = (cos + sin_cone).fast_max(f32x8::splat(0.0));
+    let partly = above * above / (sin_cone * 4.0).fast_max(f32x8::splat(1e-20));
+    cos.simd_gt(sin_cone).select(cos, partly)
 }
 
 /// The tree over all emitters of a scene.
@@ -151,7 +162,7 @@ impl LightTree {
     /// A place, and what the parts under the root may send there. The sky has no chance yet.
     pub(super) fn receiver(&self, position: Vec3A, normal: Option<Vec3A>) -> Receiver {
         let weights = self.nodes[0].importances(position, normal);
-        Receiver { position, normal, total: sum(&weights), weights, sky_chance: 0.0 }
+        Receiver { position, normal, tree: 0, total: sum(&weights), weights, sky_chance: 0.0 }
     }
 
     /// An emitter and the probability of its choice; `None` where none may send light.
@@ -172,6 +183,7 @@ impl LightTree {
             // Rounding may have gone past the last that has any.
             while weights[lane] <= 0.0 {
                 lane = lane.checked_sub(1)?;
+                left = weights[lane];
             }
             probability *= weights[lane] / total;
             u = (left / weights[lane]).clamp(0.0, 1.0 - f32::EPSILON);

@@ -5,7 +5,7 @@ use crate::Rgb;
 use crate::accel::Ray;
 use crate::camera::packet::Request;
 use crate::film::Patch;
-use crate::integrator::path::Wave;
+use crate::integrator::path::{ByGroup, Groups, NoGroups, Wave};
 use crate::sampler::PathSampler;
 use std::time::Instant;
 
@@ -41,6 +41,20 @@ pub(super) trait Leads {
 
 /// Follows `samples`, pixel and index, in their order. `None` where `stopped` said so.
 pub(super) fn render<L: Leads>(
+    pipeline: L,
+    shot: &Shot<'_>,
+    samples: impl Iterator<Item = ([u32; 2], u32)>,
+    light: &mut Patch,
+    stopped: &dyn Fn() -> bool,
+) -> Option<Counts> {
+    match light.group_count() {
+        0 => follow(Wave::noting(NoGroups), pipeline, shot, samples, light, stopped),
+        count => follow(Wave::noting(ByGroup::new(count)), pipeline, shot, samples, light, stopped),
+    }
+}
+
+fn follow<L: Leads, G: Groups>(
+    mut wave: Wave<G>,
     mut pipeline: L,
     shot: &Shot<'_>,
     mut samples: impl Iterator<Item = ([u32; 2], u32)>,
@@ -49,7 +63,6 @@ pub(super) fn render<L: Leads>(
 ) -> Option<Counts> {
     let mut counts = Counts::default();
     let mut stretch = Stretch::default();
-    let mut wave = Wave::default();
     let mut leads = Vec::with_capacity(STRETCH);
     loop {
         if stopped() {
@@ -87,6 +100,10 @@ pub(super) fn render<L: Leads>(
                     s.note_surface(&found, &L::ray(lead), request.u_wavelength);
                 }
                 pipeline.add(stretch.cameras[i], request, lead, found.radiance, light);
+                let groups = wave.found_of_groups(path - 1).iter().enumerate();
+                for (place, &radiance) in groups.filter(|(_, radiance)| **radiance != Rgb::ZERO) {
+                    pipeline.add(stretch.cameras[i], request, lead, radiance, light.group(place));
+                }
             }
         }
         counts.sample_time += start.elapsed();

@@ -165,8 +165,64 @@ pub enum Closure<C, N> {
         /// Of its ways.
         method: SubsurfaceMethod,
     },
+    /// Mirrored by a fibre, or come through it.
+    Hair {
+        /// Tint.
+        color: C,
+        /// Along the fibre, 0 to 1.
+        roughness_along: N,
+        /// About it, 0 to 1.
+        roughness_about: N,
+        /// Radians by which the mirrored cone is tilted.
+        offset: N,
+        /// Come through, not mirrored.
+        through: bool,
+    },
+    /// Blender's Principled Hair BSDF, Chiang's model.
+    PrincipledHair(PrincipledHair<C, N>),
     /// Blender's Principled BSDF with all its sockets.
     Principled(Principled<C, N>),
+}
+
+/// What gives hair its colour.
+#[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
+pub enum Pigment {
+    /// How much of each channel is absorbed along a radius.
+    Absorption,
+    /// Melanin, and a dye.
+    Melanin,
+    /// The colour that a lot of such hair has.
+    #[default]
+    Color,
+}
+
+/// Blender's Principled Hair BSDF.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct PrincipledHair<C, N> {
+    /// Which of the colours counts.
+    pub pigment: Pigment,
+    /// The colour, the dye or the absorption.
+    pub color: C,
+    /// How much, 0 to 1.
+    pub melanin: N,
+    /// The share of red, 0 to 1.
+    pub melanin_redness: N,
+    /// Along the fibre, 0 to 1.
+    pub roughness: N,
+    /// About it, 0 to 1.
+    pub radial_roughness: N,
+    /// Of the roughness, what the mirrored light is spared, 0 to 1.
+    pub coat: N,
+    /// Index of refraction.
+    pub ior: N,
+    /// Radians by which its scales are tilted.
+    pub offset: N,
+    /// How much melanin varies from strand to strand.
+    pub random_color: N,
+    /// How much roughness does.
+    pub random_roughness: N,
+    /// The strand's number, 0 to 1.
+    pub random: N,
 }
 
 /// A film on a surface, thin enough to colour what it reflects.
@@ -298,12 +354,38 @@ impl<C, N> Closure<C, N> {
                 anisotropy: n(anisotropy),
                 method: *method,
             },
+            Self::Hair { color, roughness_along, roughness_about, offset, through } => Closure::Hair {
+                color: c(color),
+                roughness_along: n(roughness_along),
+                roughness_about: n(roughness_about),
+                offset: n(offset),
+                through: *through,
+            },
+            Self::PrincipledHair(hair) => Closure::PrincipledHair(PrincipledHair {
+                pigment: hair.pigment,
+                color: c(&hair.color),
+                melanin: n(&hair.melanin),
+                melanin_redness: n(&hair.melanin_redness),
+                roughness: n(&hair.roughness),
+                radial_roughness: n(&hair.radial_roughness),
+                coat: n(&hair.coat),
+                ior: n(&hair.ior),
+                offset: n(&hair.offset),
+                random_color: n(&hair.random_color),
+                random_roughness: n(&hair.random_roughness),
+                random: n(&hair.random),
+            }),
             Self::Principled(p) => Closure::Principled(p.map(&mut c, &mut n)),
         }
     }
 }
 
 impl<C> Closure<C, f32> {
+    /// Whether it is of hair, and so asks for the strand.
+    pub fn is_hair(&self) -> bool {
+        matches!(self, Self::Hair { .. } | Self::PrincipledHair(_))
+    }
+
     /// Whether its facets are stretched along the surface's tangent.
     pub fn is_brushed(&self) -> bool {
         match self {

@@ -1,6 +1,8 @@
 //! A material as a compiled shader graph: closures whose inputs a program computes at each point.
 
-use super::closure::{Closure, Distribution, MetalKind, Principled, SubsurfaceMethod, ThinFilm};
+use super::closure::{
+    Closure, Distribution, MetalKind, Pigment, Principled, PrincipledHair, SubsurfaceMethod, ThinFilm,
+};
 use super::layer::MOST_LAYERS;
 use crate::luminance;
 use glam::Vec3A;
@@ -355,9 +357,18 @@ impl Of<'_> {
                 anisotropy: self.input("Anisotropy", 0.0),
                 method: self.subsurface_method("falloff", report),
             },
-            LayerKind::Hair | LayerKind::PrincipledHair => {
-                report("Hair BSDF is not supported yet, it is shown as diffuse");
-                Closure::Diffuse { color, roughness: Source::Always(Vec3A::ZERO) }
+            LayerKind::Hair => Closure::Hair {
+                color,
+                roughness_along: self.input("RoughnessU", 0.1),
+                roughness_about: self.input("RoughnessV", 1.0),
+                offset: self.input("Offset", 0.0),
+                through: self.0.option("component") == Some("Transmission"),
+            },
+            LayerKind::PrincipledHair => {
+                if self.0.option("model") == Some("HUANG") {
+                    report("Huang's hair is not supported yet, it is shown as Chiang's");
+                }
+                Closure::PrincipledHair(self.hair())
             }
             LayerKind::RayPortal => {
                 report("Ray Portal is not supported yet, it is left out");
@@ -371,6 +382,28 @@ impl Of<'_> {
                 return None;
             }
         })
+    }
+
+    fn hair(&self) -> PrincipledHair<Source, Source> {
+        let (pigment, color) = match self.0.option("parametrization") {
+            Some("ABSORPTION") => (Pigment::Absorption, "Absorption Coefficient"),
+            Some("MELANIN") => (Pigment::Melanin, "Tint"),
+            _ => (Pigment::Color, "Color"),
+        };
+        PrincipledHair {
+            pigment,
+            color: self.input(color, 1.0),
+            melanin: self.input("Melanin", 0.8),
+            melanin_redness: self.input("Melanin Redness", 1.0),
+            roughness: self.input("Roughness", 0.3),
+            radial_roughness: self.input("Radial Roughness", 0.3),
+            coat: self.input("Coat", 0.0),
+            ior: self.input("IOR", 1.55),
+            offset: self.input("Offset", 0.0),
+            random_color: self.input("Random Color", 0.0),
+            random_roughness: self.input("Random Roughness", 0.0),
+            random: self.input("Random", 0.0),
+        }
     }
 
     fn principled(&self, report: &mut impl FnMut(&str)) -> Principled<Source, Source> {

@@ -58,6 +58,8 @@ pub struct Lamp {
     pub reaches: Rays,
     /// What it lights, and what throws shadows in its light.
     pub sets: Sets,
+    /// The number of its light group; 0 is none.
+    pub light_group: u16,
     /// Scatterings after which it no longer lights anything.
     pub max_bounces: u32,
     /// Is shadowed by objects.
@@ -75,6 +77,7 @@ impl Default for Lamp {
             graph: None,
             reaches: Rays::ALL,
             sets: Sets::EVERYTHING,
+            light_group: 0,
             max_bounces: u32::MAX,
             cast_shadow: true,
             to_render: Affine3A::IDENTITY,

@@ -8,6 +8,7 @@ pub mod lamp;
 pub mod layer;
 pub mod material;
 pub mod mesh;
+pub mod softening;
 pub mod texture;
 pub mod viewport;
 pub mod visibility;
@@ -18,6 +19,7 @@ use glam::{Affine3A, DAffine3, DMat4, DVec3, Mat3A, Vec4};
 use lamp::Lamp;
 use material::Material;
 use mesh::{Mesh, MeshDescription};
+use softening::Softening;
 use texture::Texture;
 use viewport::{Viewport, ViewportDescription};
 use visibility::{Links, Rays};
@@ -89,6 +91,10 @@ pub struct Instance {
     pub visible: Rays,
     /// Which lights light it, and in which it throws shadows.
     pub links: Links,
+    /// The number of the light group of what it emits; 0 is none.
+    pub light_group: u16,
+    /// How its smooth faces are helped at the edge of light.
+    pub softening: Softening,
     /// Object space to render space a frame before and a frame after; `None` where it stands still.
     pub moved: Option<Box<[DAffine3; 2]>>,
     /// What shader graphs may ask of the object.
@@ -139,6 +145,8 @@ pub struct Scene {
     pub origin: DVec3,
     /// What Blender's own camera frames.
     pub viewport: Viewport,
+    /// Whether any instance's [`Softening`] takes light away.
+    pub dims: bool,
 }
 
 impl Scene {
@@ -158,6 +166,8 @@ struct RawInstance {
     materials: Vec<u32>,
     visible: Rays,
     links: Links,
+    light_group: u16,
+    softening: Softening,
 }
 
 /// Collects a scene's pieces in any order in which each piece comes after those that it names.
@@ -269,6 +279,8 @@ impl SceneBuilder {
                 .without(if visible_camera { Rays::NONE } else { Rays::CAMERA })
                 .without(if visible_shadow { Rays::NONE } else { Rays::SHADOW }),
             links: Links::default(),
+            light_group: 0,
+            softening: Softening::default(),
         });
         Ok(Some(self.instances.len() - 1))
     }
@@ -286,6 +298,16 @@ impl SceneBuilder {
     /// Says which lights light an instance, and in which it throws shadows.
     pub fn set_links(&mut self, instance: usize, links: Links) {
         self.instances[instance].links = links;
+    }
+
+    /// Says which light group what an instance emits is in; 0 is none.
+    pub fn set_light_group(&mut self, instance: usize, group: u16) {
+        self.instances[instance].light_group = group;
+    }
+
+    /// Says how an instance's smooth faces are helped at the edge of light.
+    pub fn set_softening(&mut self, instance: usize, softening: Softening) {
+        self.instances[instance].softening = softening;
     }
 
     /// Says what shader graphs may ask of an instance's object.
@@ -358,10 +380,12 @@ impl SceneBuilder {
         };
         let mut materials = vec![Material::default_grey()];
         materials.extend(self.materials);
+        let mut dims = false;
         let instances = self
             .instances
             .into_iter()
             .map(|raw| {
+                dims |= raw.softening.dims();
                 let moved = DMat4::from_translation(-origin) * raw.matrix;
                 let inverse = moved.inverse();
                 let linear = glam::DMat3::from_mat4(raw.matrix);
@@ -381,6 +405,8 @@ impl SceneBuilder {
                     materials: if raw.materials.is_empty() { vec![0] } else { raw.materials },
                     visible: raw.visible,
                     links: raw.links,
+                    light_group: raw.light_group,
+                    softening: raw.softening,
                 }
             })
             .collect();
@@ -394,6 +420,7 @@ impl SceneBuilder {
             world: self.world,
             origin,
             viewport: Viewport::new(&self.viewport, origin),
+            dims,
         }
     }
 }

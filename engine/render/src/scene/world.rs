@@ -20,13 +20,22 @@ pub struct World {
     pub rotation: Mat3A,
     /// What it shows itself to.
     pub visible: Rays,
+    /// The number of its light group; 0 is none.
+    pub light_group: u16,
     /// What the camera sees of it where nodes compute it; the rest is then what surfaces see.
     pub graph: Option<Arc<Graph>>,
 }
 
 impl Default for World {
     fn default() -> Self {
-        Self { color: Rgb::ZERO, texture: None, rotation: Mat3A::IDENTITY, visible: Rays::ALL, graph: None }
+        Self {
+            color: Rgb::ZERO,
+            texture: None,
+            rotation: Mat3A::IDENTITY,
+            visible: Rays::ALL,
+            light_group: 0,
+            graph: None,
+        }
     }
 }
 

@@ -11,7 +11,7 @@ use super::{BsdfSample, Caustics, Scattering};
 use crate::Rgb;
 use crate::scene::closure::{Closure, Distribution, MetalKind, ThinFilm};
 use crate::scene::visibility::Rays;
-use crate::surface::SurfacePoint;
+use crate::surface::{Strand, SurfacePoint};
 use arrayvec::ArrayVec;
 use glam::{Quat, Vec3A};
 
@@ -26,6 +26,7 @@ pub struct Mixture {
     /// Whether light may go into bodies; else they are diffuse.
     pub(super) walks: bool,
     pub(super) here: Here,
+    strand: Option<(Strand, Option<Vec3A>)>,
 }
 
 /// Where a mixture is, and how it is looked at.
@@ -57,7 +58,7 @@ impl Mixture {
             coat_normal: point.shading_normal,
             caustics: Caustics::ALL,
         };
-        Self { lobes: ArrayVec::new(), walks, here }
+        Self { lobes: ArrayVec::new(), walks, here, strand: None }
     }
 
     /// Leaves out what mirrors or bends light, of closures that are added from now on.
@@ -68,6 +69,16 @@ impl Mixture {
     /// Of closures that are added from now on: the normal of coats, and along what stretched facets lie.
     pub fn set_directions(&mut self, coat_normal: Vec3A, tangent: Vec3A) {
         (self.here.coat_normal, self.here.tangent) = (coat_normal, tangent);
+    }
+
+    /// What hair there is, for closures of hair that are added from now on, and what their own tangent is if they have one.
+    pub fn set_strand(&mut self, strand: Strand, tangent: Option<Vec3A>) {
+        self.strand = Some((strand, tangent));
+    }
+
+    /// These.
+    pub(super) fn strand(&self) -> Option<(Strand, Option<Vec3A>)> {
+        self.strand
     }
 
     /// Adds a closure about a normal. Transparency and emission are not scattering: they add nothing.
@@ -145,6 +156,11 @@ impl Mixture {
                 let body = Body::new(color, radius, *ior, roughness.clamp(0.0, 1.0), *anisotropy, *method);
                 self.add_body(color * weight, body, normal);
             }
+            Closure::Hair { color, roughness_along, roughness_about, offset, through } => {
+                let roughness = [*roughness_along, *roughness_about];
+                self.add_hair(tinted(color), roughness, *offset, *through);
+            }
+            Closure::PrincipledHair(hair) => self.add_principled_hair(weight, hair),
             Closure::Principled(principled) => self.add_principled(weight, principled, normal),
             Closure::Transparent { .. } | Closure::Holdout | Closure::Emission { .. } => {}
         }
@@ -164,6 +180,14 @@ impl Mixture {
         let mut mixture = Self::new(point, point.geometric_normal, Vec3A::ZERO, false);
         mixture.push(Lobe::lambert(Rgb::ONE, point.shading_normal, point.geometric_normal));
         mixture
+    }
+
+    /// What the lobes that some kinds of ray reach scatter on one side.
+    fn evaluate_on(&self, above: bool, wi: Vec3A, rays: Rays) -> (Rgb, f32) {
+        self.lobes.iter().filter(|lobe| rays.any_of(lobe.rays())).fold((Rgb::ZERO, 0.0), |(value, pdf), lobe| {
+            let (of_lobe, own) = lobe.evaluate(wi, above, self.here.smooth_normal);
+            (value + of_lobe, pdf + lobe.chance * own)
+        })
     }
 
     /// The lobe that a uniform number chooses, and what is left of the number.
@@ -375,12 +399,13 @@ impl Scattering for Mixture {
     #[cold]
     #[inline(never)]
     fn evaluate_some(&self, wi: Vec3A, rays: Rays) -> (Rgb, f32) {
-        let Here { geometric_normal, smooth_normal, .. } = self.here;
-        let above = geometric_normal.dot(wi) > 0.0;
-        self.lobes.iter().filter(|lobe| rays.any_of(lobe.rays())).fold((Rgb::ZERO, 0.0), |(value, pdf), lobe| {
-            let (of_lobe, own) = lobe.evaluate(wi, above, smooth_normal);
-            (value + of_lobe, pdf + lobe.chance * own)
-        })
+        self.evaluate_on(self.here.geometric_normal.dot(wi) > 0.0, wi, rays)
+    }
+
+    #[cold]
+    #[inline(never)]
+    fn evaluate_smooth(&self, wi: Vec3A, rays: Rays) -> (Rgb, f32) {
+        self.evaluate_on(self.here.smooth_normal.dot(wi) > 0.0, wi, rays)
     }
 
     fn sample(&self, u_lobe: f32, u: [f32; 2]) -> Option<BsdfSample> {
@@ -389,7 +414,7 @@ impl Scattering for Mixture {
         let transmitted = local.transmitted;
         let wi = lobe.in_world(local.wi);
         let above = self.here.geometric_normal.dot(wi) > 0.0;
-        if above == transmitted || (local.wi.z > 0.0) == transmitted {
+        if !lobe.is_hair() && (above == transmitted || (local.wi.z > 0.0) == transmitted) {
             return None;
         }
         if let Some((value, chance)) = local.single {

@@ -7,6 +7,7 @@
 pub mod albedo;
 pub mod energy;
 pub mod fresnel;
+mod hair;
 mod layered;
 mod lobe;
 pub mod microfacet;
@@ -65,6 +66,9 @@ pub trait Scattering {
 
     /// The same of those closures alone that light of some kinds of ray reaches: `rays` says which.
     fn evaluate_some(&self, wi: Vec3A, rays: Rays) -> (Rgb, f32);
+
+    /// The same where the triangle counts as lying along its smooth normal: light that this sees comes from above.
+    fn evaluate_smooth(&self, wi: Vec3A, rays: Rays) -> (Rgb, f32);
 
     /// A direction chosen roughly in proportion to what it scatters; `None` where the light ends here.
     /// What the choice of the lobe leaves of `u_lobe` chooses between mirrored and refracted.

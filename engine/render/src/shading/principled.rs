@@ -352,6 +352,15 @@ impl Scattering for Bsdf {
         part.evaluate(wi)
     }
 
+    #[cold]
+    #[inline(never)]
+    fn evaluate_smooth(&self, wi: Vec3A, rays: Rays) -> (Rgb, f32) {
+        let mut part = self.clone();
+        part.keep(rays);
+        part.geometric_normal = part.frame[2];
+        part.evaluate(wi)
+    }
+
     fn sample(&self, u_lobe: f32, u: [f32; 2]) -> Option<BsdfSample> {
         if self.cos_o <= 0.0 {
             return None;

@@ -116,6 +116,10 @@ impl Scattering for Surface {
         ask!(self, bsdf => bsdf.evaluate_some(wi, rays))
     }
 
+    fn evaluate_smooth(&self, wi: Vec3A, rays: Rays) -> (Rgb, f32) {
+        ask!(self, bsdf => bsdf.evaluate_smooth(wi, rays))
+    }
+
     fn sample(&self, u_lobe: f32, u: [f32; 2]) -> Option<BsdfSample> {
         ask!(self, bsdf => bsdf.sample(u_lobe, u))
     }

@@ -46,7 +46,7 @@ pub fn openness(stage: &Stage, rays: &[Ray]) -> f32 {
 /// its throughput times sqrt(1 + 1 / v), where v is the relative variance of a path: the less noise a picture has, the less
 /// it may be added to. Twice as much measured best: what is left out is what a whole path finds by its own light samples.
 pub fn roulette(stage: &Stage, limits: &Limits, rays: &[Ray]) -> f32 {
-    let mut wave = Wave::default();
+    let mut wave: Wave = Wave::default();
     for (i, ray) in rays.iter().enumerate() {
         for index in 0..2 {
             let mut sampler = PathSampler::new(i as u32, 1, index, 0);

@@ -3,29 +3,32 @@
 //! the cache. What a path finds does not depend on which others go with it.
 
 mod found;
+mod place;
 
-use super::choice::{Chosen, power_heuristic};
-use super::{CAMERA_SETS, FirstSurface, Limits, MOST_STEPS, PathResult, SETS_PER_STEP, leave, mix, opening};
+use super::choice::Chosen;
+use super::groups::{Groups, NoGroups};
+use super::{CAMERA_SETS, FirstSurface, Limits, MOST_STEPS, PathResult, SETS_PER_STEP, mix, opening};
 use crate::Rgb;
 use crate::accel::{Hit, Ray, offset_origin};
 use crate::integrator::Stage;
 use crate::integrator::subsurface::{Numbers, walk};
-use crate::lights::{LightSample, receiver::Receiver};
 use crate::nodes::{self, Layers, View, Way};
 use crate::sampler::PathSampler;
 use crate::scene::layer::Layer;
-use crate::scene::visibility::{Rays, Sets};
+use crate::scene::visibility::Rays;
 use crate::shading::Scattering;
 use crate::shading::mixture::Mixture;
 use crate::shading::principled::Bsdf;
 use crate::surface::SurfacePoint;
+use found::Found;
 use glam::Vec3A;
+use place::{Place, Shadow};
 
 /// Memory for paths, used again and again.
-#[derive(Default)]
-pub struct Wave {
+pub struct Wave<G: Groups = NoGroups> {
     paths: Vec<Path>,
     results: Vec<PathResult>,
+    groups: G,
     /// Those that still go on, in the order of their numbers.
     live: Vec<u32>,
     hits: Vec<Option<Hit>>,
@@ -36,7 +39,7 @@ pub struct Wave {
     counts: Vec<u32>,
     /// The materials met.
     met: Vec<u32>,
-    shadows: Vec<Shadow>,
+    shadows: Vec<Shadow<G::Of>>,
     /// By path, whether it goes on.
     is_alive: Vec<bool>,
     /// Those of the material that is being looked at.
@@ -69,20 +72,36 @@ struct Meeting {
     u: [f32; 3],
 }
 
-/// Light that arrives unless something stands in its way.
-struct Shadow {
-    path: u32,
-    ray: Ray,
-    light: Rgb,
-    way: Way,
-    sets: Sets,
+impl Default for Wave {
+    fn default() -> Self {
+        Self::noting(NoGroups)
+    }
 }
 
-impl Wave {
+impl<G: Groups> Wave<G> {
+    /// Memory that notes the light of groups, too.
+    pub fn noting(groups: G) -> Self {
+        Self {
+            groups,
+            paths: Vec::new(),
+            results: Vec::new(),
+            live: Vec::new(),
+            hits: Vec::new(),
+            meetings: Vec::new(),
+            order: Vec::new(),
+            counts: Vec::new(),
+            met: Vec::new(),
+            shadows: Vec::new(),
+            is_alive: Vec::new(),
+            layers: Layers::default(),
+        }
+    }
+
     /// Forgets all paths.
     pub fn clear(&mut self) {
         self.paths.clear();
         self.results.clear();
+        self.groups.clear();
         self.live.clear();
         self.is_alive.clear();
     }
@@ -91,6 +110,7 @@ impl Wave {
     pub fn start(&mut self, ray: Ray, sampler: PathSampler) {
         self.live.push(self.paths.len() as u32);
         self.results.push(PathResult::default());
+        self.groups.start();
         self.is_alive.push(true);
         self.paths.push(Path {
             ray,
@@ -107,6 +127,12 @@ impl Wave {
     /// What a path found, once all were followed.
     pub fn found(&self, path: usize) -> PathResult {
         self.results[path]
+    }
+
+    /// What of it is the light of the groups that are noted.
+    #[inline]
+    pub fn found_of_groups(&self, path: usize) -> &[Rgb] {
+        self.groups.found(path)
     }
 
     /// Follows all paths to their ends.
@@ -139,11 +165,12 @@ impl Wave {
     fn meet(&mut self, stage: &Stage, limits: &Limits, step: u32) {
         self.meetings.clear();
         for (&i, hit) in self.live.iter().zip(&self.hits) {
-            let (path, result) = (&mut self.paths[i as usize], &mut self.results[i as usize]);
+            let path = &mut self.paths[i as usize];
+            let mut found = Found { path: i, result: &mut self.results[i as usize], groups: &mut self.groups };
             self.is_alive[i as usize] = false;
             let Some(hit) = hit else {
-                path.lamps_before(stage, limits, path.travelled + path.ray.t_max, result);
-                path.sky(stage, limits, result);
+                path.lamps_before(stage, limits, path.travelled + path.ray.t_max, &mut found);
+                path.sky(stage, limits, &mut found);
                 continue;
             };
             path.sampler.jump_to(CAMERA_SETS + step * SETS_PER_STEP);
@@ -163,12 +190,12 @@ impl Wave {
                 self.is_alive[i as usize] = true;
                 continue;
             }
-            path.lamps_before(stage, limits, path.travelled + hit.t, result);
-            result.hit = true;
-            if result.first.is_none() {
-                result.first = Some(FirstSurface::from(&point));
+            path.lamps_before(stage, limits, path.travelled + hit.t, &mut found);
+            found.result.hit = true;
+            if found.result.first.is_none() {
+                found.result.first = Some(FirstSurface::from(&point));
             }
-            path.emission(stage, limits, hit, &point, opening.kept, result);
+            path.emission(stage, limits, hit, &point, opening.kept, &mut found);
             if limits.scatters(path.way) {
                 let kept = opening.kept;
                 self.meetings.push(Meeting { path: i, point, kept, view, u: [u_end, u_light, u_lobe] });
@@ -250,30 +277,31 @@ impl Wave {
     #[inline(always)]
     fn go_on(&mut self, stage: &Stage, limits: &Limits, meeting: usize, bsdf: &impl Scattering) {
         let Meeting { path: i, point, u: [u_end, u_light, u_lobe], .. } = &self.meetings[meeting];
-        let (path, result) = (&mut self.paths[*i as usize], &mut self.results[*i as usize]);
+        let path = &mut self.paths[*i as usize];
+        let mut found = Found { path: *i, result: &mut self.results[*i as usize], groups: &mut self.groups };
         let [u0, u1, u2, u3] = path.sampler.next_4d();
-        let at = Place { stage, limits, path: *i, point };
-        let to = at.light(path, result, &mut self.shadows, bsdf, [*u_light, u0, u1]);
+        let at = Place { stage, limits, point };
+        let to = at.light(path, &mut found, &mut self.shadows, bsdf, [*u_light, u0, u1]);
         let is_alive = &mut self.is_alive[*i as usize];
         let Some(entry) = bsdf.enter(*u_lobe, [u2, u3]) else {
             *is_alive = at.turn(path, bsdf, to, [*u_end, *u_lobe, u2, u3]);
             return;
         };
         let mut numbers = Numbers::new([*u_lobe, u2, u3]);
-        let Some((exit, light)) = walk(stage, point, &entry, &mut numbers, &mut result.rays) else { return };
+        let Some((exit, light)) = walk(stage, point, &entry, &mut numbers, &mut found.result.rays) else { return };
         path.throughput *= light;
         let mut four = || std::array::from_fn(|_| numbers.next());
         let ([u_light, u0, u1, _], [u_lobe, u2, u3, _]) = (four(), four());
         let (at, bsdf) = (Place { point: &exit, ..at }, Mixture::exit(&exit));
-        let to = at.light(path, result, &mut self.shadows, &bsdf, [u_light, u0, u1]);
+        let to = at.light(path, &mut found, &mut self.shadows, &bsdf, [u_light, u0, u1]);
         *is_alive = at.turn(path, &bsdf, to, [*u_end, u_lobe, u2, u3]);
     }
 
     /// Adds the light whose way is free, as far as it is.
     fn shadow(&mut self, stage: &Stage, limits: &Limits) {
-        for Shadow { path, ray, light, way, sets } in &self.shadows {
-            let result = &mut self.results[*path as usize];
-            result.rays += 1;
+        for Shadow { path, ray, light, way, sets, of } in &self.shadows {
+            let mut found = Found { path: *path, result: &mut self.results[*path as usize], groups: &mut self.groups };
+            found.result.rays += 1;
             let mut left = limits.shadows_pass(*way);
             let free = stage.accel.light_through(ray, Rays::SHADOW, |hit| {
                 if sets.blockers != 0 && !stage.scene.instances[hit.instance as usize].links.blocks_light_of(*sets) {
@@ -285,92 +313,7 @@ impl Wave {
                 left -= 1;
                 opening(&stage.scene, hit, &View::along(ray, hit.t, way.shadow())).light
             });
-            result.radiance += limits.clamp(*light * free, u32::from(way.depth));
+            found.add(*of, limits.clamp(*light * free, u32::from(way.depth)));
         }
     }
-}
-
-/// Where a path scatters.
-#[derive(Clone, Copy)]
-struct Place<'a> {
-    stage: &'a Stage,
-    limits: &'a Limits,
-    path: u32,
-    point: &'a SurfacePoint,
-}
-
-impl Place<'_> {
-    /// A sample of the lights.
-    #[inline(always)]
-    fn light(
-        &self,
-        path: &Path,
-        result: &mut PathResult,
-        shadows: &mut Vec<Shadow>,
-        bsdf: &impl Scattering,
-        [u_light, u0, u1]: [f32; 3],
-    ) -> Receiver {
-        let Self { stage, limits, point, .. } = self;
-        let to = stage.lights.receiver(point.position, bsdf.receiving_normal(), limits.openness);
-        if !bsdf.is_mirror()
-            && let Some(light) = stage.lights.sample(&stage.scene, &to, u_light, [u0, u1], path.way)
-            && let Some(light) = self.linked(light)
-        {
-            let found = path.throughput * direct(bsdf, &light);
-            if !light.cast_shadow {
-                result.radiance += limits.clamp(found, u32::from(path.way.depth));
-            } else if found != Rgb::ZERO {
-                let origin = leave(point, light.wi);
-                let ray = Ray { origin, direction: light.wi, t_max: light.distance };
-                shadows.push(Shadow { path: self.path, ray, light: found, way: path.way, sets: light.sets });
-            }
-        }
-        to
-    }
-
-    /// A light sample, if the light lights this object. Where it has shadows of its own it counts as if no ray found it: see
-    /// [`Path::finds`].
-    #[inline(always)]
-    fn linked(&self, light: LightSample) -> Option<LightSample> {
-        if !self.stage.lights.is_linked() {
-            return Some(light);
-        }
-        let links = &self.stage.scene.instances[self.point.instance as usize].links;
-        let point_like = light.point_like || light.sets.blockers != 0;
-        links.takes_light_of(light.sets).then_some(LightSample { point_like, ..light })
-    }
-
-    /// A direction to go on in; whether there is one.
-    #[inline(always)]
-    fn turn(&self, path: &mut Path, bsdf: &impl Scattering, to: Receiver, [u_end, u_lobe, u2, u3]: [f32; 4]) -> bool {
-        let Some(next) = bsdf.sample(u_lobe, [u2, u3]) else { return false };
-        path.throughput *= next.weight;
-        path.way = path.way.scattered(next.matte, next.mirror, next.transmitted);
-        let brightest = path.throughput.max_element();
-        if brightest <= 0.0 {
-            return false;
-        }
-        let go_on = brightest * self.limits.roulette;
-        if go_on < 1.0 {
-            if u_end >= go_on {
-                return false;
-            }
-            path.throughput /= go_on;
-        }
-        path.chosen = if next.mirror { Chosen::Alone } else { Chosen::WithPdf(next.pdf, to) };
-        path.travelled = 0.0;
-        path.ray = Ray::new(leave(self.point, next.wi), next.wi);
-        path.start = path.ray.origin;
-        path.from = self.point.instance;
-        true
-    }
-}
-
-/// Light from one sample that a surface scatters along the path, if nothing stands in between.
-fn direct(bsdf: &impl Scattering, light: &LightSample) -> Rgb {
-    let everything = light.reaches.all_of(Rays::BOUNCE);
-    let (value, pdf) = if everything { bsdf.evaluate(light.wi) } else { bsdf.evaluate_some(light.wi, light.reaches) };
-    let weight = if light.point_like { 1.0 } else { power_heuristic(light.pdf, pdf) };
-    let contribution = value * light.radiance * (weight / light.pdf);
-    if contribution.is_finite() { contribution } else { Rgb::ZERO }
 }

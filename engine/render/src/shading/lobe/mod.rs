@@ -1,6 +1,7 @@
 //! One lobe of a mixture: where it looks, and what it scatters.
 
 mod facets;
+mod hair;
 mod matte;
 
 use super::microfacet::{reflect, refract};
@@ -11,6 +12,8 @@ use crate::scene::visibility::Rays;
 use facets::Facets;
 pub(super) use facets::{Fresnel, Slopes};
 use glam::Vec3A;
+pub(super) use hair::FibreShape;
+use hair::{Chiang, Fibre};
 use matte::{AshikhminShirley, Microfiber, OrenNayar, Toon, Velvet};
 use std::f32::consts::FRAC_1_PI;
 
@@ -27,6 +30,8 @@ enum Kind {
     AshikhminShirley(AshikhminShirley),
     Facets(Facets),
     Body(Body),
+    Fibre(Fibre),
+    Chiang(Chiang),
 }
 
 /// A direction that a lobe chose, in its frame.
@@ -113,6 +118,29 @@ impl Lobe {
         Self { chance: (weight * albedo).element_sum() / 3.0, ..lobe }
     }
 
+    /// `frame`: across the fibre on the viewer's side, and along it.
+    pub(super) fn fibre(
+        weight: Rgb,
+        through: bool,
+        tilt: f32,
+        roughness: [f32; 2],
+        frame: [Vec3A; 3],
+        wo: Vec3A,
+    ) -> Self {
+        Self::new(weight, frame, wo, |wo| Kind::Fibre(Fibre::new(through, tilt, roughness, wo)))
+    }
+
+    /// `frame` as of [`Lobe::fibre`].
+    pub(super) fn chiang(weight: Rgb, shape: &FibreShape, frame: [Vec3A; 3], wo: Vec3A) -> Self {
+        let mut albedo = Rgb::ONE;
+        let lobe = Self::new(weight, frame, wo, |wo| {
+            let fibre = Chiang::new(shape, wo);
+            albedo = fibre.albedo();
+            Kind::Chiang(fibre)
+        });
+        Self { chance: (weight * albedo).element_sum() / 3.0, ..lobe }
+    }
+
     /// `weight` holds the albedo, too.
     pub(super) fn body(weight: Rgb, body: Body, normal: Vec3A, wo: Vec3A) -> Self {
         Self::new(weight, warp::frame(normal), wo, |_| Kind::Body(body))
@@ -135,7 +163,13 @@ impl Lobe {
 
     /// Whether any light comes through the surface.
     pub(super) fn transmits(&self) -> bool {
-        matches!(self.kind, Kind::Translucent) || self.relative_index().is_some()
+        matches!(self.kind, Kind::Translucent) || self.is_hair() || self.relative_index().is_some()
+    }
+
+    /// Whether it scatters about a fibre, and so asks nothing of the surface's sides.
+    #[inline]
+    pub(super) fn is_hair(&self) -> bool {
+        matches!(self.kind, Kind::Fibre(_) | Kind::Chiang(_))
     }
 
     /// Single directions alone.
@@ -154,7 +188,7 @@ impl Lobe {
         match &self.kind {
             Lambert | OrenNayar(_) | Translucent | Velvet(_) | Microfiber(_) | Body(_) => true,
             Kind::Toon(toon) => !toon.is_glossy(),
-            Kind::AshikhminShirley(_) | Kind::Facets(_) => false,
+            Kind::AshikhminShirley(_) | Kind::Facets(_) | Kind::Fibre(_) | Kind::Chiang(_) => false,
         }
     }
 
@@ -164,6 +198,9 @@ impl Lobe {
         match &self.kind {
             Kind::Velvet(_) | Kind::AshikhminShirley(_) => Rays::GLOSSY,
             Kind::Toon(toon) if toon.is_glossy() => Rays::GLOSSY,
+            Kind::Fibre(fibre) if fibre.is_through() => Rays::TRANSMISSION,
+            Kind::Fibre(_) => Rays::GLOSSY,
+            Kind::Chiang(_) => Rays::GLOSSY.and(Rays::TRANSMISSION),
             Kind::Facets(facets) => match (facets.reflects(), facets.transmits()) {
                 (_, false) => Rays::GLOSSY,
                 (false, true) => Rays::TRANSMISSION,
@@ -184,6 +221,9 @@ impl Lobe {
     pub(super) fn evaluate(&self, wi: Vec3A, above: bool, smooth: Vec3A) -> (Rgb, f32) {
         let world = wi;
         let (wo, wi) = (self.wo, warp::to_local(&self.frame, wi));
+        if self.is_hair() {
+            return self.about_fibre(wi);
+        }
         // The triangle itself and the lobe's normal must agree on the side.
         if (wi.z > 0.0) != above || wi.z == 0.0 {
             return (Rgb::ZERO, 0.0);
@@ -219,6 +259,21 @@ impl Lobe {
         (self.weight * value * lit, pdf)
     }
 
+    #[cold]
+    fn about_fibre(&self, wi: Vec3A) -> (Rgb, f32) {
+        match &self.kind {
+            Kind::Fibre(fibre) => {
+                let pdf = fibre.evaluate(wi);
+                (self.weight * pdf, pdf)
+            }
+            Kind::Chiang(fibre) => {
+                let (value, pdf) = fibre.evaluate(wi);
+                (self.weight * value, pdf)
+            }
+            _ => (Rgb::ZERO, 0.0),
+        }
+    }
+
     /// A direction of its own; what is mirrored or refracted is chosen by `u_choice`.
     pub(super) fn sample(&self, u_choice: f32, u: [f32; 2]) -> Option<Local> {
         let (wo, broad) = (self.wo, |wi| Some(Local { wi, transmitted: false, single: None }));
@@ -233,6 +288,11 @@ impl Lobe {
             Kind::Toon(toon) => broad(toon.sample(wo, u)),
             Kind::AshikhminShirley(lobe) if wo.z > 0.0 => broad(lobe.sample(wo, u)),
             Kind::Facets(facets) if wo.z > 0.0 => facets.sample(wo, u_choice, u),
+            Kind::Fibre(fibre) => Some(Local { wi: fibre.sample(u), transmitted: fibre.is_through(), single: None }),
+            Kind::Chiang(fibre) => {
+                let (wi, mirrored) = fibre.sample(u_choice, u);
+                Some(Local { wi, transmitted: !mirrored, single: None })
+            }
             _ => None,
         }
     }

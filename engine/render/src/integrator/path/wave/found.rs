@@ -1,12 +1,31 @@
 //! Light that a path's ray meets: of lamps, of the sky, and of the surface at its end.
 
+use super::super::groups::Groups;
 use super::super::{Limits, PathResult};
 use super::Path;
+use crate::Rgb;
 use crate::accel::Hit;
 use crate::integrator::Stage;
 use crate::nodes::{self, View};
 use crate::scene::visibility::Sets;
 use crate::surface::SurfacePoint;
+
+/// What a path has found.
+pub(super) struct Found<'a, G> {
+    /// Its number.
+    pub(super) path: u32,
+    pub(super) result: &'a mut PathResult,
+    pub(super) groups: &'a mut G,
+}
+
+impl<G: Groups> Found<'_, G> {
+    /// Adds light of an emitter of that group.
+    #[inline(always)]
+    pub(super) fn add(&mut self, of: G::Of, light: Rgb) {
+        self.result.radiance += light;
+        self.groups.add(self.path, of, light);
+    }
+}
 
 impl Path {
     /// How what it meets is looked at.
@@ -28,7 +47,7 @@ impl Path {
 
     /// Adds the light of lamps that the ray meets within `t_max` of where it was scattered: from there a light sample
     /// would have been taken, whatever surfaces it passed since.
-    pub(super) fn lamps_before(&self, stage: &Stage, limits: &Limits, t_max: f32, result: &mut PathResult) {
+    pub(super) fn lamps_before<G: Groups>(&self, stage: &Stage, limits: &Limits, t_max: f32, found: &mut Found<'_, G>) {
         if stage.scene.lamps.is_empty() {
             return;
         }
@@ -45,15 +64,16 @@ impl Path {
                 if !self.finds(stage, || lights.sets(source)) {
                     return;
                 }
-                result.radiance +=
-                    limits.clamp(self.throughput * radiance * self.chosen.weight(pdf), u32::from(self.way.depth));
-                result.hit = true;
+                let light = self.throughput * radiance * self.chosen.weight(pdf);
+                let of = found.groups.of(|| lights.group(scene, source));
+                found.add(of, limits.clamp(light, u32::from(self.way.depth)));
+                found.result.hit = true;
             },
         );
     }
 
     /// Adds the light of the world and of suns.
-    pub(super) fn sky(&self, stage: &Stage, limits: &Limits, result: &mut PathResult) {
+    pub(super) fn sky<G: Groups>(&self, stage: &Stage, limits: &Limits, found: &mut Found<'_, G>) {
         let to = self.chosen.receiver();
         if self.way.is_camera() && limits.hide_sky {
             return;
@@ -62,20 +82,21 @@ impl Path {
             if !self.finds(stage, || stage.lights.sets(source)) {
                 return;
             }
-            result.radiance +=
-                limits.clamp(self.throughput * radiance * self.chosen.weight(pdf), u32::from(self.way.depth));
+            let light = self.throughput * radiance * self.chosen.weight(pdf);
+            let of = found.groups.of(|| stage.lights.group(&stage.scene, source));
+            found.add(of, limits.clamp(light, u32::from(self.way.depth)));
         });
     }
 
     /// Adds the light of the surface that the ray meets.
-    pub(super) fn emission(
+    pub(super) fn emission<G: Groups>(
         &self,
         stage: &Stage,
         limits: &Limits,
         hit: &Hit,
         point: &SurfacePoint,
         kept: f32,
-        result: &mut PathResult,
+        found: &mut Found<'_, G>,
     ) {
         let material = &stage.scene.materials[point.material as usize];
         if !material.emits() || !self.finds(stage, || stage.scene.instances[hit.instance as usize].links.sets) {
@@ -89,7 +110,8 @@ impl Path {
             .chosen
             .receiver()
             .map_or(0.0, |to| stage.lights.triangle_pdf(to, (hit.instance, hit.triangle), self.travelled + hit.t, cos));
-        result.radiance +=
-            limits.clamp(self.throughput * radiance * self.chosen.weight(pdf), u32::from(self.way.depth));
+        let light = self.throughput * radiance * self.chosen.weight(pdf);
+        let of = found.groups.of(|| stage.scene.instances[hit.instance as usize].light_group);
+        found.add(of, limits.clamp(light, u32::from(self.way.depth)));
     }
 }

@@ -1,0 +1,132 @@
+//! What happens where a path scatters: a sample of the lights, and a direction to go on in.
+
+use super::super::choice::{Chosen, power_heuristic};
+use super::super::groups::Groups;
+use super::super::{Limits, leave, terminator};
+use super::Path;
+use super::found::Found;
+use crate::Rgb;
+use crate::accel::Ray;
+use crate::integrator::Stage;
+use crate::lights::{LightSample, receiver::Receiver};
+use crate::nodes::Way;
+use crate::scene::visibility::{Rays, Sets};
+use crate::shading::Scattering;
+use crate::surface::SurfacePoint;
+
+/// Light that arrives unless something stands in its way.
+pub(super) struct Shadow<Of> {
+    pub(super) path: u32,
+    pub(super) ray: Ray,
+    pub(super) light: Rgb,
+    pub(super) way: Way,
+    pub(super) sets: Sets,
+    pub(super) of: Of,
+}
+
+/// Where a path scatters.
+#[derive(Clone, Copy)]
+pub(super) struct Place<'a> {
+    pub(super) stage: &'a Stage,
+    pub(super) limits: &'a Limits,
+    pub(super) point: &'a SurfacePoint,
+}
+
+impl Place<'_> {
+    /// A sample of the lights.
+    #[inline(always)]
+    pub(super) fn light<G: Groups>(
+        &self,
+        path: &Path,
+        found: &mut Found<'_, G>,
+        shadows: &mut Vec<Shadow<G::Of>>,
+        bsdf: &impl Scattering,
+        [u_light, u0, u1]: [f32; 3],
+    ) -> Receiver {
+        let Self { stage, limits, point, .. } = self;
+        let to = stage.lights.receiver_on(point.instance, point.position, bsdf.receiving_normal(), limits.openness);
+        if !bsdf.is_mirror()
+            && let Some((light, source)) = stage.lights.sample_source(&stage.scene, &to, u_light, [u0, u1], path.way)
+            && let Some(light) = self.linked(light)
+        {
+            let grazing = terminator::grazing(&stage.scene, point, light.wi);
+            let arrives = path.throughput
+                * direct(bsdf, &light, grazing.is_some_and(|grazing| grazing.is_beyond))
+                * terminator::dimmed(&stage.scene, point, light.wi);
+            let of = found.groups.of(|| stage.lights.group(&stage.scene, source));
+            if !light.cast_shadow {
+                found.add(of, limits.clamp(arrives, u32::from(path.way.depth)));
+            } else if arrives != Rgb::ZERO {
+                let ray = match grazing {
+                    None => Ray { origin: leave(point, light.wi), direction: light.wi, t_max: light.distance },
+                    Some(grazing) => grazing.ray(&stage.scene, point, light.wi, light.distance),
+                };
+                let (way, sets) = (path.way, light.sets);
+                shadows.push(Shadow { path: found.path, ray, light: arrives, way, sets, of });
+            }
+        }
+        to
+    }
+
+    /// A light sample, if the light lights this object. Where it has shadows of its own it counts as if no ray found it: see
+    /// [`Path::finds`].
+    #[inline(always)]
+    fn linked(&self, light: LightSample) -> Option<LightSample> {
+        if !self.stage.lights.is_linked() {
+            return Some(light);
+        }
+        let links = &self.stage.scene.instances[self.point.instance as usize].links;
+        let point_like = light.point_like || light.sets.blockers != 0;
+        links.takes_light_of(light.sets).then_some(LightSample { point_like, ..light })
+    }
+
+    /// A direction to go on in; whether there is one.
+    #[inline(always)]
+    pub(super) fn turn(
+        &self,
+        path: &mut Path,
+        bsdf: &impl Scattering,
+        to: Receiver,
+        [u_end, u_lobe, u2, u3]: [f32; 4],
+    ) -> bool {
+        let Some(next) = bsdf.sample(u_lobe, [u2, u3]) else { return false };
+        path.throughput *= next.weight;
+        if !next.transmitted {
+            path.throughput *= terminator::dimmed(&self.stage.scene, self.point, next.wi);
+        }
+        path.way = path.way.scattered(next.matte, next.mirror, next.transmitted);
+        let brightest = path.throughput.max_element();
+        if brightest <= 0.0 {
+            return false;
+        }
+        let go_on = brightest * self.limits.roulette;
+        if go_on < 1.0 {
+            if u_end >= go_on {
+                return false;
+            }
+            path.throughput /= go_on;
+        }
+        path.chosen = if next.mirror { Chosen::Alone } else { Chosen::WithPdf(next.pdf, to) };
+        path.travelled = 0.0;
+        path.ray = Ray::new(leave(self.point, next.wi), next.wi);
+        path.start = path.ray.origin;
+        path.from = self.point.instance;
+        true
+    }
+}
+
+/// Light from one sample that a surface scatters along the path, if nothing stands in between. `is_beyond`: it comes to the other
+/// side of the triangle than of the smooth surface.
+#[inline(always)]
+fn direct(bsdf: &impl Scattering, light: &LightSample, is_beyond: bool) -> Rgb {
+    let (value, pdf) = if is_beyond {
+        bsdf.evaluate_smooth(light.wi, light.reaches)
+    } else if light.reaches.all_of(Rays::BOUNCE) {
+        bsdf.evaluate(light.wi)
+    } else {
+        bsdf.evaluate_some(light.wi, light.reaches)
+    };
+    let weight = if light.point_like { 1.0 } else { power_heuristic(light.pdf, pdf) };
+    let contribution = value * light.radiance * (weight / light.pdf);
+    if contribution.is_finite() { contribution } else { Rgb::ZERO }
+}

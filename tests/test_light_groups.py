@@ -1,0 +1,213 @@
+# SPDX-License-Identifier: GPL-3.0-or-later
+"""Light groups against Cycles in the same Blender, block by block, and against pictures of one emitter alone."""
+
+from __future__ import annotations
+
+import numpy as np
+import pytest
+
+from test_addon_engine import exr_channels
+from test_lamps_against_cycles import SIDE, lamp, studio  # noqa: F401 (a fixture)
+from test_linking_against_cycles import panel
+
+#: Pixels of a block's side.
+BLOCK = 8
+NAMES = ("Key light", "Panel", "Sky")
+
+
+@pytest.fixture
+def stage(studio, blender):  # noqa: F811
+    """A lamp, a mesh that glows and a world with a bright side, a group each; and a group that nothing is in."""
+    scene = blender.context.scene
+    rows, columns = np.mgrid[0:32, 0:64] / 32.0
+    sky = np.stack([0.2 + 0.3 * rows, 0.2 + 0.2 * columns, 0.4 + 0.0 * rows, 1.0 + 0.0 * rows], axis=-1)
+    sky[18:24, 10:16, :3] = 6.0
+    tree = studio.with_nodes(scene.world)
+    image = tree.nodes.new("ShaderNodeTexEnvironment")
+    image.image = studio.image("Sky", sky.astype(np.float32), is_float=True)
+    background = tree.nodes.new("ShaderNodeBackground")
+    background.inputs["Strength"].default_value = 0.4
+    tree.links.new(image.outputs["Color"], background.inputs["Color"])
+    tree.links.new(background.outputs[0], tree.nodes.new("ShaderNodeOutputWorld").inputs["Surface"])
+    blender.data.objects["Wall"].scale.z = 0.25
+    glowing = panel(studio)
+    glowing.data.materials[0] = studio.emitter((0.4, 0.7, 1.0), 12.0)
+    for name in (*NAMES, "Nobody's"):
+        scene.view_layers[0].lightgroups.add(name=name)
+    glowing.lightgroup, scene.world.lightgroup = "Panel", "Sky"
+    scene.petzval.filter_width = scene.petzval.clamp_indirect = 0.0
+    scene.cycles.film_exposure = 0.7
+    studio.panel = glowing
+    return studio
+
+
+def key_light(blender, kind: str):
+    holder = lamp(blender, kind)
+    holder.lightgroup = "Key light"
+    return holder
+
+
+def photograph(parts, blender, path, engine: str = "PETZVAL") -> dict[str, np.ndarray]:
+    """Combined and its groups, RGB, by the names of the passes."""
+    scene = blender.context.scene
+    parts.exr(scene, "OPEN_EXR_MULTILAYER")
+    scene.render.image_settings.exr_codec = "NONE"
+    scene.render.filepath = str(path)
+    cycles = scene.cycles
+    cycles.device, cycles.samples, cycles.use_denoising = "CPU", scene.petzval.samples, False
+    cycles.use_adaptive_sampling = False
+    cycles.sample_clamp_indirect, cycles.blur_glossy, cycles.pixel_filter_type = 0.0, 0.0, "BOX"
+    scene.camera.data.dof.use_dof = False
+    scene.render.engine = engine
+    try:
+        blender.ops.render.render(write_still=True)
+    finally:
+        scene.render.engine = "PETZVAL"
+    channels = {name.partition(".")[2]: pixels for name, pixels in exr_channels(path).items()}
+    names = {name.partition(".")[0] for name in channels if name.startswith("Combined")}
+    return {name: np.stack([channels[f"{name}.{c}"] for c in "RGB"], axis=-1) for name in names}
+
+
+def grouped(pictures) -> np.ndarray:
+    return sum(one for name, one in pictures.items() if name != "Combined")
+
+
+def same(ours, theirs, mean: float = 0.01, block: float = 0.02) -> None:
+    """In the mean; and block by block, by each and the mean together: far from its light a group is dim and has noise."""
+    blocks = [p.reshape(SIDE // BLOCK, BLOCK, SIDE // BLOCK, BLOCK, 3).mean((1, 3)) for p in (ours, theirs)]
+    apart = np.abs(blocks[0] - blocks[1]) / (blocks[1] + blocks[1].mean())
+    print(f"mean {ours.mean((0, 1)) / theirs.mean((0, 1))}, worst block {apart.max():.4f}")
+    assert np.abs(ours.mean((0, 1)) / theirs.mean((0, 1)) - 1.0).max() < mean
+    assert apart.max() < block, apart
+
+
+def sums_up(pictures) -> None:
+    """To single precision's rounding of a thousand terms."""
+    combined = pictures["Combined"]
+    assert np.abs(grouped(pictures) - combined).max() < 2e-5 * combined.max()
+
+
+def look_through_a_lens(scene, pipeline: str) -> None:
+    own = scene.camera.data.petzval
+    own.model, own.lens_file = "LENS", "double-gauss-f2-tronnier.lens"
+    own.film_mode, own.film_width, own.film_height = "SIZE", 24.0, 24.0
+    own.focal_mode, own.focal_length = "LENGTH", 30.0
+    scene.camera.data.dof.focus_distance = 8.0
+    scene.petzval.pipeline = pipeline
+
+
+@pytest.mark.parametrize(
+    ("kind", "transparent"),
+    [("AREA", False), ("AREA", True), ("SUN", True), ("POINT, soft", False), ("POINT without size", False)],
+)
+def test_as_cycles_has_them(stage, blender, tmp_path, kind, transparent):
+    """And what is in no group that the view layer names is in none."""
+    key_light(blender, kind)
+    for group, place in (("", (-3.0, -1.0, 2.0)), ("Nowhere", (3.0, 1.0, 1.0))):
+        other = lamp(blender, "POINT")
+        other.data.energy, other.location, other.lightgroup = 60.0, place, group
+    blender.context.scene.render.film_transparent = transparent
+    blender.context.scene.petzval.samples = 2048
+    ours = photograph(stage, blender, tmp_path / "petzval.exr")
+    theirs = photograph(stage, blender, tmp_path / "cycles.exr", "CYCLES")
+    warnings = stage.part("statistics").last("Scene").warnings
+    assert not warnings, warnings
+    assert ours.keys() == theirs.keys() == {"Combined", "Combined_Nobody's", *(f"Combined_{name}" for name in NAMES)}
+    for name in NAMES:
+        same(ours[f"Combined_{name}"], theirs[f"Combined_{name}"])
+    # The camera sees the sky above the wall.
+    assert ours["Combined_Sky"][-1].any() != transparent
+    assert not ours["Combined_Nobody's"].any() and not theirs["Combined_Nobody's"].any()
+    rest = [pictures["Combined"] - grouped(pictures) for pictures in (ours, theirs)]
+    same(*rest)
+    assert rest[1].mean() > 0.02 * theirs["Combined"].mean()
+
+
+#: Pipeline (none is the pinhole), noise threshold, clamp.
+WAYS = [
+    ("", 0.0, 0.0), ("", 0.05, 0.5), ("FILM", 0.0, 0.0), ("HERO", 0.0, 0.0), ("HERO", 0.1, 0.0), ("SCENE", 0.0, 0.5),
+    ("SCENE", 0.1, 0.0),
+]  # fmt: skip
+
+
+@pytest.mark.parametrize(("pipeline", "threshold", "clamp"), WAYS)
+def test_the_groups_sum_up_to_combined(stage, blender, tmp_path, pipeline, threshold, clamp):
+    scene = blender.context.scene
+    key_light(blender, "AREA")
+    if pipeline:
+        look_through_a_lens(scene, pipeline)
+    scene.petzval.samples = 64
+    scene.petzval.use_noise_threshold, scene.petzval.noise_threshold = threshold > 0.0, threshold or 0.01
+    scene.petzval.clamp_indirect = clamp
+    found = []
+    for threads in (1, 3):
+        scene.render.threads_mode, scene.render.threads = "FIXED", threads
+        found.append(photograph(stage, blender, tmp_path / f"{threads}.exr"))
+        sums_up(found[-1])
+    assert all(found[0][f"Combined_{name}"].mean() > 0.05 * found[0]["Combined"].mean() for name in NAMES)
+    assert all(np.array_equal(found[0][name], found[1][name]) for name in found[0])
+
+
+@pytest.mark.parametrize("pipeline", ["FILM", "HERO", "SCENE"])
+def test_a_group_is_the_picture_with_its_emitters_alone(stage, blender, tmp_path, pipeline):
+    """Through a lens, where Cycles has none."""
+    scene = blender.context.scene
+    holder = key_light(blender, "AREA")
+    look_through_a_lens(scene, pipeline)
+    both = photograph(stage, blender, tmp_path / "both.exr")
+    # Black, but as much in the way as it was.
+    stage.panel.data.materials[0] = stage.emitter((0.0, 0.0, 0.0))
+    scene.world = None
+    same(both["Combined_Key light"], photograph(stage, blender, tmp_path / "lamp.exr")["Combined"])
+    blender.data.objects.remove(holder)
+    stage.panel.data.materials[0] = stage.emitter((0.4, 0.7, 1.0), 12.0)
+    same(both["Combined_Panel"], photograph(stage, blender, tmp_path / "panel.exr")["Combined"])
+
+
+def test_instances_are_in_the_group_of_their_object(stage, blender, tmp_path):
+    scene = blender.context.scene
+    holder = key_light(blender, "POINT")
+    shelf = blender.data.collections.new("Shelf")
+    for one in (stage.panel, holder):
+        scene.collection.objects.unlink(one)
+        shelf.objects.link(one)
+    for shift in (0.0, -1.5):
+        placed = blender.data.objects.new("Placed", None)
+        placed.instance_type, placed.instance_collection, placed.location.x = "COLLECTION", shelf, shift
+        # Not its own.
+        placed.lightgroup = "Nobody's"
+        scene.collection.objects.link(placed)
+    ours = photograph(stage, blender, tmp_path / "petzval.exr")
+    theirs = photograph(stage, blender, tmp_path / "cycles.exr", "CYCLES")
+    for name in NAMES:
+        same(ours[f"Combined_{name}"], theirs[f"Combined_{name}"])
+    sums_up(ours)
+
+
+def test_each_view_layer_has_its_own(stage, blender, tmp_path):
+    scene = blender.context.scene
+    key_light(blender, "AREA")
+    scene.petzval.samples = 16
+    other = scene.view_layers.new("Other")
+    other.lightgroups.add(name="Sky")
+    stage.exr(scene, "OPEN_EXR_MULTILAYER")
+    scene.render.image_settings.exr_codec = "NONE"
+    scene.render.filepath = str(tmp_path / "layers.exr")
+    blender.ops.render.render(write_still=True)
+    channels = exr_channels(tmp_path / "layers.exr")
+    first = scene.view_layers[0].name
+    assert {name for name in channels if ".Combined_" in name and name.endswith(".R")} == {
+        f"{first}.Combined_Nobody's.R", "Other.Combined_Sky.R", *(f"{first}.Combined_{name}.R" for name in NAMES)
+    }  # fmt: skip
+    # The same random numbers, whatever the group's number.
+    assert np.array_equal(channels["Other.Combined_Sky.G"], channels[f"{first}.Combined_Sky.G"])
+
+
+def test_bidirectional_paths_say_that_they_cannot(stage, blender, tmp_path):
+    scene = blender.context.scene
+    key_light(blender, "AREA")
+    look_through_a_lens(scene, "HERO")
+    scene.petzval.integrator, scene.petzval.samples = "BIDIRECTIONAL", 4
+    pictures = photograph(stage, blender, tmp_path / "picture.exr")
+    assert pictures["Combined"].any() and not grouped(pictures).any()
+    assert any("light groups" in one for one in stage.part("statistics").last("Scene").warnings)
