@@ -190,6 +190,11 @@ fn the_user_has_the_last_word() {
         let error = large().plan(&wishes(&[(effect, Word::On)])).unwrap_err();
         assert!(matches!(error, PlanError::NotYet(e) if e == effect), "{error}");
     }
+    // Light that comes from the other end needs the lens as it is.
+    let shot = large();
+    let two_way = |words: &[(Effect, Word)]| Plan::new(&shot.stage, &shot.d, &[], shot.size, &wishes(words), true);
+    assert!(matches!(two_way(&[(Effect::Distortion, Word::Off)]), Err(PlanError::Conflict(_))));
+    assert_eq!(two_way(&[(Effect::Vignetting, Word::Off)]).unwrap().camera.way, Way::Exact);
     let pinhole = Shot { d: CameraDescription { model: Model::Pinhole, ..triplet() }, ..large() };
     assert_eq!(pinhole.plan(&Wishes::default()).unwrap().camera.way, Way::Given);
     assert!(matches!(pinhole.plan(&wishes(&[(Effect::Distortion, Word::On)])), Err(PlanError::Conflict(_))));

@@ -1,10 +1,11 @@
 //! From measures and wishes to decisions: the cheapest camera that leaves out nothing that can be seen.
 
+use super::measured::{Known, measure};
 use super::price::{Price, sample_ns};
-use super::words::{size, worst};
-use super::{Decision, Effect, PlanError, Unit, Wishes, Word};
+use super::words::size;
+use super::{Decision, Effect, PlanError, Wishes, Word};
 use crate::camera::setup::{D_LINE_NM, LensInfo};
-use crate::camera::survey::{LensMeasures, LensShape, Survey, Worst};
+use crate::camera::survey::{LensMeasures, LensShape};
 use crate::camera::{CameraDescription, Model, Shown, Spectrum};
 use crate::pipeline::Pipeline;
 use crate::spectrum::{SET_SIZE, SPECTRAL_COUNT};
@@ -107,48 +108,43 @@ impl CameraChoice {
     }
 }
 
-/// What is known when it is decided.
-pub(super) struct Known<'a> {
-    pub(super) d: &'a CameraDescription,
-    pub(super) survey: &'a Survey,
-    pub(super) lens: LensMeasures,
-    /// `None` where the lens stands still.
-    pub(super) motion: Option<Worst>,
-    /// Ghosts of the brightest source, as a part of the exposure.
-    pub(super) ghosts: Option<f64>,
-    /// Light paths end in a lens that is traced.
-    pub(super) needs_lens: bool,
-}
-
-/// An effect's size, and what is said of it.
-struct Measured {
-    value: Option<f64>,
-    text: String,
-}
-
 pub(super) fn decide(known: &Known<'_>, wishes: &Wishes) -> Result<(Vec<Decision>, CameraChoice, f64), PlanError> {
-    let Known { d, survey, lens, .. } = known;
-    let tolerance = |effect: Effect| effect.unit().tolerance(wishes.quality);
-    let measured = |effect| measure(known, effect);
-    // Whether an effect is called for.
-    let wanted = |effect: Effect| match wishes.word(effect) {
-        Word::On => true,
-        Word::Off => false,
-        Word::Auto => effect.is_available() && measured(effect).value.is_some_and(|m| m * MARGIN > tolerance(effect)),
-    };
     if let Some(effect) = Effect::ALL.into_iter().find(|e| wishes.word(*e) == Word::On && !e.is_available()) {
         return Err(PlanError::NotYet(effect));
     }
+    let (choice, price) = choose(known, wishes)?;
+    let decisions = Effect::ALL.into_iter().map(|effect| decision(effect, known, wishes, &choice, price)).collect();
+    Ok((decisions, choice, sample_ns(price, known.survey.shape())))
+}
+
+fn tolerance(effect: Effect, wishes: &Wishes) -> f64 {
+    effect.unit().tolerance(wishes.quality)
+}
+
+/// Whether an effect is called for.
+fn is_wanted(effect: Effect, known: &Known<'_>, wishes: &Wishes) -> bool {
+    let is_large = || measure(known, effect).value.is_some_and(|m| m * MARGIN > tolerance(effect, wishes));
+    match wishes.word(effect) {
+        Word::On => true,
+        Word::Off => false,
+        Word::Auto => effect.is_available() && is_large(),
+    }
+}
+
+/// The cheapest camera that has what is called for.
+fn choose(known: &Known<'_>, wishes: &Wishes) -> Result<(CameraChoice, Price), PlanError> {
+    let Known { d, survey, lens, .. } = known;
+    let wanted = |effect: Effect| is_wanted(effect, known, wishes);
 
     // Colours: as many wavelengths as their images need to lie closer together than can be told apart.
     let colours = [Effect::LateralColour, Effect::AxialColour];
-    let has_colours =
-        survey.has_colours() || (d.wavelength_nm.is_some() && colours.map(|e| wishes.word(e)).contains(&Word::On));
+    let is_asked = colours.map(|effect| wishes.word(effect)).contains(&Word::On);
+    let has_colours = survey.has_colours() || (d.wavelength_nm.is_some() && is_asked);
     let in_colour = has_colours && colours.into_iter().any(wanted);
     let spread = lens.lateral_colour.value.max(lens.axial_colour.value);
     let bands = match d.spectrum {
         Spectrum::Visible => {
-            let needed = (MARGIN * spread / tolerance(Effect::LateralColour)).ceil();
+            let needed = (MARGIN * spread / tolerance(Effect::LateralColour, wishes)).ceil();
             let sets = ((needed / SET_SIZE as f64).ceil() as usize).clamp(1, SPECTRAL_COUNT / SET_SIZE);
             Spectrum::Bands(sets * SET_SIZE)
         }
@@ -166,8 +162,11 @@ pub(super) fn decide(known: &Known<'_>, wishes: &Wishes) -> Result<(Vec<Decision
         lateral_colour: !off(Effect::LateralColour) || !in_colour,
         axial_colour: !off(Effect::AxialColour) || !in_colour,
     };
+    if known.needs_lens && !shown.is_traced_plainly() {
+        let what = "bidirectional paths end in the lens as it is; set what is off to auto, or choose path tracing";
+        return Err(PlanError::Conflict(what.to_owned()));
+    }
 
-    // The cheapest that has what is called for.
     let shape = survey.shape();
     let geometry = [Effect::Aberration, Effect::Distortion, Effect::Vignetting];
     let is_plain = !in_colour
@@ -175,74 +174,57 @@ pub(super) fn decide(known: &Known<'_>, wishes: &Wishes) -> Result<(Vec<Decision
         && shown == Shown::default()
         && Effect::ALL.into_iter().all(|e| wishes.word(e) != Word::On || !e.is_lens())
         && !geometry.into_iter().any(wanted)
-        && lens.cats_eye.value * MARGIN <= tolerance(Effect::Defocus)
+        && lens.cats_eye.value * MARGIN <= tolerance(Effect::Defocus, wishes)
         && lens.dark_part == 0.0;
     let carried = spectrum.map_or(1, |s| s.count().min(SET_SIZE));
     let exact = Price::Exact { is_single: true, carried };
-    let info = survey.info();
     let can_be_pinhole = survey.is_upright() && d.exposure.is_none();
     let (way, price) = if is_plain && !wanted(Effect::Defocus) && can_be_pinhole {
-        (pinhole(info), Price::Pinhole)
+        (pinhole(survey.info()), Price::Pinhole)
     } else if is_plain && sample_ns(Price::Gaussian, shape) < sample_ns(exact, shape) {
         (Way::Gaussian, Price::Gaussian)
     } else {
         (Way::Exact, exact)
     };
-
     let round_f_number = (lens.diaphragm_part > 0.0 && !wanted(Effect::Diaphragm)).then(|| survey.f_number_by_area());
     let is_moving = known.motion.is_some() && wanted(Effect::MotionBlur);
     // Rays that are sent elsewhere on purpose are followed from the film.
     let pipeline = if shown.is_traced_plainly() { wishes.pipeline } else { Pipeline::FilmFirst };
-    let choice = CameraChoice { way, pipeline, spectrum, round_f_number, shown, is_moving };
-
-    let cost = |effect: Effect| cost_ns(effect, &choice, price, shape, lens);
-    let decision = |effect: Effect| {
-        let (word, m) = (wishes.word(effect), measured(effect));
-        let is_large = m.value.is_some_and(|value| value * MARGIN > tolerance(effect));
-        let is_on = is_simulated(effect, &choice, known, word);
-        if m.value == Some(0.0) && word == Word::Auto && !is_on {
-            let (tolerance, measure) = (tolerance(effect), m.value);
-            let why = m.text + ": nothing to simulate";
-            return Decision { effect, measure, tolerance, word, is_on, is_uncertain: false, why, cost_ns: 0.0 };
-        }
-        let sized = match m.value {
-            Some(value) if value > tolerance(effect) => {
-                format!("{}, more than {}", m.text, limit(effect, tolerance(effect)))
-            }
-            Some(_) if is_large => format!("{}, too near to {}", m.text, limit(effect, tolerance(effect))),
-            Some(_) => format!("{}, less than {}", m.text, limit(effect, tolerance(effect))),
-            None => m.text,
-        };
-        let outcome = match (word, is_on) {
-            (Word::On, _) => ": simulated, as asked".to_owned(),
-            (Word::Off, false) => ": left out, as asked".to_owned(),
-            (_, false) if !effect.is_available() && is_large => {
-                ": it would be seen, but cannot be simulated yet".to_owned()
-            }
-            (_, false) => ": left out".to_owned(),
-            (Word::Off, true) => ": comes along, for it cannot be taken out of this lens".to_owned(),
-            (Word::Auto, true) if is_large => ": simulated".to_owned(),
-            (Word::Auto, true) => format!(": comes along at no cost with the {} lens", choice.way.name()),
-        };
-        let is_uncertain =
-            lens.dark_part > DARK || (is_large && m.value.is_some_and(|value| value <= tolerance(effect)));
-        Decision {
-            effect,
-            measure: m.value,
-            tolerance: tolerance(effect),
-            word,
-            is_on,
-            is_uncertain,
-            why: sized + &outcome,
-            cost_ns: if is_on { cost(effect) } else { 0.0 },
-        }
-    };
-    let decisions = Effect::ALL.into_iter().map(decision).collect();
-    Ok((decisions, choice, sample_ns(price, shape)))
+    Ok((CameraChoice { way, pipeline, spectrum, round_f_number, shown, is_moving }, price))
 }
 
-fn limit(effect: Effect, tolerance: f64) -> String {
-    size(tolerance, effect.unit())
+/// What became of an effect, and why.
+fn decision(effect: Effect, known: &Known<'_>, wishes: &Wishes, choice: &CameraChoice, price: Price) -> Decision {
+    let (word, tolerance, found) = (wishes.word(effect), tolerance(effect, wishes), measure(known, effect));
+    let measure = found.value;
+    let is_large = measure.is_some_and(|value| value * MARGIN > tolerance);
+    let is_on = is_simulated(effect, choice, known, word);
+    let limit = size(tolerance, effect.unit());
+    let why = if measure == Some(0.0) && word == Word::Auto && !is_on {
+        found.text + ": nothing to simulate"
+    } else {
+        let sized = match measure {
+            Some(value) if value > tolerance => format!("{}, more than {limit}", found.text),
+            Some(_) if is_large => format!("{}, too near to {limit}", found.text),
+            Some(_) => format!("{}, less than {limit}", found.text),
+            None => found.text,
+        };
+        let outcome = match (word, is_on) {
+            (Word::On, _) => "simulated, as asked".to_owned(),
+            (Word::Off, false) => "left out, as asked".to_owned(),
+            (_, false) if !effect.is_available() && is_large => {
+                "it would be seen, but cannot be simulated yet".to_owned()
+            }
+            (_, false) => "left out".to_owned(),
+            (Word::Off, true) => "comes along, for it cannot be taken out of this lens".to_owned(),
+            (Word::Auto, true) if is_large => "simulated".to_owned(),
+            (Word::Auto, true) => format!("comes along at no cost with the {} lens", choice.way.name()),
+        };
+        format!("{sized}: {outcome}")
+    };
+    let is_uncertain = known.lens.dark_part > DARK || (is_large && measure.is_some_and(|value| value <= tolerance));
+    let cost_ns = if is_on { cost_ns(effect, choice, price, known.survey.shape(), &known.lens) } else { 0.0 };
+    Decision { effect, measure, tolerance, word, is_on, is_uncertain, why, cost_ns }
 }
 
 fn pinhole(info: &LensInfo) -> Way {
@@ -286,67 +268,5 @@ fn cost_ns(effect: Effect, choice: &CameraChoice, price: Price, shape: LensShape
         }
         Effect::Defocus if choice.way == Way::Gaussian => with - sample_ns(Price::Pinhole, shape),
         _ => 0.0,
-    }
-}
-
-/// The size of an effect in this picture.
-fn measure(known: &Known<'_>, effect: Effect) -> Measured {
-    let Known { survey, lens, .. } = known;
-    let of = |one: Worst| Measured { value: Some(one.value), text: worst(one, effect) };
-    match effect {
-        Effect::Defocus => of(lens.defocus),
-        Effect::Aberration => of(lens.aberration),
-        Effect::Distortion => of(lens.distortion),
-        Effect::LateralColour | Effect::AxialColour if !survey.has_colours() => {
-            let text = match known.d.wavelength_nm {
-                Some(nm) => format!("the camera photographs at {nm:.0} nm alone"),
-                None => "nothing in the lens disperses".to_owned(),
-            };
-            Measured { value: Some(0.0), text }
-        }
-        Effect::LateralColour => of(lens.lateral_colour),
-        Effect::AxialColour => of(lens.axial_colour),
-        Effect::Vignetting => {
-            let cut = match lens.cats_eye.value {
-                v if v >= 0.1 => format!(", rims narrow blur by {}", size(v, Unit::Pixels)),
-                _ => String::new(),
-            };
-            let one = of(lens.vignetting);
-            Measured { text: one.text + &cut, ..one }
-        }
-        Effect::Diaphragm if lens.diaphragm_part == 0.0 => {
-            Measured { value: Some(0.0), text: "the opening is round".to_owned() }
-        }
-        Effect::Diaphragm => {
-            let value = lens.diaphragm_part * (lens.defocus.value + lens.aberration.value);
-            Measured { value: Some(value), text: size(value, Unit::Pixels) }
-        }
-        Effect::MotionBlur => match known.motion {
-            Some(motion) => of(motion),
-            None => Measured { value: Some(0.0), text: "the lens stands still".to_owned() },
-        },
-        Effect::Transmission => {
-            let value = lens.tint_stops.abs();
-            let colour = if lens.tint_stops > 0.0 { "blue" } else { "red" };
-            Measured {
-                value: Some(value),
-                text: format!("uncoated, it would take {} more of {colour}", size(value, Unit::Stops)),
-            }
-        }
-        Effect::Ghosts => match known.ghosts {
-            Some(value) => Measured {
-                value: Some(value),
-                text: format!("uncoated, the brightest is {}", size(value, Unit::Exposure)),
-            },
-            None => Measured { value: Some(0.0), text: "no bright source in the field or near it".to_owned() },
-        },
-        Effect::Glare => Measured { value: None, text: "not measured: there is no model of it yet".to_owned() },
-        Effect::Diffraction => Measured {
-            value: Some(lens.airy_px),
-            text: format!("the first dark ring is {} wide", size(lens.airy_px, Unit::Pixels)),
-        },
-        Effect::SpectralMaterials => {
-            Measured { value: Some(0.0), text: "all of the scene is described in three colours".to_owned() }
-        }
     }
 }

@@ -8,6 +8,7 @@
 mod decide;
 mod light;
 mod look;
+mod measured;
 mod price;
 mod words;
 
@@ -16,10 +17,11 @@ use crate::camera::survey::{GRID, LensMeasures, Survey, Worst};
 use crate::camera::{Camera, CameraDescription, CameraError, Model};
 use crate::integrator::Stage;
 use crate::pipeline::Pipeline;
+use decide::decide;
 pub use decide::{CameraChoice, Way};
-use decide::{Known, decide};
 pub use light::Brightest;
 pub use look::Look;
+use measured::Known;
 pub use price::{Price, sample_ns};
 use std::time::Instant;
 
