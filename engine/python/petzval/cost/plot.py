@@ -121,7 +121,7 @@ def _name(axes: Any, ends: list[tuple[dict[str, Any], float, float]]) -> None:
         axes.annotate(
             row["name"] + floor, (x, y), (x_text, y_text), fontsize=_LABEL, va="center", annotation_clip=False,
             color=_COLOURS[row["key"]], weight="bold" if is_auto else "normal",
-            arrowprops={"arrowstyle": "-", "color": _COLOURS[row["key"]], "linewidth": 0.6, "alpha": 0.6, "shrinkA": 0, "shrinkB": 0},
+            arrowprops={"arrowstyle": "-", "color": _COLOURS[row["key"]], "linewidth": 0.6, "alpha": 0.6, "shrinkA": 0, "shrinkB": 0, "relpos": (0.0, 0.5)},
         )  # fmt: skip
 
 
@@ -172,11 +172,11 @@ def _plain_numbers(axis: Any) -> None:
 
 def _caption(figure: Any, found: dict[str, Any]) -> None:
     first, *rest = found.get("advice") or advice(found)
-    lines = textwrap.wrap(first, 105)
+    lines = textwrap.wrap(first, 92)
     figure.text(
         0.06, 0.175, "\n".join(lines), fontsize=_TEXT + 1.0, weight="bold", va="top", linespacing=1.4, color="#222222"
     )
-    rest = textwrap.wrap(" ".join(rest), 135)[:4]
+    rest = textwrap.wrap(" ".join(rest), 122)[:4]
     figure.text(
         0.06,
         0.145 - 0.03 * (len(lines) - 1),

@@ -3,7 +3,7 @@
 
 A round renders the rungs for about as long each, in an order that is drawn anew, and a part of the truth (the top rung with
 random numbers of its own, in two halves). What the machine does beside meets all rungs of a round alike, so times are
-compared within rounds. Rungs that take long to set up have their turn in every `SLOW_STRIDE`th round, with as many more
+compared within rounds. Effects taken out that take long to set up have their turn in every `SLOW_STRIDE`th round, with as many more
 samples. The first round is not counted: it warms up, and says how many samples fit. It ends when the interval of every rung's
 median ratio to the pinhole is narrower than `SETTLED`, but not before `LEAST_ROUNDS`; or when the time given is over, or
 the rounds asked for are done.
@@ -172,7 +172,8 @@ class _Measured:
         ready = self._able()
         most_stride = min(SLOW_STRIDE, (self.options["rounds"] or WANTED_ROUNDS) // 2)
         for one in ready:
-            one.stride = most_stride if one.setup_s[-1] > SLOW_SETUP_S else 1
+            is_slow = one.rung.group == "effect" and one.setup_s[-1] > SLOW_SETUP_S
+            one.stride = most_stride if is_slow else 1
         round_s = max(self.options["seconds"] - self.elapsed(), 1.0) / (self.options["rounds"] or WANTED_ROUNDS)
         apart_s = sum(one.setup_s[-1] / one.stride for one in ready) + sum(self.runs[AUTO].forecast_s)
         each_s = max(((1.0 - TRUTH_PART) * round_s - apart_s) / len(ready), LEAST_RENDER_S)
