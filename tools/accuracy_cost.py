@@ -141,8 +141,9 @@ def _lessons(rows: list[dict[str, dict]], found: list[dict]) -> list[str]:
 
     def bias(key: str) -> str:
         values = sorted(one[key]["bias"] for one in rows if key in one)
-        low = percent(values[0]) if values[0] > 0.0 else "nothing that can be told from noise"
-        return f"from {low} to {percent(values[-1])}"
+        if values[-1] == 0.0:
+            return "nothing that can be told from noise"
+        return f"up to {percent(values[-1])}" if values[0] == 0.0 else f"{percent(values[0])} to {percent(values[-1])}"
 
     quotients = [abs(one["auto"]["predicted_over_measured"] - 1.0) for one in found]
     pairs = [

@@ -91,8 +91,10 @@ def _beside(auto: dict[str, Any], top: dict[str, Any], reach: dict[str, float | 
     mine, full = reach["auto"], reach["hero"]
     if full is None or mine is None:
         return ""
-    change = full / mine - 1.0
-    if abs(change) <= ALIKE:
+    times = full / mine
+    if abs(times - 1.0) <= ALIKE:
         return "Everything on, all wavelengths, takes as long for the same error."
-    word = "longer" if change > 0.0 else "less"
-    return f"Everything on, all wavelengths, takes {abs(change):.0%} {word} for the same error."
+    if times >= 2.0:
+        return f"Everything on, all wavelengths, takes {times:.1f} times as long for the same error."
+    word = "longer" if times > 1.0 else "less time"
+    return f"Everything on, all wavelengths, takes {abs(times - 1.0):.0%} {word} for the same error."
