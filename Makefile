@@ -6,7 +6,7 @@ DEMO_OPTIONS =
 BENCH_OPTIONS =
 PARITY_OPTIONS =
 
-.PHONY: help demo test test-all lint setup build extension speed price bench parity numerics clean
+.PHONY: help demo test test-all lint setup build extension speed price accuracy-cost bench parity numerics clean
 
 help: ## what there is to make
 	@sed -n 's/^\([a-z-]*\):.*## \(.*\)/\1\t\2/p' Makefile | expand -t 12
@@ -47,6 +47,10 @@ speed: ## time the lens tracer, and write docs/lens-speed.md
 
 price: build ## what each camera and pipeline costs, into docs/camera-price.md
 	@$(dir $(PETZVAL))python tools/camera-price.py
+
+accuracy-cost: build ## what each step from the pinhole to the full lens costs and mends, into docs/accuracy-cost.md
+	@tools/setup-python.sh bench
+	@.venv-bench/bin/python tools/accuracy_cost.py
 
 bench: build ## Petzval beside Cycles and Mitsuba, into docs/performance.md; BENCH_OPTIONS=--quick to try
 	@tools/setup-python.sh bench

@@ -157,6 +157,11 @@ class _Photograph:
             neighbours = neighbours and tuple(
                 dataclasses.replace(then, **focused(then, self.focus)) for then in neighbours
             )
+        if loop.WATCH.study is not None:
+            wishes = effects.wishes(self.scene.petzval)
+            loop.WATCH.study(loop.Subject(scene, camera, settings, moving, wishes, sync_seconds))
+            _deliver_black(self.host, self.depsgraph)
+            return
         if not self._plan(native, scene, camera, settings, moving):
             return
         mattes = [one.engine_name for one in self.mattes]

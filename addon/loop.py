@@ -6,6 +6,7 @@ from __future__ import annotations
 import threading
 import time
 from collections.abc import Callable
+from dataclasses import dataclass
 from typing import Any, TypeVar
 
 from .tiles import Tile
@@ -22,6 +23,19 @@ class Stopped(Exception):
     """The user asked to stop before there was anything to keep."""
 
 
+@dataclass(frozen=True)
+class Subject:
+    """Everything that a render is made of, ready to be rendered, in the words of the engine's `Job`."""
+
+    scene: Any
+    camera: Any
+    settings: Any
+    over_the_shutter: list
+    wishes: dict[str, Any]
+    #: That reading the scene took.
+    sync_seconds: float
+
+
 class Watch:
     """For a program that drives Blender from outside: it may ask to stop, and be told of the progress."""
 
@@ -30,6 +44,8 @@ class Watch:
         self.on_progress: Callable[[float, str], None] | None = None
         #: A render ends when it is known what it would simulate.
         self.plan_only = False
+        #: Instead of a render: is handed what would be rendered, once for each view layer.
+        self.study: Callable[[Subject], None] | None = None
 
 
 #: Read by every render of this process.

@@ -1,5 +1,5 @@
 # SPDX-License-Identifier: GPL-3.0-or-later
-"""The half of `petzval render` and `petzval plan` that runs where Blender is: opens the scene, sets the camera, renders,
+"""The half of `petzval render`, `plan` and `cost` that runs where Blender is: opens the scene, sets the camera, renders,
 saves.
 
 Imported in bpy, or run as a script by `blender -b --python render_in_blender.py -- OPTIONS`.
@@ -21,8 +21,8 @@ _ONE_KEYPRESS_SECONDS = 1.0
 
 
 def render(options: dict) -> int:
-    """Renders as `render_command` has checked the options, or plans as `plan_command` has; gives the exit status and has
-    said what went wrong."""
+    """Renders as `render_command` has checked the options, or plans as `plan_command` has, or measures as `cost_command`
+    has; gives the exit status and has said what went wrong."""
     voice = _own_stderr(options.get("stderr_fd"))
     try:
         error, interrupted = _render(options, voice)
@@ -57,6 +57,7 @@ def _render(options: dict, voice: TextIO) -> tuple[str | None, bool]:
         return f"no Blender in this Python: {error}: pip install bpy, or name a Blender with --blender", False
 
     from petzval import load_addon
+    from petzval.progress_bar import ProgressBar
 
     addon = load_addon()
     if not hasattr(bpy.types.Scene, "petzval"):
@@ -72,19 +73,25 @@ def _render(options: dict, voice: TextIO) -> tuple[str | None, bool]:
     if error:
         return error, False
     watch = addon.loop.WATCH
-    plan = options.get("plan")
+    plan, cost = options.get("plan"), options.get("cost")
     watch.plan_only = plan is not None
+    if cost is not None:
+        from petzval.cost.runs import Study
+
+        watch.study = Study(cost | {"exposure_stops": scene.view_settings.exposure}, watch)
     if voice.isatty() and plan is None:
-        watch.on_progress = _progress_bar(voice)
+        watch.on_progress = ProgressBar(voice)
     _stop_on_interrupt(watch)
     problem = None
     try:
-        bpy.ops.render.render(write_still=plan is None, scene=scene.name)
+        bpy.ops.render.render(write_still=plan is None and cost is None, scene=scene.name)
     except RuntimeError as failed:
         problem = _one_line(failed)
     interrupted = watch.stop.is_set()
     if watch.on_progress is not None:
         watch.on_progress.end()
+    if cost is not None:
+        return problem or watch.study.save(), interrupted
     last = addon.planning.last(scene.name) if plan is not None else addon.statistics.last(scene.name)
     if problem is None and last is None and not interrupted:
         problem = f"nothing was rendered: {options['scene']}: look at what Blender said"
@@ -280,41 +287,6 @@ def _peak_memory_mb() -> float | None:
     # Kilobytes, but bytes on a Mac.
     unit = 1024.0**2 if sys.platform == "darwin" else 1024.0
     return resource.getrusage(resource.RUSAGE_SELF).ru_maxrss / unit
-
-
-class _progress_bar:
-    """Draws one line on a terminal: how much is done, and how long the rest will take."""
-
-    _WIDTH = 30
-    _LEAST_SECONDS = 0.1
-
-    def __init__(self, terminal: TextIO) -> None:
-        self._terminal = terminal
-        self._rendering_since: float | None = None
-        self._drawn = 0.0
-        self._last = ""
-
-    def __call__(self, part: float, text: str) -> None:
-        now = time.monotonic()
-        if part > 0.0 and self._rendering_since is None:
-            self._rendering_since = now
-        if now - self._drawn < self._LEAST_SECONDS and part < 1.0:
-            return
-        self._drawn = now
-        rest = ""
-        if self._rendering_since is not None and part > 0.01:
-            rest = f"{(now - self._rendering_since) * (1.0 - part) / part:.0f} s left"
-        done = int(part * self._WIDTH)
-        self._last = f"[{'#' * done}{'.' * (self._WIDTH - done)}] {part:4.0%}  {text}  {rest}"
-        # Blender's own lines go to the same terminal: each time on a cleared line.
-        self._terminal.write(f"\r\x1b[K{self._last}")
-        self._terminal.flush()
-
-    def end(self) -> None:
-        """The line stays, and the next begins."""
-        if self._last:
-            self._terminal.write("\n")
-            self._terminal.flush()
 
 
 def _one_line(error: BaseException) -> str:

@@ -1,0 +1,118 @@
+# SPDX-License-Identifier: GPL-3.0-or-later
+"""The rungs: which cameras take the picture, from the simplest to all that a lens does. No bpy."""
+
+from __future__ import annotations
+
+from dataclasses import dataclass, field
+from typing import Any
+
+#: What everything is held against.
+PINHOLE = "pinhole"
+#: The plan's own choice.
+AUTO = "auto"
+#: All effects, all wavelengths: the truth, by the pipeline that the engine takes by itself.
+TOP = "hero"
+
+#: One wavelength stands for all: the d line.
+ONE_NM = 587.5618
+#: No effect is too small to be simulated.
+FINEST = 100.0
+
+#: Lens effects that are no colours: with one wavelength, these alone can be asked for.
+_COLOURS = ("lateral_colour", "axial_colour")
+
+#: What cannot be simulated yet, but stands in the table so that nobody looks for it in vain.
+NOT_YET = {
+    "transmission": "with coatings",
+    "ghosts": "with ghosts",
+    "diffraction": "with diffraction",
+}
+
+
+@dataclass(frozen=True)
+class Rung:
+    """One camera. `camera` and `settings` replace fields of what the scene says, `effects` goes to its plan."""
+
+    key: str
+    name: str
+    #: camera | auto | effect
+    group: str
+    camera: dict[str, Any] = field(default_factory=dict)
+    settings: dict[str, Any] = field(default_factory=dict)
+    effects: dict[str, str] = field(default_factory=dict)
+    quality: float = 1.0
+    #: Why it cannot be rendered; None where it can.
+    missing: str | None = None
+
+
+def ladder(camera: Any, info: dict[str, Any], available: list[str], wishes: dict[str, Any]) -> list[Rung]:
+    """The rungs for a camera with a lens.
+
+    `info` is the engine's `camera_info_json` of it, `available` the effects that can be simulated, `wishes` what the user
+    says to the plan.
+    """
+    on = dict.fromkeys(available, "on")
+    grey = {name: word for name, word in on.items() if name not in _COLOURS}
+    one = {"wavelength_nm": ONE_NM}
+    full = {"wavelength_nm": None, "spectrum": "VISIBLE"}
+
+    def exact(key: str, name: str, changes: dict, effects: dict, pipeline: str = "AUTO") -> Rung:
+        return Rung(key, name, "camera", changes, {"pipeline": pipeline}, effects, FINEST)
+
+    simple = _simple(camera, info)
+    rungs = [
+        *simple,
+        Rung("thick", "thick lens", "camera", {"model": "THICK"}),
+        Rung("paraxial", "paraxial lens", "camera", {"model": "PARAXIAL"}),
+        exact("one-f32", "exact, one wavelength, f32", one | {"precision": "F32"}, grey),
+        exact("one-f64", "exact, one wavelength, f64", one | {"precision": "F64"}, grey),
+        exact("rgb", "exact, three indices", {"wavelength_nm": None, "spectrum": "THREE"}, on),
+        exact("film", "exact, spectral, film-first", full, on, "FILM"),
+        exact("scene", "exact, spectral, scene-first", full, on, "SCENE"),
+        exact(TOP, "exact, spectral, hero", full, on, "HERO"),
+        Rung(AUTO, "auto: the plan's choice", "auto", {}, {}, wishes["effects"], wishes["quality"]),
+    ]
+    for effect in available:
+        words = on | {effect: "off"}
+        rungs.append(Rung(f"no-{effect}", _without(effect), "effect", full, {}, words, FINEST))
+    for effect, name in NOT_YET.items():
+        if effect not in available:
+            rungs.append(Rung(f"with-{effect}", name, "camera", missing="cannot be simulated yet"))
+    return rungs
+
+
+def effect_of(rung_key: str) -> str | None:
+    """The effect that a rung leaves out."""
+    return rung_key.removeprefix("no-") if rung_key.startswith("no-") else None
+
+
+def _without(effect: str) -> str:
+    return "without " + effect.replace("_", " ")
+
+
+def _simple(camera: Any, info: dict[str, Any]) -> list[Rung]:
+    """Pinhole and thin lens that frame the same picture; the thin lens as wide open and focused alike."""
+    names = {PINHOLE: "pinhole", "thin": "thin lens"}
+    focal_mm, pupil_mm = info["viewport_focal_length_mm"], info["entrance_pupil_diameter_mm"]
+    if not focal_mm or focal_mm <= 0.0:
+        return [Rung(key, name, "camera", missing="sees no half space") for key, name in names.items()]
+    frame = {
+        "model": "PINHOLE",
+        "pinhole_focal_length_mm": focal_mm,
+        "pinhole_film_width_mm": info["picture_width_mm"],
+        "pinhole_shift": tuple(info["viewport_shift"]),
+        # A pinhole has no brightness of its own.
+        "exposure": None,
+    }
+    distance_mm = info["focus_distance_mm"]
+    thin = {
+        "model": "THIN",
+        "f_number": focal_mm / pupil_mm if pupil_mm else camera.f_number,
+        "focus_distance": None if distance_mm is None else distance_mm / camera.scale_mm_per_unit[2],
+        "focus_point_world": None,
+        "film_distance_mm": None,
+    }
+    return [
+        Rung(PINHOLE, names[PINHOLE], "camera", frame),
+        Rung("thin", names["thin"], "camera", frame | thin | {"exposure": camera.exposure}),
+    ]

@@ -1,0 +1,113 @@
+# SPDX-License-Identifier: GPL-3.0-or-later
+"""`petzval cost`: what each step from the pinhole to the full lens costs in this picture, and what it mends.
+
+All cameras render in one process, in rounds; it ends when the interval of every camera's median time over the pinhole's is
+narrower than 3 %, when the time given is over, or after the rounds asked for (`cost/runs.py`). Ctrl-C ends it too, and
+what is known by then is written.
+"""
+
+from __future__ import annotations
+
+import argparse
+import json
+import os
+import sys
+import tempfile
+from pathlib import Path
+
+from . import argument_types as types
+from . import scene_options
+from .errors import CommandError
+
+_PICTURES = ("costs.png", "costs.svg")
+
+
+def add_parser(subparsers: argparse._SubParsersAction) -> None:
+    """Adds `cost`."""
+    p = subparsers.add_parser("cost", help="measure what accuracy costs", allow_abbrev=False)
+    scene_options.add(p)
+    p.add_argument("-o", "--output", metavar="DIR", required=True, help="a folder for costs.json, .md, .png and .svg")
+    p.add_argument(
+        "--samples", type=types.count, metavar="N", help="paths for each pixel of the picture whose price is told"
+    )
+    p.add_argument("--rounds", type=_rounds, default=0, metavar="N|auto", help="default: until the times have settled")
+    p.add_argument("--seconds", type=types.positive, default=120.0, metavar="T", help="at most, about; default: 120")
+    p.add_argument("--json", action="store_true", help="costs.json on stdout, too, and nothing else")
+
+
+def _rounds(text: str) -> int:
+    if text == "auto":
+        return 0
+    value = types.count(text)
+    if value < 4:
+        raise argparse.ArgumentTypeError(f"must be auto, or at least 4: {text}")
+    return value
+
+
+_rounds.__name__ = "number"
+
+
+def run(arguments: argparse.Namespace) -> int:
+    """Measures; the exit status."""
+    options = scene_options.checked(arguments)
+    if arguments.camera:
+        arguments.usage_error("--camera: all of them are measured; leave it out, and name a lens with --lens")
+    folder = Path(arguments.output)
+    try:
+        folder.mkdir(parents=True, exist_ok=True)
+    except OSError as error:
+        raise CommandError(f"cannot make {folder}: {error.strerror}: name another folder") from None
+    for name in ("costs.json", "costs.md", *_PICTURES):
+        scene_options.check_writable(folder / name)
+    # Blender says what it likes on stdout: that is kept for the numbers.
+    own_stdout = os.dup(1)
+    os.dup2(os.open(os.devnull, os.O_WRONLY), 1)
+    with tempfile.TemporaryDirectory() as temporary:
+        results = Path(temporary) / "costs.json"
+        cost = {"results": str(results), "rounds": arguments.rounds, "seconds": arguments.seconds}
+        options |= {"samples": arguments.samples, "cost": cost}
+        voice = os.dup(2)
+        if arguments.blender:
+            status = scene_options.in_blender(arguments.blender, options)
+        else:
+            from .render_in_blender import render
+
+            status = render(options)
+        if results.exists():
+            found = json.loads(results.read_text(encoding="utf-8"))
+            found = {"scene": Path(arguments.scene).stem} | found
+            with os.fdopen(voice, "w") as says, os.fdopen(own_stdout, "w", encoding="utf-8") as out:
+                text = _write(found, folder, says)
+                print(json.dumps(found, indent=1) if arguments.json else text, file=out)
+    if arguments.blender:
+        return status
+    from .render_in_blender import finish
+
+    # bpy with a render engine hangs or crashes when Python ends by itself.
+    sys.stdout = open(os.devnull, "w")  # noqa: SIM115
+    finish(status)
+    return status
+
+
+def _write(found: dict, folder: Path, says) -> str:
+    """All files; gives what a terminal shows."""
+    from .cost import advice, tables
+
+    found["advice"] = advice.advice(found)
+    (folder / "costs.json").write_text(json.dumps(found, indent=1) + "\n", encoding="utf-8")
+    has_pictures = _draw(found, folder, says)
+    page = tables.markdown(found, picture="costs.png" if has_pictures else None)
+    (folder / "costs.md").write_text(page, encoding="utf-8")
+    return page
+
+
+def _draw(found: dict, folder: Path, says) -> bool:
+    try:
+        import matplotlib  # noqa: F401
+    except ImportError:
+        print(f"petzval: no matplotlib, so no {' and '.join(_PICTURES)}: pip install 'petzval[plots]'", file=says)
+        return False
+    from .cost import plot
+
+    plot.draw(found, [folder / name for name in _PICTURES])
+    return True

@@ -1,0 +1,214 @@
+#!/usr/bin/env python3
+# SPDX-License-Identifier: GPL-3.0-or-later
+"""What accuracy costs, in three scenes through three lenses each: runs `petzval cost` nine times, and writes
+docs/accuracy-cost.md. Run by `make accuracy-cost` in .venv-bench, which has matplotlib; renders where bpy is."""
+
+from __future__ import annotations
+
+import argparse
+import datetime
+import json
+import os
+import re
+import subprocess
+import sys
+from pathlib import Path
+from statistics import median
+
+ROOT = Path(__file__).resolve().parent.parent
+WORK = ROOT / "output" / "accuracy-cost"
+sys.path.insert(0, str(ROOT / "engine/python"))
+
+from petzval.cost import plot, tables  # noqa: E402
+from petzval.cost.advice import percent  # noqa: E402
+
+#: Scene: options that go with it, and what it is.
+SCENES = {
+    "demo": (["--resolution", "120x68"], "the desk of the demo scene: defocus from near to far, many lamps, noisy"),
+    "landscape": (
+        ["--resolution", "180x120"],
+        "hills and trees far away in sunlight: all of it in focus, hardly noisy",
+    ),
+    "room": (["--resolution", "180x120"], "a room in a window's light, focused at 2.2 m"),
+}
+#: Lens: how it is scaled, so that all see about as much.
+LENSES = {
+    "wide-angle-smith-f3.4": ["--focal-length", "35", "--film", "36x24"],
+    "double-gauss-f2-tronnier": ["--focal-length", "50", "--film-diagonal", "38"],
+    "cellphone-5.6mm-f3.5": ["--film-diagonal", "5.6"],
+}
+#: These have their picture on the page.
+DRAWN = (("demo", "wide-angle-smith-f3.4"), ("landscape", "cellphone-5.6mm-f3.5"), ("room", "double-gauss-f2-tronnier"))
+SECONDS = 75
+
+
+def main() -> int:
+    asked = argparse.ArgumentParser(prog="accuracy_cost", description="Writes docs/accuracy-cost.md.")
+    asked.add_argument("--python", help="one that has petzval and bpy; default: the checkout's")
+    asked.add_argument("--seconds", type=float, default=SECONDS, help="for each of the nine")
+    asked.add_argument("--page", action="store_true", help="write the page of the last run again")
+    options = asked.parse_args()
+    python = options.python or next(
+        (str(path) for version in ("52", "45") if (path := ROOT / f".venv-bpy{version}/bin/python").exists()), None
+    )
+    if not options.page:
+        if python is None:
+            print("petzval: no environment with bpy: make build", file=sys.stderr)
+            return 1
+        try:
+            _measure(python, options.seconds)
+        except subprocess.CalledProcessError as error:
+            print(f"petzval: {error.cmd[-1]}: it ended with {error.returncode}: see above", file=sys.stderr)
+            return 1
+    found = {pair: json.loads(_file(*pair).read_text()) for pair in _pairs() if _file(*pair).exists()}
+    if len(found) < len(_pairs()):
+        print(f"petzval: not all of it is measured yet: see {WORK.relative_to(ROOT)}", file=sys.stderr)
+        return 1
+    for scene, lens in DRAWN:
+        plot.draw(found[scene, lens], [ROOT / "docs" / _picture(scene, lens)])
+    (ROOT / "docs/accuracy-cost.md").write_text(_page(found))
+    print("petzval: wrote docs/accuracy-cost.md")
+    return 0
+
+
+def _pairs() -> list[tuple[str, str]]:
+    return [(scene, lens) for scene in SCENES for lens in LENSES]
+
+
+def _file(scene: str, lens: str) -> Path:
+    return WORK / f"{scene}-{lens}" / "costs.json"
+
+
+def _picture(scene: str, lens: str) -> str:
+    return f"images/accuracy-cost-{scene}-{lens}.png"
+
+
+def _measure(python: str, seconds: float) -> None:
+    WORK.mkdir(parents=True, exist_ok=True)
+    paths = [os.environ.get("PYTHONPATH", ""), str(ROOT / "tests"), str(ROOT / "tests/scenes")]
+    environment = os.environ | {"PYTHONPATH": os.pathsep.join(filter(None, paths))}
+    made = [scene for scene in SCENES if scene != "demo"]
+    subprocess.run(
+        [python, "-m", "plan_scenes", str(WORK), *made], check=True, env=environment, stdout=subprocess.DEVNULL
+    )
+    for scene, lens in _pairs():
+        blend = ROOT / "tests/scenes/demo.blend" if scene == "demo" else WORK / f"{scene}.blend"
+        print(f"petzval: {scene} through {lens}", flush=True)
+        command = [python, "-m", "petzval", "cost", str(blend), "--lens", str(ROOT / f"lenses/{lens}.lens")]
+        command += [*LENSES[lens], *SCENES[scene][0], "--seconds", str(seconds), "--threads", "1", "--samples", "64"]
+        command += ["-o", str(_file(scene, lens).parent)]
+        subprocess.run(command, check=True, stdout=subprocess.DEVNULL)
+
+
+def _page(found: dict[tuple[str, str], dict]) -> str:
+    some = next(iter(found.values()))
+    rows = [{row["key"]: row for row in one["rungs"] if row["is_measured"]} for one in found.values()]
+    parts = [
+        "# What accuracy costs",
+        "Each picture was taken by every camera that Petzval has, from the pinhole to all that a lens does, and held against "
+        "the truth: everything on, all wavelengths, many samples. An error is how far a pixel is off, of its brightness; what "
+        "of it no samples mend is *for good*. `petzval cost SCENE.blend --lens FILE -o DIR` makes such a page of your own "
+        f"picture. This one was made by `make accuracy-cost` on {datetime.date.today()}, {_machine()}, "
+        f"{some['threads']} thread, {some['samples']} samples a pixel.",
+        "## What one learns",
+        "\n".join(f"- {line}" for line in _lessons(rows, list(found.values()))),
+        "## All nine",
+        _summary(found),
+        "## One by one",
+    ]
+    for (scene, lens), one in found.items():
+        chapter = tables.markdown(one, level=3, picture=None)
+        title, rest = chapter.split("\n\n", 1)
+        title = re.sub("What accuracy costs: ", "", title)
+        parts.append(f"{title}\n\nThe scene: {SCENES[scene][1]}.")
+        if (scene, lens) in DRAWN:
+            parts.append(f"![Error over time, a dot a camera]({_picture(scene, lens)})")
+        parts.append(f"<details><summary>All numbers</summary>\n\n{rest.strip()}\n\n</details>")
+    return "\n\n".join(parts) + "\n"
+
+
+def _lessons(rows: list[dict[str, dict]], found: list[dict]) -> list[str]:
+    """Sentences with the range over all pictures that have both cameras."""
+
+    def over(first: str, second: str, what: str = "us_a_sample") -> list[float]:
+        return [one[first][what] / one[second][what] - 1.0 for one in rows if first in one and second in one]
+
+    def to_equal_noise(first: str, second: str) -> list[float]:
+        return [
+            one[first]["us_a_sample"] * one[first]["noise_of_one_sample"]
+            / (one[second]["us_a_sample"] * one[second]["noise_of_one_sample"]) for one in rows
+        ]  # fmt: skip
+
+    def bias(key: str) -> str:
+        values = sorted(one[key]["bias"] for one in rows if key in one)
+        if values[-1] == 0.0:
+            return "nothing that can be told from noise"
+        return f"up to {percent(values[-1])}" if values[0] == 0.0 else f"{percent(values[0])} to {percent(values[-1])}"
+
+    quotients = [abs(one["auto"]["predicted_over_measured"] - 1.0) for one in found]
+    pairs = [
+        (f"without {row['effect'].replace('_', ' ')}", row["bias"])
+        for one in rows for row in one.values() if row["group"] == "effect"
+    ]  # fmt: skip
+    worst = max(pairs, key=lambda pair: pair[1])
+    return [
+        f"Tracing every ray through every surface of the lens, at one wavelength, changes the time of a sample by "
+        f"{_range(over('one-f32', 'pinhole'))} against a pinhole's. In double precision it is {_range(over('one-f64', 'one-f32'))} more.",
+        f"All wavelengths by the hero pipeline cost {_range(over('hero', 'one-f32'))} on top of one wavelength; three indices, "
+        f"{_range(over('rgb', 'one-f32'))}.",
+        f"For the same noise, film-first takes {_times(to_equal_noise('film', 'hero'))} hero's time, and scene-first "
+        f"{_times(to_equal_noise('scene', 'hero'))}.",
+        f"What the plan chooses takes {_times(to_equal_noise('auto', 'hero'))} the time of everything on for the same noise, "
+        f"and {_range(over('auto', 'pinhole'))} more than a pinhole for a sample.",
+        f"Off for good, however many samples: the pinhole {bias('pinhole')}; the thin lens {bias('thin')}; the thick lens "
+        f"{bias('thick')}; the paraxial lens {bias('paraxial')}; the exact lens at one wavelength {bias('one-f32')}; "
+        f"the plan's choice {bias('auto')}.",
+        f"Of a single effect most is lost {worst[0]}: {percent(worst[1])}.",
+        f"The plan's forecast was off by {100.0 * median(quotients):.0f} % in the middle of these pictures, and by "
+        f"{100.0 * max(quotients):.0f} % at most.",
+    ]
+
+
+def _range(values: list[float]) -> str:
+    low, high = 100.0 * min(values), 100.0 * max(values)
+    return f"{low:.0f} to {high:.0f} %" if round(low) != round(high) else f"{low:.0f} %"
+
+
+def _times(values: list[float]) -> str:
+    low, high = f"{min(values):.2f}", f"{max(values):.2f}"
+    return f"{low} to {high} times" if low != high else f"{low} times"
+
+
+def _summary(found: dict[tuple[str, str], dict]) -> str:
+    head = ("scene", "lens", "the plan took", "pinhole", "exact, one", "hero", "auto", "thick lens is off", "auto is off",
+            "forecast over clock")  # fmt: skip
+    lines = ["| " + " | ".join(head) + " |", "|---|---|---" + "|---:" * (len(head) - 3) + "|"]
+    for (scene, _), one in found.items():
+        row = {row["key"]: row for row in one["rungs"] if row["is_measured"]}
+        camera = one["auto"]["camera"]
+        count = camera["wavelengths"]
+        chosen = f"{camera['model']}, {count} wavelength{'s' if count > 1 else ''}"
+        times = [
+            f"{row[key]['us_a_sample']:.2f}" if key in row else "–" for key in ("pinhole", "one-f32", "hero", "auto")
+        ]
+        biases = [
+            percent(row[key]["bias"])
+            if row[key]["bias"] > 0.0
+            else f"under {percent(3.0 * row[key]['bias_uncertainty'])}"
+            for key in ("thick", "auto")
+        ]
+        quotient = f"{one['auto']['predicted_over_measured']:.2f}"
+        lines.append("| " + " | ".join([scene, one["lens"], chosen, *times, *biases, quotient]) + " |")
+    return "\n".join(lines) + "\n\nTimes are µs a sample; what is off is off for good."
+
+
+def _machine() -> str:
+    try:
+        names = re.findall(r"model name\s*: (.*)", Path("/proc/cpuinfo").read_text())
+    except OSError:
+        return "on an unknown machine"
+    return f"on {names[0]}, {len(names)} cores" if names else "on an unknown machine"
+
+
+if __name__ == "__main__":
+    sys.exit(main())
