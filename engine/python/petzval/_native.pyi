@@ -232,6 +232,29 @@ class SettingsDescription(Protocol):
     transparent_film: bool  # world seen directly is left out, alpha 0
     integrator: str  # PATH | BIDIRECTIONAL: the real lens alone, one scale for all axes
 
+def effects_json() -> str:
+    """[{"name", "unit", "is_available", "tolerance" (at quality 1)}] of every effect of a lens, in the order of reports."""
+
+class Plan:
+    """What is simulated in one picture, and why: measured and decided at once."""
+
+    def __init__(
+        self,
+        scene: Scene,
+        camera: CameraDescription,
+        settings: SettingsDescription,
+        over_the_shutter: Sequence[CameraDescription] = (),
+        *,
+        effects: dict[str, str] = ...,  # name -> auto | on | off
+        quality: float = 1.0,
+    ) -> None: ...
+    def json(self) -> str:
+        """{"effects": a row each, "quality", "camera": {"model", "wavelengths", "pipeline", "round_f_number"}, "look",
+        "seconds"}."""
+    def forecast(self, scene: Scene, camera: CameraDescription, settings: SettingsDescription) -> str:
+        """The same with "predicted": {"seconds", "samples", "threads", "camera_part"} and each effect's `predicted_cost`:
+        renders a little of the picture."""
+
 class Job:
     """One render. Starts at once in threads of its own; every method returns without waiting unless it says so."""
 
@@ -242,6 +265,7 @@ class Job:
         settings: SettingsDescription,
         over_the_shutter: Sequence[CameraDescription] = (),
         *,
+        plan: Plan | None = None,  # None: the camera as it is described
         mattes: Sequence[str] = (),  # OBJECT | MATERIAL | ASSET
         matte_levels: int = 6,
         neighbours: tuple[CameraDescription, CameraDescription] | None = None,
