@@ -68,7 +68,7 @@ def test_flip_is_that_of_its_authors():
 def row(key: str, bias: float, us: float, **more) -> dict:
     return {
         "key": key, "name": key, "group": "camera", "is_measured": True, "bias": bias, "bias_estimate": bias,
-        "bias_uncertainty": 1e-6, "noise_of_one_sample": 1.0, "us_a_sample": us, "setup_s": 0.0, "ratio": us,
+        "bias_uncertainty": 1e-6, "noise_of_one_sample": 1.0, "us_a_sample": us, "setup_s": 0.0, "ratio": us, "ratio_interval": [us, us],
         "seconds": 1e-6 * us * 64e4, "rel_mse": bias + 1.0 / 64, "is_on_front": True, "effect": None,
     } | more  # fmt: skip
 

@@ -3,7 +3,7 @@
 
 All cameras render in one process, in rounds; it ends when the interval of every camera's median time over the pinhole's is
 narrower than 3 %, when the time given is over, or after the rounds asked for (`cost/runs.py`). Ctrl-C ends it too, and
-what is known by then is written.
+what is known by then is written, if there were two rounds at least.
 """
 
 from __future__ import annotations

@@ -44,7 +44,8 @@ def advice(found: dict[str, Any]) -> list[str]:
     reach = {row["key"]: seconds_to(row, goal, found) for row in cameras}
     able = [row for row in cameras if reach[row["key"]] is not None and _is_true(row, goal)]
     best = min(able, key=lambda row: reach[row["key"]], default=auto)
-    choose = auto if reach["auto"] <= (1.0 + ALIKE) * reach[best["key"]] else best
+    margin = ALIKE + _unsure(auto) + _unsure(best)
+    choose = auto if reach["auto"] is not None and reach["auto"] <= (1.0 + margin) * reach[best["key"]] else best
     what = f"{found['samples']} samples a pixel take {seconds(auto['seconds'])}"
     said = [
         f"Use {choose['name'].split(':')[0]}. "
@@ -70,6 +71,12 @@ def advice(found: dict[str, Any]) -> list[str]:
             f"{percent(worst['bias'])} off."
         )
     return said
+
+
+def _unsure(row: dict[str, Any]) -> float:
+    """How well a time is known, relative; a quarter where nobody knows."""
+    interval = row.get("ratio_interval")
+    return 0.25 if interval is None else (interval[1] - interval[0]) / (2.0 * row["ratio"])
 
 
 def _is_true(row: dict[str, Any], goal: float) -> bool:

@@ -83,7 +83,7 @@ class Study:
         try:
             measured.run()
         except Broken:
-            if not measured.has_enough():
+            if not measured.has_some():
                 return
         self.found = results.of(measured)
 
@@ -136,9 +136,15 @@ class _Measured:
         """Each rung, and each half of the truth, was rendered twice at least."""
         return self.rounds >= 4 and all(one.pictures.count >= 2 for one in self._able())
 
+    def has_some(self) -> bool:
+        """Something can be told, if not of every rung: for who has asked to stop."""
+        return min(self.runs[key].pictures.count for key in (TOP, AUTO, self.base().rung.key)) >= 2 and self.rounds >= 2
+
     def settled(self) -> bool:
         """True if every rung's ratio to the pinhole is known well enough."""
-        return self.rounds >= LEAST_ROUNDS and all(is_settled(self.ratios(one)) for one in self._able())
+        return self.rounds >= LEAST_ROUNDS and all(
+            one.pictures.count and is_settled(self.ratios(one)) for one in self._able()
+        )
 
     def ratios(self, one: Runs) -> list[float]:
         """A rung's time for a sample over the pinhole's, round by round; over the thick lens's where no pinhole frames the
