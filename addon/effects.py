@@ -7,11 +7,12 @@ from typing import Any, NamedTuple
 
 
 class Effect(NamedTuple):
-    """`name` is the engine's."""
+    """`name` is the engine's; those that are not available can be measured, but not simulated yet."""
 
     name: str
     label: str
     tooltip: str
+    is_available: bool = True
 
 
 #: In the order of panels and reports; the engine has the same.
@@ -28,11 +29,11 @@ EFFECTS = (
     ),
     Effect("diaphragm", "Diaphragm Shape", "Blades or a mask in blur discs. Off: a round opening as large"),
     Effect("motion_blur", "Lens in Motion", "Focus, zoom or diaphragm that change while the shutter is open"),
-    Effect("transmission", "Transmission", "What glass and coatings take of each colour"),
-    Effect("ghosts", "Ghosts", "Light reflected between the surfaces of the lens"),
-    Effect("glare", "Veiling Glare", "Light scattered in the lens"),
-    Effect("diffraction", "Diffraction", "The wave nature of light at the edge of the opening"),
-    Effect("spectral_materials", "Spectral Materials", "Materials that are more than three colours"),
+    Effect("transmission", "Transmission", "What glass and coatings take of each colour", False),
+    Effect("ghosts", "Ghosts", "Light reflected between the surfaces of the lens", False),
+    Effect("glare", "Veiling Glare", "Light scattered in the lens", False),
+    Effect("diffraction", "Diffraction", "The wave nature of light at the edge of the opening", False),
+    Effect("spectral_materials", "Spectral Materials", "Materials that are more than three colours", False),
 )
 #: What may be said of an effect: identifier, name, tooltip, icon, number in saved files.
 WORDS = (

@@ -43,19 +43,18 @@ class PETZVAL_RENDER_PT_effects(PetzvalPanel, bpy.types.Panel):
 def _row(context, column, effect, settings, row) -> None:
     """Name and word; size, decision and cost where they are known."""
     is_narrow = context.region.width / context.preferences.system.ui_scale < _NARROW_PX
-    is_available = row is None or row["is_available"]
     icon = "BLANK1"
     if row is not None:
         icon = "CHECKMARK" if row["decision"] == "on" else "X"
-        if not is_available and row["measure"] and row["measure"] > row["tolerance"]:
+        if not effect.is_available and row["measure"] and row["measure"] > row["tolerance"]:
             icon = "ERROR"
     line = column.split(factor=0.46 if is_narrow else 0.36, align=True)
     name = line.row()
-    name.active = is_available
+    name.active = effect.is_available
     name.label(text=effect.label, icon=icon)
     rest = line.split(factor=0.48, align=True)
     words = rest.row(align=True)
-    words.enabled = is_available
+    words.enabled = effect.is_available
     if is_narrow:
         words.prop(settings, effect.name, text="")
     else:
