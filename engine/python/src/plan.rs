@@ -86,7 +86,7 @@ impl Plan {
             .brightest
             .iter()
             .take(4)
-            .map(|one| json!({"towards": one.towards.to_array(), "irradiance": one.irradiance, "part": one.part}))
+            .map(|one| json!({"towards": one.towards.to_array(), "irradiance": one.irradiance, "part": one.part, "place": one.place.map(|p| p.to_array())}))
             .collect();
         json!({
             "effects": self.rows(),

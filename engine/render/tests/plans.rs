@@ -237,6 +237,31 @@ fn a_pinhole_stands_for_a_lens_of_which_nothing_is_seen() {
     }
 }
 
+/// Where a lamp is seen, and that one behind the camera is not.
+#[test]
+fn sources_are_found_in_the_picture() {
+    use petzval_render::scene::lamp::LampKind;
+    let lamp = |z: f64, power: f32| {
+        let mut room = scenes::Room { builder: SceneBuilder::new() };
+        room.put(scenes::square(), scenes::plain(0.5, 0.5, 0.5), DMat4::from_translation(DVec3::new(0.0, 0.0, -9.0)));
+        let kind = LampKind::Point { radius: 0.05, soft: false };
+        room.light(scenes::lamp(kind, power), DMat4::from_translation(DVec3::new(0.6, 0.4, z)));
+        Shot { stage: room.finish(), d: triplet(), moving: Vec::new(), size: [300, 200] }
+    };
+    let plan = |z: f64| lamp(z, 100.0).plan(&Wishes::default()).unwrap();
+    let (before, behind) = (plan(-4.0), plan(4.0));
+    let place = before.look.brightest[0].place.unwrap();
+    // 50 mm before 36 mm of film, to a place of the grid: 1/64 and 1/36 of the picture.
+    let expected = [0.6 / 4.0 * 50.0 / 36.0, 0.4 / 4.0 * 50.0 / 24.0];
+    assert!(
+        (f64::from(place.x) - expected[0]).abs() < 0.02 && (f64::from(place.y) - expected[1]).abs() < 0.03,
+        "{place}"
+    );
+    assert_eq!(behind.look.brightest[0].place, None);
+    assert!(before.decision(Effect::Ghosts).measure.unwrap() > 0.0);
+    assert_eq!(behind.decision(Effect::Ghosts).measure, Some(0.0));
+}
+
 /// The same plan, whatever the number of threads and however often.
 #[test]
 fn plans_are_repeated_to_the_bit() {

@@ -275,6 +275,17 @@ impl Fans<'_> {
         seen.map_or(Subject::Far, |point| Subject::At(self.survey.mount.to_lens(point)))
     }
 
+    /// Where in the picture a direction of render space is seen, to about a place of the grid; `None` outside.
+    pub fn place_of(&self, towards: DVec3) -> Option<Vec2> {
+        let direction = |i: usize| Some(self.survey.mount.to_render(&self.fans[i].mean()?).direction.as_dvec3());
+        let seen = (0..self.fans.len()).filter_map(|i| Some((i, direction(i)?.angle_between(towards))));
+        let (nearest, angle) = seen.min_by(|a, b| a.1.total_cmp(&b.1))?;
+        let column = nearest % GRID[0];
+        let beside = if column + 1 < GRID[0] { nearest + 1 } else { nearest - 1 };
+        let step = direction(beside)?.angle_between(direction(nearest)?);
+        (angle <= step).then(|| self.fans[nearest].place)
+    }
+
     /// Whether light from a direction of render space comes near enough to the picture's field to be reflected into it.
     pub fn nearly_sees(&self, towards: DVec3) -> bool {
         let axis = -self.survey.backwards();

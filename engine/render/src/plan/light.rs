@@ -5,7 +5,7 @@ use crate::integrator::Stage;
 use crate::luminance;
 use crate::nodes::Way;
 use crate::scene::visibility::Rays;
-use glam::{DVec3, Vec3A};
+use glam::{DVec3, Vec2, Vec3A};
 
 /// Light samples at the camera's place.
 const SAMPLES: u32 = 512;
@@ -23,6 +23,8 @@ pub struct Brightest {
     pub irradiance: f32,
     /// The part of all light that arrives.
     pub part: f32,
+    /// Where it is seen in the picture, fractions of its width and height from its centre; `None` outside of it.
+    pub place: Option<Vec2>,
 }
 
 /// What sends most light to the camera's place, the strongest first. What stands in between is seen as hiding all.
@@ -61,6 +63,7 @@ pub(super) fn brightest(stage: &Stage) -> Vec<Brightest> {
         towards: sum.as_dvec3().normalize_or(DVec3::Z),
         irradiance: light,
         part: light / total,
+        place: None,
     };
     groups.into_iter().map(one).collect()
 }

@@ -296,7 +296,10 @@ impl Plan {
         let survey = Survey::new(d, width, height)?;
         let fans = survey.fans();
         let clip = Clip::along(d, survey.backwards());
-        let (look, seen) = Look::along(stage, &fans.rays(), clip, survey.backwards());
+        let (mut look, seen) = Look::along(stage, &fans.rays(), clip, survey.backwards());
+        for one in &mut look.brightest {
+            one.place = fans.place_of(one.towards);
+        }
         let lens = fans.measure(&seen);
         let mut motion: Option<Worst> = None;
         if let [first, .., last] = moving {
