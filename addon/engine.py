@@ -123,7 +123,8 @@ class _Photograph:
         self.light_groups = passes.of_light_groups(layer)
         self.focus: dict | None = None
         self.plan = None
-        # In a line, for the status.
+        # What the plan tells, and the same in a line for the status.
+        self.told: dict = {}
         self.planned = ""
 
     def take(self) -> None:
@@ -182,7 +183,7 @@ class _Photograph:
         if loop.WATCH.plan_only or settings.width * settings.height * settings.samples > _WORTH_A_FORECAST:
             planned = json.loads(loop.stoppable(lambda: self.plan.forecast(scene, camera, settings), self._stop_asked))
         planning.keep(self.scene.name, planned)
-        self.planned = effects.summary(planned)
+        self.told, self.planned = planned, effects.summary(planned)
         if loop.WATCH.plan_only:
             _deliver_black(self.host, self.depsgraph)
             return False
@@ -304,6 +305,8 @@ class _Photograph:
 
     def _keep(self, stats: dict, sync_seconds: float, stopped: bool) -> None:
         stats["seconds"]["sync"] = sync_seconds
+        # With the forecast, if there was one.
+        stats["planned"], stats["plan"] = self.told, self.told["effects"]
         if self.focus is not None:
             stats["autofocus"] = self.focus
         render = statistics.LastRender(stats, self.report.warnings, stopped)

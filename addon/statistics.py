@@ -32,6 +32,8 @@ class LastRender:
             f"sync {seconds['sync']:.2f} s, trees {seconds['bvh']:.2f} s, render {seconds['render']:.2f} s",
             f"{100.0 * lost:.2f} % of the camera rays lost in the lens",
         ]
+        if predicted := (self.stats.get("planned") or {}).get("predicted"):
+            lines.append(f"the plan foretold {predicted['seconds']:.1f} s")
         if precision := self.stats.get("precision"):
             lines.append(_precision(precision))
         return lines
