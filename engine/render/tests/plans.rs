@@ -237,6 +237,25 @@ fn a_pinhole_stands_for_a_lens_of_which_nothing_is_seen() {
     }
 }
 
+/// A pinhole shows width and height alike: what squeezes one of them, or a film that leans, needs its lens.
+#[test]
+fn no_pinhole_stands_for_a_lens_that_squeezes() {
+    let small = |d: CameraDescription| Shot {
+        stage: wall(3.0),
+        d: CameraDescription { f_number: Some(22.0), film_width_mm: 2.0, film_height_mm: 2.0 / 1.5, ..d },
+        moving: Vec::new(),
+        size: [48, 32],
+    };
+    let way = |d: CameraDescription| small(d).plan(&at_quality(0.3)).unwrap().camera.way;
+    assert!(matches!(way(triplet()), Way::Pinhole { .. }));
+    assert_eq!(way(lens("anamorphic-2x-double-gauss", 2.0)), Way::Exact);
+    assert_eq!(way(CameraDescription { tilt_rad: 0.1, ..triplet() }), Way::Exact);
+    assert_eq!(
+        way(CameraDescription { scale_mm_per_unit: DVec3::new(1000.0, 1000.0, 900.0), ..triplet() }),
+        Way::Exact
+    );
+}
+
 /// Where a lamp is seen, and that one behind the camera is not.
 #[test]
 fn sources_are_found_in_the_picture() {

@@ -174,9 +174,10 @@ impl Survey {
         self.system.f_number() * diaphragm.radius_mm() / (diaphragm.area_mm2() / PI).sqrt()
     }
 
-    /// The film stands upright and is flat, and the world has one scale: a pinhole can frame the same picture.
+    /// The film stands upright and is flat, the lens shows both directions alike, and the world has one scale: a pinhole can
+    /// frame the same picture.
     pub fn is_upright(&self) -> bool {
-        !self.mount.film.is_uneven() && self.mount.scale().is_some()
+        !self.mount.film.is_uneven() && self.system.is_rotationally_symmetric() && self.mount.scale().is_some()
     }
 
     /// The scene's depth is counted along this, render space: from the scene to the film.
