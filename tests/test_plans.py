@@ -242,7 +242,7 @@ def test_auto_is_as_good_as_everything_on(blender, name):
     from petzval import _native
 
     subject, focus_m = subject_of(blender, name, (WIDTH, HEIGHT))
-    # Each lens in one scene or two of the five, each scene with four lenses.
+    # All twelve lenses in each scene, a third of them stopped down on a little film.
     first = list(SCENES).index(name)
     wrong = []
     for i, lens in enumerate(LENSES):
