@@ -42,8 +42,6 @@ class Watch:
     def __init__(self) -> None:
         self.stop = threading.Event()
         self.on_progress: Callable[[float, str], None] | None = None
-        #: A render ends when it is known what it would simulate.
-        self.plan_only = False
         #: Instead of a render: is handed what would be rendered, once for each view layer.
         self.study: Callable[[Subject], None] | None = None
 

@@ -20,7 +20,7 @@ use petzval_render::pipeline::Pipeline;
 use petzval_render::pipeline::motion::Motion;
 use petzval_render::shading::Caustics;
 use pyo3::prelude::*;
-use serde_json::{Value, json};
+use serde_json::json;
 use std::collections::BTreeMap;
 use std::time::Duration;
 
@@ -104,8 +104,8 @@ type PyTile<'py> = (u32, u32, u32, u32, Bound<'py, PyArray3<f32>>);
 #[pyclass(frozen)]
 pub(crate) struct Job {
     job: engine::Job,
-    /// What was planned, to be told with what was done.
-    planned: Option<Value>,
+    /// That planning took.
+    plan_seconds: f64,
 }
 
 #[pymethods]
@@ -147,7 +147,7 @@ impl Job {
             settings.pipeline = plan.plan.pipeline();
         }
         let now = planned(&now);
-        let planned = plan.map(Plan::value);
+        let plan_seconds = plan.map_or(0.0, |plan| plan.plan.seconds);
         let stage = scene.stage.clone();
         away(py, || -> Result<Self, Error> {
             let camera = |d| Camera::new(d, settings.width, settings.height);
@@ -163,7 +163,7 @@ impl Job {
             let clip = Clip::new(&now, &cameras[0]);
             let gains = shade::gains(&now, &cameras[cameras.len() / 2], settings.width, settings.height)?;
             let beside = Beside { mattes, matte_levels, motion, clip, gains, light_groups };
-            Ok(Self { job: engine::Job::start_with(stage, cameras, settings, beside)?, planned })
+            Ok(Self { job: engine::Job::start_with(stage, cameras, settings, beside)?, plan_seconds })
         })?
     }
 
@@ -259,7 +259,7 @@ impl Job {
         let lens_share = if timed > 0.0 { s.counts.camera_time.as_secs_f64() / timed } else { 0.0 };
         let mut seconds = json!({
             "bvh": self.job.stage().build_seconds,
-            "plan": self.planned.as_ref().map_or(json!(0.0), |plan| plan["seconds"].clone()),
+            "plan": self.plan_seconds,
             "render": s.render_seconds,
         });
         if let Some(lens) = self.job.camera().traced_lens() {
@@ -276,8 +276,6 @@ impl Job {
         });
         json!({
             "seconds": seconds,
-            "plan": self.planned.as_ref().map_or(json!([]), |plan| plan["effects"].clone()),
-            "planned": self.planned,
             "trees_refitted": self.job.stage().accel.refitted(),
             "samples": s.samples,
             "samples_mean": s.mean_samples,

@@ -45,9 +45,14 @@ impl Pipeline {
     /// What a camera can do of what was asked for: hero with one wavelength is film-first, and only a lens that is traced
     /// can be entered from the scene.
     pub fn with(self, camera: &Camera) -> Self {
-        match (self, camera.traced_lens()) {
+        self.of_packets(camera.traced_lens().map(RealLens::packet_size))
+    }
+
+    /// The same of a camera of which it is known into how many wavelengths its lens, if it traces one, parts a sample.
+    pub fn of_packets(self, size: Option<usize>) -> Self {
+        match (self, size) {
             (Self::SceneFirst, Some(_)) => Self::SceneFirst,
-            (Self::Auto | Self::Hero, Some(lens)) if lens.packet_size() > 1 => Self::Hero,
+            (Self::Auto | Self::Hero, Some(2..)) => Self::Hero,
             _ => Self::FilmFirst,
         }
     }

@@ -4,6 +4,7 @@ use crate::accel::Ray;
 use crate::integrator::Stage;
 use crate::luminance;
 use crate::nodes::Way;
+use crate::sampler::evenly::Evenly;
 use crate::scene::visibility::Rays;
 use glam::{DVec3, Vec2, Vec3A};
 
@@ -31,10 +32,9 @@ pub struct Brightest {
 pub(super) fn brightest(stage: &Stage) -> Vec<Brightest> {
     let to = stage.lights.receiver_between(Vec3A::ZERO);
     let mut found: Vec<(Vec3A, f32)> = Vec::new();
+    let points = Evenly::<3>::default();
     for i in 0..SAMPLES {
-        // Powers of the inverse of the root of x^4 = x + 1: three numbers that fill their cube evenly.
-        let [choice, u, v] =
-            [0.819_172_5, 0.671_043_6, 0.549_700_5].map(|step: f64| (0.5 + step * f64::from(i)).fract() as f32);
+        let [choice, u, v] = points.point(i).map(|u| u as f32);
         let Some(sample) = stage.lights.sample(&stage.scene, &to, choice, [u, v], Way::CAMERA) else { continue };
         let light = luminance(sample.radiance) / (sample.pdf * SAMPLES as f32);
         if !(light > 0.0 && light.is_finite()) {

@@ -22,7 +22,6 @@ pub use decide::{CameraChoice, Way};
 pub use light::Brightest;
 pub use look::Look;
 use measured::Known;
-pub use price::{Price, sample_ns};
 use std::time::Instant;
 
 /// What a lens can do to a picture, or the wave nature of light, or time.
