@@ -1,6 +1,7 @@
 //! Triangle meshes, checked once so that nothing later needs to.
 
 use super::SceneError;
+use super::curves::Curves;
 use glam::{Vec2, Vec3, Vec4};
 
 /// The name by which a mesh keeps its undeformed coordinates in its box.
@@ -28,7 +29,7 @@ pub struct MeshDescription {
 }
 
 /// A checked mesh: every index valid, every position finite, every triangle with area.
-#[derive(Clone, Debug)]
+#[derive(Clone, Debug, Default)]
 pub struct Mesh {
     /// For messages.
     pub name: String,
@@ -48,6 +49,8 @@ pub struct Mesh {
     pub moved_positions: Option<[Vec<Vec3>; 2]>,
     /// The corners of the box that holds `positions`.
     pub bounds: [Vec3; 2],
+    /// Hair or other curves, instead of triangles.
+    pub curves: Option<Box<Curves>>,
 }
 
 impl Mesh {
@@ -107,6 +110,7 @@ impl Mesh {
             attributes: d.attributes,
             material_slots: d.material_slots,
             moved_positions: d.moved_positions,
+            curves: None,
         };
         if dropped > 0 {
             mesh.keep_only(&keep);

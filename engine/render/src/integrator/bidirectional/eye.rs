@@ -201,7 +201,7 @@ fn connect(stage: &Stage, eye: &Vertex, light: &Vertex, rays: &mut u32) -> Rgb {
     let gap = light.ray(-d).origin - origin;
     *rays += 1;
     // Both ends stand clear of their surfaces.
-    let ray = Ray { origin, direction: gap.normalize_or(d), t_max: gap.length() };
+    let ray = Ray { t_max: gap.length(), ..eye.point.leaving(origin, gap.normalize_or(d)) };
     let through = |hit: &Hit| opening(&stage.scene, hit, &View::along(&ray, hit.t, Way::CAMERA.shadow())).light;
     let open = stage.accel.light_through(&ray, Rays::BOUNCE, through);
     found * weight(others) * open
