@@ -249,7 +249,6 @@ impl Joints {
         let ahead0 = (t - z0) * tz0 - (x0 * tx0 + y0 * ty0) + (tx0 * tx0 + ty0 * ty0 + tz0 * tz0).sqrt() * r0 * OVERLAP;
         let ahead1 = (t - z1) * tz1 - (x1 * tx1 + y1 * ty1) - (tx1 * tx1 + ty1 * ty1 + tz1 * tz1).sqrt() * r1 * OVERLAP;
         let hit = inside.simd_ge(0.0)
-            & a.simd_gt(0.0)
             & ahead0.simd_ge(0.0)
             & ahead1.simd_lt(0.0)
             & radius.simd_gt(0.0)
@@ -333,9 +332,10 @@ fn cone_between(start: Vec4, end: Vec4) -> Option<CurveMet> {
     let a = flat2 / length2 - wider * wider;
     let (b, c) = (-r * wider, aside * aside / flat2 - r * r);
     let inside = b * b - a * c;
-    if inside.is_nan() || inside < 0.0 || a <= 0.0 {
+    if inside.is_nan() || inside < 0.0 {
         return None;
     }
+    // From outside to inside, also of a cone wider than the ray leans.
     let tau = (-b - inside.sqrt()) / a;
     let s = s + axis.z * tau / length2;
     let radius = start.w + axis.w * s;

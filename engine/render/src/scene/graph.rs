@@ -9,7 +9,7 @@ use glam::Vec3A;
 use petzval_nodes::{Field, Layer, LayerKind, Operand, Program, Registers};
 
 /// What the engine can tell of a point.
-const KNOWN: [Field; 44] = [
+const KNOWN: [Field; 48] = [
     Field::Position,
     Field::Normal,
     Field::TrueNormal,
@@ -54,6 +54,10 @@ const KNOWN: [Field; 44] = [
     Field::TransmissionDepth,
     Field::PortalDepth,
     Field::StrandIntercept,
+    Field::StrandLength,
+    Field::StrandThickness,
+    Field::StrandNormal,
+    Field::StrandRandom,
 ];
 
 /// "Random per island".

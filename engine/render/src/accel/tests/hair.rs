@@ -179,7 +179,7 @@ proptest! {
             }
             match accel.closest(&ray, Rays::CAMERA) {
                 Some(hit) => {
-                    prop_assert!((f64::from(hit.t) - t).abs() < 0.02 || outside(f64::from(hit.t)).abs() < 1e-3, "{t} {hit:?}");
+                    prop_assert!((f64::from(hit.t) - t).abs() < 0.02 || outside(f64::from(hit.t)).abs() < 1e-3, "{t} {hit:?} {} {ray:?} {keys:?}", outside(f64::from(hit.t)));
                     let point = SurfacePoint::new(&scene, &hit, ray.direction);
                     // Where the strand gets thinner, its cone is a little more than its radius from the axis.
                     prop_assert!((point.position - ray.origin - ray.direction * hit.t).length() < 0.015, "{hit:?}");
