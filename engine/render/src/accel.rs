@@ -62,6 +62,9 @@ impl Skip {
     pub const NONE: Self = Self { instance: u32::MAX, strand: u32::MAX };
 }
 
+/// See [`Hit::v`].
+pub const FROM_WITHIN: f32 = 3.0;
+
 /// Where a ray met a triangle, or a segment of a curve.
 #[derive(Clone, Copy, Debug)]
 pub struct Hit {
@@ -70,7 +73,7 @@ pub struct Hit {
     /// Barycentric weight of the triangle's second corner; along a segment, 0 to 1 (beyond on a round end, by
     /// which way the normal leans there).
     pub u: f32,
-    /// Barycentric weight of the third; across a segment, -1 to 1.
+    /// Barycentric weight of the third; across a segment, -1 to 1, and [`FROM_WITHIN`] more where a round strand is met from within.
     pub v: f32,
     /// Index into the scene's instances.
     pub instance: u32,

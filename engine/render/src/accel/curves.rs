@@ -5,10 +5,10 @@
 use super::bounds::Bounds;
 use super::build::build;
 use super::node::{BoxRay, Node};
-use super::segment::{CurveMet, Cut, Gaze, meet};
+use super::segment::{BothMet, CurveMet, Cut, Gaze, meet};
 use super::source::Parts;
 use super::traverse::traverse;
-use super::{Hit, PlacedMesh, Ray, Skip};
+use super::{FROM_WITHIN, Hit, PlacedMesh, Ray, Skip};
 use crate::scene::curves::Curves;
 use crate::scene::{Instance, Scene};
 use fearless_simd::{Level, Simd, dispatch};
@@ -132,10 +132,14 @@ impl CurveForest {
             #[inline(always)]
             |segment| wanted(segment.instance) && !ray.skip.is(segment.instance, segment.strand),
             #[inline(always)]
-            |segment, met| {
-                t_max = met.t;
-                nearest = Some(segment.hit(met, 1.0, segment.instance));
-                ControlFlow::Continue(met.t)
+            |segment, both, mut end| {
+                for (way, met) in both.into_iter().enumerate() {
+                    if let Some(met) = met.filter(|met| met.t < end) {
+                        (t_max, end) = (met.t, met.t);
+                        nearest = Some(segment.hit(met, way, 1.0, segment.instance));
+                    }
+                }
+                ControlFlow::Continue(end)
             },
         );
         if self.places.is_empty() {
@@ -159,12 +163,17 @@ impl CurveForest {
                         #[inline(always)]
                         |segment| !ray.skip.is(placed.instance, segment.strand),
                         #[inline(always)]
-                        |segment, met| {
-                            let hit = segment.hit(met, scale, placed.instance);
-                            // Not so where the division rounds up.
-                            t_max = t_max.min(hit.t);
-                            nearest = Some(hit);
-                            ControlFlow::Continue(met.t)
+                        |segment, both, mut end| {
+                            for (way, met) in both.into_iter().enumerate() {
+                                if let Some(met) = met.filter(|met| met.t < end) {
+                                    let hit = segment.hit(met, way, scale, placed.instance);
+                                    // Not so where the division rounds up.
+                                    t_max = t_max.min(hit.t);
+                                    end = met.t;
+                                    nearest = Some(hit);
+                                }
+                            }
+                            ControlFlow::Continue(end)
                         },
                     );
                 }
@@ -192,9 +201,13 @@ impl CurveForest {
             #[inline(always)]
             |segment| wanted(segment.instance) && !ray.skip.is(segment.instance, segment.strand),
             #[inline(always)]
-            |segment, met| {
-                pass(segment.hit(met, 1.0, segment.instance))?;
-                ControlFlow::Continue(ray.t_max)
+            |segment, both, end| {
+                for (way, met) in both.into_iter().enumerate() {
+                    if let Some(met) = met {
+                        pass(segment.hit(met, way, 1.0, segment.instance))?;
+                    }
+                }
+                ControlFlow::Continue(end)
             },
         );
         if end.is_break() || self.places.is_empty() {
@@ -218,9 +231,13 @@ impl CurveForest {
                         #[inline(always)]
                         |segment| !ray.skip.is(placed.instance, segment.strand),
                         #[inline(always)]
-                        |segment, met| {
-                            pass(segment.hit(met, scale, placed.instance))?;
-                            ControlFlow::Continue(t_max * scale)
+                        |segment, both, end| {
+                            for (way, met) in both.into_iter().enumerate() {
+                                if let Some(met) = met {
+                                    pass(segment.hit(met, way, scale, placed.instance))?;
+                                }
+                            }
+                            ControlFlow::Continue(end)
                         },
                     )?;
                 }
@@ -247,8 +264,9 @@ pub(crate) fn radius_scale(instance: &Instance) -> f32 {
 
 impl Segment {
     #[inline(always)]
-    fn hit(&self, met: CurveMet, scale: f32, instance: u32) -> Hit {
-        Hit { t: met.t / scale, u: met.u, v: met.v, instance, triangle: self.number }
+    fn hit(&self, met: CurveMet, way: usize, scale: f32, instance: u32) -> Hit {
+        let v = if way == 0 { met.v } else { met.v + FROM_WITHIN };
+        Hit { t: met.t / scale, u: met.u, v, instance, triangle: self.number }
     }
 }
 
@@ -319,7 +337,7 @@ impl CurveTree {
         (boxes, gaze): (&BoxRay, &Gaze),
         t_max: f32,
         wanted: impl Fn(&Segment) -> bool,
-        mut met: impl FnMut(&Segment, CurveMet) -> ControlFlow<(), f32>,
+        mut met: impl FnMut(&Segment, BothMet, f32) -> ControlFlow<(), f32>,
     ) -> ControlFlow<()> {
         traverse(
             simd,
@@ -329,12 +347,10 @@ impl CurveTree {
             #[inline(always)]
             |leaf, t_max| {
                 let segment = &self.segments[leaf];
-                if wanted(segment)
-                    && let Some(found) = meet(simd, gaze, self.controls(segment.controls), segment.cut, t_max)
-                {
-                    return met(segment, found);
+                if !wanted(segment) {
+                    return ControlFlow::Continue(t_max);
                 }
-                ControlFlow::Continue(t_max)
+                met(segment, meet(simd, gaze, self.controls(segment.controls), segment.cut, t_max), t_max)
             },
         )
     }

@@ -4,11 +4,11 @@
 //! through its two joints at right angles to the curve; neighbours share a plane to the last bit, so that nothing passes between
 //! them. Ribbons are even between joints and face the ray (Nakamaru and Ohno 2002; Woop, Benthin, Wald, Johnson and Tabellion
 //! 2014, as Cycles has them); round strands are cones about the line between joints (in the manner of the phantom intersector of
-//! Reshetov and Luebke 2018, with the planes instead of its iteration). Only the outside of round strands is met, as in Cycles.
+//! Reshetov and Luebke 2018, with the planes instead of its iteration), met on their way in and on their way out.
 
 use crate::scene::curves::{Controls, CurveShape};
 use fearless_simd::{Simd, SimdBase, SimdFloat, SimdMask, f32x8};
-use glam::{Vec3A, Vec4};
+use glam::{Vec2, Vec3, Vec3A, Vec4};
 
 const LANES: usize = 8;
 /// Pieces of a round segment at most.
@@ -53,6 +53,9 @@ pub(super) struct CurveMet {
     pub(super) v: f32,
 }
 
+/// What a segment has of a ray: on the way in, and on the way out.
+pub(super) type BothMet = [Option<CurveMet>; 2];
+
 /// How a segment is taken apart.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub(super) enum Cut {
@@ -88,9 +91,9 @@ fn round_pieces(controls: &Controls) -> u16 {
     pieces.clamp(LANES as f32, MOST_PIECES) as u16
 }
 
-/// The nearest place before `t_max` where a segment is met.
+/// The nearest places before `t_max` where a segment is met.
 #[inline(always)]
-pub(super) fn meet<S: Simd>(simd: S, gaze: &Gaze, controls: [Vec4; 4], cut: Cut, t_max: f32) -> Option<CurveMet> {
+pub(super) fn meet<S: Simd>(simd: S, gaze: &Gaze, controls: [Vec4; 4], cut: Cut, t_max: f32) -> BothMet {
     let seen = Controls(controls.map(|key| gaze.seen(key)));
     match cut {
         Cut::Ribbon(pieces) => in_pieces::<S, false>(simd, &seen, usize::from(pieces), t_max),
@@ -103,7 +106,7 @@ pub(super) fn meet<S: Simd>(simd: S, gaze: &Gaze, controls: [Vec4; 4], cut: Cut,
 struct Joints([[f32; LANES + 1]; 7]);
 
 #[inline(always)]
-fn in_pieces<S: Simd, const ROUND: bool>(simd: S, seen: &Controls, pieces: usize, t_max: f32) -> Option<CurveMet> {
+fn in_pieces<S: Simd, const ROUND: bool>(simd: S, seen: &Controls, pieces: usize, t_max: f32) -> BothMet {
     let [p, a, b, q] = seen.0;
     // Both sides of a joint between segments find these bits.
     let (start, end) = ((a, 0.5 * (b - p)), (b, 0.5 * (q - a)));
@@ -111,7 +114,7 @@ fn in_pieces<S: Simd, const ROUND: bool>(simd: S, seen: &Controls, pieces: usize
     let mut joints = Joints([[0.0; LANES + 1]; 7]);
     joints.set(0, start);
     let step = 1.0 / pieces as f32;
-    let mut nearest: Option<CurveMet> = None;
+    let mut both = [None; 2];
     let mut first = 0;
     while first < pieces {
         let count = (pieces - first).min(LANES);
@@ -119,31 +122,24 @@ fn in_pieces<S: Simd, const ROUND: bool>(simd: S, seen: &Controls, pieces: usize
         if first + count == pieces {
             joints.set(count, end);
         }
-        let limit = nearest.map_or(t_max, |met| met.t);
-        let found = if ROUND { joints.round(simd, limit) } else { joints.flat(simd, limit) };
-        let mut lanes = found.lanes & ((1 << count) - 1);
-        while lanes != 0 {
-            let lane = lanes.trailing_zeros() as usize & (LANES - 1);
-            lanes &= lanes - 1;
-            let is_sound = (found.s[lane] + found.v[lane]).is_finite();
-            if is_sound && nearest.is_none_or(|met| found.t[lane] < met.t) {
-                let u = ((first + lane) as f32 + found.s[lane].clamp(0.0, 1.0)) * step;
-                nearest = Some(CurveMet { t: found.t[lane], u: u.min(1.0), v: found.v[lane].clamp(-1.0, 1.0) });
-            }
+        if ROUND {
+            joints.round(simd, t_max, (first, count, step), &mut both);
+        } else {
+            joints.flat(simd, t_max, (first, count, step), &mut both[0]);
         }
         first += count;
         for part in &mut joints.0 {
             part[0] = part[LANES];
         }
     }
-    nearest.map(|met| if ROUND { on_curve(&coefficients, met) } else { met })
+    if ROUND { both.map(|met| met.map(|met| on_curve(&coefficients, met))) } else { both }
 }
 
 /// The place of the curve that is nearest to where a piece was met, instead of that of the chord.
 fn on_curve([a, b, c, d]: &[Vec4; 4], met: CurveMet) -> CurveMet {
     let at = |u: f32| *a + u * (*b + u * (*c + u * *d));
     let slope = |u: f32| (*b + u * (2.0 * *c + 3.0 * u * *d)).truncate();
-    let from = |u: f32| glam::Vec3::new(0.0, 0.0, met.t) - at(u).truncate();
+    let from = |u: f32| Vec3::new(0.0, 0.0, met.t) - at(u).truncate();
     let along = slope(met.u);
     let u = (met.u + from(met.u).dot(along) / along.length_squared()).clamp(0.0, 1.0);
     let (along, radius) = (slope(u), at(u).w);
@@ -152,12 +148,33 @@ fn on_curve([a, b, c, d]: &[Vec4; 4], met: CurveMet) -> CurveMet {
 }
 
 /// What the lanes found.
-struct Lanes {
-    lanes: u32,
-    t: [f32; LANES],
+struct Lanes<S: Simd> {
+    hit: u32,
+    t: f32x8<S>,
     /// Along the piece.
-    s: [f32; LANES],
-    v: [f32; LANES],
+    s: f32x8<S>,
+    v: f32x8<S>,
+}
+
+impl<S: Simd> Lanes<S> {
+    /// Keeps what is nearer than what was found; the first piece's number, how many there are, and how much of the segment each is.
+    #[inline(always)]
+    fn keep_nearest(self, (first, count, step): (usize, usize, f32), nearest: &mut Option<CurveMet>) {
+        let mut lanes = self.hit & ((1 << count) - 1);
+        if lanes == 0 {
+            return;
+        }
+        let (t, s, v) = (self.t.to_array(), self.s.to_array(), self.v.to_array());
+        while lanes != 0 {
+            let lane = lanes.trailing_zeros() as usize & (LANES - 1);
+            lanes &= lanes - 1;
+            let is_sound = (s[lane] + v[lane]).is_finite();
+            if is_sound && nearest.is_none_or(|met| t[lane] < met.t) {
+                let u = ((first + lane) as f32 + s[lane].clamp(0.0, 1.0)) * step;
+                *nearest = Some(CurveMet { t: t[lane], u: u.min(1.0), v: v[lane].clamp(-1.0, 1.0) });
+            }
+        }
+    }
 }
 
 impl Joints {
@@ -202,7 +219,7 @@ impl Joints {
 
     /// Ribbons that face the ray.
     #[inline(always)]
-    fn flat<S: Simd>(&self, simd: S, t_max: f32) -> Lanes {
+    fn flat<S: Simd>(&self, simd: S, t_max: f32, which: (usize, usize, f32), nearest: &mut Option<CurveMet>) {
         let [x0, y0, z0, r0, tx0, ty0] = [0, 1, 2, 3, 4, 5].map(|part| self.before(simd, part));
         let [x1, y1, z1, r1, tx1, ty1] = [0, 1, 2, 3, 4, 5].map(|part| self.behind(simd, part));
         let all = |x: f32| f32x8::splat(simd, x);
@@ -211,7 +228,7 @@ impl Joints {
         let ahead1 = all(0.0) - (x1 * tx1 + y1 * ty1);
         let between = ahead0.simd_ge(0.0) & ahead1.simd_lt(0.0);
         if !between.any_true() {
-            return Lanes { lanes: 0, t: [0.0; LANES], s: [0.0; LANES], v: [0.0; LANES] };
+            return;
         }
         let s = ahead0 / (ahead0 - ahead1);
         let (x, y, z, r) = (x0 + (x1 - x0) * s, y0 + (y1 - y0) * s, z0 + (z1 - z0) * s, r0 + (r1 - r0) * s);
@@ -220,13 +237,12 @@ impl Joints {
         let wide = r * (tx * tx + ty * ty).sqrt();
         let within = aside.simd_le(wide) & aside.simd_ge(all(0.0) - wide) & wide.simd_gt(0.0);
         let hit = between & within & z.simd_gt(r * RIBBON_ROOM) & z.simd_lt(t_max);
-        let v = aside / wide;
-        Lanes { lanes: hit.to_bitmask() as u32, t: z.to_array(), s: s.to_array(), v: v.to_array() }
+        Lanes { hit: hit.to_bitmask() as u32, t: z, s, v: aside / wide }.keep_nearest(which, nearest);
     }
 
-    /// Cones about the lines between joints, as they are met from outside.
+    /// Cones about the lines between joints.
     #[inline(always)]
-    fn round<S: Simd>(&self, simd: S, t_max: f32) -> Lanes {
+    fn round<S: Simd>(&self, simd: S, t_max: f32, which: (usize, usize, f32), both: &mut BothMet) {
         let [x0, y0, z0, r0, tx0, ty0, tz0] = [0, 1, 2, 3, 4, 5, 6].map(|part| self.before(simd, part));
         let [x1, y1, z1, r1, tx1, ty1, tz1] = [0, 1, 2, 3, 4, 5, 6].map(|part| self.behind(simd, part));
         let all = |x: f32| f32x8::splat(simd, x);
@@ -242,86 +258,94 @@ impl Joints {
         let b = all(0.0) - r * wider;
         let c = aside * aside / flat2 - r * r;
         let inside = b * b - a * c;
-        let tau = (all(0.0) - b - inside.max(0.0).sqrt()) / a;
-        let t = z + tau;
-        let s = s + az * tau / length2;
-        let radius = r0 + ar * s;
-        let ahead0 = (t - z0) * tz0 - (x0 * tx0 + y0 * ty0) + (tx0 * tx0 + ty0 * ty0 + tz0 * tz0).sqrt() * r0 * OVERLAP;
-        let ahead1 = (t - z1) * tz1 - (x1 * tx1 + y1 * ty1) - (tx1 * tx1 + ty1 * ty1 + tz1 * tz1).sqrt() * r1 * OVERLAP;
-        let hit = inside.simd_ge(0.0)
-            & ahead0.simd_ge(0.0)
-            & ahead1.simd_lt(0.0)
-            & radius.simd_gt(0.0)
-            & t.simd_gt(0.0)
-            & t.simd_lt(t_max);
-        let v = aside / (flat2.sqrt() * radius);
-        Lanes { lanes: hit.to_bitmask() as u32, t: t.to_array(), s: s.to_array(), v: v.to_array() }
+        let crosses = inside.simd_ge(0.0);
+        if !crosses.any_true() {
+            return;
+        }
+        let root = inside.max(0.0).sqrt();
+        let room0 = (tx0 * tx0 + ty0 * ty0 + tz0 * tz0).sqrt() * r0 * OVERLAP - (x0 * tx0 + y0 * ty0);
+        let room1 = (tx1 * tx1 + ty1 * ty1 + tz1 * tz1).sqrt() * r1 * OVERLAP + (x1 * tx1 + y1 * ty1);
+        for (root, nearest) in [all(0.0) - root, root].into_iter().zip(both) {
+            let tau = (root - b) / a;
+            let t = z + tau;
+            let s = s + az * tau / length2;
+            let radius = r0 + ar * s;
+            let hit = crosses
+                & ((t - z0) * tz0 + room0).simd_ge(0.0)
+                & ((t - z1) * tz1 - room1).simd_lt(0.0)
+                & radius.simd_gt(0.0)
+                & t.simd_gt(0.0)
+                & t.simd_lt(t_max);
+            let v = aside / (flat2.sqrt() * radius);
+            Lanes { hit: hit.to_bitmask() as u32, t, s, v }.keep_nearest(which, nearest);
+        }
     }
 }
 
 /// What a ball sweeps that goes from one key to the other, its radius changing evenly: a cone that touches two balls, and what of
 /// them is outside of it.
-fn straight(start: Vec4, end: Vec4, t_max: f32) -> Option<CurveMet> {
+fn straight(start: Vec4, end: Vec4, t_max: f32) -> BothMet {
     let axis = (end - start).truncate();
     let length = axis.length();
-    let mut nearest: Option<CurveMet> = None;
-    let mut offer = |met: CurveMet| {
-        if met.t > 0.0 && (met.u + met.v).is_finite() && met.t < nearest.map_or(t_max, |nearest| nearest.t) {
-            nearest = Some(met);
+    let along = axis / length;
+    // The view is opposite to the ray, which runs along z: its cross product with the axis, and what is left of it.
+    let across = Vec2::new(-along.y, along.x).normalize_or_zero().extend(0.0);
+    let up = across.cross(along);
+    let mut both: BothMet = [None; 2];
+    // By which key the place is, and the normal there.
+    let mut offer = |way: usize, t: f32, key: f32, ball: Vec4| {
+        if !(t > 0.0 && t < both[way].map_or(t_max, |nearest: CurveMet| nearest.t)) {
+            return;
+        }
+        let normal = (Vec3::new(0.0, 0.0, t) - ball.truncate()) / ball.w;
+        let lengthwise = normal.dot(along);
+        let within = key + lengthwise * ball.w / length;
+        let leans_away = (normal.dot(up) < 0.0) != (way == 1);
+        let u = match ((0.0..=1.0).contains(&within), leans_away) {
+            (true, _) => within,
+            (false, false) => key + lengthwise.clamp(-1.0, 1.0),
+            (false, true) => key + lengthwise.clamp(-1.0, 1.0) + 1f32.copysign(lengthwise),
+        };
+        let met = CurveMet { t, u, v: normal.dot(across).clamp(-1.0, 1.0) };
+        if (met.u + met.v).is_finite() {
+            both[way] = Some(met);
         }
     };
     // How the balls' radii change along the axis: from 1 on one lies in the other.
     let narrows = (start.w - end.w) / length;
     if narrows.abs() < 1.0 {
-        let cone = |ball: Vec4| {
+        let ring = |ball: Vec4| {
             let along = axis * (ball.w * narrows / length);
             (ball + along.extend(0.0)).with_w(ball.w * (1.0 - narrows * narrows).sqrt())
         };
-        let (low, high) = (cone(start), cone(end));
-        if let Some(met) = cone_between(low, high) {
-            // Between the keys, not between the rings.
-            let [low, high] = [low, high].map(|ring| (ring - start).truncate().dot(axis) / (length * length));
-            let u = low + (high - low) * met.u;
-            let past = u - u.clamp(0.0, 1.0);
-            let radius = if past < 0.0 { start.w } else { end.w };
-            offer(CurveMet { u: u - past + (past * length / radius).clamp(-1.0, 1.0), ..met });
+        for (way, t, s) in cone_between(ring(start), ring(end)).into_iter().enumerate().filter_map(|(way, met)| {
+            let (t, s) = met?;
+            Some((way, t, s))
+        }) {
+            // The ball that touches the cone there.
+            let ball = start.lerp(end, s);
+            offer(way, t, s * (1.0 - f32::EPSILON), ball);
         }
     }
-    let along = axis / length;
-    // The view is opposite to the ray, which runs along z: its cross product with the axis.
-    let across = glam::Vec2::new(-along.y, along.x).normalize_or_zero();
     for (ball, is_end) in [(start, false), (end, true)] {
-        let aside2 = ball.x * ball.x + ball.y * ball.y;
-        let high = ball.w * ball.w - aside2;
+        let high = ball.w * ball.w - ball.truncate().truncate().length_squared();
         if high < 0.0 || ball.w <= 0.0 {
             continue;
         }
-        let t = ball.z - high.sqrt();
-        let normal = glam::Vec3::new(-ball.x, -ball.y, t - ball.z) / ball.w;
-        let outwards = normal.dot(along);
-        // What is within the cone is not on the outside.
-        if if is_end { outwards < narrows } else { outwards > narrows } {
-            continue;
+        for (way, t) in [ball.z - high.sqrt(), ball.z + high.sqrt()].into_iter().enumerate() {
+            let outwards = (Vec3::new(0.0, 0.0, t) - ball.truncate()).dot(along) / ball.w;
+            // What is within the cone is not on the outside.
+            let is_outside = if is_end { outwards >= narrows } else { outwards <= narrows };
+            if is_outside {
+                offer(way, t, f32::from(u8::from(is_end)), ball);
+            }
         }
-        let v = (normal.x * across.x + normal.y * across.y).clamp(-1.0, 1.0);
-        let key = f32::from(u8::from(is_end));
-        let within = key + outwards * ball.w / length;
-        // Across the strand, towards the view.
-        let up = glam::Vec3::new(across.x, across.y, 0.0).cross(along);
-        let u = if (0.0..=1.0).contains(&within) {
-            within
-        } else if normal.dot(up) < 0.0 {
-            key + outwards + 1f32.copysign(outwards)
-        } else {
-            key + outwards
-        };
-        offer(CurveMet { t, u, v });
     }
-    nearest
+    both
 }
 
-/// A cone between two rings, from outside; as [`Joints::round`] has it.
-fn cone_between(start: Vec4, end: Vec4) -> Option<CurveMet> {
+/// Where a cone between two rings is entered and left, and how far between the rings that is; as [`Joints::round`] has it.
+fn cone_between(start: Vec4, end: Vec4) -> [Option<(f32, f32)>; 2] {
     let axis = end - start;
     let flat2 = axis.x * axis.x + axis.y * axis.y;
     let length2 = flat2 + axis.z * axis.z;
@@ -332,13 +356,10 @@ fn cone_between(start: Vec4, end: Vec4) -> Option<CurveMet> {
     let a = flat2 / length2 - wider * wider;
     let (b, c) = (-r * wider, aside * aside / flat2 - r * r);
     let inside = b * b - a * c;
-    if inside.is_nan() || inside < 0.0 {
-        return None;
-    }
-    // From outside to inside, also of a cone wider than the ray leans.
-    let tau = (-b - inside.sqrt()) / a;
-    let s = s + axis.z * tau / length2;
-    let radius = start.w + axis.w * s;
-    let is_there = (0.0..=1.0).contains(&s) && radius > 0.0;
-    is_there.then(|| CurveMet { t: z + tau, u: s, v: (aside / (flat2.sqrt() * radius)).clamp(-1.0, 1.0) })
+    [-1.0, 1.0].map(|way| {
+        let tau = (way * inside.sqrt() - b) / a;
+        let s = s + axis.z * tau / length2;
+        let is_there = (0.0..=1.0).contains(&s) && start.w + axis.w * s > 0.0;
+        is_there.then_some((z + tau, s))
+    })
 }
