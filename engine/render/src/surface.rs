@@ -119,6 +119,13 @@ impl SurfacePoint {
         Ray { skip: Skip { instance: self.instance, strand: self.strand }, ..Ray::new(origin, direction) }
     }
 
+    /// Whether it is on hair, and a ray met the same strand.
+    pub fn is_on_strand_of(&self, scene: &Scene, hit: &Hit) -> bool {
+        self.strand != NO_STRAND
+            && hit.instance == self.instance
+            && mesh_of(scene, hit.instance).curves.as_ref().is_some_and(|c| c.strand_of(hit.triangle) == self.strand)
+    }
+
     /// The same point seen along another ray, which leaves it along `d`.
     pub fn seen_from(&self, d: Vec3A) -> Self {
         if self.geometric_normal.dot(d) >= 0.0 {

@@ -138,9 +138,10 @@ def hair_info():
         put(_grown(250, 6, 0.8, 0.03, material(build), seed=4 + i), (1.9 * i - 1.9, 0.0, 0.5), scale=0.6)
 
 
-@scene("Hair shader on curves")
+@scene("Hair shader on curves, under an even sky")
 def hair_shader():
-    empty_studio()
+    """Where lamps light it, Cycles evaluates it where its own directions do not go; docs/design/closures.md."""
+    empty_studio(lit=False, strength=1.0)
     kinds = (
         lambda t: t.node("BsdfHair", Color=GOLD, RoughnessU=0.4, RoughnessV=0.7),
         lambda t: t.node(

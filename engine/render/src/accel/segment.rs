@@ -98,7 +98,7 @@ pub(super) fn meet<S: Simd>(simd: S, gaze: &Gaze, controls: [Vec4; 4], cut: Cut,
     match cut {
         Cut::Ribbon(pieces) => in_pieces::<S, false>(simd, &seen, usize::from(pieces), t_max),
         Cut::Round(pieces) => in_pieces::<S, true>(simd, &seen, usize::from(pieces), t_max),
-        Cut::Straight => straight(seen.0[1], seen.0[2], t_max),
+        Cut::Straight => straight(&seen, t_max),
     }
 }
 
@@ -284,7 +284,8 @@ impl Joints {
 
 /// What a ball sweeps that goes from one key to the other, its radius changing evenly: a cone that touches two balls, and what of
 /// them is outside of it.
-fn straight(start: Vec4, end: Vec4, t_max: f32) -> BothMet {
+fn straight(Controls([before, start, end, behind]): &Controls, t_max: f32) -> BothMet {
+    let (start, end) = (*start, *end);
     let axis = (end - start).truncate();
     let length = axis.length();
     let along = axis / length;
@@ -297,16 +298,25 @@ fn straight(start: Vec4, end: Vec4, t_max: f32) -> BothMet {
         if !(t > 0.0 && t < both[way].map_or(t_max, |nearest: CurveMet| nearest.t)) {
             return;
         }
-        let normal = (Vec3::new(0.0, 0.0, t) - ball.truncate()) / ball.w;
-        let lengthwise = normal.dot(along);
+        let place = Vec3::new(0.0, 0.0, t);
+        let mut normal = (place - ball.truncate()) / ball.w;
+        let mut lengthwise = normal.dot(along);
         let within = key + lengthwise * ball.w / length;
+        if !(0.0..=1.0).contains(&within) {
+            // Past a key: as its ball has it.
+            normal = (place - if within > 0.5 { end } else { start }.truncate()).normalize_or_zero();
+            lengthwise = normal.dot(along);
+        }
+        let key = f32::from(u8::from(within > 0.5));
         let leans_away = (normal.dot(up) < 0.0) != (way == 1);
         let u = match ((0.0..=1.0).contains(&within), leans_away) {
             (true, _) => within,
             (false, false) => key + lengthwise.clamp(-1.0, 1.0),
             (false, true) => key + lengthwise.clamp(-1.0, 1.0) + 1f32.copysign(lengthwise),
         };
-        let met = CurveMet { t, u, v: normal.dot(across).clamp(-1.0, 1.0) };
+        // Between the keys the normal is taken to be at right angles to the axis, as in Cycles.
+        let radial = if (0.0..=1.0).contains(&within) { (1.0 - lengthwise * lengthwise).max(0.0).sqrt() } else { 1.0 };
+        let met = CurveMet { t, u, v: (normal.dot(across) / radial).clamp(-1.0, 1.0) };
         if (met.u + met.v).is_finite() {
             both[way] = Some(met);
         }
@@ -327,6 +337,11 @@ fn straight(start: Vec4, end: Vec4, t_max: f32) -> BothMet {
             offer(way, t, s * (1.0 - f32::EPSILON), ball);
         }
     }
+    let next = *behind - end;
+    let next_holds = |t: f32| {
+        let out = (Vec3::new(0.0, 0.0, t) - end.truncate()).dot(next.truncate());
+        next != Vec4::ZERO && out > -next.w * end.w
+    };
     for (ball, is_end) in [(start, false), (end, true)] {
         let high = ball.w * ball.w - ball.truncate().truncate().length_squared();
         if high < 0.0 || ball.w <= 0.0 {
@@ -334,8 +349,9 @@ fn straight(start: Vec4, end: Vec4, t_max: f32) -> BothMet {
         }
         for (way, t) in [ball.z - high.sqrt(), ball.z + high.sqrt()].into_iter().enumerate() {
             let outwards = (Vec3::new(0.0, 0.0, t) - ball.truncate()).dot(along) / ball.w;
-            // What is within the cone is not on the outside.
-            let is_outside = if is_end { outwards >= narrows } else { outwards <= narrows };
+            // What is within the cone, or the next one, is not on the outside; a ball between two is the first one's.
+            let is_outside =
+                if is_end { outwards >= narrows && !next_holds(t) } else { outwards <= narrows && *before == start };
             if is_outside {
                 offer(way, t, f32::from(u8::from(is_end)), ball);
             }

@@ -1,5 +1,6 @@
 //! A point of hair as shader graphs ask for it.
 
+use crate::accel::curves::radius_scale;
 use crate::scene::Instance;
 use crate::scene::curves::Curves;
 use crate::surface::{SurfacePoint, strand_slope, tangent_of_strand};
@@ -20,7 +21,7 @@ pub(super) fn read(
         Field::IsStrand => number(1.0),
         Field::StrandIntercept => number(curves.intercept(segment, u).0),
         Field::StrandLength => number(curves.intercept(segment, u).1),
-        Field::StrandThickness => number(curves.thickness(segment, u)),
+        Field::StrandThickness => number(curves.thickness(segment, u) * radius_scale(instance)),
         Field::StrandRandom => number(curves.random(segment)),
         // What is left of the view across the strand.
         Field::StrandNormal => {

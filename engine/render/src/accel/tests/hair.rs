@@ -271,8 +271,12 @@ fn a_straight_strand_is_a_cylinder() {
             let normal = SurfacePoint::new(&scene, &hit, ray.direction).shading_normal.as_dvec3();
             let place = o + d * met;
             assert!(normal.dot(DVec3::new(0.0, place.y, place.z) / 0.25) > 0.9999);
-            // In and out again.
-            assert!((accel.transmittance(&ray, |_| 0.5) - 0.25).abs() < 1e-6);
+            // In and out again, but at its open ends and where round pieces overlap.
+            let far = o.x + d.x * (-b + (b * b - a * c).sqrt()) / a;
+            assert!(
+                !(0.3..2.7).contains(&far) || (accel.transmittance(&ray, |_| 0.5) - 0.25).abs() < 1e-6,
+                "{x} {far}"
+            );
             let axis = Vec3A::new(x as f32, 0.0, 0.0);
             let away = ray.direction.with_x(0.0).normalize();
             let out = accel.closest(&Ray::new(axis, away), Rays::CAMERA).unwrap();
