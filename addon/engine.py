@@ -12,7 +12,7 @@ import traceback
 import bpy
 import numpy as np
 
-from . import effects, loop, passes, persistent, planning, render_settings, staging, statistics, tiles
+from . import checkpoints, effects, loop, passes, persistent, planning, render_settings, staging, statistics, tiles
 from .description import CameraDescription, Report, focused
 from .export import camera as camera_export
 from .export.errors import ExportError
@@ -135,9 +135,10 @@ class _Photograph:
         settings = render_settings.describe(self.scene, width, height, bool(self.data_passes))
         moving = self._over_the_shutter(camera, width, height)
         neighbours, motion = self._beside(camera, width, height)
-        builder = staging.builder(
-            native, self.depsgraph, camera, (width, height), self.report, self._check_stop, motion
-        )
+        builder, size = native.SceneBuilder(), (width, height)
+        checkpoint = checkpoints.of(self.depsgraph)
+        told = checkpoint.watched(builder) if checkpoint else builder
+        staging.fill(told, self.depsgraph, camera, size, self.report, self._check_stop, motion)
         self.report.warnings += builder.warnings()
         sync_seconds = time.perf_counter() - began
 
@@ -164,11 +165,19 @@ class _Photograph:
         mattes = [one.engine_name for one in self.mattes]
         beside = {"plan": self.plan, "mattes": mattes, "matte_levels": self.matte_levels, "neighbours": neighbours}
         beside["light_groups"] = len(self.light_groups)
+        if checkpoint:
+            decided = [(row["effect"], row["decision"]) for row in self.told["effects"]]
+            others = {name: value for name, value in beside.items() if name != "plan"}
+            beside["checkpoint"] = checkpoint.arguments(settings, camera, moving, decided, others)
         job = loop.stoppable(lambda: native.Job(scene, camera, settings, moving, **beside), self._stop_asked)
         stopped = loop.follow(job, stop_asked=self._stop_asked, show=self._show, tell=self._progress)
         self._progress(job.progress() if stopped else 1.0, job.samples_done())
         self._show_all(job)
         self._keep(json.loads(job.stats_json()), sync_seconds, stopped)
+        if checkpoint:
+            self._tell("Keeping the render", 1.0)
+            is_done_with = not stopped and loop.WATCH.checkpoint is None
+            loop.stoppable(lambda: job.end_checkpoints(is_done_with), lambda: False)
 
     def _plan(self, native, scene, camera, settings, moving) -> None:
         """Decides what is simulated."""
@@ -295,6 +304,8 @@ class _Photograph:
         statistics.keep(self.scene.name, render)
         for line in render.lines():
             print(f"Petzval: {line}")
+        if problem := (stats["checkpoint"] or {}).get("problem"):
+            self.host.report({"WARNING"}, problem)
         if stats.get("failure"):
             self.host.report({"ERROR"}, stats["failure"])
 

@@ -7,6 +7,7 @@ Imported in bpy, or run as a script by `blender -b --python render_in_blender.py
 
 from __future__ import annotations
 
+import glob
 import json
 import math
 import os
@@ -74,6 +75,7 @@ def _render(options: dict, voice: TextIO) -> tuple[str | None, bool]:
         return error, False
     watch = addon.loop.WATCH
     watch.study = study = _study(options.get("study"), scene, watch)
+    watch.checkpoint, watch.checkpoint_every_s = options["checkpoint"], options["checkpoint_every_s"]
     if voice.isatty() and (study is None or study.is_long):
         watch.on_progress = ProgressBar(voice)
     _stop_on_interrupt(watch)
@@ -97,7 +99,21 @@ def _render(options: dict, voice: TextIO) -> tuple[str | None, bool]:
             _write_stats(options["stats"], last, found)
         except OSError as failed:
             problem = f"cannot write {options['stats']}: {failed.strerror}: name another file"
+    if problem is None:
+        _end_checkpoints(options["checkpoint"], interrupted, voice)
     return problem, interrupted
+
+
+def _end_checkpoints(file: str, interrupted: bool, voice: TextIO) -> None:
+    """What was kept of a render goes when its picture is written; of one that was broken off it is said where it is."""
+    # View layers have files of their own (addon/checkpoints.py).
+    for kept in [file, *glob.glob(glob.escape(file) + "." + 12 * "[0-9a-f]")]:
+        if not os.path.isfile(kept):
+            continue
+        if interrupted:
+            print(f"petzval: kept in {kept}: the same command goes on from there", file=voice)
+        else:
+            os.unlink(kept)
 
 
 def _study(asked: dict | None, scene: Any, watch: Any) -> Any:

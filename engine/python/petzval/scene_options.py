@@ -157,6 +157,8 @@ def checked(a: argparse.Namespace) -> dict:
         "sample_offset": None,
         "output": None,
         "stats": None,
+        "checkpoint": "",
+        "checkpoint_every_s": None,
     }
 
 
