@@ -71,13 +71,15 @@ def test_parts_make_the_whole(parts, blender, petzval_cli, tmp_path):
     np.testing.assert_allclose(joined[cover], whole[cover], atol=1.0 / 24.0)
     assert joined[cover].mean() == pytest.approx(whole[cover].mean(), abs=1e-3)
     assert (joined["ViewLayer.CryptoObject00.R"] == whole["ViewLayer.CryptoObject00.R"]).mean() > 0.98
-    # Means over what was seen: where that is all, to the rounding of three numbers of single precision, and of their sums.
+    # Means over what was seen: where that is all, to the rounding of three numbers of single precision, and of their sums;
+    # but places differ over a pixel (by 0.05 where it is not sharp), and a ray that was lost changes their mean by a 24th.
     covered = sum(whole[f"ViewLayer.CryptoObject0{i}.{c}"] for i in range(3) for c in "GA")
     solid, empty = covered > 1.0 - 1e-6, covered == 0.0
     assert solid.mean() > 0.1 and empty.mean() > 0.1
     for name in ("Depth.Z", "Normal.X", "Normal.Y", "Normal.Z", "Position.X", "Position.Y", "Position.Z"):
         ours, theirs = joined[f"ViewLayer.{name}"], whole[f"ViewLayer.{name}"]
-        np.testing.assert_allclose(ours[solid], theirs[solid], rtol=1e-5, atol=3e-6, err_msg=name)
+        within = 0.05 / 24.0 if name.startswith("Position") else 3e-6
+        np.testing.assert_allclose(ours[solid], theirs[solid], rtol=1e-5, atol=within, err_msg=name)
         assert (ours[empty] == theirs[empty]).all(), name
 
 
