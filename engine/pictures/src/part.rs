@@ -50,7 +50,7 @@ impl Part {
         let view_layers = places.keys().filter_map(|name| Some(name.split_once(&suffix)?.0.to_owned())).collect();
         let text = |name: &str| {
             let of = |attributes: &std::collections::HashMap<Text, AttributeValue>| {
-                attributes.iter().find(|(key, _)| key.to_string() == name).and_then(|(_, value)| match value {
+                attributes.iter().find(|(key, _)| **key == *name).and_then(|(_, value)| match value {
                     AttributeValue::Text(text) => Some(text.to_string()),
                     _ => None,
                 })
