@@ -214,7 +214,7 @@ impl Job {
         let (width, height) = self.job.film().size();
         if let Some(place) = ["REMAINDER", "REMAINDER_FINE"].iter().position(|known| *known == name) {
             let rest = away(py, || self.job.film().remainders())?;
-            return Ok(array(py, rest.into_iter().map(|both| both[place]).collect(), width, height)?);
+            return array(py, rest.into_iter().map(|both| both[place]).collect(), width, height);
         }
         let (pass, channels) = match name {
             "DEPTH" => (DataPass::Depth, 1),

@@ -79,7 +79,7 @@ fn what_cannot_be_joined_is_said() {
     let a = folder.picture("a.exr", &[("R", [1.0; 2])], &count);
     let out = folder.0.join("out.exr");
     let said = |files: &[PathBuf]| merge(files, &out).unwrap_err().to_string();
-    assert!(said(&[a.clone()]).contains("name two or more"));
+    assert!(said(std::slice::from_ref(&a)).contains("name two or more"));
     let other = folder.picture("b.exr", &[("R", [1.0; 2]), ("View.Depth.Z", [1.0; 2])], &count);
     assert!(said(&[a.clone(), other]).contains("the channel View.Depth.Z is in"));
     let silent = folder.picture("c.exr", &[("R", [1.0; 2])], &[]);
