@@ -1,6 +1,6 @@
 //! One of the pictures that are joined: its channels by pass, and what it says of its samples.
 
-use crate::merge::MergeError;
+use crate::error::MergeError;
 use exr::prelude::*;
 use std::collections::BTreeMap;
 use std::path::{Path, PathBuf};
