@@ -12,7 +12,7 @@ import traceback
 import bpy
 import numpy as np
 
-from . import effects, loop, passes, persistent, planning, render_settings, staging, statistics, tiles
+from . import checkpoints, effects, loop, passes, persistent, planning, render_settings, staging, statistics, tiles
 from .description import CameraDescription, Report, focused
 from .export import camera as camera_export
 from .export.errors import ExportError
@@ -49,7 +49,8 @@ class PetzvalRenderEngine(bpy.types.RenderEngine):
         levels = passes.matte_levels(renderlayer)
         mattes = (one for layer in passes.wanted_mattes(renderlayer) for one in passes.of_matte(layer, levels))
         groups = passes.of_light_groups(renderlayer)
-        for one in (passes.COMBINED, *passes.wanted(renderlayer), *mattes, *groups):
+        merging = passes.for_merging(renderlayer, scene.petzval)
+        for one in (passes.COMBINED, *passes.wanted(renderlayer), *mattes, *groups, *merging):
             self.register_pass(scene, renderlayer, one.name, one.channels, one.channel_names, one.kind)
 
     def render(self, depsgraph):
@@ -118,6 +119,7 @@ class _Photograph:
         self.window = _region(self.scene.render)
         layer = depsgraph.view_layer_eval
         self.data_passes = passes.wanted(layer)
+        self.merging = passes.for_merging(layer, self.scene.petzval)
         self.mattes, self.matte_levels = passes.wanted_mattes(layer), passes.matte_levels(layer)
         self.light_groups = passes.of_light_groups(layer)
         self.focus: dict | None = None
@@ -135,9 +137,10 @@ class _Photograph:
         settings = render_settings.describe(self.scene, width, height, bool(self.data_passes))
         moving = self._over_the_shutter(camera, width, height)
         neighbours, motion = self._beside(camera, width, height)
-        builder = staging.builder(
-            native, self.depsgraph, camera, (width, height), self.report, self._check_stop, motion
-        )
+        builder, size = native.SceneBuilder(), (width, height)
+        checkpoint = checkpoints.of(self.depsgraph)
+        told = checkpoint.watched(builder) if checkpoint else builder
+        staging.fill(told, self.depsgraph, camera, size, self.report, self._check_stop, motion)
         self.report.warnings += builder.warnings()
         sync_seconds = time.perf_counter() - began
 
@@ -164,11 +167,19 @@ class _Photograph:
         mattes = [one.engine_name for one in self.mattes]
         beside = {"plan": self.plan, "mattes": mattes, "matte_levels": self.matte_levels, "neighbours": neighbours}
         beside["light_groups"] = len(self.light_groups)
+        if checkpoint:
+            decided = [(row["effect"], row["decision"]) for row in self.told["effects"]]
+            others = {name: value for name, value in beside.items() if name != "plan"}
+            beside["checkpoint"] = checkpoint.arguments(settings, camera, moving, decided, others)
         job = loop.stoppable(lambda: native.Job(scene, camera, settings, moving, **beside), self._stop_asked)
         stopped = loop.follow(job, stop_asked=self._stop_asked, show=self._show, tell=self._progress)
         self._progress(job.progress() if stopped else 1.0, job.samples_done())
         self._show_all(job)
         self._keep(json.loads(job.stats_json()), sync_seconds, stopped)
+        if checkpoint:
+            self._tell("Keeping the render", 1.0)
+            is_done_with = not stopped and loop.WATCH.checkpoint is None
+            loop.stoppable(lambda: job.end_checkpoints(is_done_with), lambda: False)
 
     def _plan(self, native, scene, camera, settings, moving) -> None:
         """Decides what is simulated."""
@@ -232,7 +243,7 @@ class _Photograph:
     def _show_all(self, job) -> None:
         """The finished picture with its passes of data, at once: a result without a pass would blacken it."""
         pictures = {passes.COMBINED.name: job.image()}
-        pictures |= {one.name: job.data(one.engine_name) for one in self.data_passes}
+        pictures |= {one.name: job.data(one.engine_name) for one in (*self.data_passes, *self.merging)}
         pictures |= {one.name: job.light_group(i)[..., :3] for i, one in enumerate(self.light_groups, 1)}
         for layer in self.mattes:
             channels = job.matte(layer.engine_name)
@@ -248,6 +259,7 @@ class _Photograph:
         self.host.end_result(result)
         self._name_mattes(job)
         self._name_effects()
+        self._name_samples(json.loads(job.stats_json()))
 
     def _name_effects(self) -> None:
         """Says in the picture's metadata what of the lens was simulated."""
@@ -256,6 +268,14 @@ class _Photograph:
             whole.stamp_data_add_field(f"petzval/effects/{row['effect']}", f"{row['decision']}: {row['why']}")
         whole.stamp_data_add_field("petzval/camera", json.dumps(self.told["camera"]))
         whole.stamp_data_add_field("petzval/quality", f"{self.told['quality']:g}")
+
+    def _name_samples(self, stats: dict) -> None:
+        """Says in the picture's metadata which samples it holds: for joining it with others."""
+        whole = self.host.get_result()
+        first, most = self.scene.petzval.sample_offset, stats["samples_most"]
+        whole.stamp_data_add_field("petzval/ranges", f"{stats['seed']}:{first}+{most}")
+        if stats["samples"] == most:
+            whole.stamp_data_add_field("petzval/samples", str(most))
 
     def _name_mattes(self, job) -> None:
         """Says in the picture's metadata what the mattes' numbers stand for."""
@@ -295,6 +315,8 @@ class _Photograph:
         statistics.keep(self.scene.name, render)
         for line in render.lines():
             print(f"Petzval: {line}")
+        if problem := (stats["checkpoint"] or {}).get("problem"):
+            self.host.report({"WARNING"}, problem)
         if stats.get("failure"):
             self.host.report({"ERROR"}, stats["failure"])
 

@@ -22,7 +22,8 @@ def plan(scene: bpy.types.Scene, depsgraph: bpy.types.Depsgraph) -> dict:
     width, height = camera_export.resolution(scene.render)
     camera = staging.camera(scene, width, height, report)
     settings = render_settings.describe(scene, width, height)
-    builder = staging.builder(native, depsgraph, camera, (width, height), report)
+    builder = native.SceneBuilder()
+    staging.fill(builder, depsgraph, camera, (width, height), report)
     stage = builder.build(staging.place(camera), settings.threads, None)
     if camera.autofocus is not None:
         staging.focus(native, stage, camera, width, height)

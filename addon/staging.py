@@ -23,20 +23,18 @@ def camera(scene: bpy.types.Scene, width: int, height: int, report: Report) -> C
     return found
 
 
-def builder(
-    native: Any,
+def fill(
+    builder: Any,
     depsgraph: bpy.types.Depsgraph,
     seen_by: CameraDescription,
     size: tuple[int, int],
     report: Report,
     check_stop: Callable[[], None] = lambda: None,
     motion: Motion | None = None,
-) -> Any:
-    """The engine's `SceneBuilder` with all that the camera may see."""
-    found = native.SceneBuilder()
-    export.send_scene(depsgraph, found, report, check_stop, motion)
-    viewport.send(found, seen_by, *size)
-    return found
+) -> None:
+    """Tells the engine's `SceneBuilder` all that the camera may see."""
+    export.send_scene(depsgraph, builder, report, check_stop, motion)
+    viewport.send(builder, seen_by, *size)
 
 
 def place(of: CameraDescription) -> tuple[float, float, float]:

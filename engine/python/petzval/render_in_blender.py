@@ -7,6 +7,7 @@ Imported in bpy, or run as a script by `blender -b --python render_in_blender.py
 
 from __future__ import annotations
 
+import glob
 import json
 import math
 import os
@@ -74,6 +75,7 @@ def _render(options: dict, voice: TextIO) -> tuple[str | None, bool]:
         return error, False
     watch = addon.loop.WATCH
     watch.study = study = _study(options.get("study"), scene, watch)
+    watch.checkpoint, watch.checkpoint_every_s = options["checkpoint"], options["checkpoint_every_s"]
     if voice.isatty() and (study is None or study.is_long):
         watch.on_progress = ProgressBar(voice)
     _stop_on_interrupt(watch)
@@ -97,7 +99,21 @@ def _render(options: dict, voice: TextIO) -> tuple[str | None, bool]:
             _write_stats(options["stats"], last, found)
         except OSError as failed:
             problem = f"cannot write {options['stats']}: {failed.strerror}: name another file"
+    if problem is None:
+        _end_checkpoints(options["checkpoint"], interrupted, voice)
     return problem, interrupted
+
+
+def _end_checkpoints(file: str, interrupted: bool, voice: TextIO) -> None:
+    """What was kept of a render goes when its picture is written; of one that was broken off it is said where it is."""
+    # View layers have files of their own (addon/checkpoints.py).
+    for kept in [file, *glob.glob(glob.escape(file) + "." + 12 * "[0-9a-f]")]:
+        if not os.path.isfile(kept):
+            continue
+        if interrupted:
+            print(f"petzval: kept in {kept}: the same command goes on from there", file=voice)
+        else:
+            os.unlink(kept)
 
 
 def _study(asked: dict | None, scene: Any, watch: Any) -> Any:
@@ -170,7 +186,9 @@ def _apply(scene: Any, o: dict, addon: Any, found: dict) -> str | None:
     for name, word in o["effects"].items():
         setattr(scene.petzval.effects, name, word.upper())
     if o["output"] is not None:
-        _apply_output(r, o["output"])
+        _apply_output(r, o["output"], o["mergeable"])
+    for layer in scene.view_layers if o["mergeable"] else ():
+        layer.petzval.use_pass_mergeable = True
     try:
         _apply_camera(scene, scene.camera.data, o, addon)
     except RuntimeError as error:  # only the mask is a file that is read here
@@ -193,7 +211,7 @@ def _apply_sharp(scene: Any, points: list[list[float]], addon: Any, found: dict)
     return None
 
 
-def _apply_output(r: Any, output: str) -> None:
+def _apply_output(r: Any, output: str, mergeable: bool) -> None:
     r.filepath = output
     # The name is taken as it is; a placeholder for the frame's number is for animations.
     r.use_file_extension = False
@@ -204,14 +222,21 @@ def _apply_output(r: Any, output: str) -> None:
     r.use_multiview = False
     settings = r.image_settings
     if hasattr(settings, "media_type"):
-        settings.media_type = "IMAGE"
-    if output.lower().endswith(".exr"):
+        settings.media_type = "MULTI_LAYER_IMAGE" if mergeable else "IMAGE"
+    if mergeable:
+        settings.file_format = "OPEN_EXR_MULTILAYER"
+        settings.color_depth = "32"
+    elif output.lower().endswith(".exr"):
         settings.file_format = "OPEN_EXR"
         settings.color_depth = "32"
     else:
         settings.file_format = "PNG"
         settings.color_depth = "8"
-    settings.color_mode = "RGBA" if r.film_transparent else "RGB"
+    if output.lower().endswith(".exr"):
+        # Blender's own may lose something, and what the engine found is to be in the file.
+        settings.exr_codec = "ZIP"
+    if not mergeable:  # which has all channels of all passes
+        settings.color_mode = "RGBA" if r.film_transparent else "RGB"
 
 
 def _apply_camera(scene: Any, data: Any, o: dict, addon: Any) -> None:

@@ -22,6 +22,7 @@ use film_first::FilmFirst;
 use hero::Hero;
 use motion::Motion;
 use scene_first::SceneFirst;
+use serde::{Deserialize, Serialize};
 use std::time::{Duration, Instant};
 
 /// Where samples go one by one, one in this many is timed, to know the lens' share of the time without spending any.
@@ -110,7 +111,7 @@ impl Shot<'_> {
 }
 
 /// Counts of what was done.
-#[derive(Clone, Copy, Debug, Default, PartialEq)]
+#[derive(Clone, Copy, Debug, Default, PartialEq, Serialize, Deserialize)]
 pub struct Counts {
     /// Samples asked of the camera.
     pub camera_rays: u64,
