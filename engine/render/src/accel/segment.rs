@@ -95,11 +95,28 @@ fn round_pieces(controls: &Controls) -> u16 {
 #[inline(always)]
 pub(super) fn meet<S: Simd>(simd: S, gaze: &Gaze, controls: [Vec4; 4], cut: Cut, t_max: f32) -> BothMet {
     let seen = Controls(controls.map(|key| gaze.seen(key)));
+    if !matches!(cut, Cut::Straight) && passes_by(&seen) {
+        return [None; 2];
+    }
     match cut {
         Cut::Ribbon(pieces) => in_pieces::<S, false>(simd, &seen, usize::from(pieces), t_max),
         Cut::Round(pieces) => in_pieces::<S, true>(simd, &seen, usize::from(pieces), t_max),
         Cut::Straight => straight(&seen, t_max),
     }
+}
+
+/// Whether the ray is too far from the line between the segment's ends, as it is seen along the ray, for what bends about that.
+#[inline(always)]
+fn passes_by(seen: &Controls) -> bool {
+    let [start, first, second, end] = seen.hull();
+    let chord = (end - start).truncate().truncate();
+    let aside = |place: Vec4| chord.perp_dot((place - start).truncate().truncate());
+    let ray = aside(Vec4::ZERO);
+    let (first_aside, second_aside) = (aside(first), aside(second));
+    let radius = start.w.abs().max(first.w.abs()).max(second.w.abs()).max(end.w.abs());
+    // With room for where round pieces meet, and for rounding.
+    let room = chord.length() * (1.05 * radius + 1e-6 * (start.abs() + end.abs()).truncate().max_element());
+    ray > first_aside.max(second_aside).max(0.0) + room || ray < first_aside.min(second_aside).min(0.0) - room
 }
 
 /// Joints between up to eight pieces: place, radius, and the curve's direction.
