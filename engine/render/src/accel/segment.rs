@@ -6,6 +6,7 @@
 //! 2014, as Cycles has them); round strands are cones about the line between joints (in the manner of the phantom intersector of
 //! Reshetov and Luebke 2018, with the planes instead of its iteration), met on their way in and on their way out.
 
+use super::LEANS_AWAY;
 use crate::scene::curves::{Controls, CurveShape};
 use fearless_simd::{Simd, SimdBase, SimdFloat, SimdMask, f32x8};
 use glam::{Vec2, Vec3, Vec3A, Vec4};
@@ -45,11 +46,10 @@ impl Gaze {
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub(super) struct CurveMet {
     pub(super) t: f32,
-    /// Along the segment, 0 to 1; beyond that on a round end, by what the normal has along the strand, and one more where the rest
-    /// of it leans away from the view.
+    /// Along the segment, 0 to 1; beyond that on a round end, by what the normal has along the strand.
     pub(super) u: f32,
     /// Across it, -1 to 1: the sine of the angle between the normal and the view, to the side of the cross product of the
-    /// strand's direction and the view.
+    /// strand's direction and the view. [`LEANS_AWAY`] more where the normal leans as it does not of a cylinder.
     pub(super) v: f32,
 }
 
@@ -326,14 +326,11 @@ fn straight(Controls([before, start, end, behind]): &Controls, t_max: f32) -> Bo
         }
         let key = f32::from(u8::from(within > 0.5));
         let leans_away = (normal.dot(up) < 0.0) != (way == 1);
-        let u = match ((0.0..=1.0).contains(&within), leans_away) {
-            (true, _) => within,
-            (false, false) => key + lengthwise.clamp(-1.0, 1.0),
-            (false, true) => key + lengthwise.clamp(-1.0, 1.0) + 1f32.copysign(lengthwise),
-        };
+        let u = if (0.0..=1.0).contains(&within) { within } else { key + lengthwise.clamp(-1.0, 1.0) };
         // Between the keys the normal is taken to be at right angles to the axis, as in Cycles.
         let radial = if (0.0..=1.0).contains(&within) { (1.0 - lengthwise * lengthwise).max(0.0).sqrt() } else { 1.0 };
-        let met = CurveMet { t, u, v: (normal.dot(across) / radial).clamp(-1.0, 1.0) };
+        let lean = if leans_away { LEANS_AWAY } else { 0.0 };
+        let met = CurveMet { t, u, v: (normal.dot(across) / radial).clamp(-1.0, 1.0) + lean };
         if (met.u + met.v).is_finite() {
             both[way] = Some(met);
         }

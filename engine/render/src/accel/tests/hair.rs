@@ -139,7 +139,7 @@ proptest! {
                 prop_assert!(point.shading_normal.dot(ray.direction) < 1e-3);
                 let at = (hit.triangle as f64 + f64::from(hit.u)) * FINE as f64;
                 let out = (o + d * f64::from(hit.t) - curve[(at as usize).min(curve.len() - 1)].0).normalize();
-                prop_assert!(out.dot(point.shading_normal.as_dvec3()) > 0.98);
+                prop_assert!(out.dot(point.shading_normal.as_dvec3()) > 0.98 || hit.v.abs() > 0.95);
             }
             // Its ends are open: who looks in sees the inside, later.
             let met = o + d * t;
@@ -186,7 +186,7 @@ proptest! {
                     // Where the strand gets thinner, its cone is a little more than its radius from the axis; at its outline that
                     // is a long way along the ray.
                     let off = (point.position - ray.origin - ray.direction * hit.t).length();
-                    prop_assert!(off < 0.015 || hit.v.abs() > 0.9, "{off} {hit:?}");
+                    prop_assert!(off < 0.015 || Across::of(hit.v).sine.abs() > 0.9, "{off} {hit:?}");
                 }
                 None => {
                     let deepest = (0..400).map(|i| outside(t + 0.005 * f64::from(i))).fold(f64::INFINITY, f64::min);
@@ -240,7 +240,7 @@ proptest! {
             let target = if keys[0].is_finite() { Vec3A::from_vec4(keys[0]) } else { Vec3A::ZERO };
             let ray = ray_at(target, u, 1.0);
             if ray.origin.is_finite() && let Some(hit) = accel.closest(&ray, Rays::CAMERA) {
-                prop_assert!(hit.t > 0.0 && hit.u.is_finite() && hit.v.abs() <= 1.0 + FROM_WITHIN, "{hit:?}");
+                prop_assert!(hit.t > 0.0 && hit.u.is_finite() && hit.v >= -1.0 && hit.v <= 1.0 + FROM_WITHIN + LEANS_AWAY, "{hit:?}");
                 let point = SurfacePoint::new(&scene, &hit, ray.direction);
                 prop_assert!(point.shading_normal.is_finite() && point.position.is_finite(), "{point:?}");
             }
