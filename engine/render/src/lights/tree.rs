@@ -3,42 +3,76 @@
 //! Splitting", without the splitting), eight children a node, weighed at once in the lanes of a register.
 
 use super::bounds::LightBounds;
-use super::build::Half;
+use super::build::{Filling, Half};
 use super::receiver::{Receiver, WIDTH};
 use glam::Vec3A;
+use std::f32::consts::SQRT_2;
 use wide::f32x8;
+
+/// What is smaller, or nearer, is taken to be so small and near: Blender units.
+const LEAST_SIZE: f32 = 1e-8;
+
+/// Emitters up to which the upper levels of the tree say enough of what is near.
+const FEW: usize = 1024;
 
 /// No node, no emitter.
 const NONE: u32 = u32::MAX;
 
 /// A child of a node.
-#[derive(Clone, Copy, Debug)]
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
 enum Child {
     Nothing,
     Node(u32),
     Emitter(u32),
 }
 
+/// The same in four bytes: an emitter's has the uppermost bit.
+#[derive(Clone, Copy, Debug)]
+struct PackedChild(u32);
+
+impl PackedChild {
+    const NOTHING: Self = Self(NONE);
+    const EMITTER: u32 = 1 << 31;
+
+    fn node(number: u32) -> Self {
+        debug_assert!(number < Self::EMITTER);
+        Self(number)
+    }
+
+    fn emitter(number: u32) -> Self {
+        debug_assert!(number < NONE - Self::EMITTER);
+        Self(number | Self::EMITTER)
+    }
+
+    #[inline]
+    fn open(self) -> Child {
+        match self.0 {
+            NONE => Child::Nothing,
+            emitter if emitter & Self::EMITTER != 0 => Child::Emitter(emitter & !Self::EMITTER),
+            node => Child::Node(node),
+        }
+    }
+}
+
 /// Up to eight parts of the scene's light, lane by lane.
 #[derive(Clone, Debug)]
+#[repr(align(64))]
 struct Node {
     center: [f32x8; 3],
-    half_diagonal2: f32x8,
+    /// Of the sphere about the box.
+    radius: f32x8,
+    /// Negative where light also leaves backwards.
     power: f32x8,
     axis: [f32x8; 3],
     cos_normal_spread: f32x8,
     sin_normal_spread: f32x8,
     /// A little less than it, so that rounding takes no light away.
     cos_emission_spread: f32x8,
-    /// All bits where light also leaves backwards.
-    two_sided: f32x8,
-    children: [Child; WIDTH],
-    /// The node above, and which of its children this is.
-    parent: (u32, u32),
+    children: [PackedChild; WIDTH],
 }
 
 impl Node {
-    fn new(parts: &[LightBounds], parent: (u32, u32)) -> Self {
+    fn new(parts: &[LightBounds]) -> Self {
         let lanes = |of: &dyn Fn(&LightBounds) -> f32| {
             let mut values = [0.0; WIDTH];
             values.iter_mut().zip(parts).for_each(|(v, b)| *v = of(b));
@@ -46,51 +80,66 @@ impl Node {
         };
         Self {
             center: [0, 1, 2].map(|i| lanes(&|b| b.center()[i])),
-            half_diagonal2: lanes(&|b| 0.25 * (b.max - b.min).length_squared()),
-            power: lanes(&|b| b.power),
+            radius: lanes(&|b| 0.5 * (b.max - b.min).length()).fast_max(f32x8::splat(LEAST_SIZE)),
+            power: lanes(&|b| if b.two_sided { -b.power } else { b.power }),
             axis: [0, 1, 2].map(|i| lanes(&|b| b.axis[i])),
             cos_normal_spread: lanes(&|b| b.normal_spread_rad.cos()),
             sin_normal_spread: lanes(&|b| b.normal_spread_rad.sin()),
             cos_emission_spread: lanes(&|b| b.emission_spread_rad.cos() - 1e-6),
-            two_sided: lanes(&|b| if b.two_sided { 1.0 } else { 0.0 }).simd_gt(f32x8::splat(0.5)),
-            children: [Child::Nothing; WIDTH],
-            parent,
+            children: [PackedChild::NOTHING; WIDTH],
         }
     }
 
-    /// For each child a bound, nearly, of the light that it may send to a place.
+    /// For each child about the light that it may send to a place; 0 only where it sends none.
     #[inline]
     fn importances(&self, p: Vec3A, normal: Option<Vec3A>) -> [f32; WIDTH] {
-        let zero = f32x8::splat(0.0);
-        let one = f32x8::splat(1.0);
-        let offset = [
-            f32x8::splat(p.x) - self.center[0],
-            f32x8::splat(p.y) - self.center[1],
-            f32x8::splat(p.z) - self.center[2],
+        let (zero, one) = (f32x8::splat(0.0), f32x8::splat(1.0));
+        // The other way round than light goes.
+        let to = [
+            self.center[0] - f32x8::splat(p.x),
+            self.center[1] - f32x8::splat(p.y),
+            self.center[2] - f32x8::splat(p.z),
         ];
-        let d2 = dot(&offset, &offset);
-        let base = self.power / d2.fast_max(self.half_diagonal2).fast_max(f32x8::splat(1e-20));
+        let d2 = dot(&to, &to).fast_max(f32x8::splat(LEAST_SIZE * LEAST_SIZE));
+        let radius2 = self.radius * self.radius;
+        // Two quotients by one division.
+        let both = one / (d2 * radius2);
+        let inverse_d2 = both * radius2;
         // 1 from outside the sphere about the box on.
-        let outside = (d2 / self.half_diagonal2.fast_max(f32x8::splat(1e-20))).fast_min(one);
-        let inverse = one / d2.fast_max(f32x8::splat(1e-30)).sqrt();
-        let away = [offset[0] * inverse, offset[1] * inverse, offset[2] * inverse];
-        // The angle that the box fills, seen from the place.
-        let sin2_box = (self.half_diagonal2 * inverse * inverse).fast_min(one);
-        let (sin_box, cos_box) = (sin2_box.sqrt(), (one - sin2_box).sqrt());
-        // The least angle between any normal and any direction to the place.
-        let cos_axis = dot(&self.axis, &away).fast_max(-one).fast_min(one);
-        let cos_axis = self.two_sided.select(cos_axis.abs(), cos_axis);
-        let cos_x = cos_of_difference(sine(cos_axis), cos_axis, self.sin_normal_spread, self.cos_normal_spread);
-        let cos_least = cos_of_difference(sine(cos_x), cos_x, sin_box, cos_box);
-        let mut cosines = cos_least.simd_gt(self.cos_emission_spread).select(mean_cosine(cos_x, sin_box), zero);
+        let outside = (both * d2 * d2).fast_min(one);
+        let inverse_d = inverse_d2.sqrt();
+        // Of the angle that the box fills, seen from the place; the sine's inverse over four.
+        let sin_box = (self.radius * inverse_d).fast_min(one);
+        let quarter = both * d2 * d2 * inverse_d * self.radius * 0.25;
+        let cos_axis = -dot(&self.axis, &to) * inverse_d;
+        let cos_axis = self.power.is_sign_negative().select(cos_axis.abs(), cos_axis);
+        // Of the least angle between any normal and the direction from the middle to the place.
+        let sin_axis = (one - cos_axis * cos_axis).fast_max(zero).sqrt();
+        let cos_normal = cos_axis * self.cos_normal_spread + sin_axis * self.sin_normal_spread;
+        let cos_normal = cos_axis.simd_ge(self.cos_normal_spread).select(one, cos_normal);
+        // cos(a - b) <= cos a + 2^0.5 sin b for all angles up to a right one.
+        let reaches = (cos_normal + sin_box * SQRT_2).simd_gt(self.cos_emission_spread);
+        let mut cosines = reaches.select(mean_cosine(cos_normal, sin_box, quarter), zero);
         if let Some(n) = normal {
-            let n = [f32x8::splat(-n.x), f32x8::splat(-n.y), f32x8::splat(-n.z)];
-            let cos_i = dot(&away, &n).fast_max(-one).fast_min(one);
-            cosines *= mean_cosine(cos_i, sin_box);
+            let n = [f32x8::splat(n.x), f32x8::splat(n.y), f32x8::splat(n.z)];
+            cosines *= mean_cosine(dot(&to, &n) * inverse_d, sin_box, quarter);
         }
         // From the middle of the box light may come from anywhere, at any slant.
         let far = outside * outside;
-        (base * (one - far + cosines * far)).to_array()
+        (self.power.abs() * inverse_d2 * outside * (one - far + cosines * far)).to_array()
+    }
+}
+
+impl Node {
+    /// A bit for each child whose box is large or near: within so many times.
+    #[inline]
+    fn near(&self, p: Vec3A, times: f32) -> u32 {
+        let to = [
+            self.center[0] - f32x8::splat(p.x),
+            self.center[1] - f32x8::splat(p.y),
+            self.center[2] - f32x8::splat(p.z),
+        ];
+        dot(&to, &to).simd_lt(self.radius * self.radius * times).to_bitmask()
     }
 }
 
@@ -99,33 +148,25 @@ fn dot(a: &[f32x8; 3], b: &[f32x8; 3]) -> f32x8 {
     a[0] * b[0] + a[1] * b[1] + a[2] * b[2]
 }
 
-/// Of an angle up to pi.
-#[inline]
-fn sine(cosine: f32x8) -> f32x8 {
-    (f32x8::splat(1.0) - cosine * cosine).fast_max(f32x8::splat(0.0)).sqrt()
-}
-
-/// cos(max(0, a - b)) from sines and cosines.
-#[inline]
-fn cos_of_difference(sin_a: f32x8, cos_a: f32x8, sin_b: f32x8, cos_b: f32x8) -> f32x8 {
-    cos_a.simd_gt(cos_b).select(f32x8::splat(1.0), cos_a * cos_b + sin_a * sin_b)
-}
-
 /// About the mean of the cosines, where they are not negative, of directions in a cone of that sine about one of that cosine:
-/// its own as long as all are above the horizon; 0 where none is.
+/// its own as long as all are above the horizon; 0 where none is. `quarter` is a quarter of the sine's inverse.
 #[inline]
-fn mean_cosine(cos: f32x8, sin_cone: f32x8) -> f32x8 {
+fn mean_cosine(cos: f32x8, sin_cone: f32x8, quarter: f32x8) -> f32x8 {
     let above = (cos + sin_cone).fast_max(f32x8::splat(0.0));
-    let partly = above * above / (sin_cone * 4.0).fast_max(f32x8::splat(1e-20));
-    cos.simd_gt(sin_cone).select(cos, partly)
+    cos.simd_gt(sin_cone).select(cos, above * above * quarter)
 }
 
 /// The tree over all emitters of a scene.
 #[derive(Clone, Debug)]
 pub struct LightTree {
     nodes: Vec<Node>,
+    // By node, the one above and which of its children it is.
+    parents: Vec<(u32, u32)>,
     // By emitter, its node and which child it is; `NONE` where it emits nothing.
     place_of: Vec<(u32, u32)>,
+    // The root's children are weighed by what is in them.
+    looks_ahead: bool,
+    near: f32,
 }
 
 impl LightTree {
@@ -135,25 +176,34 @@ impl LightTree {
         if order.is_empty() {
             return None;
         }
-        let (bounds, halves) = Half::new(emitters, &mut order);
-        let mut tree = Self { nodes: Vec::new(), place_of: vec![(NONE, 0); emitters.len()] };
-        tree.add(halves, bounds, (NONE, 0));
+        let filling = if order.len() > FEW { Filling::Full } else { Filling::Loose };
+        let (bounds, halves) = Half::new(emitters, &mut order, filling);
+        let looks_ahead = order.len() > FEW;
+        let mut tree = Self {
+            nodes: Vec::new(),
+            parents: Vec::new(),
+            place_of: vec![(NONE, 0); emitters.len()],
+            looks_ahead,
+            near: std::env::var("NEAR").map_or(2.0, |v| v.parse().unwrap()),
+        };
+        tree.add(halves, bounds, (NONE, 0), filling);
         Some(tree)
     }
 
     /// Adds a part of the tree; gives the number of its root.
-    fn add(&mut self, part: Half, bounds: LightBounds, parent: (u32, u32)) -> u32 {
+    fn add(&mut self, part: Half, bounds: LightBounds, parent: (u32, u32), filling: Filling) -> u32 {
         let here = self.nodes.len() as u32;
-        let (bounds, parts): (Vec<LightBounds>, Vec<Half>) = part.open(bounds, WIDTH).into_iter().unzip();
-        self.nodes.push(Node::new(&bounds, parent));
+        let (bounds, parts): (Vec<LightBounds>, Vec<Half>) = part.open(bounds, filling).into_iter().unzip();
+        self.nodes.push(Node::new(&bounds));
+        self.parents.push(parent);
         for (lane, (part, bounds)) in parts.into_iter().zip(bounds).enumerate() {
             let place = (here, lane as u32);
             self.nodes[here as usize].children[lane] = match part {
                 Half::Leaf(emitter) => {
                     self.place_of[emitter as usize] = place;
-                    Child::Emitter(emitter)
+                    PackedChild::emitter(emitter)
                 }
-                inner => Child::Node(self.add(inner, bounds, place)),
+                inner => PackedChild::node(self.add(inner, bounds, place, filling)),
             };
         }
         here
@@ -161,8 +211,25 @@ impl LightTree {
 
     /// A place, and what the parts under the root may send there. The sky has no chance yet.
     pub(super) fn receiver(&self, position: Vec3A, normal: Option<Vec3A>) -> Receiver {
-        let weights = self.nodes[0].importances(position, normal);
+        let weights =
+            if self.looks_ahead { self.ahead(position, normal) } else { self.nodes[0].importances(position, normal) };
         Receiver { position, normal, tree: 0, total: sum(&weights), weights, sky_chance: 0.0 }
+    }
+
+    /// The root's children weighed by what is in them, those that are near.
+    #[inline]
+    fn ahead(&self, position: Vec3A, normal: Option<Vec3A>) -> [f32; WIDTH] {
+        let root = &self.nodes[0];
+        let mut weights = root.importances(position, normal);
+        let mut near = root.near(position, self.near);
+        while near != 0 {
+            let lane = near.trailing_zeros() as usize;
+            near &= near - 1;
+            if let Child::Node(node) = root.children[lane].open() {
+                weights[lane] = sum(&self.nodes[node as usize].importances(position, normal));
+            }
+        }
+        weights
     }
 
     /// An emitter and the probability of its choice; `None` where none may send light.
@@ -187,7 +254,7 @@ impl LightTree {
             }
             probability *= weights[lane] / total;
             u = (left / weights[lane]).clamp(0.0, 1.0 - f32::EPSILON);
-            match self.nodes[node].children[lane] {
+            match self.nodes[node].children[lane].open() {
                 Child::Nothing => return None,
                 Child::Node(next) => node = next as usize,
                 Child::Emitter(emitter) => return (probability > 0.0).then_some((emitter as usize, probability)),
@@ -206,7 +273,7 @@ impl LightTree {
         let mut probability = 1.0;
         loop {
             let node = &self.nodes[place.0 as usize];
-            let is_root = node.parent.0 == NONE;
+            let is_root = place.0 == 0;
             let weights = if is_root { to.weights } else { node.importances(to.position, to.normal) };
             let total = if is_root { to.total } else { sum(&weights) };
             if !(total > 0.0 && total.is_finite()) {
@@ -216,7 +283,7 @@ impl LightTree {
             if is_root {
                 return probability;
             }
-            place = node.parent;
+            place = self.parents[place.0 as usize];
         }
     }
 }
