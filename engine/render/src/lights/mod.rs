@@ -8,6 +8,7 @@ mod build;
 pub mod emission;
 pub mod lamp;
 mod lamp_tree;
+mod node;
 pub mod receiver;
 pub mod sky;
 pub mod tree;

@@ -4,157 +4,12 @@
 
 use super::bounds::LightBounds;
 use super::build::{Filling, Half};
+use super::node::{Child, NONE, Node, PackedChild};
 use super::receiver::{Receiver, WIDTH};
 use glam::Vec3A;
-use std::f32::consts::SQRT_2;
-use wide::f32x8;
 
-/// What is smaller, or nearer, is taken to be so small and near: Blender units.
-const LEAST_SIZE: f32 = 1e-8;
-
-/// Emitters up to which the upper levels of the tree say enough of what is near.
+/// Emitters up to which a tree is as good as it gets, and no larger than a cache.
 const FEW: usize = 1024;
-
-/// No node, no emitter.
-const NONE: u32 = u32::MAX;
-
-/// A child of a node.
-#[derive(Clone, Copy, Debug, PartialEq, Eq)]
-enum Child {
-    Nothing,
-    Node(u32),
-    Emitter(u32),
-}
-
-/// The same in four bytes: an emitter's has the uppermost bit.
-#[derive(Clone, Copy, Debug)]
-struct PackedChild(u32);
-
-impl PackedChild {
-    const NOTHING: Self = Self(NONE);
-    const EMITTER: u32 = 1 << 31;
-
-    fn node(number: u32) -> Self {
-        debug_assert!(number < Self::EMITTER);
-        Self(number)
-    }
-
-    fn emitter(number: u32) -> Self {
-        debug_assert!(number < NONE - Self::EMITTER);
-        Self(number | Self::EMITTER)
-    }
-
-    #[inline]
-    fn open(self) -> Child {
-        match self.0 {
-            NONE => Child::Nothing,
-            emitter if emitter & Self::EMITTER != 0 => Child::Emitter(emitter & !Self::EMITTER),
-            node => Child::Node(node),
-        }
-    }
-}
-
-/// Up to eight parts of the scene's light, lane by lane.
-#[derive(Clone, Debug)]
-#[repr(align(64))]
-struct Node {
-    center: [f32x8; 3],
-    /// Of the sphere about the box.
-    radius: f32x8,
-    /// Negative where light also leaves backwards.
-    power: f32x8,
-    axis: [f32x8; 3],
-    cos_normal_spread: f32x8,
-    sin_normal_spread: f32x8,
-    /// A little less than it, so that rounding takes no light away.
-    cos_emission_spread: f32x8,
-    children: [PackedChild; WIDTH],
-}
-
-impl Node {
-    fn new(parts: &[LightBounds]) -> Self {
-        let lanes = |of: &dyn Fn(&LightBounds) -> f32| {
-            let mut values = [0.0; WIDTH];
-            values.iter_mut().zip(parts).for_each(|(v, b)| *v = of(b));
-            f32x8::from(values)
-        };
-        Self {
-            center: [0, 1, 2].map(|i| lanes(&|b| b.center()[i])),
-            radius: lanes(&|b| 0.5 * (b.max - b.min).length()).fast_max(f32x8::splat(LEAST_SIZE)),
-            power: lanes(&|b| if b.two_sided { -b.power } else { b.power }),
-            axis: [0, 1, 2].map(|i| lanes(&|b| b.axis[i])),
-            cos_normal_spread: lanes(&|b| b.normal_spread_rad.cos()),
-            sin_normal_spread: lanes(&|b| b.normal_spread_rad.sin()),
-            cos_emission_spread: lanes(&|b| b.emission_spread_rad.cos() - 1e-6),
-            children: [PackedChild::NOTHING; WIDTH],
-        }
-    }
-
-    /// For each child about the light that it may send to a place; 0 only where it sends none.
-    #[inline]
-    fn importances(&self, p: Vec3A, normal: Option<Vec3A>) -> [f32; WIDTH] {
-        let (zero, one) = (f32x8::splat(0.0), f32x8::splat(1.0));
-        // The other way round than light goes.
-        let to = [
-            self.center[0] - f32x8::splat(p.x),
-            self.center[1] - f32x8::splat(p.y),
-            self.center[2] - f32x8::splat(p.z),
-        ];
-        let d2 = dot(&to, &to).fast_max(f32x8::splat(LEAST_SIZE * LEAST_SIZE));
-        let radius2 = self.radius * self.radius;
-        // Two quotients by one division.
-        let both = one / (d2 * radius2);
-        let inverse_d2 = both * radius2;
-        // 1 from outside the sphere about the box on.
-        let outside = (both * d2 * d2).fast_min(one);
-        let inverse_d = inverse_d2.sqrt();
-        // Of the angle that the box fills, seen from the place; the sine's inverse over four.
-        let sin_box = (self.radius * inverse_d).fast_min(one);
-        let quarter = both * d2 * d2 * inverse_d * self.radius * 0.25;
-        let cos_axis = -dot(&self.axis, &to) * inverse_d;
-        let cos_axis = self.power.is_sign_negative().select(cos_axis.abs(), cos_axis);
-        // Of the least angle between any normal and the direction from the middle to the place.
-        let sin_axis = (one - cos_axis * cos_axis).fast_max(zero).sqrt();
-        let cos_normal = cos_axis * self.cos_normal_spread + sin_axis * self.sin_normal_spread;
-        let cos_normal = cos_axis.simd_ge(self.cos_normal_spread).select(one, cos_normal);
-        // cos(a - b) <= cos a + 2^0.5 sin b for all angles up to a right one.
-        let reaches = (cos_normal + sin_box * SQRT_2).simd_gt(self.cos_emission_spread);
-        let mut cosines = reaches.select(mean_cosine(cos_normal, sin_box, quarter), zero);
-        if let Some(n) = normal {
-            let n = [f32x8::splat(n.x), f32x8::splat(n.y), f32x8::splat(n.z)];
-            cosines *= mean_cosine(dot(&to, &n) * inverse_d, sin_box, quarter);
-        }
-        // From the middle of the box light may come from anywhere, at any slant.
-        let far = outside * outside;
-        (self.power.abs() * inverse_d2 * outside * (one - far + cosines * far)).to_array()
-    }
-}
-
-impl Node {
-    /// A bit for each child whose box is large or near: within so many times.
-    #[inline]
-    fn near(&self, p: Vec3A, times: f32) -> u32 {
-        let to = [
-            self.center[0] - f32x8::splat(p.x),
-            self.center[1] - f32x8::splat(p.y),
-            self.center[2] - f32x8::splat(p.z),
-        ];
-        dot(&to, &to).simd_lt(self.radius * self.radius * times).to_bitmask()
-    }
-}
-
-#[inline]
-fn dot(a: &[f32x8; 3], b: &[f32x8; 3]) -> f32x8 {
-    a[0] * b[0] + a[1] * b[1] + a[2] * b[2]
-}
-
-/// About the mean of the cosines, where they are not negative, of directions in a cone of that sine about one of that cosine:
-/// its own as long as all are above the horizon; 0 where none is. `quarter` is a quarter of the sine's inverse.
-#[inline]
-fn mean_cosine(cos: f32x8, sin_cone: f32x8, quarter: f32x8) -> f32x8 {
-    let above = (cos + sin_cone).fast_max(f32x8::splat(0.0));
-    cos.simd_gt(sin_cone).select(cos, above * above * quarter)
-}
 
 /// The tree over all emitters of a scene.
 #[derive(Clone, Debug)]
@@ -164,9 +19,8 @@ pub struct LightTree {
     parents: Vec<(u32, u32)>,
     // By emitter, its node and which child it is; `NONE` where it emits nothing.
     place_of: Vec<(u32, u32)>,
-    // The root's children are weighed by what is in them.
+    // Of the root's children those that are near are weighed by what is in them.
     looks_ahead: bool,
-    near: f32,
 }
 
 impl LightTree {
@@ -176,15 +30,14 @@ impl LightTree {
         if order.is_empty() {
             return None;
         }
-        let filling = if order.len() > FEW { Filling::Full } else { Filling::Loose };
+        let is_many = order.len() > FEW;
+        let filling = if is_many { Filling::Full } else { Filling::Loose };
         let (bounds, halves) = Half::new(emitters, &mut order, filling);
-        let looks_ahead = order.len() > FEW;
         let mut tree = Self {
             nodes: Vec::new(),
             parents: Vec::new(),
             place_of: vec![(NONE, 0); emitters.len()],
-            looks_ahead,
-            near: std::env::var("NEAR").map_or(2.0, |v| v.parse().unwrap()),
+            looks_ahead: is_many,
         };
         tree.add(halves, bounds, (NONE, 0), filling);
         Some(tree)
@@ -216,12 +69,13 @@ impl LightTree {
         Receiver { position, normal, tree: 0, total: sum(&weights), weights, sky_chance: 0.0 }
     }
 
-    /// The root's children weighed by what is in them, those that are near.
+    /// What the root's children may send somewhere, by what is in them where they are near: of many emitters nearly all of what
+    /// is not known is there.
     #[inline]
     fn ahead(&self, position: Vec3A, normal: Option<Vec3A>) -> [f32; WIDTH] {
         let root = &self.nodes[0];
         let mut weights = root.importances(position, normal);
-        let mut near = root.near(position, self.near);
+        let mut near = root.near(position);
         while near != 0 {
             let lane = near.trailing_zeros() as usize;
             near &= near - 1;
@@ -333,7 +187,7 @@ mod tests {
     /// Probabilities add to one, and choices follow them.
     #[test]
     fn choices_follow_their_probabilities() {
-        for n in [1, 2, 3, 100] {
+        for n in [1, 2, 3, 100, 3000] {
             let list = emitters(n);
             let Some(tree) = LightTree::new(&list) else { continue };
             for to in receivers(&tree) {
@@ -364,22 +218,61 @@ mod tests {
     /// Whatever can send light has a chance: no bound may rule out what its emitters can do.
     #[test]
     fn nothing_that_shines_is_ruled_out() {
-        let list = emitters(100);
-        let tree = LightTree::new(&list).unwrap();
-        for to in receivers(&tree) {
-            for (i, e) in list.iter().enumerate().filter(|(_, e)| e.power > 0.0) {
-                let d = (to.position - e.center()).normalize();
-                let mut cos = e.axis.dot(d);
-                if e.two_sided {
-                    cos = cos.abs();
-                }
-                let reaches = e.normal_spread_rad >= PI || cos > 0.0;
-                let seen = to.normal.is_none_or(|n| n.dot(-d) > 0.0);
-                if reaches && seen {
-                    assert!(tree.probability(&to, i) > 0.0, "{i} from {to:?}");
+        for list in [emitters(100), emitters(3000)] {
+            let tree = LightTree::new(&list).unwrap();
+            for to in receivers(&tree) {
+                for (i, e) in list.iter().enumerate().filter(|(_, e)| e.power > 0.0) {
+                    let d = (to.position - e.center()).normalize();
+                    let mut cos = e.axis.dot(d);
+                    if e.two_sided {
+                        cos = cos.abs();
+                    }
+                    let reaches = e.normal_spread_rad >= PI || cos > 0.0;
+                    let seen = to.normal.is_none_or(|n| n.dot(-d) > 0.0);
+                    if reaches && seen {
+                        assert!(tree.probability(&to, i) > 0.0, "{i} from {to:?}");
+                    }
                 }
             }
         }
+    }
+
+    /// Lamps that shine down narrowly are found from all within their cones, and many of them from few places.
+    #[test]
+    fn narrow_cones_rule_out_what_is_beside_them() {
+        let mut list = emitters(3000);
+        for e in &mut list {
+            (e.power, e.axis, e.normal_spread_rad, e.emission_spread_rad) = (1.0, Vec3A::NEG_Z, 0.0, 0.3);
+            (e.max, e.two_sided) = (e.min, false);
+        }
+        let tree = LightTree::new(&list).unwrap();
+        let floor = |u: f32, v: f32| Vec3A::new(u * 8.0 - 4.0, v * 8.0 - 4.0, -5.5);
+        for k in 0..20 {
+            let u = sobol_burley::sample_4d(k, 0, 5);
+            let to = tree.receiver(floor(u[0], u[1]), Some(Vec3A::Z));
+            let mut chance_of_dark = 0.0;
+            for (i, e) in list.iter().enumerate() {
+                let d = (to.position - e.min).normalize();
+                let chance = tree.probability(&to, i);
+                if d.dot(e.axis) > 0.3f32.cos() {
+                    assert!(chance > 0.0);
+                } else {
+                    chance_of_dark += chance;
+                }
+            }
+            // Without cones nine tenths of them were dark.
+            assert!(chance_of_dark < 0.3, "{chance_of_dark}");
+        }
+    }
+
+    /// Of many emitters few nodes are made, and those over emitters are nearly full.
+    #[test]
+    fn nodes_over_many_are_full() {
+        let tree = LightTree::new(&emitters(10_000)).unwrap();
+        let shining = tree.place_of.iter().filter(|place| place.0 != NONE).count();
+        // At the least a seventh: each node but the root takes a lane of another.
+        assert!(tree.nodes.len() < shining / 4, "{} over {shining}", tree.nodes.len());
+        assert_eq!(tree.nodes.len(), tree.parents.len());
     }
 
     #[test]
