@@ -61,6 +61,10 @@ impl LightBounds {
 /// A cone around two cones.
 fn join_cones(a: (Vec3A, f32), b: (Vec3A, f32)) -> (Vec3A, f32) {
     let (a, b) = if a.1 >= b.1 { (a, b) } else { (b, a) };
+    // What is common needs no angle.
+    if a.1 >= PI || a.0 == b.0 {
+        return a;
+    }
     // Not the cosine's inverse: of nearly equal directions that tells nothing, and thousands of equal normals, one joined after
     // the other, would end up with a cone of all directions.
     let (cos, across) = (a.0.dot(b.0), b.0 - a.0 * a.0.dot(b.0));
