@@ -405,6 +405,14 @@ class PetzvalScene(bpy.types.PropertyGroup):
         ),
         default=False,
     )
+    use_checkpoints: BoolProperty(
+        name="Checkpoints",
+        description=(
+            "Keep a final render on disk while it goes on, every eight seconds. When it was stopped, or Blender crashed, the same "
+            "render of the same scene goes on from there, to the same picture; when it is done the file is deleted"
+        ),
+        default=True,
+    )
     sample_offset: IntProperty(
         name="Sample Offset",
         description="Number of the first sample, so that renders of one seed can be joined later",

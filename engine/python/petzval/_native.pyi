@@ -274,6 +274,7 @@ class Job:
         matte_levels: int = 6,
         neighbours: tuple[CameraDescription, CameraDescription] | None = None,
         light_groups: int = 0,
+        checkpoint: tuple[str, str, float] | None = None,  # file, fingerprint of the picture, seconds between two
     ) -> None:
         """`over_the_shutter`: the camera at the middles of equal parts of the exposure, where it changes meanwhile.
 
@@ -301,6 +302,8 @@ class Job:
         """(height, width, 4), what is there now."""
     def stop(self) -> None:
         """Asks to stop; finished samples stay. The job ends within 0.1 s."""
+    def end_checkpoints(self, is_done_with: bool) -> None:
+        """After the end: waits until what is kept is written; deletes it if it is done with."""
     def stats_json(self) -> str:
         """{"seconds": {"bvh", "render", "plan"}, "samples" (that every pixel has), "samples_mean", "samples_most", "camera_rays", "camera_rays_lost", "rays",
         "lens_share" (part of the render time spent in the lens), "non_finite_samples", "seed", "threads",

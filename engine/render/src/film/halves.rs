@@ -14,6 +14,7 @@
 //! by its squares alone, relative to the mean of the half.
 
 use super::{Patch, TileRect};
+use serde::{Deserialize, Serialize};
 
 /// Pixels on a side of the tiles whose counts are decided together: small enough to follow an edge that is unsharp, large
 /// enough to know their error from few samples.
@@ -30,7 +31,7 @@ pub fn half_of(x: u32, y: u32) -> usize {
 }
 
 /// What a half has gathered.
-#[derive(Clone, Debug)]
+#[derive(Clone, Debug, Serialize, Deserialize)]
 pub(super) struct Half {
     /// Pixels that start samples.
     pub pixels: u32,
@@ -44,7 +45,7 @@ pub(super) struct Half {
 }
 
 /// Sums for the error, over all samples, also those that are not counted.
-#[derive(Clone, Debug, Default)]
+#[derive(Clone, Debug, Default, Serialize, Deserialize)]
 struct Error {
     /// Q, by pixel of the patch.
     squares: Vec<f32>,
@@ -65,6 +66,13 @@ impl Half {
             samples: 0,
             error: Error { squares: vec![0.0; patch_pixels], ..Error::default() },
         }
+    }
+
+    /// Whether it is of the same tile and film.
+    pub(super) fn is_like(&self, other: &Self) -> bool {
+        self.pixels == other.pixels
+            && self.sums.len() == other.sums.len()
+            && self.error.squares.len() == other.error.squares.len()
     }
 
     /// Adds a batch: samples for the picture, and others behind them for the error alone, each with how many a pixel. The

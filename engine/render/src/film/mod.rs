@@ -12,6 +12,7 @@ pub mod data;
 mod gather;
 mod groups;
 pub mod halves;
+mod kept;
 pub mod splats;
 
 use crate::Rgb;
@@ -20,6 +21,8 @@ use cryptomatte::{MatteLayer, MatteNotes, MatteSums, Mattes};
 use data::{DataSums, VectorSums};
 use glam::Vec4;
 use halves::{BLOCK_SIZE, BLOCK_SPREAD, Half, half_of};
+pub use kept::{FilmState, NotThisFilm};
+use serde::{Deserialize, Serialize};
 use splats::SplatSums;
 use std::sync::{Arc, Mutex, MutexGuard, PoisonError};
 
@@ -30,7 +33,7 @@ pub const TILE_SIZE: u32 = 32;
 const SPREAD: u32 = 8;
 
 /// A part of the picture: lower left corner and size, pixels.
-#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+#[derive(Clone, Copy, Debug, PartialEq, Eq, Serialize, Deserialize)]
 pub struct TileRect {
     /// Left edge.
     pub x: u32,
@@ -88,7 +91,7 @@ pub struct Keep {
 }
 
 /// Light on a part of the picture, while one thread gathers it.
-#[derive(Clone, Debug)]
+#[derive(Clone, Debug, Serialize, Deserialize)]
 pub struct Patch {
     rect: TileRect,
     /// Radiance and alpha by pixel, rows from below.
@@ -101,6 +104,7 @@ pub struct Patch {
     data: Vec<DataSums>,
     /// The same.
     vectors: Vec<VectorSums>,
+    #[serde(skip)]
     mattes: Option<Box<MatteNotes>>,
     /// The same light by groups of emitters.
     groups: Vec<Patch>,
@@ -176,7 +180,7 @@ impl Patch {
 }
 
 /// Sums of one tile.
-#[derive(Clone, Debug)]
+#[derive(Clone, Debug, Serialize, Deserialize)]
 pub struct TileSums {
     light: Patch,
     mattes: MatteSums,

@@ -7,7 +7,7 @@ use crate::scene::{SceneBuilder, mesh::MeshDescription, world::World};
 use glam::{DMat4, DVec3, Vec3};
 use std::path::Path;
 
-fn settings(samples: u32, threads: usize) -> Settings {
+pub(super) fn settings(samples: u32, threads: usize) -> Settings {
     Settings {
         width: 75,
         height: 50,
@@ -33,11 +33,11 @@ fn description(model: Model) -> CameraDescription {
     }
 }
 
-fn camera(model: Model) -> Camera {
+pub(super) fn camera(model: Model) -> Camera {
     Camera::new(&description(model), 75, 50).unwrap()
 }
 
-fn stage() -> Arc<Stage> {
+pub(super) fn stage() -> Arc<Stage> {
     let mut builder = SceneBuilder::new();
     let triangle = MeshDescription {
         name: "triangle".into(),
