@@ -44,7 +44,7 @@ fn room(kind: &str, count: u32, shining: u32) -> Result<Stage, Box<dyn std::erro
     builder.add_instance("floor", floor, DMat4::IDENTITY, &[], true, true)?;
     let (part, brightness) = (1.0 / count as f32, count as f32 / shining as f32);
     // Those that shine lie all over the list.
-    let shines = |i: u32| i % (count / shining) == 0 && i / (count / shining) < shining;
+    let shines = |i: u32| i.is_multiple_of(count / shining) && i / (count / shining) < shining;
     if kind == "triangles" {
         // One mesh, as a lit sign or a chandelier is.
         let half = 0.05 * part.sqrt() * 10f32.sqrt();

@@ -271,7 +271,6 @@ mod tests {
         let tree = LightTree::new(&emitters(10_000)).unwrap();
         let shining = tree.place_of.iter().filter(|place| place.0 != NONE).count();
         // At the least a seventh: each node but the root takes a lane of another.
-        println!("NODES {} over {shining}", tree.nodes.len());
         assert!(tree.nodes.len() < shining / 4, "{} over {shining}", tree.nodes.len());
         assert_eq!(tree.nodes.len(), tree.parents.len());
     }
