@@ -49,7 +49,8 @@ class PetzvalRenderEngine(bpy.types.RenderEngine):
         levels = passes.matte_levels(renderlayer)
         mattes = (one for layer in passes.wanted_mattes(renderlayer) for one in passes.of_matte(layer, levels))
         groups = passes.of_light_groups(renderlayer)
-        for one in (passes.COMBINED, *passes.wanted(renderlayer), *mattes, *groups):
+        merging = passes.for_merging(renderlayer, scene.petzval)
+        for one in (passes.COMBINED, *passes.wanted(renderlayer), *mattes, *groups, *merging):
             self.register_pass(scene, renderlayer, one.name, one.channels, one.channel_names, one.kind)
 
     def render(self, depsgraph):
@@ -118,6 +119,7 @@ class _Photograph:
         self.window = _region(self.scene.render)
         layer = depsgraph.view_layer_eval
         self.data_passes = passes.wanted(layer)
+        self.merging = passes.for_merging(layer, self.scene.petzval)
         self.mattes, self.matte_levels = passes.wanted_mattes(layer), passes.matte_levels(layer)
         self.light_groups = passes.of_light_groups(layer)
         self.focus: dict | None = None
@@ -241,7 +243,7 @@ class _Photograph:
     def _show_all(self, job) -> None:
         """The finished picture with its passes of data, at once: a result without a pass would blacken it."""
         pictures = {passes.COMBINED.name: job.image()}
-        pictures |= {one.name: job.data(one.engine_name) for one in self.data_passes}
+        pictures |= {one.name: job.data(one.engine_name) for one in (*self.data_passes, *self.merging)}
         pictures |= {one.name: job.light_group(i)[..., :3] for i, one in enumerate(self.light_groups, 1)}
         for layer in self.mattes:
             channels = job.matte(layer.engine_name)
@@ -257,6 +259,7 @@ class _Photograph:
         self.host.end_result(result)
         self._name_mattes(job)
         self._name_effects()
+        self._name_samples(json.loads(job.stats_json()))
 
     def _name_effects(self) -> None:
         """Says in the picture's metadata what of the lens was simulated."""
@@ -265,6 +268,14 @@ class _Photograph:
             whole.stamp_data_add_field(f"petzval/effects/{row['effect']}", f"{row['decision']}: {row['why']}")
         whole.stamp_data_add_field("petzval/camera", json.dumps(self.told["camera"]))
         whole.stamp_data_add_field("petzval/quality", f"{self.told['quality']:g}")
+
+    def _name_samples(self, stats: dict) -> None:
+        """Says in the picture's metadata which samples it holds: for joining it with others."""
+        whole = self.host.get_result()
+        first, most = self.scene.petzval.sample_offset, stats["samples_most"]
+        whole.stamp_data_add_field("petzval/ranges", f"{stats['seed']}:{first}+{most}")
+        if stats["samples"] == most:
+            whole.stamp_data_add_field("petzval/samples", str(most))
 
     def _name_mattes(self, job) -> None:
         """Says in the picture's metadata what the mattes' numbers stand for."""

@@ -283,7 +283,8 @@ class Job:
     def data(self, name: str) -> npt.NDArray[np.float32]:
         """DEPTH (one channel, along the camera's axis, 1e10 for the background), POSITION or NORMAL (world space), VECTOR
         (pixels: to where it was a frame before; from where it will be a frame after), (height, width, channels), first row
-        at the bottom; asked for by `SettingsDescription.with_data`. SAMPLES (one channel): how many the pixel has."""
+        at the bottom; asked for by `SettingsDescription.with_data`. SAMPLES (one channel): how many the pixel has. REMAINDER and
+        REMAINDER_FINE (four): what the picture's numbers times the samples leave out of the sums of these."""
     def matte(self, layer: str) -> npt.NDArray[np.float32]:
         """The channels (id, coverage, id, coverage) of all passes of a layer of Cryptomatte, (height, width, 4 passes),
         first row at the bottom."""
@@ -308,6 +309,9 @@ class Job:
         """{"seconds": {"bvh", "render", "plan"}, "samples" (that every pixel has), "samples_mean", "samples_most", "camera_rays", "camera_rays_lost", "rays",
         "lens_share" (part of the render time spent in the lens), "non_finite_samples", "seed", "threads",
         "lens", "width", "height"}."""
+
+def merge_pictures_json(files: Sequence[str], output: str) -> str:
+    """Joins renders of one picture with other samples: {"samples" (mean a pixel), "is_exact"}."""
 
 def random_per_island(vertices: int, edges: npt.NDArray[np.int32]) -> npt.NDArray[np.float32]:
     """A number from 0 to 1 by vertex, Blender's, the same for all that edges join."""

@@ -35,6 +35,11 @@ def add_parser(subparsers: argparse._SubParsersAction) -> None:
     )
     p.add_argument("--sample-offset", type=types.natural, metavar="N", help="number of the first sample")
     p.add_argument(
+        "--mergeable",
+        action="store_true",
+        help="an EXR with all that `petzval merge` needs to join it with others exactly",
+    )
+    p.add_argument(
         "--checkpoint",
         metavar="FILE|off",
         help="where the render is kept while it goes on, to be taken up by the same command; default: OUT.checkpoint",
@@ -68,6 +73,8 @@ def _checked(a: argparse.Namespace) -> dict:
     output = Path(a.output) if a.output else Path(f"{Path(a.scene).stem}.png")
     if output.suffix.lower() not in _SUFFIXES:
         raise CommandError(f"unknown picture format: {output}: end its name in .exr or .png")
+    if a.mergeable and output.suffix.lower() != ".exr":
+        raise CommandError(f"--mergeable needs an EXR: {output}: end its name in .exr")
     checkpoint = None if a.checkpoint == "off" else Path(a.checkpoint or f"{output}.checkpoint")
     for file in (output, Path(a.stats) if a.stats else None, checkpoint):
         if file is not None:
@@ -81,6 +88,7 @@ def _checked(a: argparse.Namespace) -> dict:
         "seed": a.seed,
         "blue_noise": a.blue_noise,
         "sample_offset": a.sample_offset,
+        "mergeable": a.mergeable,
         "checkpoint": str(checkpoint.absolute()) if checkpoint else "",
         "checkpoint_every_s": a.checkpoint_every,
     }

@@ -157,6 +157,7 @@ def checked(a: argparse.Namespace) -> dict:
         "sample_offset": None,
         "output": None,
         "stats": None,
+        "mergeable": False,
         "checkpoint": "",
         "checkpoint_every_s": None,
     }

@@ -211,6 +211,11 @@ impl Job {
     }
 
     fn data<'py>(&self, py: Python<'py>, name: &str) -> Result<Bound<'py, PyArray3<f32>>, Error> {
+        let (width, height) = self.job.film().size();
+        if let Some(place) = ["REMAINDER", "REMAINDER_FINE"].iter().position(|known| *known == name) {
+            let rest = away(py, || self.job.film().remainders())?;
+            return array(py, rest.into_iter().map(|both| both[place]).collect(), width, height);
+        }
         let (pass, channels) = match name {
             "DEPTH" => (DataPass::Depth, 1),
             "POSITION" => (DataPass::Position, 3),
@@ -218,11 +223,10 @@ impl Job {
             "VECTOR" => (DataPass::Vector, 4),
             "SAMPLES" => (DataPass::Samples, 1),
             other => {
-                let names = "DEPTH, POSITION, NORMAL, VECTOR or SAMPLES";
+                let names = "DEPTH, POSITION, NORMAL, VECTOR, SAMPLES, REMAINDER or REMAINDER_FINE";
                 return Err(refused(format!("there is no pass '{other}'; use {names}")));
             }
         };
-        let (width, height) = self.job.film().size();
         let flat = PyArray1::from_vec(py, away(py, || self.job.data(pass))?);
         Ok(flat.reshape([height as usize, width as usize, channels])?)
     }

@@ -83,7 +83,7 @@ impl Half {
         for (i, square) in error.squares.iter_mut().enumerate() {
             let parts = counted.iter().chain(&beyond).map(|(patch, _)| patch.sums[i]);
             let [r, g, b] = parts.fold([0.0; 3], |[r, g, b], part| [r + part[0], g + part[1], b + part[2]]);
-            *square += (r * r + g * g + b * b) / batch as f32;
+            *square += (r * r + g * g + b * b) as f32 / batch as f32;
         }
         for (patch, samples) in counted.iter().chain(&beyond) {
             for (_, _, colour) in patch.far.iter().chain(patch.anywhere.iter().flatten()) {
@@ -148,9 +148,9 @@ impl Half {
     }
 }
 
-fn add(sums: &mut [[f32; 4]], more: &[[f32; 4]]) {
+fn add(sums: &mut [[f32; 4]], more: &[[f64; 4]]) {
     for (sum, add) in sums.iter_mut().zip(more) {
-        sum.iter_mut().zip(add).for_each(|(s, a)| *s += a);
+        sum.iter_mut().zip(add).for_each(|(s, a)| *s += *a as f32);
     }
 }
 

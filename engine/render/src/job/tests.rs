@@ -272,3 +272,38 @@ fn mattes_and_vectors_do_not_depend_on_threads() {
         assert_eq!(one[2][..4], [0; 4]);
     }
 }
+
+/// Ranges of samples, rendered apart, joined by their counts with what their numbers leave out: the whole to the last bit.
+#[test]
+fn ranges_of_samples_make_the_whole() {
+    use crate::integrator::Integrator;
+    let render = |settings: Settings| {
+        let job = Job::start(stage(), camera(Model::Lens), settings).unwrap();
+        assert!(job.wait(Duration::from_secs(120)));
+        (job.film().picture(), job.film().remainders())
+    };
+    let kinds = [
+        Settings { pipeline: Pipeline::FilmFirst, ..settings(0, 2) },
+        Settings { pipeline: Pipeline::Hero, film_exposure: 0.5, ..settings(0, 2) },
+        Settings { integrator: Integrator::Bidirectional, ..settings(0, 2) },
+    ];
+    for kind in kinds {
+        let (whole, _) = render(Settings { samples: 30, ..kind.clone() });
+        let mut sums = vec![[0.0f64; 4]; whole.len()];
+        let mut by_means = vec![[0.0f64; 4]; whole.len()];
+        for (sample_offset, samples) in [(0u32, 7u32), (7, 19), (26, 4)] {
+            let (picture, rest) = render(Settings { samples, sample_offset, ..kind.clone() });
+            for (i, pixel) in picture.iter().enumerate() {
+                for c in 0..4 {
+                    let coarse = f64::from(pixel[c]) * f64::from(samples);
+                    by_means[i][c] += coarse;
+                    sums[i][c] += coarse + f64::from(rest[i][0][c]) + f64::from(rest[i][1][c]);
+                }
+            }
+        }
+        let joined = |sums: &[[f64; 4]]| sums.iter().map(|s| s.map(|s| (s / 30.0) as f32)).collect::<Vec<_>>();
+        assert!(joined(&sums) == whole, "{:?}", kind.pipeline);
+        // Their means alone do not: the test would see it.
+        assert!(joined(&by_means) != whole, "{:?}", kind.pipeline);
+    }
+}

@@ -50,11 +50,12 @@ fn finish(job: &Job) -> Kept {
     statistics.kept.unwrap_or_default()
 }
 
-/// Everything that a render gives.
-fn bits(job: &Job) -> (Vec<[f32; 4]>, Vec<Vec<f32>>, Vec<f32>, Vec<[f32; 4]>, u64) {
+/// Everything that a render gives, and how many rays it took.
+fn bits(job: &Job) -> (Vec<Vec<f32>>, u64) {
     let data = [DataPass::Depth, DataPass::Position, DataPass::Normal, DataPass::Samples].map(|pass| job.data(pass));
-    let rays = job.statistics().counts.rays;
-    (job.film().picture(), data.into(), job.matte(MatteLayer::Object), job.film().groups()[0].picture(), rays)
+    let pictures = [job.film().picture(), job.film().groups()[0].picture()].map(Vec::into_flattened);
+    let all = data.into_iter().chain(pictures).chain([job.matte(MatteLayer::Object)]).collect();
+    (all, job.statistics().counts.rays)
 }
 
 fn kinds() -> [(&'static str, Settings); 4] {
