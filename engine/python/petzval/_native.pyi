@@ -179,8 +179,8 @@ class SceneBuilder:
         pieces: int = 1,  # of a ribbon's segment
         first_number: int = 0,  # of the first strand: by theirs they get random numbers
         uv_maps: dict[str, npt.NDArray[np.float32]] | None = None,  # name -> (strands, 2), where roots are
-        attributes: dict[str, tuple[bool, npt.NDArray[np.float32]]] | None = None,  # name -> by key, (keys, 4), else by strand
-        moved_keys: tuple[npt.NDArray[np.float32], npt.NDArray[np.float32]] | None = None,  # (keys, 3), a frame before, after
+        attributes: dict[str, tuple[bool, npt.NDArray[np.float32]]] | None = None,  # by key, else by strand; 4 each
+        moved_keys: tuple[npt.NDArray[np.float32], npt.NDArray[np.float32]] | None = None,  # keys, before and after
     ) -> int:
         """Hair and other curves; `add_instance` takes their index as it takes a mesh's. Strands with a key that is not finite are
         left out and counted in `warnings`."""
