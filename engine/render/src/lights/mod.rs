@@ -244,6 +244,22 @@ impl Lights {
         to: Option<&Receiver>,
         mut found: impl FnMut(Source, Rgb, f32),
     ) {
+        self.lamps_between(scene, from, d, t_max, way, to, |source, radiance, pdf, _| found(source, radiance, pdf));
+    }
+
+    /// The same with how far away each is.
+    #[allow(clippy::too_many_arguments)]
+    #[inline(always)]
+    pub fn lamps_between(
+        &self,
+        scene: &Scene,
+        from: Vec3A,
+        d: Vec3A,
+        t_max: f32,
+        way: Way,
+        to: Option<&Receiver>,
+        mut found: impl FnMut(Source, Rgb, f32, f32),
+    ) {
         self.met.along(from, d, t_max, |place| {
             let index = place as usize;
             let Emitter::Lamp(i) = self.local[index] else { return };
@@ -256,7 +272,7 @@ impl Lights {
                 let chance = to.map_or(0.0, |to| {
                     self.tree(to).map_or(0.0, |tree| tree.probability(to, index) * (1.0 - to.sky_chance))
                 });
-                found(Source(index), radiance, pdf * chance);
+                found(Source(index), radiance, pdf * chance, t);
             }
         });
     }

@@ -8,6 +8,7 @@ pub mod lamp;
 mod layers;
 mod point;
 mod way;
+pub mod volume;
 pub mod world;
 
 pub use around::Around;

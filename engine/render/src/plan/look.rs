@@ -5,7 +5,7 @@ use super::light::{self, Brightest};
 use crate::accel::Ray;
 use crate::camera::clip::Clip;
 use crate::integrator::Stage;
-use crate::integrator::path::{CAMERA_SETS, KindLimits, Limits, Wave};
+use crate::integrator::path::{self, CAMERA_SETS, KindLimits, Limits};
 use crate::luminance;
 use crate::sampler::PathSampler;
 use crate::scene::visibility::Rays;
@@ -75,14 +75,14 @@ fn exposure(stage: &Stage, rays: &[Ray]) -> f32 {
         roulette: f32::INFINITY,
     };
     let light = |(chunk, rays): (usize, &[Ray])| -> Vec<f32> {
-        let mut wave = Wave::default();
-        for (i, ray) in rays.iter().enumerate() {
+        let rays = rays.iter().enumerate().map(|(i, ray)| {
             let mut sampler = PathSampler::new((chunk * WAVE + i) as u32, 2, 0, 0);
             sampler.jump_to(CAMERA_SETS);
-            wave.start(*ray, sampler);
-        }
-        wave.follow(stage, &limits);
-        (0..rays.len()).map(|i| luminance(wave.found(i).radiance)).collect()
+            (*ray, sampler)
+        });
+        let mut light = Vec::with_capacity(WAVE);
+        path::trace_all(stage, rays, &limits, |_, found| light.push(luminance(found.radiance)));
+        light
     };
     const WAVE: usize = 64;
     let mut light: Vec<f32> =
