@@ -24,6 +24,8 @@ use std::sync::atomic::{AtomicU64, Ordering};
 
 /// Tentative particles on one stretch of a ray; what is behind so many is taken as it is seen.
 const MOST_STEPS: u32 = 1024;
+/// The same on the way to infinity, which is empty as a rule.
+const MOST_STEPS_OUT: u32 = 256;
 /// Light fainter than this part goes on by chance.
 const FAINT: f32 = 0.02;
 
@@ -87,6 +89,8 @@ pub(super) enum Event {
         distance: f32,
         /// What scatters it.
         medium: Box<Medium>,
+        /// With which density per unit it was scattered there; 0 where the medium varies and nothing competes.
+        density: f32,
     },
     /// Nothing is left of it.
     Absorbed,
@@ -101,6 +105,22 @@ pub(super) struct Stretch<'a> {
 }
 
 impl Stretch<'_> {
+    /// What is the same all along it, where it is, and scatters.
+    pub(super) fn even_medium(&self) -> Option<Medium> {
+        if !self.is_even() {
+            return None;
+        }
+        let medium = self.medium(self.ray.origin);
+        (medium.scattering != Rgb::ZERO).then_some(medium)
+    }
+
+    /// What is left of light that came so far through something even, and the density with which [`Stretch::follow`]
+    /// scatters it there.
+    pub(super) fn even_at(&self, medium: &Medium, throughput: Rgb, distance: f32) -> (Rgb, f32) {
+        let left = through(medium.extinction, distance);
+        (left, channels(throughput).map_or(0.0, |chances| chances.dot(medium.extinction * left)))
+    }
+
     /// Follows light of this throughput: what is left of it, and what the media add. `scatters`: else it is dimmed only.
     pub(super) fn follow(&self, throughput: &mut Rgb, scatters: bool, u: [f32; 4]) -> (Event, Rgb) {
         if self.is_even() {
@@ -117,7 +137,7 @@ impl Stretch<'_> {
         }
         let mut left = Rgb::ONE;
         let mut walk = self.walk();
-        for _ in 0..MOST_STEPS {
+        for _ in 0..self.most_steps() {
             let Some((distance, rate)) = walk.next(numbers.next()) else { break };
             let extinction = self.medium(self.at(distance)).extinction;
             self.note(extinction, rate);
@@ -131,6 +151,10 @@ impl Stretch<'_> {
             }
         }
         left
+    }
+
+    fn most_steps(&self) -> u32 {
+        if self.ray.t_max.is_finite() { MOST_STEPS } else { MOST_STEPS_OUT }
     }
 
     fn is_even(&self) -> bool {
@@ -189,12 +213,7 @@ impl Stretch<'_> {
             return (Event::Through, emitted);
         }
         // A channel by what it carries; the others are weighted as if each had been chosen (Veach's balance heuristic).
-        let weights = throughput.abs();
-        let total = weights.element_sum();
-        if total <= 0.0 || !total.is_finite() {
-            return (Event::Absorbed, emitted);
-        }
-        let chances = weights / total;
+        let Some(chances) = channels(*throughput) else { return (Event::Absorbed, emitted) };
         let channel = usize::from(u[0] >= chances.x) + usize::from(u[0] >= chances.x + chances.y);
         let rate = extinction[channel.min(2)];
         let distance = if rate > 0.0 { -(1.0 - u[1]).ln() / rate } else { f32::INFINITY };
@@ -204,11 +223,12 @@ impl Stretch<'_> {
             return (event, emitted);
         }
         let left = through(extinction, distance);
-        *throughput *= left / chances.dot(extinction * left);
+        let density = chances.dot(extinction * left);
+        *throughput *= left / density;
         if !throughput.is_finite() {
             return (Event::Absorbed, emitted);
         }
-        (Event::Scattered { distance, medium: Box::new(medium) }, emitted)
+        (Event::Scattered { distance, medium: Box::new(medium), density }, emitted)
     }
 
     fn follow_varying(&self, throughput: &mut Rgb, scatters: bool, u: [f32; 4]) -> (Event, Rgb) {
@@ -217,7 +237,7 @@ impl Stretch<'_> {
         let mut walk = self.walk();
         let start = throughput.abs().max_element();
         let mut first = Some(u[3]);
-        for _ in 0..MOST_STEPS {
+        for _ in 0..self.most_steps() {
             let u = first.take().unwrap_or_else(|| numbers.next());
             let Some((distance, rate)) = walk.next(u) else { break };
             let medium = self.medium(self.at(distance));
@@ -234,7 +254,7 @@ impl Stretch<'_> {
             let chance = by_scattering / total;
             if numbers.next() < chance {
                 *throughput /= rate * chance;
-                return (Event::Scattered { distance, medium: Box::new(medium) }, emitted);
+                return (Event::Scattered { distance, medium: Box::new(medium), density: 0.0 }, emitted);
             }
             *throughput *= null / (rate * (1.0 - chance));
             let most = throughput.abs().max_element();
@@ -247,6 +267,13 @@ impl Stretch<'_> {
         }
         (Event::Through, emitted)
     }
+}
+
+/// The chances of the channels, by what they carry; `None` where that is nothing.
+fn channels(throughput: Rgb) -> Option<Rgb> {
+    let weights = throughput.abs();
+    let total = weights.element_sum();
+    (total > 0.0 && total.is_finite()).then(|| weights / total)
 }
 
 /// What is left of light after a way through something even; without end where that is infinite.

@@ -118,6 +118,11 @@ impl Lights {
         self.is_linked
     }
 
+    /// Whether anything shines from within the scene.
+    pub fn has_local(&self) -> bool {
+        !self.local.is_empty()
+    }
+
     /// What a source lights, and what throws shadows in its light.
     pub fn sets(&self, source: Source) -> Sets {
         match self.local.get(source.0) {

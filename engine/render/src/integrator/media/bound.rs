@@ -17,6 +17,8 @@ const SIDE: usize = 16;
 const TRIED: usize = 3;
 /// How much denser than what was found a medium may be before weights turn negative.
 const MARGIN: f32 = 1.25;
+/// Of the densest cell's rate, what every cell has: no place is never looked at.
+const LEAST: f32 = 0.01;
 /// Where a medium shines, so many points are looked at over its box, at least.
 pub(super) const LOOKS: f32 = 8.0;
 /// Points tried for all space.
@@ -64,7 +66,9 @@ impl Bound {
             });
             tried.fold(0.0, f32::max) * MARGIN
         };
-        let rates = (0..SIDE.pow(3)).into_par_iter().map(rate).collect();
+        let mut rates: Vec<f32> = (0..SIDE.pow(3)).into_par_iter().map(rate).collect();
+        let least = LEAST * rates.iter().fold(0.0, |a, b| b.max(a));
+        rates.iter_mut().for_each(|rate| *rate = rate.max(least));
         Self::Cells { to_cells: to_box * scene.instances[entry.instance as usize].to_object, rates }
     }
 

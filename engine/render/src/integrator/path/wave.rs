@@ -87,7 +87,7 @@ impl Default for Wave {
 
 impl<G: Groups, const VOLUMES: bool> Wave<G, VOLUMES> {
     /// Sets of numbers used at each surface.
-    const SETS: u32 = SETS_PER_STEP + if VOLUMES { 1 } else { 0 };
+    const SETS: u32 = SETS_PER_STEP + if VOLUMES { 3 } else { 0 };
 
     /// Memory that notes the light of groups, too.
     pub fn noting(groups: G) -> Self {

@@ -82,6 +82,7 @@ impl Inside {
         }
         let scatters = limits.scatters(path.way) && self.may_scatter(limits);
         let stretch = Stretch { stage, stack: &self.stack, ray: Ray { t_max, ..path.ray }, way: path.way };
+        let pivot = if scatters { self.beside_a_light(limits, path, &stretch, found, (&mut *shades.0, &mut *shades.1)) } else { None };
         let (event, emitted) = stretch.follow(&mut path.throughput, scatters, u_distance);
         if emitted != Rgb::ZERO && emitted.is_finite() {
             let group = || self.stack.innermost().map_or(0, |i| stage.scene.instances[i as usize].light_group);
@@ -94,68 +95,120 @@ impl Inside {
                 found.result.hit = true;
                 Brought::Nowhere
             }
-            Event::Through => {
-                if path.throughput == Rgb::ZERO {
-                    return Brought::Nowhere;
-                }
-                Brought::ToTheEnd
-            }
-            Event::Scattered { distance, medium } => {
+            Event::Through if path.throughput == Rgb::ZERO => Brought::Nowhere,
+            Event::Through => Brought::ToTheEnd,
+            Event::Scattered { distance, medium, density } => {
                 found.result.hit = true;
+                let share = pivot.map_or(1.0, |pivot| density / (density + pivot.density(distance)));
                 let position = path.ray.origin + path.ray.direction * distance;
-                self.scatter(stage, limits, path, position, &medium, found, shades, [u_first, u_second])
+                let [_, u_seed, ..] = u_second;
+                let at = Place { stage, limits, position, medium: &medium };
+                let light = path.throughput * share;
+                let to = self.light(&at, path, light, found, shades, [u_first[0], u_first[1], u_first[2], u_seed]);
+                self.turn(&at, path, to, [u_first[3], u_second[0], u_second[2], u_second[3]])
             }
         }
     }
 
-    /// A light sample in a volume, and a direction to go on in.
-    #[allow(clippy::too_many_arguments)]
-    fn scatter<G: Groups>(
-        &mut self,
-        stage: &Stage,
+    /// A light sample at a place that lies well for a light, beside the one where the path is scattered (Kulla and Fajardo
+    /// 2012, "Importance Sampling Techniques for Path Tracing in Participating Media"). Both share by their densities
+    /// along the ray. `None` where the medium varies, so that the other's density is not known, or no light is near.
+    fn beside_a_light<G: Groups>(
+        &self,
         limits: &Limits,
         path: &mut Path,
-        position: Vec3A,
-        medium: &Medium,
+        stretch: &Stretch<'_>,
+        found: &mut Found<'_, G>,
+        shades: (&mut Vec<Shadow<G::Of>>, &mut Vec<Veil>),
+    ) -> Option<Pivot> {
+        let stage = stretch.stage;
+        if !stage.lights.has_local() {
+            return None;
+        }
+        let medium = stretch.even_medium()?;
+        let [u_choice, u0, u1, u_distance] = path.sampler.next_4d();
+        let u_light = path.sampler.next_4d();
+        let ray = &stretch.ray;
+        // From the middle of what is well seen: all along the ray the same light must be meant.
+        let reach = ray.t_max.min(1.0 / medium.extinction.max_element().max(f32::MIN_POSITIVE));
+        let from = ray.origin + ray.direction * (0.5 * reach).min(1e6);
+        let mut to = self.receiver(stage, limits, from);
+        to.sky_chance = 0.0;
+        let (light, _) = stage.lights.sample_source(&stage.scene, &to, u_choice, [u0, u1], path.way)?;
+        let pivot = Pivot::new(ray, from + light.wi * light.distance)?;
+        let distance = pivot.sample(u_distance);
+        if !(distance > 0.0 && distance < ray.t_max) {
+            return Some(pivot);
+        }
+        let (left, by_following) = stretch.even_at(&medium, path.throughput, distance);
+        let light = path.throughput * left / (pivot.density(distance) + by_following);
+        if light.is_finite() && light != Rgb::ZERO {
+            let position = ray.origin + ray.direction * distance;
+            let at = Place { stage, limits, position, medium: &medium };
+            self.light(&at, path, light, found, shades, u_light);
+        }
+        Some(pivot)
+    }
+
+    /// A light sample at a place that this much light comes to.
+    fn light<G: Groups>(
+        &self,
+        at: &Place<'_>,
+        path: &Path,
+        throughput: Rgb,
         found: &mut Found<'_, G>,
         (shadows, veils): (&mut Vec<Shadow<G::Of>>, &mut Vec<Veil>),
-        [[u_light, u0, u1, u_end], [u_lobe, u2, u3, u_seed]]: [[f32; 4]; 2],
-    ) -> Brought {
+        [u_light, u0, u1, u_seed]: [f32; 4],
+    ) -> Receiver {
+        let Place { stage, limits, position, medium } = *at;
         let to = self.receiver(stage, limits, position);
-        let sampled = stage.lights.sample_source(&stage.scene, &to, u_light, [u0, u1], path.way);
-        if let Some((light, source)) = sampled
-            && light.reaches.any_of(Rays::VOLUME_SCATTER)
-            && self.takes(stage, light.sets)
-        {
-            let (value, pdf) = medium.phase(path.ray.direction.dot(light.wi), path.throughput);
-            let is_alone = light.point_like || light.sets.blockers != 0;
-            let weight = if is_alone { 1.0 } else { power_heuristic(light.pdf, pdf) };
-            let arrives = path.throughput * value * light.radiance * (weight / light.pdf);
-            let of = found.groups.of(|| stage.lights.group(&stage.scene, source));
-            if arrives == Rgb::ZERO || !arrives.is_finite() {
-            } else if !light.cast_shadow {
-                found.add(of, limits.clamp(arrives, u32::from(path.way.depth)));
-            } else {
-                let ray = Ray { origin: position, direction: light.wi, t_max: light.distance };
-                shadows.push(Shadow { path: found.path, ray, light: arrives, way: path.way, sets: light.sets, of });
-                veils.push(Veil { stack: self.stack.clone(), seed: seed([u_seed, u_light, u0]) });
-            }
+        let Some((light, source)) = stage.lights.sample_source(&stage.scene, &to, u_light, [u0, u1], path.way) else {
+            return to;
+        };
+        if !light.reaches.any_of(Rays::VOLUME_SCATTER) || !self.takes(stage, light.sets) {
+            return to;
         }
-        let Some(cos) = medium.sample(path.throughput, u_lobe, u2) else { return Brought::Nowhere };
+        let (value, pdf) = medium.phase(path.ray.direction.dot(light.wi), throughput);
+        let is_alone = light.point_like || light.sets.blockers != 0;
+        let weight = if is_alone { 1.0 } else { power_heuristic(light.pdf, pdf) };
+        let arrives = throughput * value * light.radiance * (weight / light.pdf);
+        if arrives == Rgb::ZERO || !arrives.is_finite() {
+            return to;
+        }
+        let of = found.groups.of(|| stage.lights.group(&stage.scene, source));
+        if light.cast_shadow {
+            let ray = Ray { origin: position, direction: light.wi, t_max: light.distance };
+            shadows.push(Shadow { path: found.path, ray, light: arrives, way: path.way, sets: light.sets, of });
+            veils.push(Veil { stack: self.stack.clone(), seed: seed([u_seed, u_light, u0]) });
+        } else {
+            found.add(of, limits.clamp(arrives, u32::from(path.way.depth)));
+        }
+        to
+    }
+
+    /// A direction to go on in.
+    fn turn(
+        &mut self,
+        at: &Place<'_>,
+        path: &mut Path,
+        to: Receiver,
+        [u_end, u_lobe, u_cos, u_around]: [f32; 4],
+    ) -> Brought {
+        let Some(cos) = at.medium.sample(path.throughput, u_lobe, u_cos) else { return Brought::Nowhere };
         let sin = (1.0 - cos * cos).max(0.0).sqrt();
-        let (s, c) = (TAU * u3).sin_cos();
+        let (s, c) = (TAU * u_around).sin_cos();
         let wi = warp::to_world(&warp::frame(path.ray.direction), Vec3A::new(sin * c, sin * s, cos)).normalize();
-        let (value, pdf) = medium.phase(cos, path.throughput);
+        let (value, pdf) = at.medium.phase(cos, path.throughput);
         path.throughput *= value / pdf;
         path.way = path.way.scattered_in_volume();
         self.bounces += 1;
-        if !path.throughput.is_finite() || !path.goes_on(limits, u_end) {
+        if !path.throughput.is_finite() || !path.goes_on(at.limits, u_end) {
             return Brought::Nowhere;
         }
         path.chosen = Chosen::WithPdf(pdf, to);
         path.travelled = 0.0;
-        path.ray = Ray::new(position, wi);
-        path.start = position;
+        path.ray = Ray::new(at.position, wi);
+        path.start = at.position;
         path.from = self.stack.innermost().unwrap_or(0);
         Brought::Elsewhere
     }
@@ -231,6 +284,49 @@ impl Inside {
         if path.ray.direction.dot(point.geometric_normal) < 0.0 {
             self.stack.cross(scene, point);
         }
+    }
+}
+
+/// Where light is scattered.
+#[derive(Clone, Copy)]
+struct Place<'a> {
+    stage: &'a Stage,
+    limits: &'a Limits,
+    position: Vec3A,
+    medium: &'a Medium,
+}
+
+/// Places along a ray, evenly by the angle under which a point beside it sees them.
+#[derive(Clone, Copy)]
+struct Pivot {
+    /// Along the ray, where it comes closest to the point.
+    closest: f32,
+    /// The point's distance from it.
+    away: f32,
+    /// The angles of its ends.
+    angles: [f32; 2],
+}
+
+impl Pivot {
+    fn new(ray: &Ray, point: Vec3A) -> Option<Self> {
+        let to = point - ray.origin;
+        let closest = to.dot(ray.direction);
+        // Nearer than that it would be a spike that rounding moves about.
+        let away = (to - ray.direction * closest).length().max(1e-4 * to.length()).max(1e-12);
+        let angle = |t: f32| ((t - closest) / away).atan();
+        let angles = [angle(0.0), angle(ray.t_max)];
+        (point.is_finite() && angles[1] > angles[0]).then_some(Self { closest, away, angles })
+    }
+
+    fn sample(self, u: f32) -> f32 {
+        let [first, last] = self.angles;
+        self.closest + self.away * (first + (last - first) * u).tan()
+    }
+
+    /// Per unit along the ray.
+    fn density(self, distance: f32) -> f32 {
+        let off = distance - self.closest;
+        self.away / ((self.angles[1] - self.angles[0]) * (self.away * self.away + off * off))
     }
 }
 
