@@ -28,6 +28,14 @@ def describe(world: bpy.types.World | None, images: Images, report: Report) -> W
     return description
 
 
+def fills_space(world: bpy.types.World | None) -> bool:
+    """Whether it has a volume."""
+    if world is None or not uses_nodes(world):
+        return False
+    output = world.node_tree.get_output_node("CYCLES")
+    return output is not None and isinstance(nodes.trace(nodes.Input(output.inputs["Volume"])), nodes.Source)
+
+
 def _by_its_nodes(world: bpy.types.World, images: Images, report: Report) -> WorldDescription:
     owner = f"World '{world.name}'"
     return WorldDescription(graph=json.dumps(graph.describe(world.node_tree, lambda node: images.of_node(node, owner))))

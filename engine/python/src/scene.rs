@@ -75,7 +75,7 @@ impl SceneBuilder {
         Ok(self.builder.add_material(material)?)
     }
 
-    #[pyo3(signature = (name, positions, triangles, *, corner_normals = None, uv_maps = None, attributes = None, material_slots = None, moved_positions = None, grids = None))]
+    #[pyo3(signature = (name, positions, triangles, *, corner_normals = None, uv_maps = None, attributes = None, material_slots = None, moved_positions = None, grids = None, keeps_opacity = false))]
     #[allow(clippy::too_many_arguments)]
     fn add_mesh(
         &mut self,
@@ -89,6 +89,7 @@ impl SceneBuilder {
         material_slots: Option<numpy::PyReadonlyArray1<'_, i32>>,
         moved_positions: Option<[PyReadonlyArray2<'_, f32>; 2]>,
         grids: Option<Vec<PyGrid<'_>>>,
+        keeps_opacity: bool,
     ) -> Result<usize, Error> {
         let bad = |what: &str| bad_scene(format!("mesh '{name}': {what}"));
         let positions = vec3s(positions.as_slice().map_err(|_| bad("positions are not contiguous"))?);
@@ -152,6 +153,7 @@ impl SceneBuilder {
             material_slots,
             moved_positions,
             grids: grids.into_iter().flatten().map(|grid| read_grid(grid, name)).collect::<Result<_, _>>()?,
+            keeps_opacity,
         };
         let builder = &mut self.builder;
         Ok(away(py, || builder.add_mesh(description))??)

@@ -73,6 +73,12 @@ impl Media {
         self.bounds.is_empty()
     }
 
+    /// Takes all bounds for so much less.
+    #[cfg(test)]
+    fn loosen(&mut self, part: f32) {
+        self.bounds.values_mut().for_each(|bound| bound.loosen(part));
+    }
+
     /// How often light came to a place where a medium is denser than what was found of it before the render.
     pub fn denser_than_bound(&self) -> u64 {
         self.denser.load(Ordering::Relaxed)
@@ -295,3 +301,6 @@ fn length_seen(extinction: Rgb, t: f32) -> Rgb {
         }
     })
 }
+
+#[cfg(test)]
+mod tests;

@@ -123,6 +123,18 @@ impl Lights {
         !self.local.is_empty()
     }
 
+    /// The middle of something that shines from within the scene, and likely on a place there; `None` where nothing does.
+    pub fn near(&self, to: &Receiver, u: f32) -> Option<Vec3A> {
+        let chosen = self.tree(to).and_then(|tree| tree.sample(to, u)).map(|(index, _)| index);
+        let count = self.local.len();
+        // What shines past the place may still shine beside it.
+        let index = chosen.unwrap_or(((u * count as f32) as usize).min(count.checked_sub(1)?));
+        Some(match &self.local[index] {
+            Emitter::Lamp(i) => self.lamps[*i as usize].bounds().center(),
+            Emitter::Triangle(triangle) => triangle.bounds().center(),
+        })
+    }
+
     /// What a source lights, and what throws shadows in its light.
     pub fn sets(&self, source: Source) -> Sets {
         match self.local.get(source.0) {

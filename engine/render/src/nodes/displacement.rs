@@ -109,7 +109,18 @@ fn moved(mesh: &Mesh, offsets: &[Vec3], bends: bool) -> MeshDescription {
         };
         old.iter().enumerate().map(of).collect()
     });
-    let Mesh { name, positions, triangles, uv_maps, mut attributes, material_slots, moved_positions, grids, .. } = shape;
+    let Mesh {
+        name,
+        positions,
+        triangles,
+        uv_maps,
+        mut attributes,
+        material_slots,
+        moved_positions,
+        grids,
+        keeps_opacity,
+        ..
+    } = shape;
     if bends {
         let old = |i: usize| match &mesh.corner_normals {
             Some(normals) => normals[i],
@@ -129,5 +140,6 @@ fn moved(mesh: &Mesh, offsets: &[Vec3], bends: bool) -> MeshDescription {
         material_slots,
         moved_positions,
         grids,
+        keeps_opacity,
     }
 }

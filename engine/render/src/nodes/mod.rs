@@ -7,8 +7,8 @@ pub mod displacement;
 pub mod lamp;
 mod layers;
 mod point;
-mod way;
 pub mod volume;
+mod way;
 pub mod world;
 
 pub use around::Around;

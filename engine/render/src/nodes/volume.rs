@@ -120,6 +120,13 @@ impl Inside<'_> {
         (self.object() - low) / size
     }
 
+    /// What all coefficients are multiplied by.
+    fn density(&self) -> f32 {
+        let Some((instance, _)) = self.own.filter(|(_, mesh)| mesh.keeps_opacity) else { return 1.0 };
+        let length = instance.to_render.transform_vector3a(Vec3A::ONE.normalize()).length();
+        if length > 0.0 { length.recip() } else { 1.0 }
+    }
+
     fn in_camera(&self) -> Vec3A {
         self.scene.viewport.from_render.transform_point3a(self.position)
     }
@@ -153,9 +160,9 @@ impl Context for Inside<'_> {
             Field::ViewDepth => number(self.in_camera().z),
             Field::ViewDistance => number(self.in_camera().length()),
             Field::EdgeDistance => Vec3A::INFINITY,
-            Field::ObjectLocation => self.own.map_or(Vec3A::ZERO, |(instance, _)| {
-                instance.to_render.translation + self.scene.origin.as_vec3a()
-            }),
+            Field::ObjectLocation => self
+                .own
+                .map_or(Vec3A::ZERO, |(instance, _)| instance.to_render.translation + self.scene.origin.as_vec3a()),
             Field::ObjectColour => info.map_or(Vec3A::ONE, |info| Vec3A::from_vec4(info.color)),
             Field::ObjectAlpha => number(info.map_or(1.0, |info| info.color.w)),
             Field::ObjectIndex => number(info.map_or(0.0, |info| info.pass_index as f32)),
@@ -225,8 +232,9 @@ pub fn medium(
             if value.is_finite() { value } else { Vec3A::ZERO }
         };
         let mut sum = Medium::default();
+        let density = place.density();
         for layer in &volume.layers {
-            let weight = value(layer.weight).x;
+            let weight = value(layer.weight).x * density;
             if weight > 0.0 {
                 add(&mut sum, &layer.closure, weight, &value, &place);
             }
@@ -237,13 +245,7 @@ pub fn medium(
 }
 
 /// Adds a closure, as Cycles means it.
-fn add(
-    sum: &mut Medium,
-    closure: &VolumeClosure,
-    weight: f32,
-    value: &dyn Fn(Source) -> Vec3A,
-    place: &Inside<'_>,
-) {
+fn add(sum: &mut Medium, closure: &VolumeClosure, weight: f32, value: &dyn Fn(Source) -> Vec3A, place: &Inside<'_>) {
     let positive = |value: Vec3A| Rgb::from(value).max(Rgb::ZERO).min(Rgb::splat(DENSEST));
     let per_unit = |density: Source| value(density).x.max(0.0) * weight;
     match closure {

@@ -55,8 +55,7 @@ impl Grid {
         let mut sum = Vec4::ZERO;
         for corner in 0..8 {
             let step = [corner & 1, corner >> 1 & 1, corner >> 2];
-            let share: f32 =
-                (0..3).map(|axis| if step[axis] == 1 { part[axis] } else { 1.0 - part[axis] }).product();
+            let share: f32 = (0..3).map(|axis| if step[axis] == 1 { part[axis] } else { 1.0 - part[axis] }).product();
             let place: [isize; 3] = std::array::from_fn(|axis| low[axis] + step[axis]);
             if share > 0.0 && (0..3).all(|axis| (0..self.size[axis] as isize).contains(&place[axis])) {
                 sum += self.voxel(place.map(|p| p as usize)) * share;

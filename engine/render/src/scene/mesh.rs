@@ -28,6 +28,8 @@ pub struct MeshDescription {
     pub moved_positions: Option<[Vec<Vec3>; 2]>,
     /// Values known in its space, for volumes.
     pub grids: Vec<Grid>,
+    /// Its volume is as opaque however large the object is.
+    pub keeps_opacity: bool,
 }
 
 /// A checked mesh: every index valid, every position finite, every triangle with area.
@@ -51,6 +53,8 @@ pub struct Mesh {
     pub moved_positions: Option<[Vec<Vec3>; 2]>,
     /// Values known in its space, for volumes.
     pub grids: Vec<Grid>,
+    /// Its volume is as opaque however large the object is.
+    pub keeps_opacity: bool,
     /// The corners of the box that holds `positions`.
     pub bounds: [Vec3; 2],
 }
@@ -114,6 +118,7 @@ impl Mesh {
             material_slots: d.material_slots,
             moved_positions: d.moved_positions,
             grids,
+            keeps_opacity: d.keeps_opacity,
         };
         if dropped > 0 {
             mesh.keep_only(&keep);

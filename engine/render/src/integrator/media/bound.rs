@@ -50,7 +50,8 @@ impl Bound {
         }
         let [low, high] = mesh.bounds;
         let size = (high - low).max(Vec3::splat(1e-12));
-        let diagonal = (within_box(scene, entry.instance, [1.0; 3]) - within_box(scene, entry.instance, [0.0; 3])).length();
+        let diagonal =
+            (within_box(scene, entry.instance, [1.0; 3]) - within_box(scene, entry.instance, [0.0; 3])).length();
         let to_box = Affine3A::from_scale(SIDE as f32 / size) * Affine3A::from_translation(-low);
         let ways = ways(volume.program.reads());
         let rate = |cell: usize| {
@@ -92,6 +93,13 @@ impl Bound {
         Self::Everywhere(tried.reduce(|| 0.0, f32::max) * MARGIN)
     }
 
+    #[cfg(test)]
+    pub(super) fn loosen(&mut self, part: f32) {
+        if let Self::Cells { rates, .. } = self {
+            rates.iter_mut().for_each(|rate| *rate *= part);
+        }
+    }
+
     pub(super) fn is_even(&self) -> bool {
         matches!(self, Self::Even)
     }
@@ -99,7 +107,8 @@ impl Bound {
 
 /// The kinds of path that a medium may tell apart.
 fn ways(reads: impl Iterator<Item = Field>) -> Vec<Way> {
-    let is_of_path = |field: Field| OF_BOUNCES.contains(&field) || matches!(field, Field::IsCameraRay | Field::IsShadowRay);
+    let is_of_path =
+        |field: Field| OF_BOUNCES.contains(&field) || matches!(field, Field::IsCameraRay | Field::IsShadowRay);
     let mut reads = reads;
     if reads.any(is_of_path) { vec![Way::CAMERA, Way::BOUNCE, Way::CAMERA.shadow()] } else { vec![Way::CAMERA] }
 }

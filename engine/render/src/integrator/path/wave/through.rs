@@ -82,7 +82,11 @@ impl Inside {
         }
         let scatters = limits.scatters(path.way) && self.may_scatter(limits);
         let stretch = Stretch { stage, stack: &self.stack, ray: Ray { t_max, ..path.ray }, way: path.way };
-        let pivot = if scatters { self.beside_a_light(limits, path, &stretch, found, (&mut *shades.0, &mut *shades.1)) } else { None };
+        let pivot = if scatters {
+            self.beside_a_light(limits, path, &stretch, found, (&mut *shades.0, &mut *shades.1))
+        } else {
+            None
+        };
         let (event, emitted) = stretch.follow(&mut path.throughput, scatters, u_distance);
         if emitted != Rgb::ZERO && emitted.is_finite() {
             let group = || self.stack.innermost().map_or(0, |i| stage.scene.instances[i as usize].light_group);
@@ -126,16 +130,13 @@ impl Inside {
             return None;
         }
         let medium = stretch.even_medium()?;
-        let [u_choice, u0, u1, u_distance] = path.sampler.next_4d();
-        let u_light = path.sampler.next_4d();
+        let [u_choice, u_place, u_distance, u_seed] = path.sampler.next_4d();
+        let [u_light, u0, u1, _] = path.sampler.next_4d();
         let ray = &stretch.ray;
-        // From the middle of what is well seen: all along the ray the same light must be meant.
-        let reach = ray.t_max.min(1.0 / medium.extinction.max_element().max(f32::MIN_POSITIVE));
-        let from = ray.origin + ray.direction * (0.5 * reach).min(1e6);
-        let mut to = self.receiver(stage, limits, from);
-        to.sky_chance = 0.0;
-        let (light, _) = stage.lights.sample_source(&stage.scene, &to, u_choice, [u0, u1], path.way)?;
-        let pivot = Pivot::new(ray, from + light.wi * light.distance)?;
+        // The light is one that is likely to shine on some place of what is well seen.
+        let reach = ray.t_max.min(3.0 / medium.extinction.max_element().max(f32::MIN_POSITIVE)).min(1e6);
+        let from = ray.origin + ray.direction * (reach * u_place);
+        let pivot = Pivot::new(ray, stage.lights.near(&self.receiver(stage, limits, from), u_choice)?)?;
         let distance = pivot.sample(u_distance);
         if !(distance > 0.0 && distance < ray.t_max) {
             return Some(pivot);
@@ -145,7 +146,7 @@ impl Inside {
         if light.is_finite() && light != Rgb::ZERO {
             let position = ray.origin + ray.direction * distance;
             let at = Place { stage, limits, position, medium: &medium };
-            self.light(&at, path, light, found, shades, u_light);
+            self.light(&at, path, light, found, shades, [u_light, u0, u1, u_seed]);
         }
         Some(pivot)
     }
