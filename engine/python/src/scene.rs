@@ -268,7 +268,7 @@ impl Scene {
     }
 
     fn warnings(&self) -> Vec<String> {
-        self.stage.warnings.clone()
+        self.stage.warnings.iter().cloned().chain(self.stage.media.report()).collect()
     }
 
     #[getter]

@@ -79,6 +79,15 @@ impl Media {
         self.bounds.values_mut().for_each(|bound| bound.loosen(part));
     }
 
+    /// What to say of that after a render, where it is more than a few times.
+    pub fn report(&self) -> Option<String> {
+        const FEW: u64 = 10_000;
+        let count = self.denser_than_bound();
+        (count > FEW).then(|| {
+            "Volumes: some are far denser in places than was found before the render; there the picture is noisier".into()
+        })
+    }
+
     /// How often light came to a place where a medium is denser than what was found of it before the render.
     pub fn denser_than_bound(&self) -> u64 {
         self.denser.load(Ordering::Relaxed)
