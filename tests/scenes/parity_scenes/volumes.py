@@ -151,6 +151,7 @@ def world_fog():
     fog = Tree(tree, tree.get_output_node("CYCLES").inputs["Surface"])
     fills(fog, scatter(fog, 0.08, Anisotropy=0.3))
     lamp("SPOT", 900.0, (-2.5, -1.5, 4.0), (35, -35, 0), spot_size=np.radians(40), shadow_soft_size=0.1)
+    lamp("POINT", 150.0, (2.5, -3.0, 3.0), colour=(0.7, 0.8, 1.0), shadow_soft_size=0.3)
     ball(plain(RED), (1.15, 0.3, 0.8), 0.8)
 
 

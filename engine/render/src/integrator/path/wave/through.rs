@@ -106,7 +106,7 @@ impl Inside {
                 let share = pivot.map_or(1.0, |pivot| density / (density + pivot.density(distance)));
                 let position = path.ray.origin + path.ray.direction * distance;
                 let [_, u_seed, ..] = u_second;
-                let at = Place { stage, limits, position, medium: &medium };
+                let at = Place { stage, limits, position, medium: &medium, share };
                 let light = path.throughput * share;
                 let to = self.light(&at, path, light, found, shades, [u_first[0], u_first[1], u_first[2], u_seed]);
                 self.turn(&at, path, to, [u_first[3], u_second[0], u_second[2], u_second[3]])
@@ -145,7 +145,8 @@ impl Inside {
         let light = path.throughput * left / (pivot.density(distance) + by_following);
         if light.is_finite() && light != Rgb::ZERO {
             let position = ray.origin + ray.direction * distance;
-            let at = Place { stage, limits, position, medium: &medium };
+            let share = by_following / (pivot.density(distance) + by_following);
+            let at = Place { stage, limits, position, medium: &medium, share };
             self.light(&at, path, light, found, shades, [u_light, u0, u1, u_seed]);
         }
         Some(pivot)
@@ -161,7 +162,7 @@ impl Inside {
         (shadows, veils): (&mut Vec<Shadow<G::Of>>, &mut Vec<Veil>),
         [u_light, u0, u1, u_seed]: [f32; 4],
     ) -> Receiver {
-        let Place { stage, limits, position, medium } = *at;
+        let Place { stage, limits, position, medium, share } = *at;
         let to = self.receiver(stage, limits, position);
         let Some((light, source)) = stage.lights.sample_source(&stage.scene, &to, u_light, [u0, u1], path.way) else {
             return to;
@@ -171,7 +172,7 @@ impl Inside {
         }
         let (value, pdf) = medium.phase(path.ray.direction.dot(light.wi), throughput);
         let is_alone = light.point_like || light.sets.blockers != 0;
-        let weight = if is_alone { 1.0 } else { power_heuristic(light.pdf, pdf) };
+        let weight = if is_alone { 1.0 } else { power_heuristic(light.pdf, pdf * share) };
         let arrives = throughput * value * light.radiance * (weight / light.pdf);
         if arrives == Rgb::ZERO || !arrives.is_finite() {
             return to;
@@ -206,7 +207,7 @@ impl Inside {
         if !path.throughput.is_finite() || !path.goes_on(at.limits, u_end) {
             return Brought::Nowhere;
         }
-        path.chosen = Chosen::WithPdf(pdf, to);
+        path.chosen = Chosen::WithPdf(pdf * at.share, to);
         path.travelled = 0.0;
         path.ray = Ray::new(at.position, wi);
         path.start = at.position;
@@ -295,6 +296,8 @@ struct Place<'a> {
     limits: &'a Limits,
     position: Vec3A,
     medium: &'a Medium,
+    /// Of the density of light samples here, what is due to following the path: its directions compete with all.
+    share: f32,
 }
 
 /// Places along a ray, evenly by the angle under which a point beside it sees them.
