@@ -70,15 +70,19 @@ def cost(row: dict[str, Any]) -> str:
     return f"+{100.0 * part:.0f} %" if part >= 0.005 else "free"
 
 
+def camera(plan: dict[str, Any]) -> str:
+    """How the camera is simulated, by a plan: "exact camera, 8 wavelengths"."""
+    count = plan["camera"]["wavelengths"]
+    light = f"{count} wavelengths" if count > 1 else "one wavelength"
+    return f"{plan['camera']['model']} camera, {light}"
+
+
 def summary(plan: dict[str, Any]) -> str:
     """A plan in a line, for the status of a render."""
-    camera = plan["camera"]
-    count = camera["wavelengths"]
-    light = f"{count} wavelengths" if count > 1 else "one wavelength"
     off = [
         LABELS[row["effect"]].lower()
         for row in plan["effects"]
         if row["decision"] == "off" and row["is_available"] and row["measure"]
     ]
     left_out = f", without {', '.join(off)}" if off else ""
-    return f"{camera['model']} camera, {light}{left_out}"
+    return camera(plan) + left_out

@@ -12,9 +12,8 @@ import traceback
 import bpy
 import numpy as np
 
-from . import effects, export, loop, passes, persistent, planning, render_settings, statistics, tiles
+from . import checkpoints, effects, loop, passes, persistent, planning, render_settings, staging, statistics, tiles
 from .description import CameraDescription, Report, focused
-from .export import aperture_mask, viewport
 from .export import camera as camera_export
 from .export.errors import ExportError
 from .export.motion import Frame, Motion
@@ -50,7 +49,8 @@ class PetzvalRenderEngine(bpy.types.RenderEngine):
         levels = passes.matte_levels(renderlayer)
         mattes = (one for layer in passes.wanted_mattes(renderlayer) for one in passes.of_matte(layer, levels))
         groups = passes.of_light_groups(renderlayer)
-        for one in (passes.COMBINED, *passes.wanted(renderlayer), *mattes, *groups):
+        merging = passes.for_merging(renderlayer, scene.petzval)
+        for one in (passes.COMBINED, *passes.wanted(renderlayer), *mattes, *groups, *merging):
             self.register_pass(scene, renderlayer, one.name, one.channels, one.channel_names, one.kind)
 
     def render(self, depsgraph):
@@ -119,6 +119,7 @@ class _Photograph:
         self.window = _region(self.scene.render)
         layer = depsgraph.view_layer_eval
         self.data_passes = passes.wanted(layer)
+        self.merging = passes.for_merging(layer, self.scene.petzval)
         self.mattes, self.matte_levels = passes.wanted_mattes(layer), passes.matte_levels(layer)
         self.light_groups = passes.of_light_groups(layer)
         self.focus: dict | None = None
@@ -132,28 +133,27 @@ class _Photograph:
         self._tell("Reading the scene", 0.0)
         began = time.perf_counter()
         width, height = camera_export.resolution(self.scene.render)
-        camera = camera_export.describe(self.scene.camera, self.scene, width, height, self.report)
-        camera.aperture_mask = aperture_mask.read(self.scene.camera.data)
+        camera = staging.camera(self.scene, width, height, self.report)
         settings = render_settings.describe(self.scene, width, height, bool(self.data_passes))
         moving = self._over_the_shutter(camera, width, height)
         neighbours, motion = self._beside(camera, width, height)
-        builder = native.SceneBuilder()
-        export.send_scene(self.depsgraph, builder, self.report, self._check_stop, motion)
-        viewport.send(builder, camera, width, height)
+        builder, size = native.SceneBuilder(), (width, height)
+        checkpoint = checkpoints.of(self.depsgraph)
+        told = checkpoint.watched(builder) if checkpoint else builder
+        staging.fill(told, self.depsgraph, camera, size, self.report, self._check_stop, motion)
         self.report.warnings += builder.warnings()
         sync_seconds = time.perf_counter() - began
 
         self._tell("Building trees", 0.0)
-        position = tuple(row[3] for row in camera.matrix_world[:3])
-        previous = persistent.previous(self.depsgraph)
-        scene = loop.stoppable(lambda: builder.build(position, settings.threads, previous), self._stop_asked)
+        place, previous = staging.place(camera), persistent.previous(self.depsgraph)
+        scene = loop.stoppable(lambda: builder.build(place, settings.threads, previous), self._stop_asked)
         persistent.keep(self.depsgraph, scene)
         self.report.warnings += scene.warnings()
         for warning in self.report.warnings:
             self.host.report({"WARNING"}, warning)
         self._tell("Preparing the lens", 0.0)
         if camera.autofocus is not None:
-            self._focus(native, scene, camera, width, height)
+            self.focus = loop.stoppable(lambda: staging.focus(native, scene, camera, width, height), self._stop_asked)
             moving = [dataclasses.replace(then, **focused(then, self.focus)) for then in moving]
             neighbours = neighbours and tuple(
                 dataclasses.replace(then, **focused(then, self.focus)) for then in neighbours
@@ -163,11 +163,14 @@ class _Photograph:
             loop.WATCH.study(loop.Subject(scene, camera, settings, moving, wishes, sync_seconds))
             _deliver_black(self.host, self.depsgraph)
             return
-        if not self._plan(native, scene, camera, settings, moving):
-            return
+        self._plan(native, scene, camera, settings, moving)
         mattes = [one.engine_name for one in self.mattes]
         beside = {"plan": self.plan, "mattes": mattes, "matte_levels": self.matte_levels, "neighbours": neighbours}
         beside["light_groups"] = len(self.light_groups)
+        if checkpoint:
+            decided = [(row["effect"], row["decision"]) for row in self.told["effects"]]
+            others = {name: value for name, value in beside.items() if name != "plan"}
+            beside["checkpoint"] = checkpoint.arguments(settings, camera, moving, decided, others)
         job = loop.stoppable(lambda: native.Job(scene, camera, settings, moving, **beside), self._stop_asked)
         stopped = loop.follow(job, stop_asked=self._stop_asked, show=self._show, tell=self._progress)
         self._progress(job.progress() if stopped else 1.0, job.samples_done())
@@ -177,21 +180,21 @@ class _Photograph:
                 self.report.warn(warning)
                 self.host.report({"WARNING"}, warning)
         self._keep(json.loads(job.stats_json()), sync_seconds, stopped)
+        if checkpoint:
+            self._tell("Keeping the render", 1.0)
+            is_done_with = not stopped and loop.WATCH.checkpoint is None
+            loop.stoppable(lambda: job.end_checkpoints(is_done_with), lambda: False)
 
-    def _plan(self, native, scene, camera, settings, moving) -> bool:
-        """Decides what is simulated; true if it is to be rendered, too."""
+    def _plan(self, native, scene, camera, settings, moving) -> None:
+        """Decides what is simulated."""
         self._tell("Planning the effects", 0.0)
         wishes = effects.wishes(self.scene.petzval)
         self.plan = loop.stoppable(lambda: native.Plan(scene, camera, settings, moving, **wishes), self._stop_asked)
         planned = json.loads(self.plan.json())
-        if loop.WATCH.plan_only or settings.width * settings.height * settings.samples > _WORTH_A_FORECAST:
+        if settings.width * settings.height * settings.samples > _WORTH_A_FORECAST:
             planned = json.loads(loop.stoppable(lambda: self.plan.forecast(scene, camera, settings), self._stop_asked))
         planning.keep(self.scene.name, planned)
         self.told, self.planned = planned, effects.summary(planned)
-        if loop.WATCH.plan_only:
-            _deliver_black(self.host, self.depsgraph)
-            return False
-        return True
 
     def _over_the_shutter(self, camera: CameraDescription, width: int, height: int) -> list[CameraDescription]:
         """The camera at even times while the shutter is open; nothing where the lens does not change meanwhile."""
@@ -241,19 +244,10 @@ class _Photograph:
         self.host.frame_set(frame, subframe)
         self.scene = self.depsgraph.scene_eval
 
-    def _focus(self, native, scene, camera, width: int, height: int) -> None:
-        """Puts the film where what the autofocus point sees is sharpest."""
-        found = loop.stoppable(
-            lambda: native.autofocus_json(scene, camera, width, height, camera.autofocus), self._stop_asked
-        )
-        self.focus = json.loads(found)
-        for name, value in focused(camera, self.focus).items():
-            setattr(camera, name, value)
-
     def _show_all(self, job) -> None:
         """The finished picture with its passes of data, at once: a result without a pass would blacken it."""
         pictures = {passes.COMBINED.name: job.image()}
-        pictures |= {one.name: job.data(one.engine_name) for one in self.data_passes}
+        pictures |= {one.name: job.data(one.engine_name) for one in (*self.data_passes, *self.merging)}
         pictures |= {one.name: job.light_group(i)[..., :3] for i, one in enumerate(self.light_groups, 1)}
         for layer in self.mattes:
             channels = job.matte(layer.engine_name)
@@ -269,15 +263,23 @@ class _Photograph:
         self.host.end_result(result)
         self._name_mattes(job)
         self._name_effects()
+        self._name_samples(json.loads(job.stats_json()))
 
     def _name_effects(self) -> None:
         """Says in the picture's metadata what of the lens was simulated."""
-        planned = json.loads(self.plan.json())
         whole = self.host.get_result()
-        for row in planned["effects"]:
+        for row in self.told["effects"]:
             whole.stamp_data_add_field(f"petzval/effects/{row['effect']}", f"{row['decision']}: {row['why']}")
-        whole.stamp_data_add_field("petzval/camera", json.dumps(planned["camera"]))
-        whole.stamp_data_add_field("petzval/quality", f"{planned['quality']:g}")
+        whole.stamp_data_add_field("petzval/camera", json.dumps(self.told["camera"]))
+        whole.stamp_data_add_field("petzval/quality", f"{self.told['quality']:g}")
+
+    def _name_samples(self, stats: dict) -> None:
+        """Says in the picture's metadata which samples it holds: for joining it with others."""
+        whole = self.host.get_result()
+        first, most = self.scene.petzval.sample_offset, stats["samples_most"]
+        whole.stamp_data_add_field("petzval/ranges", f"{stats['seed']}:{first}+{most}")
+        if stats["samples"] == most:
+            whole.stamp_data_add_field("petzval/samples", str(most))
 
     def _name_mattes(self, job) -> None:
         """Says in the picture's metadata what the mattes' numbers stand for."""
@@ -317,6 +319,8 @@ class _Photograph:
         statistics.keep(self.scene.name, render)
         for line in render.lines():
             print(f"Petzval: {line}")
+        if problem := (stats["checkpoint"] or {}).get("problem"):
+            self.host.report({"WARNING"}, problem)
         if stats.get("failure"):
             self.host.report({"ERROR"}, stats["failure"])
 

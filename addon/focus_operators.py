@@ -10,9 +10,7 @@ import bpy
 from . import autofocus, sharp_points, viewport_camera
 from .description import OF_LENS_FILE
 from .export import camera as camera_export
-from .export.errors import ExportError
-from .native import EngineMissing, engine
-from .operators import shown_camera
+from .operators import result_of, shown_camera
 
 #: The three settings of a camera that name what is to be sharp.
 SHARP_OBJECTS = ("sharp_object_1", "sharp_object_2", "sharp_object_3")
@@ -93,13 +91,9 @@ class PETZVAL_OT_sharp_points(_LensOperator, bpy.types.Operator):
             return {"CANCELLED"}
         own, depsgraph = holder.data.petzval, context.evaluated_depsgraph_get()
         objects = [getattr(own, name).evaluated_get(depsgraph) for name in SHARP_OBJECTS]
-        try:
-            film = sharp_points.solve(holder, context.scene, [one.matrix_world.translation for one in objects])
-        except (ExportError, EngineMissing) as error:
-            self.report({"ERROR"}, str(error))
-            return {"CANCELLED"}
-        except engine().PetzvalError as error:
-            self.report({"ERROR"}, " ".join(str(error).split()))
+        points = [one.matrix_world.translation for one in objects]
+        film = result_of(self, lambda: sharp_points.solve(holder, context.scene, points))
+        if film is None:
             return {"CANCELLED"}
         sharp_points.apply(holder.data, film)
         tilt, swing = degrees(film["tilt_rad"]), degrees(film["swing_rad"])

@@ -42,8 +42,10 @@ class Watch:
     def __init__(self) -> None:
         self.stop = threading.Event()
         self.on_progress: Callable[[float, str], None] | None = None
-        #: A render ends when it is known what it would simulate.
-        self.plan_only = False
+        #: The file in which renders are kept while they go on, and taken up again; empty: none; None: as the scene has it.
+        #: It stays at the end.
+        self.checkpoint: str | None = None
+        self.checkpoint_every_s: float | None = None
         #: Instead of a render: is handed what would be rendered, once for each view layer.
         self.study: Callable[[Subject], None] | None = None
 

@@ -3,11 +3,18 @@
 
 from __future__ import annotations
 
+from collections.abc import Callable
+from typing import TypeVar
+
 import bpy
 from bpy.props import EnumProperty
 
 from . import film_formats, lens_files, viewport_camera
 from .description import OF_LENS_FILE
+from .export.errors import ExportError
+from .native import EngineMissing, engine
+
+Result = TypeVar("Result")
 
 # Blender does not keep the strings of enum items that are made on demand.
 _items: list[tuple[str, str, str]] = []
@@ -33,6 +40,18 @@ def shown_camera(context: bpy.types.Context) -> bpy.types.Camera | None:
         return shown
     holder = context.scene.camera
     return holder.data if holder is not None and holder.type == "CAMERA" else None
+
+
+def result_of(operator: bpy.types.Operator, work: Callable[[], Result]) -> Result | None:
+    """What the work gives; None where the engine or the export refused it, which the operator has reported then."""
+    try:
+        return work()
+    except (ExportError, EngineMissing) as error:
+        complaint = str(error)
+    except engine().PetzvalError as error:
+        complaint = " ".join(str(error).split())
+    operator.report({"ERROR"}, complaint)
+    return None
 
 
 class PETZVAL_OT_choose_lens(bpy.types.Operator):

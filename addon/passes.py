@@ -37,6 +37,22 @@ MATTES = (
 )
 
 
+#: What joins renders with other samples: how many samples a pixel has, and what its numbers leave out of their sums.
+MERGING = (
+    Pass("Debug Sample Count", 1, "X", "VALUE", engine_name="SAMPLES"),
+    Pass("Remainder", 4, "RGBA", "VECTOR", engine_name="REMAINDER"),
+    Pass("Remainder Fine", 4, "RGBA", "VECTOR", engine_name="REMAINDER_FINE"),
+)
+
+
+def for_merging(view_layer: object, settings: object) -> tuple[Pass, ...]:
+    """The passes for `petzval merge` that a view layer asks for. Pixels with different counts have no remainder."""
+    if view_layer.petzval.use_pass_mergeable:
+        return MERGING[:1] if settings.use_noise_threshold else MERGING
+    cycles = getattr(view_layer, "cycles", None)
+    return MERGING[:1] if getattr(cycles, "pass_debug_sample_count", False) else ()
+
+
 def of_light_groups(view_layer: object) -> tuple[Pass, ...]:
     """A pass for the light of each group of emitters, named as Cycles names it; in the order of their numbers."""
     return tuple(Pass(f"{COMBINED.name}_{one.name}", 3, "RGB", "COLOR") for one in view_layer.lightgroups)

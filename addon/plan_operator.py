@@ -7,12 +7,11 @@ import json
 
 import bpy
 
-from . import effects, export, planning, render_settings
-from .description import Report, focused
-from .export import aperture_mask, viewport
+from . import effects, planning, redraw, render_settings, staging
+from .description import Report
 from .export import camera as camera_export
-from .export.errors import ExportError
-from .native import EngineMissing, engine
+from .native import engine
+from .operators import result_of
 
 
 def plan(scene: bpy.types.Scene, depsgraph: bpy.types.Depsgraph) -> dict:
@@ -21,17 +20,13 @@ def plan(scene: bpy.types.Scene, depsgraph: bpy.types.Depsgraph) -> dict:
     native = engine()
     report = Report()
     width, height = camera_export.resolution(scene.render)
-    camera = camera_export.describe(scene.camera, scene, width, height, report)
-    camera.aperture_mask = aperture_mask.read(scene.camera.data)
+    camera = staging.camera(scene, width, height, report)
     settings = render_settings.describe(scene, width, height)
     builder = native.SceneBuilder()
-    export.send_scene(depsgraph, builder, report, lambda: None, None)
-    viewport.send(builder, camera, width, height)
-    stage = builder.build(tuple(row[3] for row in camera.matrix_world[:3]), settings.threads, None)
+    staging.fill(builder, depsgraph, camera, (width, height), report)
+    stage = builder.build(staging.place(camera), settings.threads, None)
     if camera.autofocus is not None:
-        found = json.loads(native.autofocus_json(stage, camera, width, height, camera.autofocus))
-        for name, value in focused(camera, found).items():
-            setattr(camera, name, value)
+        staging.focus(native, stage, camera, width, height)
     found = native.Plan(stage, camera, settings, [], **effects.wishes(scene.petzval))
     return json.loads(found.forecast(stage, camera, settings))
 
@@ -47,18 +42,11 @@ class PETZVAL_OT_plan_effects(bpy.types.Operator):
         return context.scene.camera is not None and context.scene.camera.type == "CAMERA"
 
     def execute(self, context):
-        try:
-            found = plan(context.scene, context.evaluated_depsgraph_get())
-        except (ExportError, EngineMissing) as error:
-            self.report({"ERROR"}, str(error))
-            return {"CANCELLED"}
-        except engine().PetzvalError as error:
-            self.report({"ERROR"}, " ".join(str(error).split()))
+        found = result_of(self, lambda: plan(context.scene, context.evaluated_depsgraph_get()))
+        if found is None:
             return {"CANCELLED"}
         planning.keep(context.scene.name, found)
-        for area in context.screen.areas if context.screen else ():
-            if area.type == "PROPERTIES":
-                area.tag_redraw()
+        redraw.properties()
         return {"FINISHED"}
 
 

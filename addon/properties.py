@@ -405,6 +405,14 @@ class PetzvalScene(bpy.types.PropertyGroup):
         ),
         default=False,
     )
+    use_checkpoints: BoolProperty(
+        name="Checkpoints",
+        description=(
+            "Keep a final render on disk while it goes on, every eight seconds. When it was stopped, or Blender crashed, the same "
+            "render of the same scene goes on from there, to the same picture; when it is done the file is deleted"
+        ),
+        default=True,
+    )
     sample_offset: IntProperty(
         name="Sample Offset",
         description="Number of the first sample, so that renders of one seed can be joined later",
@@ -441,7 +449,20 @@ class PetzvalScene(bpy.types.PropertyGroup):
     )
 
 
-CLASSES = (PetzvalCamera, PetzvalEffects, PetzvalScene)
+class PetzvalViewLayer(bpy.types.PropertyGroup):
+    """What a view layer is to hold."""
+
+    use_pass_mergeable: BoolProperty(
+        name="Mergeable",
+        description=(
+            "Passes that say how many samples each pixel has and what its numbers leave out: renders with other samples "
+            "(Sample Offset, or Seed) can be joined by `petzval merge` to the picture of one render with all of them"
+        ),
+        default=False,
+    )
+
+
+CLASSES = (PetzvalCamera, PetzvalEffects, PetzvalScene, PetzvalViewLayer)
 
 
 def register() -> None:
@@ -449,9 +470,11 @@ def register() -> None:
         bpy.utils.register_class(cls)
     bpy.types.Camera.petzval = PointerProperty(type=PetzvalCamera, name="Petzval", description="The real lens")
     bpy.types.Scene.petzval = PointerProperty(type=PetzvalScene, name="Petzval", description="Render settings")
+    bpy.types.ViewLayer.petzval = PointerProperty(type=PetzvalViewLayer, name="Petzval", description="Passes")
 
 
 def unregister() -> None:
+    del bpy.types.ViewLayer.petzval
     del bpy.types.Scene.petzval
     del bpy.types.Camera.petzval
     for cls in reversed(CLASSES):

@@ -34,6 +34,9 @@ class LastRender:
         ]
         if predicted := (self.stats.get("planned") or {}).get("predicted"):
             lines.append(f"the plan foretold {predicted['seconds']:.1f} s")
+        if kept := (self.stats.get("checkpoint") or {}).get("resumed_samples"):
+            seconds = self.stats["checkpoint"]["resumed_seconds"]
+            lines.append(f"taken up at {kept:.1f} samples, which had taken {seconds:.0f} s")
         if precision := self.stats.get("precision"):
             lines.append(_precision(precision))
         return lines

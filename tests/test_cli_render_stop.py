@@ -24,7 +24,7 @@ def start_long(scene: Path, folder: Path, *more, **how) -> subprocess.Popen:
     return subprocess.Popen(
         [
             sys.executable, "-m", "petzval", "render", str(scene), "--lens", "cooke-triplet-50mm",
-            "--samples", "1000000", "--resolution", "200x150", "-o", str(folder / "out.exr"),
+            "--samples", "1000000", "--resolution", "200x150", "-o", str(folder / "out.exr"), "--checkpoint", "off",
             "--stats", str(folder / "stats.json"), *map(str, more),
         ],
         cwd=ROOT, **how,

@@ -1,7 +1,7 @@
 # SPDX-License-Identifier: GPL-3.0-or-later
 """The house rules that no compiler holds: who may use whom, and what must not stand in a tracked file.
 
-Data goes one way. Crates depend downward: python, render, then optics and nodes. Inside a crate a module uses only those above it in
+Data goes one way. Crates depend downward: python, render and pictures, then optics and nodes. Inside a crate a module uses only those above it in
 the list with arrows of its `lib.rs`. The add-on's modules form no circle, and its plain ones know no Blender.
 """
 
@@ -21,7 +21,7 @@ import pytest
 pytestmark = pytest.mark.once
 
 ROOT = Path(__file__).resolve().parent.parent
-CRATES = ("optics", "nodes", "render")
+CRATES = ("optics", "nodes", "pictures", "render")
 
 # A longer file is asked whether it is one subject.
 LONG_FILE_LINES = 450
@@ -100,7 +100,11 @@ def test_a_module_uses_only_those_above_it(crate):
     [
         ("optics", {"petzval-render", "petzval-python", "pyo3", "numpy", "petzval-testkit"}),
         ("nodes", {"petzval-optics", "petzval-render", "petzval-python", "pyo3", "numpy", "petzval-testkit"}),
-        ("render", {"petzval-python", "pyo3", "numpy", "petzval-testkit"}),
+        (
+            "pictures",
+            {"petzval-optics", "petzval-nodes", "petzval-render", "petzval-python", "pyo3", "numpy", "petzval-testkit"},
+        ),
+        ("render", {"petzval-pictures", "petzval-python", "pyo3", "numpy", "petzval-testkit"}),
         ("testkit", {"petzval-python", "pyo3", "numpy"}),
         ("python", {"petzval-testkit"}),
     ],

@@ -7,7 +7,7 @@ import bpy
 
 from .. import planning
 from ..description import OF_LENS_FILE
-from ..effects import EFFECTS, cost, size
+from ..effects import EFFECTS, LABELS, camera, cost, size
 from .camera_parts import lines_of
 from .mixin import PetzvalPanel, columns
 
@@ -68,11 +68,9 @@ def _row(context, column, effect, settings, row) -> None:
 
 
 def _chosen(layout, context, plan) -> None:
-    """What follows from the decisions, and what they leave out though it would be seen."""
-    camera = plan["camera"]
-    light = f"{camera['wavelengths']} wavelengths" if camera["wavelengths"] > 1 else "one wavelength"
+    """The camera that follows from the decisions, and the time that it is to take."""
     column = layout.column(align=True)
-    text = f"Camera: {camera['model']}, {light}, light followed by {camera['pipeline']}"
+    text = f"{camera(plan).capitalize()}, light followed by {plan['camera']['pipeline']}"
     predicted = plan.get("predicted")
     if predicted:
         text += f"; about {predicted['seconds']:.0f} s"
@@ -92,9 +90,8 @@ class PETZVAL_RENDER_PT_effects_why(PetzvalPanel, bpy.types.Panel):
 
     def draw(self, context):
         column = self.layout.column(align=True)
-        labels = {effect.name: effect.label for effect in EFFECTS}
         for row in planning.last(context.scene.name)["effects"]:
-            first, *others = lines_of(context, f"{labels[row['effect']]}: {row['why']}")
+            first, *others = lines_of(context, f"{LABELS[row['effect']]}: {row['why']}")
             column.label(text=first, icon="DOT")
             for line in others:
                 column.label(text=line, icon="BLANK1")

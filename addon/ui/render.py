@@ -109,6 +109,7 @@ class PETZVAL_RENDER_PT_threads(_RenderPanel, bpy.types.Panel):
         row.enabled = render.threads_mode == "FIXED"
         row.prop(render, "threads", text="Number")
         layout.prop(render, "use_persistent_data", text="Persistent Data")
+        layout.prop(context.scene.petzval, "use_checkpoints")
 
 
 class PETZVAL_RENDER_PT_last(_RenderPanel, bpy.types.Panel):

@@ -18,6 +18,10 @@ class PETZVAL_VIEW_LAYER_PT_passes(PetzvalPanel, bpy.types.Panel):
         column = layout.column(heading="Data")
         for one in passes.DATA:
             column.prop(context.view_layer, one.switch, text=one.name)
+        cycles = getattr(context.view_layer, "cycles", None)
+        if cycles is not None:
+            column.prop(cycles, "pass_debug_sample_count", text="Sample Count")
+        column.prop(context.view_layer.petzval, "use_pass_mergeable")
         column = layout.column(heading="Cryptomatte")
         for one in passes.MATTES:
             column.prop(context.view_layer, one.switch, text=one.name.removeprefix("Crypto"))

@@ -274,6 +274,7 @@ class Job:
         matte_levels: int = 6,
         neighbours: tuple[CameraDescription, CameraDescription] | None = None,
         light_groups: int = 0,
+        checkpoint: tuple[str, str, float] | None = None,  # file, fingerprint of the picture, seconds between two
     ) -> None:
         """`over_the_shutter`: the camera at the middles of equal parts of the exposure, where it changes meanwhile.
 
@@ -282,7 +283,8 @@ class Job:
     def data(self, name: str) -> npt.NDArray[np.float32]:
         """DEPTH (one channel, along the camera's axis, 1e10 for the background), POSITION or NORMAL (world space), VECTOR
         (pixels: to where it was a frame before; from where it will be a frame after), (height, width, channels), first row
-        at the bottom; asked for by `SettingsDescription.with_data`. SAMPLES (one channel): how many the pixel has."""
+        at the bottom; asked for by `SettingsDescription.with_data`. SAMPLES (one channel): how many the pixel has. REMAINDER and
+        REMAINDER_FINE (four): what the picture's numbers times the samples leave out of the sums of these."""
     def matte(self, layer: str) -> npt.NDArray[np.float32]:
         """The channels (id, coverage, id, coverage) of all passes of a layer of Cryptomatte, (height, width, 4 passes),
         first row at the bottom."""
@@ -301,10 +303,15 @@ class Job:
         """(height, width, 4), what is there now."""
     def stop(self) -> None:
         """Asks to stop; finished samples stay. The job ends within 0.1 s."""
+    def end_checkpoints(self, is_done_with: bool) -> None:
+        """After the end: waits until what is kept is written; deletes it if it is done with."""
     def stats_json(self) -> str:
         """{"seconds": {"bvh", "render", "plan"}, "samples" (that every pixel has), "samples_mean", "samples_most", "camera_rays", "camera_rays_lost", "rays",
         "lens_share" (part of the render time spent in the lens), "non_finite_samples", "seed", "threads",
         "lens", "width", "height"}."""
+
+def merge_pictures_json(files: Sequence[str], output: str) -> str:
+    """Joins renders of one picture with other samples: {"samples" (mean a pixel), "is_exact"}."""
 
 def random_per_island(vertices: int, edges: npt.NDArray[np.int32]) -> npt.NDArray[np.float32]:
     """A number from 0 to 1 by vertex, Blender's, the same for all that edges join."""

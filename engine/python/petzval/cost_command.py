@@ -10,10 +10,8 @@ from __future__ import annotations
 
 import argparse
 import json
-import os
-import sys
-import tempfile
 from pathlib import Path
+from typing import Any, TextIO
 
 from . import argument_types as types
 from . import scene_options
@@ -59,34 +57,15 @@ def run(arguments: argparse.Namespace) -> int:
         raise CommandError(f"cannot make {folder}: {error.strerror}: name another folder") from None
     for name in ("costs.json", "costs.md", *_PICTURES):
         scene_options.check_writable(folder / name)
-    # Blender says what it likes on stdout: that is kept for the numbers.
-    own_stdout = os.dup(1)
-    os.dup2(os.open(os.devnull, os.O_WRONLY), 1)
-    with tempfile.TemporaryDirectory() as temporary:
-        results = Path(temporary) / "costs.json"
-        cost = {"results": str(results), "rounds": arguments.rounds, "seconds": arguments.seconds}
-        options |= {"samples": arguments.samples, "cost": cost}
-        voice = os.dup(2)
-        if arguments.blender:
-            status = scene_options.in_blender(arguments.blender, options)
-        else:
-            from .render_in_blender import render
+    cost = {"what": "cost", "rounds": arguments.rounds, "seconds": arguments.seconds}
+    options |= {"samples": arguments.samples, "study": cost}
 
-            status = render(options)
-        if results.exists():
-            found = json.loads(results.read_text(encoding="utf-8"))
-            found = {"scene": Path(arguments.scene).stem} | found
-            with os.fdopen(voice, "w") as says, os.fdopen(own_stdout, "w", encoding="utf-8") as out:
-                text = _write(found, folder, says)
-                print(json.dumps(found, indent=1) if arguments.json else text, file=out)
-    if arguments.blender:
-        return status
-    from .render_in_blender import finish
+    def tell(found: dict[str, Any], out: TextIO, voice: TextIO) -> None:
+        found = {"scene": Path(arguments.scene).stem} | found
+        text = _write(found, folder, voice)
+        print(json.dumps(found, indent=1) if arguments.json else text, file=out)
 
-    # bpy with a render engine hangs or crashes when Python ends by itself.
-    sys.stdout = open(os.devnull, "w")  # noqa: SIM115
-    finish(status)
-    return status
+    return scene_options.study(arguments.blender, options, tell)
 
 
 def _write(found: dict, folder: Path, says) -> str:

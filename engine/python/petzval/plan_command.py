@@ -5,11 +5,7 @@ from __future__ import annotations
 
 import argparse
 import json
-import os
-import sys
-import tempfile
-from pathlib import Path
-from typing import Any
+from typing import Any, TextIO
 
 from . import scene_options
 
@@ -23,34 +19,12 @@ def add_parser(subparsers: argparse._SubParsersAction) -> None:
 
 def run(arguments: argparse.Namespace) -> int:
     """Plans; the exit status."""
-    options = scene_options.checked(arguments)
-    # Blender says what it likes on stdout: that is kept for the plan.
-    own_stdout = os.dup(1)
-    os.dup2(os.open(os.devnull, os.O_WRONLY), 1)
-    with tempfile.TemporaryDirectory() as folder:
-        answer = Path(folder) / "plan.json"
-        options |= {"plan": str(answer)}
-        if arguments.blender:
-            status = scene_options.in_blender(arguments.blender, options)
-        else:
-            from .render_in_blender import render
+    options = scene_options.checked(arguments) | {"study": {"what": "plan"}}
 
-            status = render(options)
-        text = ""
-        if status == 0:
-            plan = json.loads(answer.read_text(encoding="utf-8"))
-            text = json.dumps(plan, indent=2) if arguments.json else "\n".join(lines(plan))
-    with os.fdopen(own_stdout, "w", encoding="utf-8") as out:
-        if text:
-            print(text, file=out)
-    if arguments.blender:
-        return status
-    from .render_in_blender import finish
+    def tell(plan: dict[str, Any], out: TextIO, _voice: TextIO) -> None:
+        print(json.dumps(plan, indent=2) if arguments.json else "\n".join(lines(plan)), file=out)
 
-    # bpy with a render engine hangs or crashes when Python ends by itself.
-    sys.stdout = open(os.devnull, "w")  # noqa: SIM115
-    finish(status)
-    return status
+    return scene_options.study(arguments.blender, options, tell)
 
 
 def lines(plan: dict[str, Any]) -> list[str]:

@@ -34,6 +34,23 @@ def add_parser(subparsers: argparse._SubParsersAction) -> None:
         help="errors of neighbouring pixels cancel; off to join ranges of samples, and with --noise-threshold",
     )
     p.add_argument("--sample-offset", type=types.natural, metavar="N", help="number of the first sample")
+    p.add_argument(
+        "--mergeable",
+        action="store_true",
+        help="an EXR with all that `petzval merge` needs to join it with others exactly",
+    )
+    p.add_argument(
+        "--checkpoint",
+        metavar="FILE|off",
+        help="where the render is kept while it goes on, to be taken up by the same command; default: OUT.checkpoint",
+    )
+    p.add_argument(
+        "--checkpoint-every",
+        type=types.positive,
+        default=None,
+        metavar="S",
+        help="seconds; default: 8, and the writing",
+    )
     p.add_argument("-o", "--output", metavar="OUT.exr|png", help="default: SCENE.png where you are")
     p.add_argument("--stats", metavar="STATS.json", help="write what was done, and what it took")
 
@@ -56,7 +73,10 @@ def _checked(a: argparse.Namespace) -> dict:
     output = Path(a.output) if a.output else Path(f"{Path(a.scene).stem}.png")
     if output.suffix.lower() not in _SUFFIXES:
         raise CommandError(f"unknown picture format: {output}: end its name in .exr or .png")
-    for file in (output, Path(a.stats) if a.stats else None):
+    if a.mergeable and output.suffix.lower() != ".exr":
+        raise CommandError(f"--mergeable needs an EXR: {output}: end its name in .exr")
+    checkpoint = None if a.checkpoint == "off" else Path(a.checkpoint or f"{output}.checkpoint")
+    for file in (output, Path(a.stats) if a.stats else None, checkpoint):
         if file is not None:
             scene_options.check_writable(file)
     return options | {
@@ -68,4 +88,7 @@ def _checked(a: argparse.Namespace) -> dict:
         "seed": a.seed,
         "blue_noise": a.blue_noise,
         "sample_offset": a.sample_offset,
+        "mergeable": a.mergeable,
+        "checkpoint": str(checkpoint.absolute()) if checkpoint else "",
+        "checkpoint_every_s": a.checkpoint_every,
     }

@@ -7,6 +7,7 @@ Imported in bpy, or run as a script by `blender -b --python render_in_blender.py
 
 from __future__ import annotations
 
+import glob
 import json
 import math
 import os
@@ -73,32 +74,24 @@ def _render(options: dict, voice: TextIO) -> tuple[str | None, bool]:
     if error:
         return error, False
     watch = addon.loop.WATCH
-    plan, cost = options.get("plan"), options.get("cost")
-    watch.plan_only = plan is not None
-    if cost is not None:
-        from petzval.cost.runs import Study
-
-        watch.study = Study(cost | {"exposure_stops": scene.view_settings.exposure}, watch)
-    if voice.isatty() and plan is None:
+    watch.study = study = _study(options.get("study"), scene, watch)
+    watch.checkpoint, watch.checkpoint_every_s = options["checkpoint"], options["checkpoint_every_s"]
+    if voice.isatty() and (study is None or study.is_long):
         watch.on_progress = ProgressBar(voice)
     _stop_on_interrupt(watch)
     problem = None
     try:
-        bpy.ops.render.render(write_still=plan is None and cost is None, scene=scene.name)
+        bpy.ops.render.render(write_still=study is None, scene=scene.name)
     except RuntimeError as failed:
         problem = _one_line(failed)
     interrupted = watch.stop.is_set()
     if watch.on_progress is not None:
         watch.on_progress.end()
-    if cost is not None:
-        return problem or watch.study.save(), interrupted
-    last = addon.planning.last(scene.name) if plan is not None else addon.statistics.last(scene.name)
+    if study is not None:
+        return problem or _save(study, options["answer"], interrupted), interrupted
+    last = addon.statistics.last(scene.name)
     if problem is None and last is None and not interrupted:
         problem = f"nothing was rendered: {options['scene']}: look at what Blender said"
-    if problem is None and plan is not None:
-        with open(plan, "w", encoding="utf-8") as out:
-            json.dump(addon.planning.last(scene.name), out)
-        return None, interrupted
     if problem is None and not os.path.isfile(options["output"]):
         problem = f"cannot write {options['output']}: is there room, and may you write there"
     if problem is None and options["stats"] and last is not None:
@@ -106,7 +99,43 @@ def _render(options: dict, voice: TextIO) -> tuple[str | None, bool]:
             _write_stats(options["stats"], last, found)
         except OSError as failed:
             problem = f"cannot write {options['stats']}: {failed.strerror}: name another file"
+    if problem is None:
+        _end_checkpoints(options["checkpoint"], interrupted, voice)
     return problem, interrupted
+
+
+def _end_checkpoints(file: str, interrupted: bool, voice: TextIO) -> None:
+    """What was kept of a render goes when its picture is written; of one that was broken off it is said where it is."""
+    # View layers have files of their own (addon/checkpoints.py).
+    for kept in [file, *glob.glob(glob.escape(file) + "." + 12 * "[0-9a-f]")]:
+        if not os.path.isfile(kept):
+            continue
+        if interrupted:
+            print(f"petzval: kept in {kept}: the same command goes on from there", file=voice)
+        else:
+            os.unlink(kept)
+
+
+def _study(asked: dict | None, scene: Any, watch: Any) -> Any:
+    """What is to be done instead of a render, if something is."""
+    if asked is None:
+        return None
+    if asked["what"] == "plan":
+        from petzval.plan_study import PlanStudy
+
+        return PlanStudy()
+    from petzval.cost.runs import Study
+
+    return Study(asked | {"exposure_stops": scene.view_settings.exposure}, watch)
+
+
+def _save(study: Any, file: str, interrupted: bool) -> str | None:
+    """Leaves what was found for the command; the error, if any."""
+    if study.found is None:
+        return None if interrupted else "nothing was measured: look at what Blender said"
+    with open(file, "w", encoding="utf-8") as out:
+        json.dump(study.found, out)
+    return None
 
 
 def _stop_on_interrupt(watch: Any) -> None:
@@ -157,7 +186,9 @@ def _apply(scene: Any, o: dict, addon: Any, found: dict) -> str | None:
     for name, word in o["effects"].items():
         setattr(scene.petzval.effects, name, word.upper())
     if o["output"] is not None:
-        _apply_output(r, o["output"])
+        _apply_output(r, o["output"], o["mergeable"])
+    for layer in scene.view_layers if o["mergeable"] else ():
+        layer.petzval.use_pass_mergeable = True
     try:
         _apply_camera(scene, scene.camera.data, o, addon)
     except RuntimeError as error:  # only the mask is a file that is read here
@@ -180,7 +211,7 @@ def _apply_sharp(scene: Any, points: list[list[float]], addon: Any, found: dict)
     return None
 
 
-def _apply_output(r: Any, output: str) -> None:
+def _apply_output(r: Any, output: str, mergeable: bool) -> None:
     r.filepath = output
     # The name is taken as it is; a placeholder for the frame's number is for animations.
     r.use_file_extension = False
@@ -191,14 +222,21 @@ def _apply_output(r: Any, output: str) -> None:
     r.use_multiview = False
     settings = r.image_settings
     if hasattr(settings, "media_type"):
-        settings.media_type = "IMAGE"
-    if output.lower().endswith(".exr"):
+        settings.media_type = "MULTI_LAYER_IMAGE" if mergeable else "IMAGE"
+    if mergeable:
+        settings.file_format = "OPEN_EXR_MULTILAYER"
+        settings.color_depth = "32"
+    elif output.lower().endswith(".exr"):
         settings.file_format = "OPEN_EXR"
         settings.color_depth = "32"
     else:
         settings.file_format = "PNG"
         settings.color_depth = "8"
-    settings.color_mode = "RGBA" if r.film_transparent else "RGB"
+    if output.lower().endswith(".exr"):
+        # Blender's own may lose something, and what the engine found is to be in the file.
+        settings.exr_codec = "ZIP"
+    if not mergeable:  # which has all channels of all passes
+        settings.color_mode = "RGBA" if r.film_transparent else "RGB"
 
 
 def _apply_camera(scene: Any, data: Any, o: dict, addon: Any) -> None:
@@ -272,7 +310,7 @@ def _apply_camera(scene: Any, data: Any, o: dict, addon: Any) -> None:
 def _write_stats(path: str, last: Any, found: dict) -> None:
     from petzval import _native
 
-    stats = {"plan": [], **last.stats, **found, "processor": _native.PROCESSOR, "peak_memory_mb": _peak_memory_mb(),
+    stats = {**last.stats, **found, "processor": _native.PROCESSOR, "peak_memory_mb": _peak_memory_mb(),
              "warnings": last.warnings, "interrupted": last.stopped}  # fmt: skip
     with open(path, "w", encoding="utf-8") as out:
         json.dump(stats, out, indent=2)

@@ -11,7 +11,11 @@ import os
 import re
 import signal
 import subprocess
+import sys
+import tempfile
+from collections.abc import Callable
 from pathlib import Path
+from typing import Any, TextIO
 
 from . import argument_types as types
 from .errors import CommandError
@@ -153,6 +157,9 @@ def checked(a: argparse.Namespace) -> dict:
         "sample_offset": None,
         "output": None,
         "stats": None,
+        "mergeable": False,
+        "checkpoint": "",
+        "checkpoint_every_s": None,
     }
 
 
@@ -167,6 +174,33 @@ def check_writable(file: Path) -> None:
             file.unlink()
     except OSError as error:
         raise CommandError(f"cannot write {file}: {error.strerror}: name another file") from None
+
+
+def study(blender: str | None, options: dict, tell: Callable[[dict[str, Any], TextIO, TextIO], None]) -> int:
+    """Has the study in the options made where Blender is, and told by `tell(found, stdout, stderr)`, if something was found;
+    the exit status. Without a Blender that is named, the process ends here."""
+    # Blender says what it likes on stdout: that is kept for the answer.
+    own_stdout, voice = os.dup(1), os.dup(2)
+    os.dup2(os.open(os.devnull, os.O_WRONLY), 1)
+    with tempfile.TemporaryDirectory() as folder:
+        answer = Path(folder) / "answer.json"
+        options = options | {"answer": str(answer)}
+        if blender:
+            status = in_blender(blender, options)
+        else:
+            from .render_in_blender import render
+
+            status = render(options)
+        with os.fdopen(own_stdout, "w", encoding="utf-8") as out, os.fdopen(voice, "w", errors="replace") as says:
+            if answer.exists():
+                tell(json.loads(answer.read_text(encoding="utf-8")), out, says)
+    if not blender:
+        from .render_in_blender import finish
+
+        # bpy with a render engine hangs or crashes when Python ends by itself.
+        sys.stdout = open(os.devnull, "w")  # noqa: SIM115
+        finish(status)
+    return status
 
 
 def in_blender(program: str, options: dict) -> int:

@@ -4,6 +4,7 @@ use petzval_nodes::Parsing;
 use petzval_optics::focus::FocusError;
 use petzval_optics::formats::lens::LensFileError;
 use petzval_optics::system::SystemError;
+use petzval_pictures::error::MergeError;
 use petzval_render::camera::CameraError;
 use petzval_render::job::SettingsError;
 use petzval_render::plan::PlanError;
@@ -56,6 +57,7 @@ maps! {
     SystemError => LensError,
     FocusError => LensError,
     SceneError => SceneError_,
+    MergeError => PetzvalError,
     Parsing => SceneError_,
     CameraError => CameraError_,
     SettingsError => PetzvalError,

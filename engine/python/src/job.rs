@@ -15,13 +15,15 @@ use petzval_render::film::cryptomatte::{self, MatteLayer};
 use petzval_render::film::data::DataPass;
 use petzval_render::integrator::Integrator;
 use petzval_render::integrator::path::KindLimits;
+use petzval_render::job::checkpoint::Checkpoints;
 use petzval_render::job::{self as engine, Beside, Settings};
 use petzval_render::pipeline::Pipeline;
 use petzval_render::pipeline::motion::Motion;
 use petzval_render::shading::Caustics;
 use pyo3::prelude::*;
-use serde_json::{Value, json};
+use serde_json::json;
 use std::collections::BTreeMap;
+use std::path::PathBuf;
 use std::time::Duration;
 
 #[derive(FromPyObject)]
@@ -106,8 +108,8 @@ type PyTile<'py> = (u32, u32, u32, u32, Bound<'py, PyArray3<f32>>);
 #[pyclass(frozen)]
 pub(crate) struct Job {
     job: engine::Job,
-    /// What was planned, to be told with what was done.
-    planned: Option<Value>,
+    /// That planning took.
+    plan_seconds: f64,
 }
 
 #[pymethods]
@@ -115,7 +117,7 @@ impl Job {
     #[new]
     #[pyo3(signature = (
         scene, camera, settings, over_the_shutter=Vec::new(), *, plan=None, mattes=Vec::new(), matte_levels=6,
-        neighbours=None, light_groups=0
+        neighbours=None, light_groups=0, checkpoint=None
     ))]
     #[allow(clippy::too_many_arguments)]
     fn new(
@@ -129,7 +131,16 @@ impl Job {
         matte_levels: u32,
         neighbours: Option<[PyCamera; 2]>,
         light_groups: u16,
+        checkpoint: Option<(PathBuf, String, f64)>,
     ) -> Result<Self, Error> {
+        let checkpoints = match checkpoint {
+            Some((file, fingerprint, every_s)) => {
+                let every = Duration::try_from_secs_f64(every_s)
+                    .map_err(|_| refused(format!("checkpoints every {every_s} s: name a time of 0 s or more")))?;
+                Some(Checkpoints { file, fingerprint, every })
+            }
+            None => None,
+        };
         let now: CameraDescription = camera.try_into()?;
         let is_moving = plan.is_none_or(|plan| plan.plan.camera.is_moving);
         let descriptions = if over_the_shutter.is_empty() || !is_moving {
@@ -149,7 +160,7 @@ impl Job {
             settings.pipeline = plan.plan.pipeline();
         }
         let now = planned(&now);
-        let planned = plan.map(Plan::value);
+        let plan_seconds = plan.map_or(0.0, |plan| plan.plan.seconds);
         let stage = scene.stage.clone();
         away(py, || -> Result<Self, Error> {
             let camera = |d| Camera::new(d, settings.width, settings.height);
@@ -164,8 +175,8 @@ impl Job {
             };
             let clip = Clip::new(&now, &cameras[0]);
             let gains = shade::gains(&now, &cameras[cameras.len() / 2], settings.width, settings.height)?;
-            let beside = Beside { mattes, matte_levels, motion, clip, gains, light_groups };
-            Ok(Self { job: engine::Job::start_with(stage, cameras, settings, beside)?, planned })
+            let beside = Beside { mattes, matte_levels, motion, clip, gains, light_groups, checkpoints };
+            Ok(Self { job: engine::Job::start_with(stage, cameras, settings, beside)?, plan_seconds })
         })?
     }
 
@@ -202,6 +213,11 @@ impl Job {
     }
 
     fn data<'py>(&self, py: Python<'py>, name: &str) -> Result<Bound<'py, PyArray3<f32>>, Error> {
+        let (width, height) = self.job.film().size();
+        if let Some(place) = ["REMAINDER", "REMAINDER_FINE"].iter().position(|known| *known == name) {
+            let rest = away(py, || self.job.film().remainders())?;
+            return array(py, rest.into_iter().map(|both| both[place]).collect(), width, height);
+        }
         let (pass, channels) = match name {
             "DEPTH" => (DataPass::Depth, 1),
             "POSITION" => (DataPass::Position, 3),
@@ -209,11 +225,10 @@ impl Job {
             "VECTOR" => (DataPass::Vector, 4),
             "SAMPLES" => (DataPass::Samples, 1),
             other => {
-                let names = "DEPTH, POSITION, NORMAL, VECTOR or SAMPLES";
+                let names = "DEPTH, POSITION, NORMAL, VECTOR, SAMPLES, REMAINDER or REMAINDER_FINE";
                 return Err(refused(format!("there is no pass '{other}'; use {names}")));
             }
         };
-        let (width, height) = self.job.film().size();
         let flat = PyArray1::from_vec(py, away(py, || self.job.data(pass))?);
         Ok(flat.reshape([height as usize, width as usize, channels])?)
     }
@@ -254,6 +269,10 @@ impl Job {
         self.job.stop();
     }
 
+    fn end_checkpoints(&self, py: Python<'_>, is_done_with: bool) -> Result<(), Error> {
+        away(py, || self.job.end_checkpoints(is_done_with))
+    }
+
     fn stats_json(&self) -> String {
         let s = self.job.statistics();
         let settings = self.job.settings();
@@ -261,7 +280,7 @@ impl Job {
         let lens_share = if timed > 0.0 { s.counts.camera_time.as_secs_f64() / timed } else { 0.0 };
         let mut seconds = json!({
             "bvh": self.job.stage().build_seconds,
-            "plan": self.planned.as_ref().map_or(json!(0.0), |plan| plan["seconds"].clone()),
+            "plan": self.plan_seconds,
             "render": s.render_seconds,
         });
         if let Some(lens) = self.job.camera().traced_lens() {
@@ -278,8 +297,6 @@ impl Job {
         });
         json!({
             "seconds": seconds,
-            "plan": self.planned.as_ref().map_or(json!([]), |plan| plan["effects"].clone()),
-            "planned": self.planned,
             "trees_refitted": self.job.stage().accel.refitted(),
             "samples": s.samples,
             "samples_mean": s.mean_samples,
@@ -299,6 +316,13 @@ impl Job {
             "width": settings.width,
             "height": settings.height,
             "failure": s.failure,
+            "checkpoint": s.kept.map(|kept| json!({
+                "resumed_samples": kept.resumed_samples,
+                "resumed_seconds": kept.resumed_seconds,
+                "written": kept.written,
+                "longest_stop_s": kept.longest_stop_s,
+                "problem": kept.problem,
+            })),
         })
         .to_string()
     }

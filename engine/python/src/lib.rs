@@ -12,6 +12,7 @@ mod job;
 mod layer;
 mod lens;
 mod material;
+mod pictures;
 mod plan;
 mod scene;
 mod surface;
@@ -50,6 +51,7 @@ fn _native(m: &Bound<'_, PyModule>) -> PyResult<()> {
     m.add_function(wrap_pyfunction!(edges::pointiness, m)?)?;
     m.add_function(wrap_pyfunction!(plan::effects_json, m)?)?;
     m.add_function(wrap_pyfunction!(graph::evaluate_graph, m)?)?;
+    m.add_function(wrap_pyfunction!(pictures::merge_pictures_json, m)?)?;
     m.add_function(wrap_pyfunction!(surface::trace_surfaces_json, m)?)?;
     Ok(())
 }

@@ -59,7 +59,6 @@ impl Plan {
             Ok(Forecast::new(stage, vec![ready], settings, beside)?)
         })??;
         let mut told = self.value();
-        told["camera"]["pipeline"] = json!(found.pipeline.name());
         told["predicted"] = json!({
             "seconds": found.seconds,
             "samples": samples,
@@ -79,7 +78,7 @@ impl Plan {
 
 impl Plan {
     /// Everything that is told of it.
-    pub(crate) fn value(&self) -> Value {
+    fn value(&self) -> Value {
         let plan = &self.plan;
         let look = &plan.look;
         let brightest: Vec<Value> = look
@@ -89,7 +88,7 @@ impl Plan {
             .map(|one| json!({"towards": one.towards.to_array(), "irradiance": one.irradiance, "part": one.part, "place": one.place.map(|p| p.to_array())}))
             .collect();
         json!({
-            "effects": self.rows(),
+            "effects": plan.decisions.iter().map(row).collect::<Value>(),
             "quality": self.quality,
             "camera": {
                 "model": plan.camera.way.name(),
@@ -105,11 +104,6 @@ impl Plan {
             },
             "seconds": plan.seconds,
         })
-    }
-
-    /// A row for each effect.
-    pub(crate) fn rows(&self) -> Value {
-        self.plan.decisions.iter().map(row).collect()
     }
 }
 

@@ -4,6 +4,7 @@
 //! them, so that the same seed gives the same bits for any number of threads.
 
 mod adaptive;
+pub mod checkpoint;
 pub mod forecast;
 mod settings;
 
@@ -19,11 +20,12 @@ use crate::pipeline::motion::Motion;
 use crate::pipeline::{Counts, Pipeline, Shot, render_pixels, render_tile};
 use crate::sampler::{PathSampler, raster::Raster, warp::PixelFilter};
 use adaptive::Adaptive;
+use checkpoint::{Checkpoints, Keeper, Kept};
 use glam::Vec2;
 pub use settings::{MIN_SAMPLES, Settings, SettingsError};
 use std::panic::{AssertUnwindSafe, catch_unwind};
 use std::sync::atomic::{AtomicBool, AtomicUsize, Ordering};
-use std::sync::{Arc, Condvar, Mutex, OnceLock, PoisonError};
+use std::sync::{Arc, Condvar, Mutex, OnceLock, PoisonError, RwLock};
 use std::thread::JoinHandle;
 use std::time::{Duration, Instant};
 
@@ -45,6 +47,8 @@ pub struct Beside {
     pub gains: Option<Vec<f32>>,
     /// Groups of emitters, from number 1 on, for [`Film::groups`]; bidirectional paths leave them black.
     pub light_groups: u16,
+    /// Where the render is kept while it goes on, and taken up again.
+    pub checkpoints: Option<Checkpoints>,
 }
 
 /// What a render did.
@@ -64,6 +68,8 @@ pub struct Statistics {
     pub threads: usize,
     /// A thread failed; the picture is what was done until then.
     pub failure: Option<String>,
+    /// What was kept of the render, and had again; `None` where nobody asked.
+    pub kept: Option<Kept>,
 }
 
 /// State that the threads share.
@@ -86,6 +92,9 @@ struct Shared {
     stop: AtomicBool,
     counts: Mutex<Counts>,
     failure: Mutex<Option<String>>,
+    /// Whoever adds a tile's pass shares it; who keeps the whole film has it alone.
+    gate: RwLock<()>,
+    keeper: Option<Keeper>,
     running: Mutex<usize>,
     ended: Condvar,
     started: Instant,
@@ -96,6 +105,8 @@ struct Shared {
 pub struct Job {
     shared: Arc<Shared>,
     threads: Vec<JoinHandle<()>>,
+    /// Writes checkpoints.
+    keeping: Mutex<Option<JoinHandle<()>>>,
 }
 
 impl Job {
@@ -128,13 +139,24 @@ impl Job {
     ) -> Result<Self, SettingsError> {
         let threads = settings.thread_count();
         let shared = Arc::new(Shared::new(stage, cameras, settings, beside)?);
-        let threads = (0..threads)
-            .map(|_| {
-                let shared = shared.clone();
-                std::thread::spawn(move || shared.work())
-            })
-            .collect();
-        Ok(Self { shared, threads })
+        let start = |work: fn(&Shared)| {
+            let shared = shared.clone();
+            std::thread::spawn(move || work(&shared))
+        };
+        let threads = (0..threads).map(|_| start(Shared::work)).collect();
+        let keeping = Mutex::new(shared.keeper.is_some().then(|| start(Shared::keep)));
+        Ok(Self { shared, threads, keeping })
+    }
+
+    /// After the end: waits until what is to be kept is written; then deletes it, if it is not needed any more.
+    pub fn end_checkpoints(&self, is_done_with: bool) {
+        if let Some(thread) = lock(&self.keeping).take() {
+            // It reports what goes wrong, and does not panic.
+            let _ = thread.join();
+        }
+        if let (Some(keeper), true) = (&self.shared.keeper, is_done_with) {
+            keeper.delete();
+        }
     }
 
     /// Waits until the render has ended or `timeout` is over; true where it has ended.
@@ -237,6 +259,7 @@ impl Job {
             counts: *lock(&self.shared.counts),
             threads: self.threads.len(),
             failure: lock(&self.shared.failure).clone(),
+            kept: self.shared.keeper.as_ref().map(Keeper::kept),
         }
     }
 }
@@ -249,6 +272,7 @@ impl Drop for Job {
             // A panic was caught and recorded inside.
             let _ = thread.join();
         }
+        self.end_checkpoints(false);
     }
 }
 
@@ -275,7 +299,7 @@ impl Shared {
         let film = Film::keeping(width, height, spreads, keep)
             .exposed(settings.film_exposure)
             .shaded(beside.gains.unwrap_or_default().into());
-        Ok(Self {
+        let mut shared = Self {
             raster: Raster::new(width, height, PixelFilter::new(settings.filter_width_px)),
             adaptive: adapts.then(|| Adaptive::new(&settings, film.tile_count())),
             film,
@@ -295,7 +319,11 @@ impl Shared {
             ended: Condvar::new(),
             started: Instant::now(),
             ended_at: Mutex::default(),
-        })
+            gate: RwLock::new(()),
+            keeper: None,
+        };
+        shared.keeper = beside.checkpoints.map(|checkpoints| Keeper::new(checkpoints, &mut shared));
+        Ok(shared)
     }
 
     /// One thread's life.
@@ -372,19 +400,26 @@ impl Shared {
             let task = self.next.fetch_add(1, Ordering::Relaxed);
             let (pass, tile) = (task / tiles, task % tiles);
             let Some(&(first, count)) = self.passes.get(pass) else { return };
+            if self.film.tile(tile).passes > pass as u32 {
+                // Kept from before.
+                continue;
+            }
             let first = s.sample_offset + first;
             let mut light = self.film.patch(tile);
             let counts = render_tile(&shot, self.film.rect(tile), [first, count], &mut light, &stopped);
             let Some(counts) = counts else { return };
             // The pass before may still be under way in another thread.
-            while let Err(early) = self.film.add_pass(tile, pass as u32, light, count) {
-                light = *early;
+            loop {
+                let _shared = self.gate.read().unwrap_or_else(PoisonError::into_inner);
+                match self.film.add_pass(tile, pass as u32, light, count) {
+                    Ok(()) => break lock(&self.counts).add(&counts),
+                    Err(early) => light = *early,
+                }
                 if stopped() {
                     return;
                 }
                 std::thread::yield_now();
             }
-            lock(&self.counts).add(&counts);
         }
     }
 
@@ -395,23 +430,35 @@ impl Shared {
         let (pass, tile) = (task / tiles, task % tiles);
         let now = *adaptive.passes.get(pass)?;
         // What is left to do depends on the pass before, which may still be under way in another thread.
-        while self.film.tile(tile).passes != pass as u32 {
+        loop {
+            let passes = self.film.tile(tile).passes;
+            if passes == pass as u32 {
+                break;
+            }
+            // Kept from before.
+            if passes > pass as u32 {
+                return Some(());
+            }
             if stopped() {
                 return None;
             }
             std::thread::yield_now();
         }
-        for half in [0, 1] {
-            let ranges = adaptive.batch(tile, half, now);
-            let mut parts = [None, None];
-            for (part, range) in parts.iter_mut().zip(ranges) {
+        let mut found = [[None, None], [None, None]];
+        let mut sum = Counts::default();
+        for (half, parts) in found.iter_mut().enumerate() {
+            for (part, range) in parts.iter_mut().zip(adaptive.batch(tile, half, now)) {
                 let Some([first, count]) = range else { continue };
                 let mut light = self.film.patch(tile);
                 let pixels = self.film.rect(tile).pixels_of(half).map(|(x, y)| [x, y]);
                 let counts = render_pixels(shot, pixels, [s.sample_offset + first, count], &mut light, stopped)?;
-                lock(&self.counts).add(&counts);
+                sum.add(&counts);
                 *part = Some((light, count));
             }
+        }
+        let _shared = self.gate.read().unwrap_or_else(PoisonError::into_inner);
+        lock(&self.counts).add(&sum);
+        for (half, parts) in found.iter().enumerate() {
             let [counted, beyond] = parts.each_ref().map(|part| part.as_ref().map(|(light, count)| (light, *count)));
             if counted.is_some() || beyond.is_some() {
                 self.film.add_batch(tile, half, counted, beyond);

@@ -5,12 +5,15 @@
 mod scenes;
 
 use glam::{DMat4, DVec3};
+use petzval_render::Rgb;
 use petzval_render::camera::{Camera, CameraDescription, Model, Spectrum};
 use petzval_render::integrator::Stage;
 use petzval_render::job::{Job, Settings};
 use petzval_render::pipeline::Pipeline;
 use petzval_render::plan::{Decision, Effect, Plan, PlanError, Way, Wishes, Word};
 use petzval_render::scene::SceneBuilder;
+use petzval_render::scene::lamp::LampKind;
+use petzval_render::scene::world::World;
 use std::path::Path;
 use std::sync::Arc;
 use std::time::Duration;
@@ -259,7 +262,6 @@ fn no_pinhole_stands_for_a_lens_that_squeezes() {
 /// Where a lamp is seen, and that one behind the camera is not.
 #[test]
 fn sources_are_found_in_the_picture() {
-    use petzval_render::scene::lamp::LampKind;
     let lamp = |z: f64, power: f32| {
         let mut room = scenes::Room { builder: SceneBuilder::new() };
         room.put(scenes::square(), scenes::plain(0.5, 0.5, 0.5), DMat4::from_translation(DVec3::new(0.0, 0.0, -9.0)));
@@ -279,6 +281,41 @@ fn sources_are_found_in_the_picture() {
     assert_eq!(behind.look.brightest[0].place, None);
     assert!(before.decision(Effect::Ghosts).measure.unwrap() > 0.0);
     assert_eq!(behind.decision(Effect::Ghosts).measure, Some(0.0));
+}
+
+/// Veiling glare is a hundredth in an even world, and follows the light on the lens's front elsewhere: before a grey square that
+/// fills the picture the world around the square counts, too, by its form factor (Howell, "Radiation Heat Transfer
+/// Configuration Factors", B-3: four times that of a corner).
+#[test]
+fn glare_is_a_hundredth_of_the_light_on_the_front() {
+    let measure = |albedo: Option<f32>, lamp_at: Option<DVec3>| {
+        let mut room = scenes::Room { builder: SceneBuilder::new() };
+        room.builder.set_world(World { color: Rgb::ONE, ..World::default() }).unwrap();
+        if let Some(albedo) = albedo {
+            let place = DMat4::from_translation(DVec3::new(0.0, 0.0, -1.0));
+            room.put(scenes::square(), scenes::plain(albedo, albedo, albedo), place);
+        }
+        if let Some(at) = lamp_at {
+            room.light(
+                scenes::lamp(LampKind::Point { radius: 0.05, soft: false }, 1000.0),
+                DMat4::from_translation(at),
+            );
+        }
+        let shot = Shot { stage: room.finish(), d: triplet(), moving: Vec::new(), size: [300, 200] };
+        shot.decision(Effect::Glare).measure.unwrap()
+    };
+    let form_factor = 4.0 / std::f64::consts::TAU * 2.0f64.sqrt() * (0.5f64.sqrt()).atan();
+    // 512 evenly spread samples of a step in the hemisphere: 2 %.
+    for (albedo, expected) in
+        [(None, 1.0), (Some(0.5f32), (1.0 - 0.5 * form_factor) / 0.5), (Some(0.1), (1.0 - 0.9 * form_factor) / 0.1)]
+    {
+        let found = measure(albedo, None);
+        assert!((found / (0.01 * expected) - 1.0).abs() < 0.02, "{albedo:?}: {found} {expected}");
+    }
+    // A lamp outside of the picture veils it; behind the camera it does not.
+    let [none, aside, behind] =
+        [None, Some(DVec3::new(2.0, 0.0, -2.0)), Some(DVec3::new(2.0, 0.0, 2.0))].map(|at| measure(None, at));
+    assert!(aside > 2.0 * none && (behind / none - 1.0).abs() < 0.02, "{none} {aside} {behind}");
 }
 
 /// The same plan, whatever the number of threads and however often.

@@ -69,7 +69,10 @@ class Runs:
 
 
 class Study:
-    """Called by the engine with what would be rendered; `save` writes what was found."""
+    """Called by the engine with what would be rendered; `found` is what was found, if something was."""
+
+    #: Worth a progress bar.
+    is_long = True
 
     def __init__(self, options: dict[str, Any], watch: Any) -> None:
         self.options = options
@@ -86,14 +89,6 @@ class Study:
             if not measured.has_some():
                 return
         self.found = results.of(measured)
-
-    def save(self) -> str | None:
-        """The error, if any."""
-        if self.found is None:
-            return None if self.watch.stop.is_set() else "nothing was measured: look at what Blender said"
-        with open(self.options["results"], "w", encoding="utf-8") as out:
-            json.dump(self.found, out, indent=1)
-        return None
 
 
 class _Measured:

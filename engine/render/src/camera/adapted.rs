@@ -9,6 +9,7 @@
 //! Rays go from the film alone. Where light falls off is a matter of [`super::shade`].
 
 use super::batch::LensBatch;
+use super::beam;
 use super::description::{CameraDescription, Shown};
 use super::gaussian::{Gaussian, Order};
 use super::mount::Mount;
@@ -19,6 +20,7 @@ use super::{CameraError, CameraRay};
 use crate::spectrum::FilmSpectrum;
 use glam::{DMat3, DVec2, DVec3, Vec2};
 use petzval_optics::gaussian::GaussianLens;
+use petzval_optics::paraxial::Paraxial;
 use petzval_optics::pupil_map::PupilMap;
 use petzval_optics::system::System;
 use petzval_optics::trace::{Ray as LensRay, Tracer, Travel};
@@ -75,9 +77,15 @@ impl Adapted {
         let line_nm = d.wavelength_nm.unwrap_or(D_LINE_NM);
 
         // On a larger film, for what lies outside of the picture.
-        let wide = enlarged(&plain, MOST_BEYOND, width, height);
-        let beyond = if Mount::new(&wide, axes, width, height).is_ok() { MOST_BEYOND } else { 1.0 };
-        let wide = enlarged(&plain, beyond, width, height);
+        let larger = |factor: f64| CameraDescription {
+            film_width_mm: mount.info.picture_width_mm * factor,
+            film_height_mm: mount.info.picture_height_mm * factor,
+            ..plain.clone()
+        };
+        // A retina may end before.
+        let is_large_enough = Mount::new(&larger(MOST_BEYOND), axes, width, height).is_ok();
+        let beyond = if is_large_enough { MOST_BEYOND } else { 1.0 };
+        let wide = larger(beyond);
         let sight = Sight::new(&wide, axes, width, height, line_nm, beyond)?;
         let warp = sight.warp(shown, line_nm);
         let by_colour = if spectrum.wavelengths().len() > 1 && (is_grey || !shown.lateral_colour || !shown.aberration) {
@@ -171,17 +179,6 @@ impl Adapted {
     }
 }
 
-/// The same camera with a film that is larger by a factor. Its picture has the same shape.
-fn enlarged(d: &CameraDescription, factor: f64, width: u32, height: u32) -> CameraDescription {
-    let aspect = f64::from(width) / f64::from(height);
-    let picture_width_mm = d.film_width_mm.min(d.film_height_mm * aspect);
-    CameraDescription {
-        film_width_mm: picture_width_mm * factor,
-        film_height_mm: picture_width_mm / aspect * factor,
-        ..d.clone()
-    }
-}
-
 /// What places see through a lens: directions from the middle of the entrance pupil, at the distance of the focus.
 struct Sight {
     mount: Mount,
@@ -205,7 +202,7 @@ impl Sight {
         let (mount, system) = Mount::new(d, axes, width, height)?;
         let half = [0.5 * mount.info.picture_width_mm, 0.5 * mount.info.picture_height_mm];
         let map = PupilMap::new(&system.at_wavelength(line_nm), &system, &mount.film, half[0], half[1]);
-        let pupil = petzval_optics::paraxial::Paraxial::new(&system, line_nm).entrance_pupil.z_mm.unwrap_or(0.0);
+        let pupil = Paraxial::new(&system, line_nm).entrance_pupil.z_mm.unwrap_or(0.0);
         let distance_mm = mount.info.focus_distance_mm.filter(|d| *d > 0.0).unwrap_or(FAR_MM).min(FAR_MM);
         Ok(Self { mount, system, map, beyond, pupil: DVec3::new(0.0, 0.0, pupil), distance_mm })
     }
@@ -222,19 +219,13 @@ impl Sight {
     fn exact(&self, places: &[Vec2], tracer: &Tracer) -> Vec<Option<DVec3>> {
         let mut bundle = tracer.bundle(Travel::FromFilm);
         for &place in places {
-            let film = self.film_at(place);
-            for i in 0..RAYS {
-                let u = [(i as f64 + 0.5) / RAYS as f64, (i as f64 * 0.618_033_988_75).fract()];
-                let target = self.map.sample(film, [0.05 + 0.95 * u[0], u[1]]).target;
-                bundle.push(LensRay { origin: film, direction: (target - film).normalize() });
-            }
+            beam::push(&mut bundle, &self.map, self.film_at(place), RAYS as u32);
         }
         tracer.trace(&mut bundle);
         let mean = |i: usize| {
-            let rays = (i * RAYS..(i + 1) * RAYS).filter_map(|k| bundle.result(k).ok());
-            let (sum, count) = rays.fold((DVec3::ZERO, 0), |(sum, n), ray| (sum + self.seen(&ray), n + 1));
+            let through: Vec<LensRay> = (i * RAYS..(i + 1) * RAYS).filter_map(|k| bundle.result(k).ok()).collect();
             // Of a beam that is nearly all cut away the middle is no chief ray.
-            if count * 4 >= RAYS { sum.try_normalize() } else { None }
+            beam::mean(through.iter()).filter(|_| through.len() * 4 >= RAYS).map(|ray| self.seen(&ray))
         };
         (0..places.len()).map(mean).collect()
     }

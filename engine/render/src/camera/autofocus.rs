@@ -1,5 +1,6 @@
 //! Focus found instead of set: on what a point of the picture sees, or on three points of the world at once.
 
+use super::beam;
 use super::mount::Mount;
 use super::setup::D_LINE_NM;
 use super::{CameraDescription, CameraError, Model};
@@ -166,23 +167,18 @@ impl<'a> Finder<'a> {
     ) -> Result<Seen, CameraError> {
         let film = self.mount.film_at(p).point;
         let mut bundle = tracer.bundle(Travel::FromFilm);
-        for i in 0..RAYS {
-            let u = [(f64::from(i) + 0.5) / f64::from(RAYS), (f64::from(i) * 0.618_033_988_75).fract()];
-            bundle.push(LensRay { origin: film, direction: (map.sample(film, u).target - film).normalize() });
-        }
+        beam::push(&mut bundle, map, film, RAYS);
         tracer.trace(&mut bundle);
         let through: Vec<LensRay> = (0..bundle.len()).filter_map(|i| bundle.result(i).ok()).collect();
-        let sum = |part: fn(&LensRay) -> DVec3| through.iter().map(part).sum::<DVec3>();
-        let origin = sum(|r| r.origin) / through.len() as f64;
-        let Some(direction) = sum(|r| r.direction).try_normalize() else {
+        let Some(mean) = beam::mean(through.iter()) else {
             return Err(self
                 .d
                 .error("the autofocus point gets no light; choose a point nearer to the picture's middle"));
         };
-        let ray = self.mount.to_render(&LensRay { origin, direction });
+        let ray = self.mount.to_render(&mean);
         Ok(match distance_to(&ray) {
             Some(t) => Seen::Point((ray.origin + ray.direction * t).as_dvec3()),
-            None => Seen::Sky(direction),
+            None => Seen::Sky(mean.direction),
         })
     }
 

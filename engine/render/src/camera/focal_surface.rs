@@ -5,6 +5,7 @@
 //! the chief rays say at what angle from the axis the lens sees a point there, by its distance from the axis; and in that
 //! direction the surface lies at the distance that is focused on: a plane, far off the axis a ball.
 
+use super::beam;
 use super::mount::Mount;
 use glam::{DVec2, DVec3, Vec2};
 use petzval_optics::paraxial::Paraxial;
@@ -81,17 +82,11 @@ impl FocalSurface {
             // Along y: there the film is not squeezed.
             let film = DVec3::new(0.0, self.step * node as f64, self.film_z);
             let mut bundle = tracer.bundle(Travel::FromFilm);
-            for i in 0..RAYS {
-                let u = [(f64::from(i) + 0.5) / f64::from(RAYS), (f64::from(i) * 0.618_033_988_75).fract()];
-                let to = map.sample(film, u).target - film;
-                bundle.push(Ray { origin: film, direction: to.normalize() });
-            }
+            beam::push(&mut bundle, map, film, RAYS);
             tracer.trace(&mut bundle);
             let through: Vec<Ray> = (0..bundle.len()).filter_map(|i| bundle.result(i).ok()).collect();
-            let mean = |part: fn(&Ray) -> DVec3| through.iter().map(part).sum::<DVec3>() / through.len() as f64;
-            seen.push((!through.is_empty()).then(|| {
-                let (origin, direction) = (mean(|r| r.origin), mean(|r| r.direction));
-                let at = origin + direction.normalize_or(DVec3::NEG_Z) * self.distance - self.middle;
+            seen.push(beam::mean(through.iter()).map(|ray| {
+                let at = ray.origin + ray.direction * self.distance - self.middle;
                 at.y.atan2(-at.z)
             }));
         }

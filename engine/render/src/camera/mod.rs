@@ -7,6 +7,7 @@ pub mod adapted;
 mod arrive;
 pub mod autofocus;
 pub mod batch;
+mod beam;
 pub mod clip;
 mod description;
 pub mod exposure;
@@ -26,6 +27,7 @@ pub mod real_lens;
 pub mod scene_side;
 pub mod setup;
 pub mod shade;
+mod steps;
 pub mod survey;
 pub mod thin;
 

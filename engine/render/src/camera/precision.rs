@@ -8,6 +8,7 @@
 use super::outward::Outward;
 use super::packet::{Request, backwards};
 use super::real_lens::RealLens;
+use crate::sampler::evenly::Evenly;
 use glam::{DVec2, Vec2};
 use petzval_optics::trace::{Traced, Tracer};
 
@@ -63,7 +64,8 @@ impl Chosen {
 
     /// For a lens as it is in this camera, of whose picture the size is given in pixels.
     pub(super) fn measure(asked: Precision, lens: &RealLens, single: &Outward<f32>, size: [u32; 2]) -> Self {
-        let error_px = MARGIN * worst_px(lens, single, &lens.outward(), size, fan);
+        let points = Evenly::default();
+        let error_px = MARGIN * worst_px(lens, single, &lens.outward(), size, |i| fan(&points, i));
         let is_single = match asked {
             Precision::Auto => error_px <= TOLERANCE_PX,
             Precision::Single => true,
@@ -80,11 +82,8 @@ impl Chosen {
 
 /// Ray `i` of those that are tried: all over picture, pupil and spectrum, a quarter of them at the picture's edge, where
 /// rays are steepest, and half at the pupil's.
-fn fan(i: u32) -> Request {
-    // Powers of the inverse of the root of x^6 = x + 1: five numbers that together fill their cube evenly.
-    const STEPS: [f64; 5] = [0.881_271_466_1, 0.776_639_397_1, 0.684_430_134_9, 0.603_168_751_5, 0.531_555_409_4];
-    let [mut x, mut y, azimuth, radius, u_wavelength] =
-        STEPS.map(|step| (0.5 + step * f64::from(i + 1)).fract() as f32);
+fn fan(points: &Evenly<5>, i: u32) -> Request {
+    let [mut x, mut y, azimuth, radius, u_wavelength] = points.point(i + 1).map(|u| u as f32);
     if i.is_multiple_of(4) {
         let out = 0.5 / (x - 0.5).abs().max((y - 0.5).abs()).max(1e-3);
         (x, y) = (0.5 + (x - 0.5) * out, 0.5 + (y - 0.5) * out);

@@ -8,6 +8,7 @@ use super::description::{CameraDescription, Shown};
 use super::packet::Request;
 use super::{Camera, CameraError};
 use crate::luminance;
+use crate::sampler::evenly::Evenly;
 use glam::Vec2;
 use rayon::prelude::*;
 
@@ -52,10 +53,9 @@ pub fn gains(d: &CameraDescription, camera: &Camera, width: u32, height: u32) ->
 
 /// What a uniform world of radiance one makes of a place.
 fn brightness(camera: &Camera, place: Vec2) -> f64 {
+    let points = Evenly::<3>::default();
     let request = |i: u32| {
-        // Powers of the inverse of the root of x^4 = x + 1: three numbers that fill their cube evenly.
-        let [u, v, u_wavelength] =
-            [0.819_172_5, 0.671_043_6, 0.549_700_5].map(|step: f64| (0.5 + step * f64::from(i)).fract() as f32);
+        let [u, v, u_wavelength] = points.point(i).map(|u| u as f32);
         Request { place, u_lens: [u, v], u_wavelength, ..Request::default() }
     };
     let requests: Vec<Request> = (0..RAYS).map(request).collect();

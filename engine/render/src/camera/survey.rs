@@ -11,8 +11,10 @@ use super::description::CameraDescription;
 use super::mount::Mount;
 use super::real_lens::film_spectrum;
 use super::setup::LensInfo;
+use super::steps::Steps;
 use crate::accel::Ray;
-use glam::{DMat2, DVec2, DVec3, Vec2};
+use crate::sampler::evenly::Evenly;
+use glam::{DVec2, DVec3, Vec2};
 use petzval_optics::gaussian::GaussianLens;
 use petzval_optics::ghosts;
 use petzval_optics::paraxial::Paraxial;
@@ -25,8 +27,8 @@ use std::f64::consts::PI;
 
 mod fan;
 
+use fan::Fan;
 pub use fan::Subject;
-use fan::{Fan, Steps};
 
 /// Places across the picture and up, its edges among them: how the scene is looked at.
 pub const GRID: [usize; 2] = [65, 37];
@@ -212,12 +214,12 @@ impl Survey {
     /// Irradiance of a place for a uniform world, over that of the film's middle.
     fn brightness(&self, places: &[Vec2]) -> Vec<f64> {
         let mut bundle = self.tracer.bundle(Travel::FromFilm);
+        let points = Evenly::<2>::default();
         let mut inverse = Vec::with_capacity(places.len() * BRIGHTNESS_RAYS as usize);
         for &place in places {
             let film = self.mount.film_at(place);
             for i in 0..BRIGHTNESS_RAYS {
-                let u = [0.754_877_666_2, 0.569_840_291].map(|step| (0.5 + step * f64::from(i)).fract());
-                let aim = self.map.sample(film.point, u);
+                let aim = self.map.sample(film.point, points.point(i));
                 let to = aim.target - film.point;
                 let distance2 = to.length_squared();
                 bundle.push(LensRay { origin: film.point, direction: to / distance2.sqrt() });
@@ -264,7 +266,7 @@ impl Fans<'_> {
                 continue;
             };
             let way = subject.met_by(&then, &here).zip(subject.met_by(&here, &here)).map(|(then, here)| then - here);
-            let moved = way.map_or(0.0, |way| steps.place_px(way, self.survey).length());
+            let moved = way.map_or(0.0, |way| (steps.place(way) * self.survey.size_px).length());
             let blur =
                 self.fans[i].blur_radius(self.survey, subject) - other.fans[i].blur_radius(other.survey, subject);
             worst = worst.or(moved + blur.abs(), self.fans[i].place);
@@ -435,12 +437,6 @@ fn diaphragm_part(system: &System) -> f64 {
     let outer = diaphragm.radius_mm() / round - 1.0;
     let inner = 1.0 - diaphragm.inner_radius_mm() / round;
     outer.max(inner)
-}
-
-/// Two by two, inverted; `None` where it has no inverse.
-fn inverse(m: DMat2) -> Option<DMat2> {
-    let inverse = m.inverse();
-    inverse.is_finite().then_some(inverse)
 }
 
 #[cfg(test)]

@@ -5,6 +5,7 @@
 //! picture is. A name is known by its hash, a number whose bits also are those of an ordinary float.
 
 use crate::scene::Scene;
+use serde::{Deserialize, Serialize};
 use std::collections::BTreeMap;
 
 /// Names kept for a pixel beyond those that are asked for: where there are more still, the weakest are forgotten, and
@@ -124,7 +125,7 @@ impl MatteNotes {
 }
 
 /// How many rays of a pixel met a name.
-#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+#[derive(Clone, Copy, Debug, PartialEq, Eq, Serialize, Deserialize)]
 struct Count {
     pixel: u32,
     id: u32,
@@ -132,7 +133,7 @@ struct Count {
 }
 
 /// Sums of a part of the picture.
-#[derive(Clone, Debug, Default)]
+#[derive(Clone, Debug, Default, Serialize, Deserialize)]
 pub(super) struct MatteSums {
     rays: Vec<u32>,
     /// By layer; in the order of pixels, in a pixel in that of ids.

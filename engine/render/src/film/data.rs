@@ -7,9 +7,10 @@
 
 use crate::integrator::path::FirstSurface;
 use glam::{Vec3, Vec4};
+use serde::{Deserialize, Serialize};
 
 /// Sums of one pixel.
-#[derive(Clone, Copy, Debug, Default, PartialEq)]
+#[derive(Clone, Copy, Debug, Default, PartialEq, Serialize, Deserialize)]
 pub struct DataSums {
     /// Rays that got through the lens.
     pub rays: f32,
@@ -47,7 +48,7 @@ impl DataSums {
 }
 
 /// Sums of the ways over the picture of what one pixel sees.
-#[derive(Clone, Copy, Debug, Default, PartialEq)]
+#[derive(Clone, Copy, Debug, Default, PartialEq, Serialize, Deserialize)]
 pub struct VectorSums {
     /// Rays whose way is known.
     rays: f32,

@@ -78,22 +78,37 @@ impl Film {
 
     /// The pixels of a part of the picture, as large as a tile at most: what the tiles in it and about it gave.
     fn means(&self, rect: TileRect, scattered: &Scattered) -> Vec<[f32; 4]> {
-        let mut out = vec![[0.0f32; 4]; (rect.width * rect.height) as usize];
+        let (sums, samples) = self.sums(rect, scattered);
+        sums.iter().map(|sum| sum.map(|s| (s / samples) as f32)).collect()
+    }
+
+    /// The same in sums, and by what they are to be divided: the samples of the tile where all that give light to it have as
+    /// many, so that nothing is rounded before; else one.
+    fn sums(&self, rect: TileRect, scattered: &Scattered) -> (Vec<[f64; 4]>, f64) {
+        let mut out = vec![[0.0f64; 4]; (rect.width * rect.height) as usize];
         let columns = self.width.div_ceil(self.tile_size);
         let rows = self.height.div_ceil(self.tile_size);
         let about = |from: u32, size: u32, count: u32| {
             (from / self.tile_size).saturating_sub(1)..((from + size - 1) / self.tile_size + 2).min(count)
         };
-        for j in about(rect.y, rect.height, rows) {
-            for i in about(rect.x, rect.width, columns) {
-                let from = self.tile(self.places[(j * columns + i) as usize]);
-                if let Some(halves) = &from.halves {
-                    for half in halves.iter().filter(|half| half.samples > 0) {
-                        give((from.light.rect, &half.sums), 1.0 / half.samples as f32, rect, &mut out);
-                    }
-                } else if from.samples > 0 {
-                    give((from.light.rect, &from.light.sums), 1.0 / from.samples as f32, rect, &mut out);
+        let about: Vec<usize> = about(rect.y, rect.height, rows)
+            .flat_map(|j| about(rect.x, rect.width, columns).map(move |i| (j, i)))
+            .map(|(j, i)| self.places[(j * columns + i) as usize])
+            .collect();
+        let own =
+            self.tile(self.places[(rect.y / self.tile_size * columns + rect.x / self.tile_size) as usize]).samples;
+        let is_even = !self.keep.halves && own > 0 && about.iter().all(|&tile| self.tile(tile).samples == own);
+        let divisor = if is_even { f64::from(own) } else { 1.0 };
+        for tile in about {
+            let from = self.tile(tile);
+            if let Some(halves) = &from.halves {
+                for half in halves.iter().filter(|half| half.samples > 0) {
+                    let sums = half.sums.iter().map(|sum| sum.map(f64::from));
+                    give(from.light.rect, sums, f64::from(half.samples), rect, &mut out);
                 }
+            } else if from.samples > 0 {
+                let by = f64::from(from.samples) / divisor;
+                give(from.light.rect, from.light.sums.iter().copied(), by, rect, &mut out);
             }
         }
         let number = |i: usize| {
@@ -101,44 +116,64 @@ impl Film {
             y * self.width as usize + x
         };
         if !self.far.is_empty() {
-            let tile = self.places[(rect.y / TILE_SIZE * columns + rect.x / TILE_SIZE) as usize];
-            let samples = self.tile(tile).samples.max(1);
+            let by = f64::from(own.max(1)) / divisor;
             for (i, pixel) in out.iter_mut().enumerate() {
-                let sum = self.far.get(number(i));
-                pixel.iter_mut().zip(sum).for_each(|(p, s)| *p += (s / f64::from(samples)) as f32);
+                pixel.iter_mut().zip(self.far.get(number(i))).for_each(|(p, s)| *p += s / by);
             }
         }
         if !scattered.far.is_empty() {
             for (i, pixel) in out.iter_mut().enumerate() {
-                pixel.iter_mut().zip(scattered.far[number(i)]).for_each(|(p, s)| *p += s);
+                pixel.iter_mut().zip(scattered.far[number(i)]).for_each(|(p, s)| *p += f64::from(s));
             }
         }
         for (sums, scale) in self.anywhere.iter().zip(scattered.scales).filter(|(sums, _)| !sums.is_empty()) {
             for (i, pixel) in out.iter_mut().enumerate() {
-                pixel.iter_mut().zip(sums.get(number(i))).for_each(|(p, s)| *p += (s * scale) as f32);
+                pixel.iter_mut().zip(sums.get(number(i))).for_each(|(p, s)| *p += s * scale);
             }
         }
-        if !self.gains.is_empty() {
-            for (i, pixel) in out.iter_mut().enumerate() {
-                let gain = self.gains[number(i)];
-                pixel[..3].iter_mut().for_each(|part| *part *= gain);
-            }
+        for (i, pixel) in out.iter_mut().enumerate() {
+            let gain = self.gains.get(number(i)).map_or(1.0, |&gain| f64::from(gain)) * f64::from(self.exposure);
+            pixel[..3].iter_mut().for_each(|part| *part *= gain);
         }
-        if self.exposure != 1.0 {
-            out.iter_mut().flat_map(|pixel| &mut pixel[..3]).for_each(|part| *part *= self.exposure);
+        (out, divisor)
+    }
+
+    /// What the picture's numbers leave out of the sums of its samples: rows from below, by pixel what one and then a second
+    /// number of single precision can say of it for each channel. With c the picture's number, n the samples and r, s these two,
+    /// the sum is c n + r + s, exactly; so ranges of samples that are joined ([`Film::picture`] of each) make the whole to the
+    /// last bit. Nothing where counts differ.
+    pub fn remainders(&self) -> Vec<[[f32; 4]; 2]> {
+        let mut out = vec![[[0.0; 4]; 2]; self.width as usize * self.height as usize];
+        if self.keep.halves {
+            return out;
+        }
+        let (scattered, counts) = (self.scattered(), self.sample_counts());
+        for rect in cut(self.width, self.height, TILE_SIZE) {
+            let (sums, divisor) = self.sums(rect, &scattered);
+            for (i, sum) in sums.iter().enumerate() {
+                let (x, y) = (rect.x as usize + i % rect.width as usize, rect.y as usize + i / rect.width as usize);
+                let number = y * self.width as usize + x;
+                let samples = f64::from(counts[number]);
+                for (channel, sum) in sum.iter().enumerate() {
+                    // Where the tiles about have other counts there is a mean alone.
+                    let whole = if divisor == samples { *sum } else { sum / divisor * samples };
+                    let rest = whole - f64::from((sum / divisor) as f32) * samples;
+                    let first = rest as f32;
+                    out[number][0][channel] = first;
+                    out[number][1][channel] = (rest - f64::from(first)) as f32;
+                }
+            }
         }
         out
     }
 }
 
-/// Adds what of a tile's light, sums in their own rectangle, falls on `rect` to its pixels.
-fn give((from, sums): (TileRect, &[[f32; 4]]), scale: f32, rect: TileRect, to: &mut [[f32; 4]]) {
-    let columns = from.x.max(rect.x)..(from.x + from.width).min(rect.x + rect.width);
-    for y in from.y.max(rect.y)..(from.y + from.height).min(rect.y + rect.height) {
-        for x in columns.clone() {
-            if let (Some(a), Some(b)) = (from.index(x, y), rect.index(x, y)) {
-                to[b].iter_mut().zip(sums[a]).for_each(|(to, sum)| *to += sum * scale);
-            }
+/// Adds what of a tile's light, sums in their own rectangle, falls on `rect` to its pixels, divided.
+fn give(from: TileRect, sums: impl Iterator<Item = [f64; 4]>, by: f64, rect: TileRect, to: &mut [[f64; 4]]) {
+    for (i, sum) in sums.enumerate() {
+        let (x, y) = (from.x + i as u32 % from.width, from.y + i as u32 / from.width);
+        if let Some(pixel) = rect.index(x, y) {
+            to[pixel].iter_mut().zip(sum).for_each(|(to, sum)| *to += sum / by);
         }
     }
 }

@@ -14,6 +14,7 @@
 //! by its squares alone, relative to the mean of the half.
 
 use super::{Patch, TileRect};
+use serde::{Deserialize, Serialize};
 
 /// Pixels on a side of the tiles whose counts are decided together: small enough to follow an edge that is unsharp, large
 /// enough to know their error from few samples.
@@ -30,7 +31,7 @@ pub fn half_of(x: u32, y: u32) -> usize {
 }
 
 /// What a half has gathered.
-#[derive(Clone, Debug)]
+#[derive(Clone, Debug, Serialize, Deserialize)]
 pub(super) struct Half {
     /// Pixels that start samples.
     pub pixels: u32,
@@ -44,7 +45,7 @@ pub(super) struct Half {
 }
 
 /// Sums for the error, over all samples, also those that are not counted.
-#[derive(Clone, Debug, Default)]
+#[derive(Clone, Debug, Default, Serialize, Deserialize)]
 struct Error {
     /// Q, by pixel of the patch.
     squares: Vec<f32>,
@@ -67,6 +68,13 @@ impl Half {
         }
     }
 
+    /// Whether it is of the same tile and film.
+    pub(super) fn is_like(&self, other: &Self) -> bool {
+        self.pixels == other.pixels
+            && self.sums.len() == other.sums.len()
+            && self.error.squares.len() == other.error.squares.len()
+    }
+
     /// Adds a batch: samples for the picture, and others behind them for the error alone, each with how many a pixel. The
     /// error is of the batch as a whole, so that it does not depend on where the count ends. `width` is the picture's.
     pub(super) fn add(&mut self, counted: Option<(&Patch, u32)>, beyond: Option<(&Patch, u32)>, width: u32) {
@@ -75,7 +83,7 @@ impl Half {
         for (i, square) in error.squares.iter_mut().enumerate() {
             let parts = counted.iter().chain(&beyond).map(|(patch, _)| patch.sums[i]);
             let [r, g, b] = parts.fold([0.0; 3], |[r, g, b], part| [r + part[0], g + part[1], b + part[2]]);
-            *square += (r * r + g * g + b * b) / batch as f32;
+            *square += (r * r + g * g + b * b) as f32 / batch as f32;
         }
         for (patch, samples) in counted.iter().chain(&beyond) {
             for (_, _, colour) in patch.far.iter().chain(patch.anywhere.iter().flatten()) {
@@ -140,9 +148,9 @@ impl Half {
     }
 }
 
-fn add(sums: &mut [[f32; 4]], more: &[[f32; 4]]) {
+fn add(sums: &mut [[f32; 4]], more: &[[f64; 4]]) {
     for (sum, add) in sums.iter_mut().zip(more) {
-        sum.iter_mut().zip(add).for_each(|(s, a)| *s += a);
+        sum.iter_mut().zip(add).for_each(|(s, a)| *s += *a as f32);
     }
 }
 

@@ -12,14 +12,17 @@ pub mod data;
 mod gather;
 mod groups;
 pub mod halves;
+mod kept;
 pub mod splats;
 
 use crate::Rgb;
 use crate::integrator::path::FirstSurface;
 use cryptomatte::{MatteLayer, MatteNotes, MatteSums, Mattes};
 use data::{DataSums, VectorSums};
-use glam::Vec4;
+use glam::{DVec4, Vec4};
 use halves::{BLOCK_SIZE, BLOCK_SPREAD, Half, half_of};
+pub use kept::{FilmState, NotThisFilm};
+use serde::{Deserialize, Serialize};
 use splats::SplatSums;
 use std::sync::{Arc, Mutex, MutexGuard, PoisonError};
 
@@ -30,7 +33,7 @@ pub const TILE_SIZE: u32 = 32;
 const SPREAD: u32 = 8;
 
 /// A part of the picture: lower left corner and size, pixels.
-#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+#[derive(Clone, Copy, Debug, PartialEq, Eq, Serialize, Deserialize)]
 pub struct TileRect {
     /// Left edge.
     pub x: u32,
@@ -88,11 +91,12 @@ pub struct Keep {
 }
 
 /// Light on a part of the picture, while one thread gathers it.
-#[derive(Clone, Debug)]
+#[derive(Clone, Debug, Serialize, Deserialize)]
 pub struct Patch {
     rect: TileRect,
-    /// Radiance and alpha by pixel, rows from below.
-    sums: Vec<[f32; 4]>,
+    /// Radiance and alpha by pixel, rows from below. In double precision sums of samples are exact, but for ranges of brightness
+    /// beyond 2^29 in one pixel: so they do not depend on how the samples are parted.
+    sums: Vec<[f64; 4]>,
     /// What fell outside.
     far: Vec<(u32, u32, Rgb)>,
     /// What may fall anywhere, wherever it was started, if that is kept for itself.
@@ -101,6 +105,7 @@ pub struct Patch {
     data: Vec<DataSums>,
     /// The same.
     vectors: Vec<VectorSums>,
+    #[serde(skip)]
     mattes: Option<Box<MatteNotes>>,
     /// The same light by groups of emitters.
     groups: Vec<Patch>,
@@ -152,7 +157,7 @@ impl Patch {
         match self.rect.index(x, y) {
             Some(i) => {
                 let sum = &mut self.sums[i];
-                *sum = (Vec4::from_array(*sum) + radiance).to_array();
+                *sum = (DVec4::from_array(*sum) + radiance.as_dvec4()).to_array();
             }
             None => self.far.push((x, y, radiance.truncate())),
         }
@@ -170,13 +175,13 @@ impl Patch {
     #[inline]
     pub fn add_alpha(&mut self, x: u32, y: u32, alpha: f32) {
         if let Some(i) = self.rect.index(x, y) {
-            self.sums[i][3] += alpha;
+            self.sums[i][3] += f64::from(alpha);
         }
     }
 }
 
 /// Sums of one tile.
-#[derive(Clone, Debug)]
+#[derive(Clone, Debug, Serialize, Deserialize)]
 pub struct TileSums {
     light: Patch,
     mattes: MatteSums,

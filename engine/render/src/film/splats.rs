@@ -3,6 +3,7 @@
 //! Sums of whole numbers do not depend on the order of their terms. A value is kept as a multiple of 2^-36; large ones,
 //! as rare as lamps seen through a caustic, as a multiple of 2^-12 beside it.
 
+use serde::{Deserialize, Serialize};
 use std::sync::OnceLock;
 use std::sync::atomic::{AtomicI64, Ordering};
 
@@ -24,6 +25,13 @@ pub struct SplatSums {
     pixels: usize,
 }
 
+/// Sums as they are kept: quanta, three a pixel, where any light has arrived.
+#[derive(Debug, Default, Serialize, Deserialize)]
+pub struct SplatState {
+    fine: Option<Vec<i64>>,
+    coarse: Option<Vec<i64>>,
+}
+
 impl SplatSums {
     /// Nothing yet.
     pub fn new(pixels: usize) -> Self {
@@ -38,6 +46,27 @@ impl SplatSums {
             let sums = sums.get_or_init(|| (0..3 * self.pixels).map(|_| AtomicI64::new(0)).collect());
             sums[3 * pixel + channel].fetch_add((value * quanta).round_ties_even() as i64, Ordering::Relaxed);
         }
+    }
+
+    /// What is there now, while nobody adds.
+    pub fn state(&self) -> SplatState {
+        let read = |sums: &OnceLock<Box<[AtomicI64]>>| {
+            sums.get().map(|sums| sums.iter().map(|sum| sum.load(Ordering::Relaxed)).collect())
+        };
+        SplatState { fine: read(&self.fine), coarse: read(&self.coarse) }
+    }
+
+    /// Sums of so many pixels as they were; `None` if they were of another number.
+    pub fn restored(pixels: usize, state: SplatState) -> Option<Self> {
+        let sums = Self::new(pixels);
+        for (sums, values) in [(&sums.fine, state.fine), (&sums.coarse, state.coarse)] {
+            let Some(values) = values else { continue };
+            if values.len() != 3 * pixels {
+                return None;
+            }
+            sums.get_or_init(|| values.into_iter().map(AtomicI64::new).collect());
+        }
+        Some(sums)
     }
 
     /// True if nothing has arrived anywhere.
@@ -57,6 +86,16 @@ impl SplatSums {
 #[cfg(test)]
 mod tests {
     use super::*;
+
+    #[test]
+    fn sums_come_back_as_they_were() {
+        let sums = SplatSums::new(3);
+        sums.add(2, [0.25, 5000.0, -1e-3]);
+        let back = SplatSums::restored(3, sums.state()).unwrap();
+        assert_eq!([0, 1, 2].map(|i| back.get(i)), [0, 1, 2].map(|i| sums.get(i)));
+        assert!(SplatSums::restored(4, sums.state()).is_none());
+        assert!(SplatSums::restored(4, SplatSums::new(3).state()).unwrap().is_empty());
+    }
 
     #[test]
     fn the_order_does_not_matter() {

@@ -84,7 +84,8 @@ impl Media {
         const FEW: u64 = 10_000;
         let count = self.denser_than_bound();
         (count > FEW).then(|| {
-            "Volumes: some are far denser in places than was found before the render; there the picture is noisier".into()
+            "Volumes: some are far denser in places than was found before the render; there the picture is noisier"
+                .into()
         })
     }
 

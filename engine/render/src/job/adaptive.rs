@@ -9,6 +9,7 @@
 use super::lock;
 use super::settings::{MIN_SAMPLES, Settings};
 use crate::film::Film;
+use serde::{Deserialize, Serialize};
 use std::sync::Mutex;
 use std::sync::atomic::{AtomicU64, Ordering};
 
@@ -32,7 +33,7 @@ pub(super) struct Pass {
 }
 
 /// The plan of a block.
-#[derive(Clone, Copy, Debug)]
+#[derive(Clone, Copy, Debug, Serialize, Deserialize)]
 struct Plan {
     /// Samples of each half's pixels, as far as is known.
     ends: [u32; 2],
@@ -40,6 +41,14 @@ struct Plan {
     open: [bool; 2],
     /// Samples of the next look.
     look: u32,
+}
+
+/// What was decided so far.
+#[derive(Debug, Serialize, Deserialize)]
+pub(super) struct AdaptiveState {
+    plans: Vec<Plan>,
+    done: u64,
+    planned: u64,
 }
 
 /// The plans of a render.
@@ -108,6 +117,23 @@ impl Adaptive {
             }
         }
         plan.look = next;
+    }
+
+    /// What is decided now, while nobody decides.
+    pub(super) fn state(&self) -> AdaptiveState {
+        AdaptiveState {
+            plans: self.plans.iter().map(|plan| *lock(plan)).collect(),
+            done: self.done.load(Ordering::Relaxed),
+            planned: self.planned.load(Ordering::Relaxed),
+        }
+    }
+
+    /// Decides on from there; false if that is of another picture.
+    pub(super) fn restore(&mut self, state: AdaptiveState) -> bool {
+        let fits = state.plans.len() == self.plans.len();
+        self.plans = state.plans.into_iter().map(Mutex::new).collect();
+        (self.done, self.planned) = (AtomicU64::new(state.done), AtomicU64::new(state.planned));
+        fits
     }
 
     /// The part of the work that is done, 0 to 1.

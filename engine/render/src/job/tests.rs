@@ -7,7 +7,7 @@ use crate::scene::{SceneBuilder, mesh::MeshDescription, world::World};
 use glam::{DMat4, DVec3, Vec3};
 use std::path::Path;
 
-fn settings(samples: u32, threads: usize) -> Settings {
+pub(super) fn settings(samples: u32, threads: usize) -> Settings {
     Settings {
         width: 75,
         height: 50,
@@ -33,11 +33,11 @@ fn description(model: Model) -> CameraDescription {
     }
 }
 
-fn camera(model: Model) -> Camera {
+pub(super) fn camera(model: Model) -> Camera {
     Camera::new(&description(model), 75, 50).unwrap()
 }
 
-fn stage() -> Arc<Stage> {
+pub(super) fn stage() -> Arc<Stage> {
     let mut builder = SceneBuilder::new();
     let triangle = MeshDescription {
         name: "triangle".into(),
@@ -270,5 +270,40 @@ fn mattes_and_vectors_do_not_depend_on_threads() {
         }
         // The corner sees nothing, which lies still.
         assert_eq!(one[2][..4], [0; 4]);
+    }
+}
+
+/// Ranges of samples, rendered apart, joined by their counts with what their numbers leave out: the whole to the last bit.
+#[test]
+fn ranges_of_samples_make_the_whole() {
+    use crate::integrator::Integrator;
+    let render = |settings: Settings| {
+        let job = Job::start(stage(), camera(Model::Lens), settings).unwrap();
+        assert!(job.wait(Duration::from_secs(120)));
+        (job.film().picture(), job.film().remainders())
+    };
+    let kinds = [
+        Settings { pipeline: Pipeline::FilmFirst, ..settings(0, 2) },
+        Settings { pipeline: Pipeline::Hero, film_exposure: 0.5, ..settings(0, 2) },
+        Settings { integrator: Integrator::Bidirectional, ..settings(0, 2) },
+    ];
+    for kind in kinds {
+        let (whole, _) = render(Settings { samples: 30, ..kind.clone() });
+        let mut sums = vec![[0.0f64; 4]; whole.len()];
+        let mut by_means = vec![[0.0f64; 4]; whole.len()];
+        for (sample_offset, samples) in [(0u32, 7u32), (7, 19), (26, 4)] {
+            let (picture, rest) = render(Settings { samples, sample_offset, ..kind.clone() });
+            for (i, pixel) in picture.iter().enumerate() {
+                for c in 0..4 {
+                    let coarse = f64::from(pixel[c]) * f64::from(samples);
+                    by_means[i][c] += coarse;
+                    sums[i][c] += coarse + f64::from(rest[i][0][c]) + f64::from(rest[i][1][c]);
+                }
+            }
+        }
+        let joined = |sums: &[[f64; 4]]| sums.iter().map(|s| s.map(|s| (s / 30.0) as f32)).collect::<Vec<_>>();
+        assert!(joined(&sums) == whole, "{:?}", kind.pipeline);
+        // Their means alone do not: the test would see it.
+        assert!(joined(&by_means) != whole, "{:?}", kind.pipeline);
     }
 }

@@ -22,6 +22,7 @@ use film_first::FilmFirst;
 use hero::Hero;
 use motion::Motion;
 use scene_first::SceneFirst;
+use serde::{Deserialize, Serialize};
 use std::time::{Duration, Instant};
 
 /// Where samples go one by one, one in this many is timed, to know the lens' share of the time without spending any.
@@ -45,9 +46,14 @@ impl Pipeline {
     /// What a camera can do of what was asked for: hero with one wavelength is film-first, and only a lens that is traced
     /// can be entered from the scene.
     pub fn with(self, camera: &Camera) -> Self {
-        match (self, camera.traced_lens()) {
+        self.of_packets(camera.traced_lens().map(RealLens::packet_size))
+    }
+
+    /// The same of a camera of which it is known into how many wavelengths its lens, if it traces one, parts a sample.
+    pub fn of_packets(self, size: Option<usize>) -> Self {
+        match (self, size) {
             (Self::SceneFirst, Some(_)) => Self::SceneFirst,
-            (Self::Auto | Self::Hero, Some(lens)) if lens.packet_size() > 1 => Self::Hero,
+            (Self::Auto | Self::Hero, Some(2..)) => Self::Hero,
             _ => Self::FilmFirst,
         }
     }
@@ -105,7 +111,7 @@ impl Shot<'_> {
 }
 
 /// Counts of what was done.
-#[derive(Clone, Copy, Debug, Default, PartialEq)]
+#[derive(Clone, Copy, Debug, Default, PartialEq, Serialize, Deserialize)]
 pub struct Counts {
     /// Samples asked of the camera.
     pub camera_rays: u64,

@@ -69,7 +69,7 @@ impl CameraChoice {
     pub(super) fn given(wishes: &Wishes, is_moving: bool, has_colours: bool) -> Self {
         Self {
             way: Way::Given,
-            pipeline: wishes.pipeline,
+            pipeline: wishes.pipeline.of_packets(None),
             spectrum: has_colours.then_some(Spectrum::Visible),
             round_f_number: None,
             shown: Shown::default(),
@@ -189,7 +189,8 @@ fn choose(known: &Known<'_>, wishes: &Wishes) -> Result<(CameraChoice, Price), P
     let round_f_number = (lens.diaphragm_part > 0.0 && !wanted(Effect::Diaphragm)).then(|| survey.f_number_by_area());
     let is_moving = known.motion.is_some() && wanted(Effect::MotionBlur);
     // Rays that are sent elsewhere on purpose are followed from the film.
-    let pipeline = if shown.is_traced_plainly() { wishes.pipeline } else { Pipeline::FilmFirst };
+    let is_traced = way == Way::Exact && shown.is_traced_plainly();
+    let pipeline = wishes.pipeline.of_packets(is_traced.then_some(carried));
     Ok((CameraChoice { way, pipeline, spectrum, round_f_number, shown, is_moving }, price))
 }
 

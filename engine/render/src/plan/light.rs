@@ -1,14 +1,19 @@
-//! Which sources send most light to the camera, seen in the picture or not: what reflections in the lens would come from.
+//! The light that arrives at the camera, from sources that are seen in the picture and from others: what reflections in the lens
+//! and scattering would come from.
 
 use crate::accel::Ray;
 use crate::integrator::Stage;
 use crate::luminance;
 use crate::nodes::Way;
+use crate::sampler::evenly::Evenly;
 use crate::scene::visibility::Rays;
 use glam::{DVec3, Vec2, Vec3A};
+use std::f32::consts::{PI, TAU};
 
 /// Light samples at the camera's place.
 const SAMPLES: u32 = 512;
+/// Paths from the lens's front into the scene.
+const FRONT_RAYS: u32 = 512;
 /// Sources within this angle count as one.
 const TOGETHER_RAD: f32 = 0.05;
 /// Told of so many.
@@ -27,25 +32,90 @@ pub struct Brightest {
     pub place: Option<Vec2>,
 }
 
-/// What sends most light to the camera's place, the strongest first. What stands in between is seen as hiding all.
-pub(super) fn brightest(stage: &Stage) -> Vec<Brightest> {
+/// Light of a source at the camera's place.
+struct Arrival {
+    /// Render space, unit.
+    towards: Vec3A,
+    /// Its part of the irradiance on what faces it.
+    light: f32,
+    /// Of the sample, where a ray into the scene may find the same light in the sky; otherwise zero.
+    sky_pdf: f32,
+}
+
+/// Light of all sources at the camera's place. What stands between a source and the camera is seen as hiding all.
+pub(super) struct Arriving(Vec<Arrival>);
+
+impl Arriving {
+    /// Takes light samples.
+    pub(super) fn new(stage: &Stage) -> Self {
+        let to = stage.lights.receiver_between(Vec3A::ZERO);
+        let points = Evenly::<3>::default();
+        let sample = |i: u32| {
+            let [choice, u, v] = points.point(i).map(|u| u as f32);
+            let sample = stage.lights.sample(&stage.scene, &to, choice, [u, v], Way::CAMERA)?;
+            let light = luminance(sample.radiance) / (sample.pdf * SAMPLES as f32);
+            if !(light > 0.0 && light.is_finite()) {
+                return None;
+            }
+            let mut ray = Ray::new(Vec3A::ZERO, sample.wi);
+            ray.t_max = sample.distance * (1.0 - 1e-3);
+            let is_seen = stage.accel.transmittance_of(&ray, Rays::CAMERA, |_| 1.0) > 0.0;
+            let sky_pdf = if sample.distance.is_infinite() && !sample.point_like { sample.pdf } else { 0.0 };
+            is_seen.then_some(Arrival { towards: sample.wi, light, sky_pdf })
+        };
+        Self((0..SAMPLES).filter_map(sample).collect())
+    }
+
+    /// Irradiance on a surface at the camera's place that looks `forwards`, in luminance times steradians: that of sources, of the
+    /// sky, and of what surfaces send on. `luminances` follows rays as paths.
+    pub(super) fn irradiance(&self, stage: &Stage, forwards: Vec3A, luminances: impl Fn(&[Ray]) -> Vec<f32>) -> f32 {
+        let of_samples = |one: &Arrival| {
+            let cos = one.towards.dot(forwards).max(0.0);
+            let share = if one.sky_pdf > 0.0 { one.sky_pdf / (one.sky_pdf + cos / PI) } else { 1.0 };
+            one.light * cos * share
+        };
+        self.0.iter().map(of_samples).sum::<f32>() + of_rays(stage, forwards, luminances)
+    }
+
+    /// What sends most, the strongest first.
+    pub(super) fn brightest(self) -> Vec<Brightest> {
+        brightest(self.0.into_iter().map(|one| (one.towards, one.light)).collect())
+    }
+}
+
+/// What rays find of the same irradiance: their share of the sky, and light that surfaces send on which are no sources.
+fn of_rays(stage: &Stage, forwards: Vec3A, luminances: impl Fn(&[Ray]) -> Vec<f32>) -> f32 {
     let to = stage.lights.receiver_between(Vec3A::ZERO);
-    let mut found: Vec<(Vec3A, f32)> = Vec::new();
-    for i in 0..SAMPLES {
-        // Powers of the inverse of the root of x^4 = x + 1: three numbers that fill their cube evenly.
-        let [choice, u, v] =
-            [0.819_172_5, 0.671_043_6, 0.549_700_5].map(|step: f64| (0.5 + step * f64::from(i)).fract() as f32);
-        let Some(sample) = stage.lights.sample(&stage.scene, &to, choice, [u, v], Way::CAMERA) else { continue };
-        let light = luminance(sample.radiance) / (sample.pdf * SAMPLES as f32);
-        if !(light > 0.0 && light.is_finite()) {
+    let (right, up) = forwards.any_orthonormal_pair();
+    let points = Evenly::<2>::default();
+    let mut light = 0.0;
+    let (mut rays, mut of_lamps) = (Vec::new(), Vec::new());
+    for i in 0..FRONT_RAYS {
+        // By the cosine, so that all count alike.
+        let [u, v] = points.point(i).map(|u| u as f32);
+        let ((sin, cos), cos_front) = ((TAU * v).sin_cos(), (1.0 - u).sqrt());
+        let ray = Ray::new(Vec3A::ZERO, u.sqrt() * (right * cos + up * sin) + cos_front * forwards);
+        let Some(hit) = stage.accel.closest(&ray, Rays::CAMERA) else {
+            stage.lights.sky_along(&stage.scene, ray.direction, Way::CAMERA, Some(&to), |radiance, pdf| {
+                light += luminance(radiance) * cos_front / (cos_front + PI * pdf);
+            });
+            continue;
+        };
+        if stage.lights.triangle_source(hit.instance, hit.triangle).is_some() {
             continue;
         }
-        let mut ray = Ray::new(Vec3A::ZERO, sample.wi);
-        ray.t_max = sample.distance * (1.0 - 1e-3);
-        if stage.accel.transmittance_of(&ray, Rays::CAMERA, |_| 1.0) > 0.0 {
-            found.push((sample.wi, light));
-        }
+        let mut lamps = 0.0;
+        stage.lights.lamps_along(&stage.scene, ray.origin, ray.direction, hit.t, Way::CAMERA, None, |radiance, _| {
+            lamps += luminance(radiance);
+        });
+        rays.push(ray);
+        of_lamps.push(lamps);
     }
+    light += luminances(&rays).iter().zip(of_lamps).map(|(all, lamps)| (all - lamps).max(0.0)).sum::<f32>();
+    PI * light / FRONT_RAYS as f32
+}
+
+fn brightest(mut found: Vec<(Vec3A, f32)>) -> Vec<Brightest> {
     let total: f32 = found.iter().map(|one| one.1).sum();
     let mut groups: Vec<(Vec3A, f32)> = Vec::new();
     // The strongest samples gather the others around them.

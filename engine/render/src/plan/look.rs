@@ -1,7 +1,7 @@
 //! A look at the scene through a camera: what each place of the picture sees first, how bright it is, and where the light
 //! comes from.
 
-use super::light::{self, Brightest};
+use super::light::{Arriving, Brightest};
 use crate::accel::Ray;
 use crate::camera::clip::Clip;
 use crate::integrator::Stage;
@@ -28,6 +28,8 @@ pub struct Look {
     pub open_part: f64,
     /// Mean luminance of the picture, without its brightest spots.
     pub exposure: f32,
+    /// Irradiance on the lens's front, as if all of the front half of the world reached it: luminance times steradians.
+    pub front_irradiance: f32,
     /// What sends most light to the camera, the strongest first.
     pub brightest: Vec<Brightest>,
 }
@@ -54,11 +56,13 @@ impl Look {
         });
         let looking = rays.iter().flatten().count().max(1);
         let some: Vec<Ray> = rays.iter().flatten().step_by(looking.div_ceil(FOLLOWED)).map(seen).collect();
+        let (arriving, forwards) = (Arriving::new(stage), -backwards.as_vec3a());
         let look = Self {
             depths: range,
             open_part: 1.0 - met.iter().flatten().count() as f64 / looking as f64,
             exposure: exposure(stage, &some),
-            brightest: light::brightest(stage),
+            front_irradiance: arriving.irradiance(stage, forwards, |rays| luminances(stage, rays)),
+            brightest: arriving.brightest(),
         };
         (look, met)
     }
@@ -66,6 +70,14 @@ impl Look {
 
 /// Mean luminance along rays, without the brightest.
 fn exposure(stage: &Stage, rays: &[Ray]) -> f32 {
+    let mut light = luminances(stage, rays);
+    light.sort_by(f32::total_cmp);
+    light.truncate(((1.0 - TRIMMED) * light.len() as f32).ceil() as usize);
+    light.iter().sum::<f32>() / light.len().max(1) as f32
+}
+
+/// Luminance along each of the rays, of one path; zero where it is not finite.
+fn luminances(stage: &Stage, rays: &[Ray]) -> Vec<f32> {
     let limits = Limits {
         max_bounces: BOUNCES,
         kinds: KindLimits::default(),
@@ -81,13 +93,10 @@ fn exposure(stage: &Stage, rays: &[Ray]) -> f32 {
             (*ray, sampler)
         });
         let mut light = Vec::with_capacity(WAVE);
-        path::trace_all(stage, rays, &limits, |_, found| light.push(luminance(found.radiance)));
+        let finite = |l: f32| if l.is_finite() { l } else { 0.0 };
+        path::trace_all(stage, rays, &limits, |_, found| light.push(finite(luminance(found.radiance))));
         light
     };
     const WAVE: usize = 64;
-    let mut light: Vec<f32> =
-        rays.par_chunks(WAVE).enumerate().flat_map_iter(light).filter(|l| l.is_finite()).collect();
-    light.sort_by(f32::total_cmp);
-    light.truncate(((1.0 - TRIMMED) * light.len() as f32).ceil() as usize);
-    light.iter().sum::<f32>() / light.len().max(1) as f32
+    rays.par_chunks(WAVE).enumerate().flat_map_iter(light).collect()
 }

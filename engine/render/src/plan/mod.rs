@@ -22,7 +22,6 @@ pub use decide::{CameraChoice, Way};
 pub use light::Brightest;
 pub use look::Look;
 use measured::Known;
-pub use price::{Price, sample_ns};
 use std::time::Instant;
 
 /// What a lens can do to a picture, or the wave nature of light, or time.
@@ -312,7 +311,9 @@ impl Plan {
         let source = look.brightest.iter().find(|one| fans.nearly_sees(one.towards));
         let of_exposure = |one: &Brightest| survey.ghost_value() * f64::from(one.irradiance / look.exposure);
         let ghosts = if look.exposure > 0.0 { source.map(of_exposure) } else { None };
-        let known = Known { d, survey: &survey, lens, motion, ghosts, needs_lens };
+        let even = std::f64::consts::PI * f64::from(look.exposure);
+        let front_light = (even > 0.0).then(|| f64::from(look.front_irradiance) / even);
+        let known = Known { d, survey: &survey, lens, motion, ghosts, front_light, needs_lens };
         let (decisions, camera, camera_ns) = decide(&known, wishes)?;
         Ok(Self { decisions, camera, camera_ns, lens: Some(lens), look, seconds: start.elapsed().as_secs_f64() })
     }

@@ -8,7 +8,7 @@ use crate::camera::survey::LensShape;
 
 /// How a camera makes its rays.
 #[derive(Clone, Copy, Debug, PartialEq)]
-pub enum Price {
+pub(super) enum Price {
     /// Every ray through one point.
     Pinhole,
     /// By Gaussian optics.
@@ -35,7 +35,7 @@ const ASPHERE_NS: [f64; 2] = [9.0, 18.0];
 const ARRIVAL_NS: f64 = 22.0;
 
 /// Nanoseconds that a sample takes in the camera.
-pub fn sample_ns(price: Price, lens: LensShape) -> f64 {
+pub(super) fn sample_ns(price: Price, lens: LensShape) -> f64 {
     match price {
         Price::Pinhole => PINHOLE_NS,
         Price::Gaussian => GAUSSIAN_NS,

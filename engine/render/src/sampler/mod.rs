@@ -6,6 +6,7 @@
 //! Every random choice comes in threes: `sample_x` takes uniform numbers to a value, `x_pdf` gives its density.
 
 pub mod distribution;
+pub mod evenly;
 pub mod pattern;
 pub mod phase;
 mod points;

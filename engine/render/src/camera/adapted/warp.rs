@@ -1,6 +1,7 @@
 //! A map of the picture on itself: at which place another sight sees what each place is to see.
 
-use glam::{DMat2, DVec2, DVec3, Vec2};
+use crate::camera::steps::Steps;
+use glam::{DVec3, Vec2};
 
 /// Newton's steps; the first is nearly there.
 const STEPS: usize = 5;
@@ -50,16 +51,10 @@ impl Warp {
                 };
                 let off = target - here;
                 let [across, up] = [across - here, up - here].map(|way| way / f64::from(STEP));
-                let mixed = across.dot(up);
-                let squares = DMat2::from_cols(
-                    DVec2::new(across.length_squared(), mixed),
-                    DVec2::new(mixed, up.length_squared()),
-                );
-                let step = squares.inverse() * DVec2::new(across.dot(off), up.dot(off));
-                if !step.is_finite() {
+                let Some(step) = Steps::new(across, up).map(|steps| steps.place(off)) else {
                     lost[i] = true;
                     continue;
-                }
+                };
                 farthest = farthest.max(off.length());
                 let next = places[i].as_dvec2() + step.clamp_length_max(0.5);
                 places[i] = next.as_vec2().clamp(Vec2::splat(-most), Vec2::splat(most));

@@ -1,7 +1,9 @@
 //! The rays of one place of the picture, and how far aside of what the place sees each of them looks.
 
-use super::{Survey, inverse};
+use super::Survey;
+use crate::camera::beam;
 use crate::camera::mount::Mount;
+use crate::camera::steps::{Steps, inverse};
 use glam::{DMat2, DVec2, DVec3, Vec2};
 use petzval_optics::gaussian::GaussianLens;
 use petzval_optics::pupil_map::PupilMap;
@@ -50,33 +52,6 @@ impl Subject {
     }
 }
 
-/// How what is seen moves from place to place, ready to be turned round.
-pub(super) struct Steps {
-    across: DVec3,
-    up: DVec3,
-    inverse: DMat2,
-}
-
-impl Steps {
-    /// What is seen moves by `across` for the picture's width, by `up` for its height.
-    pub(super) fn new(across: DVec3, up: DVec3) -> Option<Self> {
-        let mixed = across.dot(up);
-        let squares =
-            DMat2::from_cols(DVec2::new(across.length_squared(), mixed), DVec2::new(mixed, up.length_squared()));
-        Some(Self { across, up, inverse: inverse(squares)? })
-    }
-
-    /// By how much of the picture's width and height a way in the scene is aside: least squares.
-    fn place(&self, way: DVec3) -> DVec2 {
-        self.inverse * DVec2::new(self.across.dot(way), self.up.dot(way))
-    }
-
-    /// The same in pixels.
-    pub(super) fn place_px(&self, way: DVec3, survey: &Survey) -> DVec2 {
-        self.place(way) * survey.size_px
-    }
-}
-
 /// The rays of a place.
 pub(super) struct Fan {
     pub(super) place: Vec2,
@@ -111,7 +86,7 @@ impl Fan {
     /// With what became of the rays, which are number `number` of the fans in a bundle.
     pub(super) fn traced(mut self, bundle: &Bundle, number: usize) -> Self {
         self.out = Self::out_of(bundle, number);
-        self.mean = mean(&self.out);
+        self.mean = beam::mean(self.out.iter().flatten());
         self
     }
 
@@ -152,7 +127,7 @@ impl Fan {
         let Some(here) = subject.met_by(&mean, &mean) else { return vec![None; RAYS] };
         let aside = |ray: &Option<Ray>| {
             let there = subject.met_by(ray.as_ref()?, &mean)?;
-            Some(steps.place_px(there - here, survey))
+            Some(steps.place(there - here) * survey.size_px)
         };
         out.iter().map(aside).collect()
     }
@@ -241,12 +216,4 @@ impl<'a> Ideal<'a> {
 fn slopes(film: DVec3, target: DVec3) -> DVec2 {
     let to = target - film;
     to.truncate() / to.z
-}
-
-/// The mean of the rays that get through, from a common plane.
-fn mean(out: &[Option<Ray>]) -> Option<Ray> {
-    let count = out.iter().flatten().count();
-    let sum = |part: fn(&Ray) -> DVec3| out.iter().flatten().map(part).sum::<DVec3>();
-    let direction = sum(|ray| ray.direction).try_normalize()?;
-    Some(Ray { origin: sum(|ray| ray.origin) / count as f64, direction })
 }

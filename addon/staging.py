@@ -1,0 +1,50 @@
+# SPDX-License-Identifier: GPL-3.0-or-later
+"""From a scene of Blender to what the engine renders: the steps that a render and a measurement share."""
+
+from __future__ import annotations
+
+import json
+from collections.abc import Callable
+from typing import Any
+
+import bpy
+
+from . import export
+from .description import CameraDescription, Report, focused
+from .export import aperture_mask, viewport
+from .export import camera as camera_export
+from .export.motion import Motion
+
+
+def camera(scene: bpy.types.Scene, width: int, height: int, report: Report) -> CameraDescription:
+    """The scene's camera with the mask of its diaphragm."""
+    found = camera_export.describe(scene.camera, scene, width, height, report)
+    found.aperture_mask = aperture_mask.read(scene.camera.data)
+    return found
+
+
+def fill(
+    builder: Any,
+    depsgraph: bpy.types.Depsgraph,
+    seen_by: CameraDescription,
+    size: tuple[int, int],
+    report: Report,
+    check_stop: Callable[[], None] = lambda: None,
+    motion: Motion | None = None,
+) -> None:
+    """Tells the engine's `SceneBuilder` all that the camera may see."""
+    export.send_scene(depsgraph, builder, report, check_stop, motion)
+    viewport.send(builder, seen_by, *size)
+
+
+def place(of: CameraDescription) -> tuple[float, float, float]:
+    """Where a camera stands in the world."""
+    return tuple(row[3] for row in of.matrix_world[:3])
+
+
+def focus(native: Any, scene: Any, of: CameraDescription, width: int, height: int) -> dict[str, Any]:
+    """Puts a camera's film where what its autofocus point sees is sharpest; says what was found."""
+    found = json.loads(native.autofocus_json(scene, of, width, height, of.autofocus))
+    for name, value in focused(of, found).items():
+        setattr(of, name, value)
+    return found

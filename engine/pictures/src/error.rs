@@ -1,0 +1,53 @@
+//! What can go wrong.
+
+use std::path::PathBuf;
+
+/// Why pictures cannot be joined.
+#[derive(Debug, thiserror::Error)]
+pub enum MergeError {
+    /// Too few.
+    #[error("{0} picture: name two or more")]
+    TooFew(usize),
+    /// A file that is none, or of a kind that is not read.
+    #[error("{}: cannot be read: {reason}", file.display())]
+    Read {
+        /// Which.
+        file: PathBuf,
+        /// As the library says.
+        reason: String,
+    },
+    /// Nowhere to write.
+    #[error("{}: cannot be written: {reason}", file.display())]
+    Write {
+        /// Which.
+        file: PathBuf,
+        /// As the library says.
+        reason: String,
+    },
+    /// Pictures of different things.
+    #[error("{}: {what}: only renders of the same picture can be joined", file.display())]
+    Unlike {
+        /// The one that is not like the first.
+        file: PathBuf,
+        /// What is not.
+        what: String,
+    },
+    /// It is not known how much it counts.
+    #[error("{}: it does not say how many samples its pixels have: render it with --mergeable", .0.display())]
+    Counts(PathBuf),
+    /// Samples that would count twice.
+    #[error(
+        "{}: samples {} to {} of seed {seed} are in {} too: give one another --seed, or the --sample-offset {}",
+        file.display(), range[0], range[1] - 1, other.display(), range[1]
+    )]
+    Twice {
+        /// Which.
+        file: PathBuf,
+        /// The other.
+        other: PathBuf,
+        /// Of both.
+        seed: u64,
+        /// Those of the other, first and behind the last.
+        range: [u64; 2],
+    },
+}

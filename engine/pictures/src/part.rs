@@ -1,0 +1,150 @@
+//! One of the pictures that are joined: its channels by pass, and what it says of its samples.
+
+use crate::error::MergeError;
+use exr::prelude::*;
+use std::collections::BTreeMap;
+use std::path::{Path, PathBuf};
+
+/// The pass that holds how many samples each pixel has, as Cycles names it.
+pub(crate) const COUNTS: &str = "Debug Sample Count";
+/// Attribute: samples that every pixel has; missing where they have different ones.
+const SAMPLES: &str = "petzval/samples";
+/// Attribute: SEED:FIRST+COUNT, more of them with spaces between.
+const RANGES: &str = "petzval/ranges";
+
+/// A picture as it is read.
+pub(crate) type Picture = Image<Layers<AnyChannels<FlatSamples>>>;
+
+/// A picture to be joined with others.
+pub(crate) struct Part {
+    pub(crate) file: PathBuf,
+    pub(crate) picture: Picture,
+    /// Of each channel by its whole name ("ViewLayer.Combined.R"): layer and place in it.
+    places: BTreeMap<String, (usize, usize)>,
+    /// Names of view layers that say how many samples each pixel has.
+    pub(crate) view_layers: Vec<String>,
+    /// For all of them.
+    samples: Option<f64>,
+    /// Seed, first, count.
+    pub(crate) ranges: Vec<(u64, u64, u64)>,
+}
+
+impl Part {
+    pub(crate) fn read(file: &Path) -> std::result::Result<Self, MergeError> {
+        let failed = |error: Error| MergeError::Read { file: file.to_owned(), reason: error.to_string() };
+        let picture: Picture = read()
+            .no_deep_data()
+            .largest_resolution_level()
+            .all_channels()
+            .all_layers()
+            .all_attributes()
+            .from_file(file)
+            .map_err(failed)?;
+        let mut places = BTreeMap::new();
+        for (l, layer) in picture.layer_data.iter().enumerate() {
+            for (c, channel) in layer.channel_data.list.iter().enumerate() {
+                places.insert(whole_name(layer, &channel.name), (l, c));
+            }
+        }
+        let suffix = format!(".{COUNTS}.");
+        let view_layers = places.keys().filter_map(|name| Some(name.split_once(&suffix)?.0.to_owned())).collect();
+        let text = |name: &str| {
+            let of = |attributes: &std::collections::HashMap<Text, AttributeValue>| {
+                attributes.iter().find(|(key, _)| **key == *name).and_then(|(_, value)| match value {
+                    AttributeValue::Text(text) => Some(text.to_string()),
+                    _ => None,
+                })
+            };
+            of(&picture.attributes.other).or_else(|| picture.layer_data.iter().find_map(|l| of(&l.attributes.other)))
+        };
+        let samples = text(SAMPLES).and_then(|text| text.trim().parse().ok());
+        let ranges = text(RANGES).map_or_else(Vec::new, |text| text.split_whitespace().filter_map(range).collect());
+        Ok(Self { file: file.to_owned(), picture, places, view_layers, samples, ranges })
+    }
+
+    /// Whole names of all channels.
+    pub(crate) fn names(&self) -> impl Iterator<Item = &String> {
+        self.places.keys()
+    }
+
+    pub(crate) fn size(&self) -> [usize; 2] {
+        self.picture.layer_data.first().map_or([0; 2], |layer| [layer.size.x(), layer.size.y()])
+    }
+
+    /// Whether the file holds what was written into it.
+    pub(crate) fn is_lossless(&self) -> bool {
+        use Compression as C;
+        let lossless = |layer: &Layer<_>| {
+            matches!(layer.encoding.compression, C::Uncompressed | C::RLE | C::ZIP1 | C::ZIP16 | C::PIZ)
+        };
+        self.picture.layer_data.iter().all(lossless)
+    }
+
+    /// A channel's numbers.
+    pub(crate) fn channel(&self, name: &str) -> Option<Vec<f32>> {
+        let &(layer, place) = self.places.get(name)?;
+        let samples = &self.picture.layer_data[layer].channel_data.list[place].sample_data;
+        Some(samples.values_as_f32().collect())
+    }
+
+    /// Puts others in their place; a channel that is kept in half precision stays so.
+    pub(crate) fn set(&mut self, name: &str, values: Vec<f32>) {
+        let Some(&(layer, place)) = self.places.get(name) else { return };
+        let samples = &mut self.picture.layer_data[layer].channel_data.list[place].sample_data;
+        *samples = match samples {
+            FlatSamples::F16(_) => FlatSamples::F16(values.into_iter().map(f16::from_f32).collect()),
+            FlatSamples::F32(_) => FlatSamples::F32(values),
+            FlatSamples::U32(_) => FlatSamples::U32(values.into_iter().map(|value| value as u32).collect()),
+        };
+    }
+
+    /// Samples of each pixel of a view layer, or of the whole picture.
+    pub(crate) fn counts(&self, view_layer: Option<&str>) -> std::result::Result<Vec<f64>, MergeError> {
+        let own = view_layer.and_then(|name| {
+            let found = self.places.keys().find(|key| key.starts_with(&format!("{name}.{COUNTS}.")))?;
+            self.channel(found)
+        });
+        if let Some(counts) = own {
+            return Ok(counts.into_iter().map(f64::from).collect());
+        }
+        let [width, height] = self.size();
+        let samples = self.samples.ok_or_else(|| MergeError::Counts(self.file.clone()))?;
+        Ok(vec![samples; width * height])
+    }
+
+    /// Says how many samples there are now, and which.
+    pub(crate) fn tell(&mut self, samples: Option<f64>, ranges: &[(u64, u64, u64)]) {
+        let told: Vec<String> = ranges.iter().map(|(seed, first, count)| format!("{seed}:{first}+{count}")).collect();
+        let values = [(RANGES, (!told.is_empty()).then(|| told.join(" "))), (SAMPLES, samples.map(|n| format!("{n}")))];
+        for (name, value) in values {
+            let name = Text::from(name);
+            self.picture.attributes.other.remove(&name);
+            for layer in &mut self.picture.layer_data {
+                layer.attributes.other.remove(&name);
+                if let Some(value) = &value {
+                    layer.attributes.other.insert(name.clone(), AttributeValue::Text(value.as_str().into()));
+                }
+            }
+        }
+    }
+
+    /// The samples that every pixel has, if it says so.
+    pub(crate) fn even_samples(&self) -> Option<f64> {
+        self.samples
+    }
+}
+
+fn whole_name(layer: &Layer<AnyChannels<FlatSamples>>, channel: &Text) -> String {
+    let channel = channel.to_string();
+    match &layer.attributes.layer_name {
+        // In files of several parts the part's name may stand before the channel's, or instead of its beginning.
+        Some(name) if !channel.contains('.') => format!("{name}.{channel}"),
+        _ => channel,
+    }
+}
+
+fn range(text: &str) -> Option<(u64, u64, u64)> {
+    let (seed, rest) = text.split_once(':')?;
+    let (first, count) = rest.split_once('+')?;
+    Some((seed.parse().ok()?, first.parse().ok()?, count.parse().ok()?))
+}

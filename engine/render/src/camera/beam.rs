@@ -1,0 +1,22 @@
+//! The rays of a film point through all of the clear pupil, spread evenly: their mean is what the point looks along.
+
+use glam::DVec3;
+use petzval_optics::pupil_map::PupilMap;
+use petzval_optics::trace::{Bundle, Ray};
+
+/// Adds that many rays from a film point (lens space) to a bundle from the film.
+pub(super) fn push(bundle: &mut Bundle, map: &PupilMap, film: DVec3, rays: u32) {
+    for i in 0..rays {
+        let u = [(f64::from(i) + 0.5) / f64::from(rays), (f64::from(i) * 0.618_033_988_75).fract()];
+        bundle.push(Ray { origin: film, direction: (map.sample(film, u).target - film).normalize() });
+    }
+}
+
+/// The mean of rays that got through; `None` of none.
+pub(super) fn mean<'a>(rays: impl Iterator<Item = &'a Ray>) -> Option<Ray> {
+    let add = |(origin, direction, n): (DVec3, DVec3, f64), ray: &Ray| {
+        (origin + ray.origin, direction + ray.direction, n + 1.0)
+    };
+    let (origin, direction, count) = rays.fold((DVec3::ZERO, DVec3::ZERO, 0.0), add);
+    Some(Ray { origin: origin / count, direction: direction.try_normalize()? })
+}
