@@ -9,7 +9,7 @@ from typing import Any
 import bpy
 
 from ..description import Report
-from . import mesh, object_info
+from . import grids, mesh, object_info
 from .camera import rows
 from .image import Images
 from .light import Lights
@@ -27,7 +27,6 @@ BOUNCES = {"DIFFUSE", "GLOSSY", "TRANSMISSION"}
 NOT_YET = {
     "CURVES": "hair curves",
     "POINTCLOUD": "point clouds",
-    "VOLUME": "volumes",
     "GPENCIL": "grease pencil",
     "GREASEPENCIL": "grease pencil",
 }
@@ -87,6 +86,8 @@ class Stage:
             self.is_selective |= links.any or not BOUNCES.isdisjoint(hidden)
             if holder.type in WITH_SURFACE:
                 self._surface(holder, place, links, hidden)
+            elif holder.type == "VOLUME":
+                self._volume(holder, place, links, hidden)
             elif holder.type == "LIGHT":
                 self._builder.add_light(lights.describe(holder, place.matrix_world, hidden))
             elif holder.type in NOT_YET:
@@ -102,6 +103,45 @@ class Stage:
         index = self._mesh(holder, place)
         if index is None:
             return
+        self._place(
+            holder,
+            place,
+            links,
+            hidden,
+            index,
+            [self._materials.index(slot.material) for slot in holder.material_slots],
+        )
+
+    def _volume(
+        self,
+        holder: bpy.types.Object,
+        place: bpy.types.DepsgraphObjectInstance,
+        links: Links,
+        hidden: tuple[str, ...],
+    ) -> None:
+        key = (holder.data.as_pointer(), frozenset({"volume"}))
+        if key not in self._meshes:
+            box = grids.of_volume(holder, self._report)
+            self._meshes[key] = None if box is None else self._add_box(holder.data.name, box)
+        index = self._meshes[key]
+        if index is None:
+            return
+        slots = [slot.material for slot in holder.material_slots] or [None]
+        self._place(holder, place, links, hidden, index, [self._materials.volume_index(one) for one in slots])
+
+    def _add_box(self, name: str, box: grids.Box) -> int:
+        corners, triangles = box.shape()
+        return self._builder.add_mesh(name, corners, triangles, grids=box.grids, keeps_opacity=box.keeps_opacity)
+
+    def _place(
+        self,
+        holder: bpy.types.Object,
+        place: bpy.types.DepsgraphObjectInstance,
+        links: Links,
+        hidden: tuple[str, ...],
+        index: int,
+        materials: list[int],
+    ) -> None:
         for flag, words in (("is_holdout", "holdout"), ("is_shadow_catcher", "shadow catcher")):
             if getattr(holder, flag):
                 self._report.warn(f"Object '{holder.name}': {words} is not supported yet, it is shown as it is")
@@ -114,7 +154,7 @@ class Stage:
             holder.name,
             index,
             rows(place.matrix_world),
-            [self._materials.index(slot.material) for slot in holder.material_slots],
+            materials,
             hidden_from=hidden,
             links=links.of(holder),
             asset_name=_asset(holder),
@@ -134,11 +174,16 @@ class Stage:
         key = (data.as_pointer(), wanted)
         if key not in self._meshes:
             with mesh.shape(holder, data) as shape:
-                self._meshes[key] = self._add(data.name, shape, place, wanted)
+                self._meshes[key] = self._add(data.name, shape, place, wanted, grids.of_smoke(holder, self._report))
         return self._meshes[key]
 
     def _add(
-        self, name: str, data: bpy.types.Mesh, place: bpy.types.DepsgraphObjectInstance, wanted: frozenset[str]
+        self,
+        name: str,
+        data: bpy.types.Mesh,
+        place: bpy.types.DepsgraphObjectInstance,
+        wanted: frozenset[str],
+        smoke: list[grids.Grid],
     ) -> int | None:
         arrays = mesh.extract(data, wanted)
         if arrays is None:
@@ -153,6 +198,7 @@ class Stage:
             attributes=arrays.attributes or None,
             material_slots=arrays.material_slots,
             moved_positions=moved,
+            grids=smoke or None,
         )
 
     def _warn_of_particles(self, holder: bpy.types.Object) -> None:

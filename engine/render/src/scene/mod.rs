@@ -4,6 +4,7 @@
 pub mod closure;
 pub mod edges;
 pub mod graph;
+pub mod grid;
 pub mod lamp;
 pub mod layer;
 pub mod material;
@@ -12,6 +13,7 @@ pub mod softening;
 pub mod texture;
 pub mod viewport;
 pub mod visibility;
+pub mod volume;
 pub mod world;
 
 use crate::Rgb;
