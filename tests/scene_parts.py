@@ -149,6 +149,8 @@ class Recorder:
     def __init__(self) -> None:
         self._builder = part("native").engine().SceneBuilder()
         self.images, self.materials, self.meshes, self.instances, self.lights, self.world = [], [], [], [], [], None
+        # By their index among the meshes, where nothing else stands.
+        self.curves: dict[int, dict] = {}
 
     def add_image(self, name, pixels, *, srgb):
         self.images.append((name, pixels.copy(), srgb))
@@ -161,6 +163,12 @@ class Recorder:
     def add_mesh(self, name, positions, triangles, **more):
         self.meshes.append({"name": name, "positions": positions, "triangles": triangles, **more})
         return self._builder.add_mesh(name, positions, triangles, **more)
+
+    def add_curves(self, name, keys, first_keys, shape, **more):
+        index = self._builder.add_curves(name, keys, first_keys, shape, **more)
+        self.curves[index] = {"name": name, "keys": keys, "first_keys": first_keys, "shape": shape, **more}
+        self.meshes.append(None)
+        return index
 
     def add_instance(self, name, mesh, matrix, materials, **more):
         self.instances.append({"name": name, "mesh": mesh, "matrix": np.array(matrix), "materials": materials, **more})

@@ -332,16 +332,6 @@ def test_particles_as_objects(parts, blender):
     assert not warnings
 
 
-def test_hair_is_said(parts, blender):
-    blender.ops.mesh.primitive_plane_add()
-    made = blender.context.object
-    made.modifiers.new("Hair", "PARTICLE_SYSTEM")
-    made.particle_systems[0].settings.type = "HAIR"
-    recorder, warnings, _ = parts.sent()
-    assert len(warnings) == 1 and "hair" in warnings[0] and "'Plane'" in warnings[0]
-    assert len(recorder.of("Plane")) == 1
-
-
 def test_what_is_hidden_is_not_sent(parts, blender):
     names = ("Seen", "Hidden render", "Hidden collection", "Excluded", "Hidden camera", "Hidden shadow")
     squares = {name: parts.square(name, (0, 5, 0), 1.0) for name in names}
@@ -401,14 +391,6 @@ def test_hostile_meshes_are_rendered_around(parts, blender, tmp_path):
     assert np.isfinite(picture).all()
     assert picture[16, 24, :3] == pytest.approx([1.0] * 3, abs=1e-3)
     assert parts.part("statistics").last("Scene").stats["non_finite_samples"] == 0
-
-
-def test_hair_curves_are_said(parts, blender):
-    curves = blender.data.objects.new("Strands", blender.data.hair_curves.new("Strands"))
-    blender.context.scene.collection.objects.link(curves)
-    _, warnings, _ = parts.sent()
-    assert [line.split("'")[1] for line in warnings] == ["Strands"]
-    assert "not supported" in warnings[0]
 
 
 def test_a_volume_without_its_file_is_said(parts, blender, tmp_path):

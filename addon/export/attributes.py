@@ -22,7 +22,7 @@ STRETCH = ("Anisotropic", "Anisotropy")
 _OF_EDGES = {"Pointiness": ".pointiness", "Random Per Island": ".random_per_island"}
 
 #: By Blender's type of an attribute: the name of its values, and how many numbers each has.
-_KINDS = {
+KINDS = {
     "FLOAT": ("value", 1),
     "INT": ("value", 1),
     "INT8": ("value", 1),
@@ -68,9 +68,9 @@ def _values(mesh: bpy.types.Mesh, name: str, corners: np.ndarray, triangles: np.
     if name in _OF_EDGES.values():
         return _of_edges(mesh, name).take(triangles, 0)
     attribute = mesh.attributes.get(name) if name else _colour_for_rendering(mesh)
-    if attribute is None or attribute.data_type not in _KINDS:
+    if attribute is None or attribute.data_type not in KINDS:
         return None
-    values = _four(attribute)
+    values = four(attribute)
     if attribute.domain == "POINT":
         return values.take(triangles, 0)
     if attribute.domain == "CORNER":
@@ -87,9 +87,9 @@ def _colour_for_rendering(mesh: bpy.types.Mesh) -> bpy.types.Attribute | None:
     return mesh.color_attributes[index] if 0 <= index < len(mesh.color_attributes) else None
 
 
-def _four(attribute: bpy.types.Attribute) -> np.ndarray:
+def four(attribute: bpy.types.Attribute) -> np.ndarray:
     """Four numbers a value: one stands in the first three, what is missing of the others is 0, alpha 1."""
-    name, count = _KINDS[attribute.data_type]
+    name, count = KINDS[attribute.data_type]
     kind = {"INT": np.int32, "INT8": np.int8, "BOOLEAN": bool}.get(attribute.data_type, np.float32)
     raw = np.empty(len(attribute.data) * count, kind)
     attribute.data.foreach_get(name, raw)
@@ -118,6 +118,11 @@ def _in_box(mesh: bpy.types.Mesh) -> np.ndarray:
     """By vertex, as Cycles has it: 0 to 1 over the texture space, before modifiers moved anything."""
     places = np.empty((len(mesh.vertices), 3), np.float32)
     mesh.vertices.foreach_get("undeformed_co", places.reshape(-1))
+    return in_box(mesh, places)
+
+
+def in_box(mesh: bpy.types.Mesh, places: np.ndarray) -> np.ndarray:
+    """Places of object space in a mesh's texture space, (places, 4)."""
     size = np.array(mesh.texspace_size, np.float32)
     scale = np.divide(0.5, size, out=np.zeros_like(size), where=size != 0.0)
     values = np.zeros((len(places), 4), np.float32)

@@ -1,5 +1,5 @@
 # SPDX-License-Identifier: GPL-3.0-or-later
-"""Everything that stands in the evaluated scene: each mesh sent once, and an instance for every place of it."""
+"""Everything that stands in the evaluated scene: each mesh and all hair sent once, and an instance for every place of it."""
 
 from __future__ import annotations
 
@@ -9,7 +9,7 @@ from typing import Any
 import bpy
 
 from ..description import Report
-from . import grids, mesh, object_info
+from . import curves, grids, hair, mesh, object_info
 from .camera import rows
 from .image import Images
 from .light import Lights
@@ -19,13 +19,12 @@ from .material import Materials
 from .motion import Motion
 from .visibility import hidden_from
 
-#: Objects whose surface Blender can hand over as a mesh.
-WITH_SURFACE = {"MESH", "CURVE", "SURFACE", "FONT", "META"}
+#: Objects whose surface Blender can hand over as a mesh, or as strands.
+WITH_SURFACE = {"MESH", "CURVE", "SURFACE", "FONT", "META", "CURVES"}
 #: What a surface sends on: rays that only some paths know of.
 BOUNCES = {"DIFFUSE", "GLOSSY", "TRANSMISSION"}
 #: Objects that are seen in a Blender render, but not here yet.
 NOT_YET = {
-    "CURVES": "hair curves",
     "POINTCLOUD": "point clouds",
     "GPENCIL": "grease pencil",
     "GREASEPENCIL": "grease pencil",
@@ -71,18 +70,26 @@ class Stage:
         self.is_selective = False
         # By the evaluated mesh and the attributes that are asked of it; None where it has no triangles.
         self._meshes: dict[tuple[int, frozenset[str]], int | None] = {}
+        # By the object and its particle system.
+        self._hair: dict[tuple[str, str], int] = {}
+        self._drawn: dict[str, Any] = {}
+        self._is_render = True
 
     def send(self, depsgraph: bpy.types.Depsgraph) -> None:
         """All objects and their instances, as they are visible in this graph."""
         links = Links(depsgraph, self._report)
         lights = Lights(self._images, links, self._groups)
+        self._drawn = curves.shape(depsgraph.scene_eval)
+        self._is_render = depsgraph.mode == "RENDER"
+        shows_hair = depsgraph.view_layer_eval.use_strand
         for place in depsgraph.object_instances:
             self._check_stop()
             holder = place.object
-            self._warn_of_particles(holder)
-            if not place.show_self:
-                continue
             hidden = hidden_from(holder)
+            if shows_hair and holder.particle_systems:
+                self._particles(holder, place, links, hidden)
+            if not place.show_self or (holder.type == "CURVES" and not shows_hair):
+                continue
             self.is_selective |= links.any or not BOUNCES.isdisjoint(hidden)
             if holder.type in WITH_SURFACE:
                 self._surface(holder, place, links, hidden)
@@ -103,14 +110,9 @@ class Stage:
         index = self._mesh(holder, place)
         if index is None:
             return
-        self._place(
-            holder,
-            place,
-            links,
-            hidden,
-            index,
-            [self._materials.index(slot.material) for slot in holder.material_slots],
-        )
+        materials = [self._materials.index(slot.material) for slot in holder.material_slots]
+        # All strands have the first.
+        self._place(holder, place, links, hidden, index, materials[:1] if holder.type == "CURVES" else materials)
 
     def _volume(
         self,
@@ -167,11 +169,15 @@ class Stage:
     def _mesh(self, holder: bpy.types.Object, place: bpy.types.DepsgraphObjectInstance) -> int | None:
         data = holder.data
         # Curves, texts and metaballs come twice: as they are, and as the mesh that Blender has made of them.
-        if not isinstance(data, bpy.types.Mesh):
+        if not isinstance(data, (bpy.types.Mesh, bpy.types.Curves)):
             return None
         # A mesh whose users ask for different attributes is sent with each set.
         wanted = frozenset().union(*(self._materials.wanted(slot.material) for slot in holder.material_slots))
         key = (data.as_pointer(), wanted)
+        if key not in self._meshes and isinstance(data, bpy.types.Curves):
+            arrays = curves.extract(data, wanted, self._drawn)
+            moved = self._motion.positions(place, arrays.keys[:, :3]) if arrays and self._motion is not None else None
+            self._meshes[key] = arrays and arrays.send(self._builder, data.name, moved)
         if key not in self._meshes:
             with mesh.shape(holder, data) as shape:
                 self._meshes[key] = self._add(data.name, shape, place, wanted, grids.of_smoke(holder, self._report))
@@ -201,13 +207,30 @@ class Stage:
             grids=smoke or None,
         )
 
-    def _warn_of_particles(self, holder: bpy.types.Object) -> None:
-        for system in holder.particle_systems:
-            settings = system.settings
-            if settings is not None and settings.type == "HAIR" and settings.render_type == "PATH":
-                self._report.warn(
-                    f"Object '{holder.name}': hair particles ('{system.name}') are not supported yet, left out"
-                )
+    def _particles(
+        self,
+        holder: bpy.types.Object,
+        place: bpy.types.DepsgraphObjectInstance,
+        links: Links,
+        hidden: tuple[str, ...],
+    ) -> None:
+        """The hair of an object's particle systems, each with its own material."""
+        slots = [slot.material for slot in holder.material_slots] or [None]
+        first_number = 0
+        for system in hair.systems(place, self._is_render):
+            material = slots[min(max(system.settings.material - 1, 0), len(slots) - 1)]
+            key = holder.name_full, system.hair.name
+            if key not in self._hair:
+                wanted = self._materials.wanted(material)
+                arrays = hair.extract(holder, system, wanted, self._drawn, first_number)
+                moved = None
+                if self._motion is not None:
+                    moved = self._motion.hair(place, system.hair.name, arrays.keys[:, :3])
+                name = f"{holder.name}, {system.hair.name}"
+                self._hair[key] = arrays.send(self._builder, name, moved)
+            first_number += len(system.particles)
+            self.is_selective |= links.any or not BOUNCES.isdisjoint(hidden)
+            self._place(holder, place, links, hidden, self._hair[key], [self._materials.index(material)])
 
 
 def _is_diced(holder: bpy.types.Object) -> bool:

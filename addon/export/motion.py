@@ -9,7 +9,7 @@ import bpy
 import numpy as np
 
 from ..description import Matrix4, Report
-from . import mesh
+from . import curves, hair, mesh
 from .camera import rows
 
 Key = tuple
@@ -26,8 +26,10 @@ class Placed(NamedTuple):
     """One instance at one frame."""
 
     matrix: Matrix4
-    #: Of the mesh's vertices, object space; shared by all instances of a mesh. None where it cannot change its shape.
+    #: Of the mesh's vertices or curves' keys, object space; shared by all instances. None where they cannot move.
     positions: np.ndarray | None
+    #: Of the keys of hair, by particle system.
+    hair: dict[str, np.ndarray]
 
 
 class Frame(dict[Key, Placed]):
@@ -38,17 +40,30 @@ class Frame(dict[Key, Placed]):
         """Where everything that has a surface stands in the graph's frame."""
         found = cls()
         known: dict[int, np.ndarray | None] = {}
+        known_hair: dict[str, dict[str, np.ndarray]] = {}
+        is_render = depsgraph.mode == "RENDER"
         for place in depsgraph.object_instances:
             holder = place.object
             data = holder.data
-            if not place.show_self or not isinstance(data, bpy.types.Mesh):
+            of_hair: dict[str, np.ndarray] = {}
+            if holder.particle_systems:
+                if holder.name_full not in known_hair:
+                    known_hair[holder.name_full] = {
+                        system.hair.name: hair.places(holder, system).reshape(-1, 3)
+                        for system in hair.systems(place, is_render)
+                    }
+                of_hair = known_hair[holder.name_full]
+            if not (place.show_self or of_hair) or not isinstance(data, (bpy.types.Mesh, bpy.types.Curves)):
                 continue
             pointer = data.as_pointer()
             if pointer not in known:
                 # What is being edited stands still.
-                deforms = _may_deform(holder) and not data.is_editmode
-                known[pointer] = mesh.positions(data) if deforms else None
-            found[key(place)] = Placed(rows(place.matrix_world), known[pointer])
+                if isinstance(data, bpy.types.Curves):
+                    known[pointer] = curves.positions(data) if len(data.points) else None
+                else:
+                    deforms = _may_deform(holder) and not data.is_editmode
+                    known[pointer] = mesh.positions(data) if deforms else None
+            found[key(place)] = Placed(rows(place.matrix_world), known[pointer], of_hair)
         return found
 
 
@@ -81,7 +96,20 @@ class Motion:
         both = self._placed(place)
         if both is None or any(one.positions is None for one in both):
             return None
-        moved = both[0].positions, both[1].positions
+        return self._moved(place, (both[0].positions, both[1].positions), now)
+
+    def hair(
+        self, place: bpy.types.DepsgraphObjectInstance, system: str, now: np.ndarray
+    ) -> tuple[np.ndarray, np.ndarray] | None:
+        """The keys of a particle system's hair in the neighbouring frames; None where it keeps its shape."""
+        both = self._placed(place)
+        if both is None or any(system not in one.hair for one in both):
+            return None
+        return self._moved(place, (both[0].hair[system], both[1].hair[system]), now)
+
+    def _moved(
+        self, place: bpy.types.DepsgraphObjectInstance, moved: tuple[np.ndarray, np.ndarray], now: np.ndarray
+    ) -> tuple[np.ndarray, np.ndarray] | None:
         if any(then.shape != now.shape for then in moved):
             name = place.object.name
             self._report.warn(

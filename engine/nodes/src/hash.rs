@@ -82,6 +82,11 @@ pub fn random_of(number: u32) -> f32 {
     unit(hash1(number))
 }
 
+/// The same of two numbers.
+pub fn random_of_pair([first, second]: [u32; 2]) -> f32 {
+    unit(hash2(first, second))
+}
+
 #[inline(always)]
 pub(crate) fn hash2(x: u32, y: u32) -> u32 {
     let s: u32 = start(2);

@@ -39,7 +39,7 @@ pub use context::{
     Attribute, AttributeKind, Context, Direction, Extension, Field, Interpolation, Occlusion, Shift, Space, Textures,
 };
 pub use graph::{Graph, Input, Link, Node, Parsing};
-pub use hash::random_of;
+pub use hash::{random_of, random_of_pair};
 pub use pixels::Pixels;
 pub use points::{Column, Points};
 pub use program::{Layer, LayerKind, Operand, Program, Registers};

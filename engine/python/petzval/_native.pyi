@@ -169,6 +169,23 @@ class SceneBuilder:
         moved_positions: tuple[npt.NDArray[np.float32], npt.NDArray[np.float32]] | None = None,  # a frame before, after
     ) -> int:
         """Triangles with a non-finite corner or without area are left out and counted in `warnings`."""
+    def add_curves(
+        self,
+        name: str,
+        keys: npt.NDArray[np.float32],  # (keys, 4), object space, and the radius
+        first_keys: npt.NDArray[np.int32],  # (strands + 1,), indices of keys; the last is how many there are
+        shape: str,  # RIBBON, THICK, THICK_LINEAR
+        *,
+        pieces: int = 1,  # of a ribbon's segment
+        first_number: int = 0,  # of the first strand: by theirs they get random numbers
+        uv_maps: dict[str, npt.NDArray[np.float32]] | None = None,  # name -> (strands, 2), where roots are
+        attributes: dict[str, tuple[bool, npt.NDArray[np.float32]]]
+        | None = None,  # name -> by key, (keys, 4), else by strand
+        moved_keys: tuple[npt.NDArray[np.float32], npt.NDArray[np.float32]]
+        | None = None,  # (keys, 3), a frame before, after
+    ) -> int:
+        """Hair and other curves; `add_instance` takes their index as it takes a mesh's. Strands with a key that is not finite are
+        left out and counted in `warnings`."""
     def add_instance(
         self,
         object_name: str,
@@ -212,6 +229,8 @@ class Scene:
         """What had to be left out when it was built."""
     @property
     def triangle_count(self) -> int: ...
+    @property
+    def segment_count(self) -> int: ...
     @property
     def instance_count(self) -> int: ...
     @property

@@ -3,6 +3,7 @@
 
 mod camera;
 mod compiled;
+mod curves;
 mod doorway;
 mod edges;
 mod error;

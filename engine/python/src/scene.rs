@@ -2,11 +2,15 @@
 
 use crate::camera::Matrix4;
 use crate::compiled::Graphs;
+use crate::curves::{More, description};
 use crate::doorway::away;
 use crate::error::{Error, bad_scene, refused};
 use crate::material::{PyLight, PyMaterial, PyWorld, visible};
 use glam::{Affine3A, DMat4, DVec3, Vec2, Vec3, Vec4};
-use numpy::{PyArrayDyn, PyArrayMethods, PyReadonlyArray2, PyReadonlyArray3, PyReadonlyArray4, PyUntypedArrayMethods};
+use numpy::{
+    PyArrayDyn, PyArrayMethods, PyReadonlyArray1, PyReadonlyArray2, PyReadonlyArray3, PyReadonlyArray4,
+    PyUntypedArrayMethods,
+};
 use petzval_render::integrator::Stage;
 use petzval_render::scene::grid::Grid;
 use petzval_render::scene::mesh::MeshDescription;
@@ -160,6 +164,29 @@ impl SceneBuilder {
     }
 
     #[pyo3(signature = (
+        name, keys, first_keys, shape, *, pieces = 1, first_number = 0, uv_maps = None, attributes = None, moved_keys = None
+    ))]
+    #[allow(clippy::too_many_arguments)]
+    fn add_curves<'py>(
+        &mut self,
+        py: Python<'py>,
+        name: &str,
+        keys: PyReadonlyArray2<'py, f32>,
+        first_keys: PyReadonlyArray1<'py, i32>,
+        shape: String,
+        pieces: u16,
+        first_number: u32,
+        uv_maps: Option<Bound<'py, PyDict>>,
+        attributes: Option<Bound<'py, PyDict>>,
+        moved_keys: Option<[PyReadonlyArray2<'py, f32>; 2]>,
+    ) -> Result<usize, Error> {
+        let more = More { shape, pieces, first_number, uv_maps, attributes, moved_keys };
+        let description = description(name, &keys, &first_keys, more)?;
+        let builder = &mut self.builder;
+        Ok(away(py, || builder.add_curves(description))??)
+    }
+
+    #[pyo3(signature = (
         object_name, mesh, matrix_world, materials, *, hidden_from = Vec::new(), links = None, asset_name = None,
         moved = None, info = None, light_group = 0, softening = (0.0, 0.0)
     ))]
@@ -260,6 +287,11 @@ impl Scene {
     #[getter]
     fn triangle_count(&self) -> usize {
         self.stage.scene.triangle_count()
+    }
+
+    #[getter]
+    fn segment_count(&self) -> usize {
+        self.stage.scene.segment_count()
     }
 
     #[getter]

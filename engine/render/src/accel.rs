@@ -3,16 +3,19 @@
 
 mod bounds;
 mod build;
+pub(crate) mod curves;
 mod node;
 mod refit;
+mod segment;
 mod source;
 mod traverse;
 mod triangles;
 
 use crate::Rgb;
-use crate::scene::{Scene, visibility::Rays};
+use crate::scene::{Scene, curves::Controls, visibility::Rays};
 use bounds::Bounds;
 use build::build;
+use curves::CurveForest;
 use fearless_simd::{Level, Simd, dispatch};
 use glam::{Affine3A, Vec3A};
 use node::Node;
@@ -32,28 +35,49 @@ pub struct Ray {
     pub direction: Vec3A,
     /// Nothing farther than this counts, Blender units.
     pub t_max: f32,
+    /// The strand that it leaves.
+    pub skip: Skip,
 }
 
 impl Ray {
     /// Without end.
     #[inline]
     pub fn new(origin: Vec3A, direction: Vec3A) -> Self {
-        Self { origin, direction, t_max: f32::INFINITY }
+        Self { origin, direction, t_max: f32::INFINITY, skip: Skip::NONE }
     }
 }
 
-/// Where a ray met a triangle.
+/// A strand of hair that a ray does not meet, as in Cycles: what leaves a strand does not come back to it. A ribbon that turns to
+/// every ray would else hide from itself.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub struct Skip {
+    /// Index of its instance.
+    pub instance: u32,
+    /// Its number in its curves.
+    pub strand: u32,
+}
+
+impl Skip {
+    /// Of rays that do not leave hair.
+    pub const NONE: Self = Self { instance: u32::MAX, strand: u32::MAX };
+}
+
+/// See [`Hit::v`].
+pub const FROM_WITHIN: f32 = 3.0;
+
+/// Where a ray met a triangle, or a segment of a curve.
 #[derive(Clone, Copy, Debug)]
 pub struct Hit {
     /// Distance, Blender units.
     pub t: f32,
-    /// Barycentric weight of the triangle's second corner.
+    /// Barycentric weight of the triangle's second corner; along a segment, 0 to 1 (beyond on a round end, by
+    /// which way the normal leans there).
     pub u: f32,
-    /// Barycentric weight of the third.
+    /// Barycentric weight of the third; across a segment, -1 to 1, and [`FROM_WITHIN`] more where a round strand is met from within.
     pub v: f32,
     /// Index into the scene's instances.
     pub instance: u32,
-    /// Index into the mesh's triangles.
+    /// Index into the mesh's triangles, or a segment's number.
     pub triangle: u32,
 }
 
@@ -68,6 +92,8 @@ pub struct Accel {
     places: Vec<Node>,
     /// In the order of its leaves.
     placed: Vec<PlacedMesh>,
+    /// Hair, if there is any.
+    curves: Option<Box<CurveForest>>,
     /// By instance.
     visible: Vec<Rays>,
     /// The kinds of ray that nothing is hidden from.
@@ -83,6 +109,13 @@ struct PlacedMesh {
     to_object: Affine3A,
     mesh: u32,
     instance: u32,
+}
+
+impl PlacedMesh {
+    fn new(scene: &Scene, i: u32) -> Self {
+        let instance = &scene.instances[i as usize];
+        Self { to_object: instance.to_object, mesh: instance.mesh, instance: i }
+    }
 }
 
 impl Accel {
@@ -109,19 +142,16 @@ impl Accel {
             .filter(Bounds::is_within_reach)
             .collect();
         let places = build(&mut boxes, 1);
-        let place = |leaf: &Range<usize>| {
-            let [i, _] = boxes[leaf.start].name();
-            let instance = &scene.instances[i as usize];
-            PlacedMesh { to_object: instance.to_object, mesh: instance.mesh, instance: i }
-        };
+        let place = |leaf: &Range<usize>| PlacedMesh::new(scene, boxes[leaf.start].name()[0]);
         let placed = places.leaves.iter().map(place).collect();
 
         let visible: Vec<Rays> = scene.instances.iter().map(|instance| instance.visible).collect();
         let all_visible = visible.iter().fold(Rays::ALL, |all, one| all.common(*one));
+        let curves = CurveForest::new(scene, parts);
         let bounds = places.nodes.first().map(Node::bounds).into_iter().chain(common.bounds());
-        let bounds = bounds.reduce(|a, b| a.union(&b));
+        let bounds = bounds.chain(curves.as_ref().and_then(|curves| curves.bounds())).reduce(|a, b| a.union(&b));
         let (level, places, refitted) = (Level::new(), places.nodes, 0);
-        Self { level, common, meshes, places, placed, visible, all_visible, bounds, topology, refitted }
+        Self { level, common, meshes, places, placed, curves, visible, all_visible, bounds, topology, refitted }
     }
 
     /// How many of its trees were there before, see [`Self::new_after`].
@@ -136,7 +166,11 @@ impl Accel {
 
     /// The nearest surface.
     pub fn closest(&self, ray: &Ray, kind: Rays) -> Option<Hit> {
-        dispatch!(self.level, simd => self.closest_with(simd, ray, kind))
+        let found = dispatch!(self.level, simd => self.closest_with(simd, ray, kind));
+        match &self.curves {
+            None => found,
+            Some(curves) => curves.closest(self.level, ray, found, |instance| self.shows(instance, kind)),
+        }
     }
 
     /// The part of light that gets from one end of the ray to the other; `opacity` says how much of it each
@@ -167,8 +201,20 @@ impl Accel {
 
     /// Gives every surface between the ray's ends to `pass`, in any order, until that says no.
     fn each_between(&self, ray: &Ray, kind: Rays, mut pass: impl FnMut(&Hit) -> bool) {
-        let pass: &mut dyn FnMut(&Hit) -> bool = &mut pass;
-        dispatch!(self.level, simd => self.each_between_with(simd, ray, kind, pass))
+        let Some(curves) = &self.curves else {
+            let pass: &mut dyn FnMut(&Hit) -> bool = &mut pass;
+            return dispatch!(self.level, simd => self.each_between_with(simd, ray, kind, pass));
+        };
+        let mut goes_on = true;
+        let mut noted = |hit: &Hit| {
+            goes_on = pass(hit);
+            goes_on
+        };
+        let noting: &mut dyn FnMut(&Hit) -> bool = &mut noted;
+        dispatch!(self.level, simd => self.each_between_with(simd, ray, kind, noting));
+        if goes_on {
+            curves.each_between(self.level, ray, |instance| self.shows(instance, kind), &mut pass);
+        }
     }
 
     #[inline(always)]

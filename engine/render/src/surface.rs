@@ -1,9 +1,11 @@
 //! A point on a surface, from what a ray met: where it is, which way it faces, and its texture coordinates.
 
-use crate::accel::Hit;
+use crate::accel::curves::radius_scale;
+use crate::accel::{FROM_WITHIN, Hit, Ray, Skip};
+use crate::scene::curves::Curves;
 use crate::scene::mesh::{GENERATED, Mesh};
 use crate::scene::{Instance, Scene};
-use glam::{Vec2, Vec3, Vec3A};
+use glam::{Vec2, Vec3, Vec3A, Vec4};
 
 /// A point on a surface in render space.
 #[derive(Clone, Copy, Debug)]
@@ -24,15 +26,23 @@ pub struct SurfacePoint {
     pub triangle: u32,
     /// Index of the material.
     pub material: u32,
-    /// Barycentric weights of the second and third corner.
+    /// Barycentric weights of the second and third corner; on a strand of hair, along and across its segment, as in [`Hit`].
     pub barycentric: [f32; 2],
+    /// The strand of hair in its curves; [`NO_STRAND`] on a triangle.
+    pub strand: u32,
 }
+
+/// [`SurfacePoint::strand`] of triangles.
+pub const NO_STRAND: u32 = u32::MAX;
 
 impl SurfacePoint {
     /// The point of a hit by a ray along `direction`.
     pub fn new(scene: &Scene, hit: &Hit, direction: Vec3A) -> Self {
         let instance = &scene.instances[hit.instance as usize];
         let mesh = &scene.meshes[instance.mesh as usize];
+        if let Some(curves) = &mesh.curves {
+            return Self::on_strand(instance, curves, hit, direction);
+        }
         let corners = mesh.corners(hit.triangle);
         let [w0, w1, w2] = weights([hit.u, hit.v]);
         let local = corners[0] * w0 + corners[1] * w1 + corners[2] * w2;
@@ -63,7 +73,57 @@ impl SurfacePoint {
             triangle: hit.triangle,
             material: instance.material(mesh.slot(hit.triangle)),
             barycentric: [hit.u, hit.v],
+            strand: NO_STRAND,
         }
+    }
+
+    /// On hair. Its normals are those of a round strand, of ribbons, too: light is scattered as if these were round.
+    #[inline(never)]
+    fn on_strand(instance: &Instance, curves: &Curves, hit: &Hit, direction: Vec3A) -> Self {
+        let strand = curves.strand_of(hit.triangle);
+        let controls = curves.controls(strand, hit.triangle);
+        let u = hit.u.clamp(0.0, 1.0);
+        let (middle, slope) = (controls.at(u), controls.slope(u));
+        let along = along_strand(instance, slope.truncate(), direction);
+        let across = along.cross(-direction).try_normalize().unwrap_or_else(|| along.any_orthonormal_vector());
+        let is_within = hit.v > 0.5 * FROM_WITHIN;
+        let v = if is_within { hit.v - FROM_WITHIN } else { hit.v };
+        // Beyond its ends: the part of the normal along the strand; one more where the rest leans the other way.
+        let past = hit.u - u;
+        let leans_away = past.abs() > 1.0;
+        let lengthwise = if leans_away { past - past.signum() } else { past };
+        let upwards = (1.0 - v * v - lengthwise * lengthwise).max(0.0).sqrt();
+        let upwards = if leans_away != is_within { -upwards } else { upwards };
+        let outwards = (across * v + along * lengthwise + across.cross(along) * upwards).normalize();
+        let shading_normal = if is_within { -outwards } else { outwards };
+        let local = Vec3A::from_vec4(middle);
+        let radius = middle.w * radius_scale(instance);
+        let outwards = if curves.is_flat() { across * v } else { outwards };
+        Self {
+            position: instance.to_render.transform_point3a(local) + outwards * radius,
+            position_error: position_error(instance, local),
+            geometric_normal: shading_normal,
+            shading_normal,
+            backfacing: is_within,
+            instance: hit.instance,
+            triangle: hit.triangle,
+            material: instance.material(0),
+            barycentric: [hit.u, hit.v],
+            strand,
+        }
+    }
+
+    /// A ray without end that leaves it at `origin`: hair does not meet the strand that it leaves.
+    #[inline(always)]
+    pub fn leaving(&self, origin: Vec3A, direction: Vec3A) -> Ray {
+        Ray { skip: Skip { instance: self.instance, strand: self.strand }, ..Ray::new(origin, direction) }
+    }
+
+    /// Whether it is on hair, and a ray met the same strand.
+    pub fn is_on_strand_of(&self, scene: &Scene, hit: &Hit) -> bool {
+        self.strand != NO_STRAND
+            && hit.instance == self.instance
+            && mesh_of(scene, hit.instance).curves.as_ref().is_some_and(|c| c.strand_of(hit.triangle) == self.strand)
     }
 
     /// The same point seen along another ray, which leaves it along `d`.
@@ -90,6 +150,9 @@ impl SurfacePoint {
 pub fn tangent_about_z(scene: &Scene, point: &SurfacePoint) -> Vec3A {
     let instance = &scene.instances[point.instance as usize];
     let mesh = mesh_of(scene, point.instance);
+    if let Some(curves) = &mesh.curves {
+        return tangent_of_strand(instance, curves, point);
+    }
     let part = match mesh.attribute(GENERATED) {
         Some(values) => {
             let [a, b, c] = values[point.triangle as usize];
@@ -120,13 +183,38 @@ pub struct Strand {
 /// The strand at a point.
 pub fn strand(scene: &Scene, point: &SurfacePoint) -> Strand {
     let instance = &scene.instances[point.instance as usize];
-    let corners = mesh_of(scene, point.instance).corners(point.triangle);
+    let mesh = mesh_of(scene, point.instance);
+    if let Some(curves) = &mesh.curves {
+        let along = tangent_of_strand(instance, curves, point);
+        let v = point.barycentric[1];
+        // From within the normal is turned round.
+        let offset = if v > 0.5 * FROM_WITHIN { v - FROM_WITHIN } else { -v };
+        return Strand { along, edge: None, offset: Some(offset) };
+    }
+    let corners = mesh.corners(point.triangle);
     let side = if point.backfacing { -1.0 } else { 1.0 };
     let edge = |to: usize| {
         let edge = instance.to_render.transform_vector3a(Vec3A::from(corners[to] - corners[0]));
         edge.normalize_or(Vec3A::X) * side
     };
     Strand { along: edge(1), edge: Some(edge(2)), offset: None }
+}
+
+/// Along the strand at a point of hair, unit, render space.
+pub fn tangent_of_strand(instance: &Instance, curves: &Curves, point: &SurfacePoint) -> Vec3A {
+    let slope = strand_slope(curves, point).truncate();
+    along_strand(instance, slope, -point.geometric_normal)
+}
+
+/// How place and radius change along the segment at a point of hair, object space.
+pub fn strand_slope(curves: &Curves, point: &SurfacePoint) -> Vec4 {
+    curves.controls(point.strand, point.triangle).slope(point.barycentric[0].clamp(0.0, 1.0))
+}
+
+/// A slope of object space as a unit direction; where it has none, any across the view.
+fn along_strand(instance: &Instance, slope: Vec3, view: Vec3A) -> Vec3A {
+    let along = instance.to_render.transform_vector3a(slope.into());
+    along.try_normalize().unwrap_or_else(|| view.any_orthonormal_vector())
 }
 
 /// A bound on what rounding does to a point on its way from object to render space and, as a ray's start, back:
@@ -147,6 +235,9 @@ pub fn mesh_of(scene: &Scene, instance: u32) -> &Mesh {
 
 /// Texture coordinates at a point of a triangle.
 pub fn uv(mesh: &Mesh, triangle: u32, barycentric: [f32; 2], map: Option<&str>) -> Vec2 {
+    if let Some(curves) = &mesh.curves {
+        return curves.uv_map(map).map_or(Vec2::ZERO, |index| curves.uv(index, triangle));
+    }
     let Some(index) = mesh.uv_map(map) else { return Vec2::ZERO };
     let c = mesh.uv_maps[index].1[triangle as usize];
     let [w0, w1, w2] = weights(barycentric);

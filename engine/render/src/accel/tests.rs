@@ -149,4 +149,5 @@ fn near_surfaces_are_not_skipped() {
 }
 
 mod against_all;
+mod hair;
 mod surfaces;

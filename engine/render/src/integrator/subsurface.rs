@@ -103,7 +103,7 @@ fn own_surface(stage: &Stage, instance: u32, ray: Ray, rays: &mut u32) -> Option
         }
         passed += hit.t;
         let origin = offset_origin(point.position, -point.geometric_normal, point.position_error);
-        ray = Ray { origin, direction: ray.direction, t_max: ray.t_max - hit.t };
+        ray = Ray { t_max: ray.t_max - hit.t, ..point.leaving(origin, ray.direction) };
     }
     None
 }

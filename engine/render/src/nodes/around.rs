@@ -43,7 +43,7 @@ impl Around<'_> {
             let direction = to_world(&axes, sample_cosine_hemisphere(u));
             let side = point.geometric_normal * 1f32.copysign(point.geometric_normal.dot(direction));
             let origin = offset_origin(point.position, side, point.position_error);
-            let ray = Ray { origin, direction, t_max: distance };
+            let ray = Ray { t_max: distance, ..point.leaving(origin, direction) };
             let blocks = |instance: u32| !asked.only_local || instance == point.instance;
             accel.transmittance(&ray, |hit| f32::from(u8::from(blocks(hit.instance)))) > 0.0
         };

@@ -42,6 +42,9 @@ pub fn displace(scene: &mut Scene) -> Vec<String> {
 fn offsets(scene: &Scene, instance: usize) -> Option<Vec<Vec3>> {
     let owner = &scene.instances[instance];
     let mesh = &scene.meshes[owner.mesh as usize];
+    if mesh.curves.is_some() {
+        return None;
+    }
     let graph_of = |slot: u32| -> Option<&Graph> {
         scene.materials[owner.material(slot) as usize].graph.as_deref().filter(|graph| graph.moves_vertices())
     };

@@ -7,6 +7,7 @@ pub mod displacement;
 pub mod lamp;
 mod layers;
 mod point;
+mod strand;
 pub mod volume;
 mod way;
 pub mod world;

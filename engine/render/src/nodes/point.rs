@@ -1,6 +1,7 @@
 //! A point of a surface as a shader graph's program asks for it.
 
 use super::around::Around;
+use super::strand;
 use super::way::Way;
 use crate::accel::{Hit, Ray};
 use crate::scene::mesh::{GENERATED, Mesh};
@@ -74,7 +75,10 @@ impl<'a> Point<'a> {
         // A pixel's width: heights are asked that far apart for a bump.
         let size = scene.viewport.pixel_angle_rad() * view.distance.max(1e-6 * surface.position.length());
         let footprint = [x * size, y * size];
-        let along = weights_along(instance, mesh, triangle, &footprint);
+        let along = match &mesh.curves {
+            None => weights_along(instance, mesh, triangle, &footprint),
+            Some(curves) => strand::weights_along(instance, curves, &surface, &footprint),
+        };
         Self {
             around,
             scene,
@@ -172,6 +176,9 @@ impl<'a> Point<'a> {
 
     /// To the nearest of the lines along the triangle's sides.
     fn edge_distance(&self, shift: Shift) -> f32 {
+        if self.mesh.curves.is_some() {
+            return f32::INFINITY;
+        }
         let at = self.in_render(shift);
         let to_render = |p: Vec3| self.instance.to_render.transform_point3a(p.into());
         let [a, b, c] = self.mesh.corners(self.surface.triangle).map(to_render);
@@ -191,12 +198,18 @@ impl<'a> Point<'a> {
     }
 
     fn object_position(&self, shift: Shift) -> Vec3A {
+        if self.mesh.curves.is_some() {
+            return self.instance.to_object.transform_point3a(self.in_render(shift));
+        }
         let [a, b, c] = self.mesh.corners(self.surface.triangle);
         let [wa, wb, wc] = self.barycentric(shift);
         Vec3A::from(a * wa + b * wb + c * wc)
     }
 
     fn mesh_normal(&self, shift: Shift) -> Vec3A {
+        if self.mesh.curves.is_some() {
+            return (self.instance.to_render.matrix3.transpose() * self.surface.shading_normal).normalize_or_zero();
+        }
         match &self.mesh.corner_normals {
             Some(normals) => self.interpolated(normals, shift).into(),
             None => {
@@ -207,6 +220,9 @@ impl<'a> Point<'a> {
     }
 
     fn named(&self, name: &str, shift: Shift) -> Option<Vec4> {
+        if let Some(curves) = &self.mesh.curves {
+            return strand::named(curves, name, self.surface.triangle, self.barycentric(shift)[1]);
+        }
         if let Some(values) = self.mesh.attribute(name) {
             return Some(self.interpolated(values, shift));
         }
@@ -237,6 +253,11 @@ impl<'a> Point<'a> {
         if let Some(values) = self.mesh.attribute(GENERATED) {
             return Vec3A::from_vec4(self.interpolated(values, shift));
         }
+        if let Some(value) =
+            self.mesh.curves.as_ref().and_then(|curves| curves.attribute(GENERATED, self.surface.triangle, 0.0))
+        {
+            return Vec3A::from_vec4(value);
+        }
         self.object_position(shift)
     }
 }
@@ -252,7 +273,10 @@ impl Context for Point<'_> {
         match field {
             Field::Position => self.position(shift),
             Field::Normal => self.surface.shading_normal,
-            Field::TrueNormal => self.surface.geometric_normal,
+            Field::TrueNormal => match &self.mesh.curves {
+                Some(curves) if curves.is_flat() => -self.view.direction,
+                _ => self.surface.geometric_normal,
+            },
             Field::MeshNormal => self.mesh_normal(shift),
             Field::Incoming => -self.view.direction,
             Field::Parametric => {
@@ -284,12 +308,22 @@ impl Context for Point<'_> {
             Field::ObjectRandom => number(info.random),
             Field::MaterialIndex => number(self.material_index),
             Field::RayLength => number(self.view.distance),
-            _ => self.view.way.read(field).map_or(Vec3A::ZERO, number),
+            _ => match (self.view.way.read(field), &self.mesh.curves) {
+                (Some(known), _) => number(known),
+                (None, Some(curves)) => {
+                    let u = self.barycentric(shift)[1];
+                    strand::read(field, self.instance, curves, &self.surface, u, self.view.direction)
+                }
+                (None, None) => Vec3A::ZERO,
+            },
         }
     }
 
     fn attribute(&self, index: usize, shift: Shift) -> Vec4 {
         let Attribute { kind, name } = &self.attributes[index];
+        if let Some(curves) = &self.mesh.curves {
+            return strand::attribute(curves, kind, name, self.surface.triangle, self.barycentric(shift)[1]);
+        }
         let map = || self.mesh.uv_map((!name.is_empty()).then_some(name));
         match kind {
             AttributeKind::Uv => map().map_or(Vec4::ZERO, |map| self.uv(map, shift)),

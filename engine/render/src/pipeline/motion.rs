@@ -7,6 +7,7 @@
 use crate::accel::Ray;
 use crate::camera::imaging::{Imaging, Seen};
 use crate::integrator::path::FirstSurface;
+use crate::scene::curves::Curves;
 use crate::scene::{Instance, Scene};
 use glam::{DVec2, DVec3};
 
@@ -64,6 +65,9 @@ impl Motion {
 fn moved(scene: &Scene, surface: &FirstSurface, frame: usize) -> Option<DVec3> {
     let instance = &scene.instances[surface.instance as usize];
     let mesh = &scene.meshes[instance.mesh as usize];
+    if let Some(curves) = &mesh.curves {
+        return moved_strand(instance, curves, surface, frame);
+    }
     let positions = match &mesh.moved_positions {
         Some(moved) => &moved[frame],
         None if instance.moved.is_none() => return None,
@@ -72,6 +76,19 @@ fn moved(scene: &Scene, surface: &FirstSurface, frame: usize) -> Option<DVec3> {
     let [u, v] = surface.barycentric.map(f64::from);
     let [a, b, c] = mesh.triangles[surface.triangle as usize].map(|i| positions[i as usize].as_dvec3());
     Some(placed(instance, frame, a * (1.0 - u - v) + b * u + c * v))
+}
+
+/// The same of a point on hair: it goes with the line between the keys beside it, as in Cycles.
+fn moved_strand(instance: &Instance, curves: &Curves, surface: &FirstSurface, frame: usize) -> Option<DVec3> {
+    if curves.moved_keys.is_none() && instance.moved.is_none() {
+        return None;
+    }
+    let (key, u) = (surface.triangle as usize, f64::from(surface.barycentric[0].clamp(0.0, 1.0)));
+    let now = |key: usize| curves.keys[key].truncate().as_dvec3();
+    let then = |key: usize| curves.moved_keys.as_ref().map_or_else(|| now(key), |moved| moved[frame][key].as_dvec3());
+    let before = instance.to_render.transform_point3(now(key).lerp(now(key + 1), u).as_vec3()).as_dvec3();
+    let after = placed(instance, frame, then(key).lerp(then(key + 1), u));
+    Some(surface.position.as_dvec3() + after - before)
 }
 
 fn placed(instance: &Instance, frame: usize, local: DVec3) -> DVec3 {

@@ -10,7 +10,7 @@ use glam::Vec3A;
 use petzval_nodes::{Field, Graph as Shaders, Layer, LayerKind, Operand, Program, Registers, compile};
 
 /// What the engine can tell of a point.
-const KNOWN: [Field; 44] = [
+const KNOWN: [Field; 48] = [
     Field::Position,
     Field::Normal,
     Field::TrueNormal,
@@ -55,6 +55,10 @@ const KNOWN: [Field; 44] = [
     Field::TransmissionDepth,
     Field::PortalDepth,
     Field::StrandIntercept,
+    Field::StrandLength,
+    Field::StrandThickness,
+    Field::StrandNormal,
+    Field::StrandRandom,
 ];
 
 /// "Random per island".

@@ -1,6 +1,7 @@
 //! Triangle meshes, checked once so that nothing later needs to.
 
 use super::SceneError;
+use super::curves::Curves;
 use super::grid::Grid;
 use glam::{Vec2, Vec3, Vec4};
 
@@ -33,7 +34,7 @@ pub struct MeshDescription {
 }
 
 /// A checked mesh: every index valid, every position finite, every triangle with area.
-#[derive(Clone, Debug)]
+#[derive(Clone, Debug, Default)]
 pub struct Mesh {
     /// For messages.
     pub name: String,
@@ -57,6 +58,8 @@ pub struct Mesh {
     pub keeps_opacity: bool,
     /// The corners of the box that holds `positions`.
     pub bounds: [Vec3; 2],
+    /// Hair or other curves, instead of triangles.
+    pub curves: Option<Box<Curves>>,
 }
 
 impl Mesh {
@@ -119,6 +122,7 @@ impl Mesh {
             moved_positions: d.moved_positions,
             grids,
             keeps_opacity: d.keeps_opacity,
+            curves: None,
         };
         if dropped > 0 {
             mesh.keep_only(&keep);

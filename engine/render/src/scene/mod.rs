@@ -2,6 +2,7 @@
 //! becomes an immutable [`Scene`] in render space. Nothing here knows how light moves or what a camera is.
 
 pub mod closure;
+pub mod curves;
 pub mod edges;
 pub mod graph;
 pub mod grid;
@@ -17,6 +18,7 @@ pub mod volume;
 pub mod world;
 
 use crate::Rgb;
+use curves::{Curves, CurvesDescription};
 use glam::{Affine3A, DAffine3, DMat4, DVec3, Mat3A, Vec4};
 use lamp::Lamp;
 use material::Material;
@@ -35,6 +37,14 @@ pub enum SceneError {
     BadMesh {
         /// The mesh's name.
         mesh: String,
+        /// Which array, and how it is wrong.
+        what: String,
+    },
+    /// Arrays of curves disagree in length.
+    #[error("curves '{curves}': {what}; export them again or remove them")]
+    BadCurves {
+        /// Their name.
+        curves: String,
         /// Which array, and how it is wrong.
         what: String,
     },
@@ -156,6 +166,12 @@ impl Scene {
     pub fn triangle_count(&self) -> usize {
         self.instances.iter().map(|i| self.meshes[i.mesh as usize].triangles.len()).sum()
     }
+
+    /// Segments of hair and other curves, each instance counted.
+    pub fn segment_count(&self) -> usize {
+        let of = |mesh: &Mesh| mesh.curves.as_ref().map_or(0, |curves| curves.segment_count());
+        self.instances.iter().map(|i| of(&self.meshes[i.mesh as usize])).sum()
+    }
 }
 
 struct RawInstance {
@@ -237,6 +253,19 @@ impl SceneBuilder {
         let (mesh, warning) = Mesh::new(description)?;
         self.warnings.extend(warning);
         self.meshes.push(mesh);
+        Ok(self.meshes.len() - 1)
+    }
+
+    /// Adds curves, which are placed as meshes are; gives their index among these. Strands with a key that is not finite are left
+    /// out with a warning.
+    ///
+    /// # Errors
+    /// [`SceneError::BadCurves`] where their arrays do not fit together.
+    pub fn add_curves(&mut self, description: CurvesDescription) -> Result<usize, SceneError> {
+        let name = description.name.clone();
+        let (curves, warning) = Curves::new(description)?;
+        self.warnings.extend(warning);
+        self.meshes.push(curves.into_mesh(name));
         Ok(self.meshes.len() - 1)
     }
 
@@ -387,7 +416,10 @@ impl SceneBuilder {
             .instances
             .into_iter()
             .map(|raw| {
-                dims |= raw.softening.dims();
+                // Strands are round: nothing coarse would show.
+                let is_hair = self.meshes[raw.mesh].curves.is_some();
+                let softening = if is_hair { Softening::default() } else { raw.softening };
+                dims |= softening.dims();
                 let moved = DMat4::from_translation(-origin) * raw.matrix;
                 let inverse = moved.inverse();
                 let linear = glam::DMat3::from_mat4(raw.matrix);
@@ -408,7 +440,7 @@ impl SceneBuilder {
                     visible: raw.visible,
                     links: raw.links,
                     light_group: raw.light_group,
-                    softening: raw.softening,
+                    softening,
                 }
             })
             .collect();

@@ -201,8 +201,14 @@ fn connect(stage: &Stage, eye: &Vertex, light: &Vertex, rays: &mut u32) -> Rgb {
     let gap = light.ray(-d).origin - origin;
     *rays += 1;
     // Both ends stand clear of their surfaces.
-    let ray = Ray { origin, direction: gap.normalize_or(d), t_max: gap.length() };
-    let through = |hit: &Hit| opening(&stage.scene, hit, &View::along(&ray, hit.t, Way::CAMERA.shadow())).light;
+    let ray = Ray { t_max: gap.length(), ..eye.point.leaving(origin, gap.normalize_or(d)) };
+    let through = |hit: &Hit| {
+        // A strand of hair does not hide itself.
+        if light.point.is_on_strand_of(&stage.scene, hit) {
+            return Rgb::ONE;
+        }
+        opening(&stage.scene, hit, &View::along(&ray, hit.t, Way::CAMERA.shadow())).light
+    };
     let open = stage.accel.light_through(&ray, Rays::BOUNCE, through);
     found * weight(others) * open
 }

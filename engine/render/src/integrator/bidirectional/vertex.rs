@@ -53,7 +53,7 @@ impl Vertex {
 
     /// A ray that leaves it.
     pub(super) fn ray(&self, d: Vec3A) -> Ray {
-        Ray::new(leave(&self.point, d), d)
+        self.point.leaving(leave(&self.point, d), d)
     }
 
     /// Power that arrived from a light and leaves along `d`, towards the camera, as radiance times area at right angles
@@ -190,7 +190,7 @@ impl Walk<'_> {
                 return Stretch { end, distance, through, kept, u_end, u_light, u_lobe };
             }
             let origin = offset_origin(point.position, -point.geometric_normal, point.position_error);
-            ray = Ray { origin, t_max: ray.t_max - hit.t, ..ray };
+            ray = Ray { t_max: ray.t_max - hit.t, ..point.leaving(origin, ray.direction) };
         }
         let distance = distance + ray.t_max;
         Stretch { end: None, distance, through, kept: 1.0, u_end: 0.0, u_light: 0.0, u_lobe: 0.0 }

@@ -33,7 +33,7 @@ pub fn openness(stage: &Stage, rays: &[Ray]) -> f32 {
             let [u0, u1, ..] = sampler.next_4d();
             let frame = warp::frame(point.geometric_normal);
             let d = warp::to_world(&frame, warp::sample_cosine_hemisphere([u0, u1])).normalize();
-            ray = Ray::new(leave(&point, d), d);
+            ray = point.leaving(leave(&point, d), d);
         }
     }
     if seen == 0 { UNKNOWN } else { open as f32 / seen as f32 }

@@ -56,7 +56,7 @@ impl Grazing {
     pub(super) fn ray(self, scene: &Scene, point: &SurfacePoint, d: Vec3A, distance: f32) -> Ray {
         let start = offset_origin(point.position, point.geometric_normal * self.side, point.position_error);
         let lift = height(scene, point, self.side) * self.amount;
-        let plain = Ray { origin: start + lift, direction: d, t_max: distance };
+        let plain = Ray { t_max: distance, ..point.leaving(start + lift, d) };
         if distance == f32::INFINITY {
             return plain;
         }

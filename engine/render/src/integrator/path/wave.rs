@@ -228,7 +228,7 @@ impl<G: Groups, const VOLUMES: bool> Wave<G, VOLUMES> {
                 path.throughput *= opening.light / opening.chance;
                 path.travelled += hit.t;
                 let origin = offset_origin(point.position, -point.geometric_normal, point.position_error);
-                path.ray = Ray { origin, t_max: path.ray.t_max - hit.t, ..path.ray };
+                path.ray = Ray { t_max: path.ray.t_max - hit.t, ..point.leaving(origin, path.ray.direction) };
                 self.is_alive[i as usize] = true;
                 continue;
             }

@@ -139,6 +139,7 @@ fn point(backfacing: bool) -> SurfacePoint {
         triangle: 0,
         material: 0,
         barycentric: [0.3, 0.3],
+        strand: crate::surface::NO_STRAND,
     }
 }
 

@@ -58,7 +58,7 @@ impl Place<'_> {
                 found.add(of, limits.clamp(arrives, u32::from(path.way.depth)));
             } else if arrives != Rgb::ZERO {
                 let ray = match grazing {
-                    None => Ray { origin: leave(point, light.wi), direction: light.wi, t_max: light.distance },
+                    None => Ray { t_max: light.distance, ..point.leaving(leave(point, light.wi), light.wi) },
                     Some(grazing) => grazing.ray(&stage.scene, point, light.wi, light.distance),
                 };
                 let (way, sets) = (path.way, light.sets);
@@ -100,7 +100,7 @@ impl Place<'_> {
         }
         path.chosen = if next.mirror { Chosen::Alone } else { Chosen::WithPdf(next.pdf, to) };
         path.travelled = 0.0;
-        path.ray = Ray::new(leave(self.point, next.wi), next.wi);
+        path.ray = self.point.leaving(leave(self.point, next.wi), next.wi);
         path.start = path.ray.origin;
         path.from = self.point.instance;
         true

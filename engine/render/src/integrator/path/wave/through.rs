@@ -179,7 +179,7 @@ impl Inside {
         }
         let of = found.groups.of(|| stage.lights.group(&stage.scene, source));
         if light.cast_shadow {
-            let ray = Ray { origin: position, direction: light.wi, t_max: light.distance };
+            let ray = Ray { t_max: light.distance, ..Ray::new(position, light.wi) };
             shadows.push(Shadow { path: found.path, ray, light: arrives, way: path.way, sets: light.sets, of });
             veils.push(Veil { stack: self.stack.clone(), seed: seed([u_seed, u_light, u0]) });
         } else {
@@ -374,7 +374,7 @@ impl Veil {
             if stack.is_empty() || to <= from {
                 return Rgb::ONE;
             }
-            let part = Ray { origin: ray.origin + ray.direction * from, direction: ray.direction, t_max: to - from };
+            let part = Ray { t_max: to - from, ..Ray::new(ray.origin + ray.direction * from, ray.direction) };
             Stretch { stage, stack, ray: part, way: way.shadow() }.transmittance(&mut numbers)
         };
         for (t, point) in &borders {

@@ -1,0 +1,95 @@
+# SPDX-License-Identifier: GPL-3.0-or-later
+"""Hair curves, and curves that geometry nodes make, as the engine's arrays."""
+
+from __future__ import annotations
+
+from collections.abc import Iterable
+from dataclasses import dataclass, field
+from typing import Any
+
+import bpy
+import numpy as np
+
+from . import attributes
+
+#: What Cycles takes for a radius where curves have none.
+RADIUS = 0.005
+#: Blender's number of curves that are straight from point to point.
+_POLY = 1
+
+
+@dataclass
+class CurveArrays:
+    """What `SceneBuilder.add_curves` takes."""
+
+    #: Place and radius, object space.
+    keys: np.ndarray
+    #: By strand the index of its first key; then how many keys there are.
+    first_keys: np.ndarray
+    shape: dict[str, Any]
+    first_number: int = 0
+    #: By name: (strands, 2).
+    uv_maps: dict[str, np.ndarray] = field(default_factory=dict)
+    #: By name: whether by key, else by strand; and (keys or strands, 4).
+    attributes: dict[str, tuple[bool, np.ndarray]] = field(default_factory=dict)
+
+    def send(self, builder: Any, name: str, moved: tuple[np.ndarray, np.ndarray] | None) -> int:
+        """Adds them to a `SceneBuilder`; gives their index."""
+        return builder.add_curves(
+            name,
+            self.keys,
+            self.first_keys,
+            **self.shape,
+            first_number=self.first_number,
+            uv_maps=self.uv_maps or None,
+            attributes=self.attributes or None,
+            moved_keys=moved,
+        )
+
+
+def shape(scene: bpy.types.Scene) -> dict[str, Any]:
+    """What Cycles's settings say is drawn of curves; ribbons where there is no Cycles."""
+    settings = getattr(scene, "cycles_curves", None)
+    kind = getattr(settings, "shape", "RIBBONS")
+    if kind == "RIBBONS":
+        return {"shape": "RIBBON", "pieces": (1 << getattr(settings, "subdivisions", 2)) + 1}
+    return {"shape": kind}
+
+
+def extract(curves: bpy.types.Curves, wanted: Iterable[str], drawn: dict[str, Any]) -> CurveArrays | None:
+    """The arrays of curves in object space, and the attributes of these names; None where there are no strands."""
+    first_keys = np.empty(len(curves.curve_offset_data), np.int32)
+    curves.curve_offset_data.foreach_get("value", first_keys)
+    if len(first_keys) < 2:
+        return None
+    keys = np.full((len(curves.points), 4), RADIUS, np.float32)
+    keys[:, :3] = positions(curves)
+    radius = curves.attributes.get("radius")
+    if radius is not None and radius.domain == "POINT":
+        keys[:, 3] = _read(radius, "value", 1, np.float32)[:, 0]
+    arrays = CurveArrays(keys, first_keys, drawn if not _is_straight(curves) else {"shape": "THICK_LINEAR"})
+    for attribute in curves.attributes:
+        if attribute.domain == "CURVE" and attribute.data_type == "FLOAT2":
+            arrays.uv_maps[attribute.name] = _read(attribute, "vector", 2, np.float32)
+    for name in wanted:
+        attribute = curves.attributes.get(name) if name else None
+        if attribute is not None and attribute.data_type in attributes.KINDS:
+            arrays.attributes[name] = (attribute.domain == "POINT", attributes.four(attribute))
+    return arrays
+
+
+def positions(curves: bpy.types.Curves) -> np.ndarray:
+    """The points, (points, 3), object space."""
+    return _read(curves.attributes["position"], "vector", 3, np.float32)
+
+
+def _is_straight(curves: bpy.types.Curves) -> bool:
+    """Whether Cycles draws them straight from point to point: from Blender 5 on, as the first curve says."""
+    kinds = curves.attributes.get("curve_type")
+    return bpy.app.version >= (5, 0, 0) and kinds is not None and kinds.data[0].value == _POLY
+
+
+def _read(attribute: bpy.types.Attribute, name: str, width: int, kind: type) -> np.ndarray:
+    values = np.empty((len(attribute.data), width), kind)
+    attribute.data.foreach_get(name, values.reshape(-1))
+    return values

@@ -1,0 +1,364 @@
+//! Trees of curves, beside those of triangles: who has none pays nothing.
+//!
+//! A leaf is one segment, which keeps the numbers of its keys; keys are shared by neighbours.
+
+use super::bounds::Bounds;
+use super::build::build;
+use super::node::{BoxRay, Node};
+use super::segment::{BothMet, CurveMet, Cut, Gaze, meet};
+use super::source::Parts;
+use super::traverse::traverse;
+use super::{FROM_WITHIN, Hit, PlacedMesh, Ray, Skip};
+use crate::scene::curves::Curves;
+use crate::scene::{Instance, Scene};
+use fearless_simd::{Level, Simd, dispatch};
+use glam::{Vec3A, Vec4};
+use rayon::prelude::*;
+use std::ops::ControlFlow;
+
+/// All curves of a scene.
+pub(super) struct CurveForest {
+    /// In render space, of those that have one instance.
+    common: CurveTree,
+    /// In object space, of the others; by mesh.
+    shared: Vec<CurveTree>,
+    places: Vec<Node>,
+    placed: Vec<PlacedMesh>,
+}
+
+/// Segments and the nodes above them.
+#[derive(Default)]
+struct CurveTree {
+    nodes: Vec<Node>,
+    segments: Vec<Segment>,
+    /// Of all strands, each with its first key before it and its last one behind it once more.
+    keys: Vec<Vec4>,
+}
+
+/// A leaf.
+#[derive(Clone, Copy)]
+struct Segment {
+    /// The first of four in [`CurveTree::keys`].
+    controls: u32,
+    /// Of no meaning in trees of one mesh.
+    instance: u32,
+    strand: u32,
+    /// In its curves.
+    number: u32,
+    cut: Cut,
+}
+
+impl CurveForest {
+    /// `None` where the scene has no curves.
+    pub(super) fn new(scene: &Scene, parts: &Parts) -> Option<Box<Self>> {
+        if scene.meshes.iter().all(|mesh| mesh.curves.is_none()) {
+            return None;
+        }
+        let curves_of = |&i: &u32| {
+            let instance = &scene.instances[i as usize];
+            scene.meshes[instance.mesh as usize].curves.as_deref().map(|curves| (i, Some(instance), curves))
+        };
+        let alone: Vec<_> = parts.alone.iter().filter_map(curves_of).collect();
+        let several: Vec<u32> = parts.several.iter().copied().filter(|i| curves_of(i).is_some()).collect();
+        let mut is_shared = vec![false; scene.meshes.len()];
+        several.iter().for_each(|&i| is_shared[scene.instances[i as usize].mesh as usize] = true);
+        let shared: Vec<CurveTree> = scene
+            .meshes
+            .par_iter()
+            .zip(&is_shared)
+            .map(|(mesh, &is_shared)| match mesh.curves.as_deref().filter(|_| is_shared) {
+                Some(curves) => CurveTree::new(&[(0, None, curves)]),
+                None => CurveTree::default(),
+            })
+            .collect();
+        let mut boxes: Vec<Bounds> = several
+            .iter()
+            .filter_map(|&i| {
+                let instance = &scene.instances[i as usize];
+                let bounds = shared[instance.mesh as usize].bounds()?;
+                Some(bounds.transformed(&instance.to_render).naming([i, 0]))
+            })
+            .filter(Bounds::is_within_reach)
+            .collect();
+        let places = build(&mut boxes, 1);
+        let placed = places.leaves.iter().map(|leaf| PlacedMesh::new(scene, boxes[leaf.start].name()[0])).collect();
+        Some(Box::new(Self { common: CurveTree::new(&alone), shared, places: places.nodes, placed }))
+    }
+
+    pub(super) fn bounds(&self) -> Option<Bounds> {
+        let places = self.places.first().map(Node::bounds);
+        places.into_iter().chain(self.common.bounds()).reduce(|a, b| a.union(&b))
+    }
+
+    /// The nearest curve that is nearer than `nearest`, else that; of instances that are wanted.
+    #[inline(never)]
+    pub(super) fn closest(
+        &self,
+        level: Level,
+        ray: &Ray,
+        nearest: Option<Hit>,
+        wanted: impl Fn(u32) -> bool,
+    ) -> Option<Hit> {
+        dispatch!(level, simd => self.closest_with(simd, ray, nearest, &wanted))
+    }
+
+    /// Gives every curve between the ray's ends to `pass` until that says no.
+    #[inline(never)]
+    pub(super) fn each_between(
+        &self,
+        level: Level,
+        ray: &Ray,
+        wanted: impl Fn(u32) -> bool,
+        pass: &mut dyn FnMut(&Hit) -> bool,
+    ) {
+        dispatch!(level, simd => self.each_between_with(simd, ray, &wanted, pass));
+    }
+
+    #[inline(always)]
+    fn closest_with<S: Simd>(
+        &self,
+        simd: S,
+        ray: &Ray,
+        mut nearest: Option<Hit>,
+        wanted: &impl Fn(u32) -> bool,
+    ) -> Option<Hit> {
+        let here = BoxRay::new(ray.origin, ray.direction);
+        let mut t_max = nearest.map_or(ray.t_max, |hit| hit.t);
+        let gaze = Gaze::new(ray.origin, ray.direction);
+        let _ = self.common.follow(
+            simd,
+            (&here, &gaze),
+            t_max,
+            #[inline(always)]
+            |segment| wanted(segment.instance) && !ray.skip.is(segment.instance, segment.strand),
+            #[inline(always)]
+            |segment, both, mut end| {
+                for (way, met) in both.into_iter().enumerate() {
+                    if let Some(met) = met.filter(|met| met.t < end) {
+                        (t_max, end) = (met.t, met.t);
+                        nearest = Some(segment.hit(met, way, 1.0, segment.instance));
+                    }
+                }
+                ControlFlow::Continue(end)
+            },
+        );
+        if self.places.is_empty() {
+            return nearest;
+        }
+        let _ = traverse(
+            simd,
+            &self.places,
+            &here,
+            t_max,
+            #[inline(always)]
+            |leaf, mut t_max| {
+                let placed = &self.placed[leaf];
+                if wanted(placed.instance)
+                    && let Some((boxes, gaze, scale)) = enter(placed, ray)
+                {
+                    let _ = self.shared[placed.mesh as usize].follow(
+                        simd,
+                        (&boxes, &gaze),
+                        t_max * scale,
+                        #[inline(always)]
+                        |segment| !ray.skip.is(placed.instance, segment.strand),
+                        #[inline(always)]
+                        |segment, both, mut end| {
+                            for (way, met) in both.into_iter().enumerate() {
+                                if let Some(met) = met.filter(|met| met.t < end) {
+                                    let hit = segment.hit(met, way, scale, placed.instance);
+                                    // Not so where the division rounds up.
+                                    t_max = t_max.min(hit.t);
+                                    end = met.t;
+                                    nearest = Some(hit);
+                                }
+                            }
+                            ControlFlow::Continue(end)
+                        },
+                    );
+                }
+                ControlFlow::Continue(t_max)
+            },
+        );
+        nearest
+    }
+
+    #[inline(always)]
+    fn each_between_with<S: Simd>(
+        &self,
+        simd: S,
+        ray: &Ray,
+        wanted: &impl Fn(u32) -> bool,
+        pass: &mut dyn FnMut(&Hit) -> bool,
+    ) {
+        let mut pass = |hit: Hit| if pass(&hit) { ControlFlow::Continue(()) } else { ControlFlow::Break(()) };
+        let here = BoxRay::new(ray.origin, ray.direction);
+        let gaze = Gaze::new(ray.origin, ray.direction);
+        let end = self.common.follow(
+            simd,
+            (&here, &gaze),
+            ray.t_max,
+            #[inline(always)]
+            |segment| wanted(segment.instance) && !ray.skip.is(segment.instance, segment.strand),
+            #[inline(always)]
+            |segment, both, end| {
+                for (way, met) in both.into_iter().enumerate() {
+                    if let Some(met) = met {
+                        pass(segment.hit(met, way, 1.0, segment.instance))?;
+                    }
+                }
+                ControlFlow::Continue(end)
+            },
+        );
+        if end.is_break() || self.places.is_empty() {
+            return;
+        }
+        let _ = traverse(
+            simd,
+            &self.places,
+            &here,
+            ray.t_max,
+            #[inline(always)]
+            |leaf, t_max| {
+                let placed = &self.placed[leaf];
+                if wanted(placed.instance)
+                    && let Some((boxes, gaze, scale)) = enter(placed, ray)
+                {
+                    self.shared[placed.mesh as usize].follow(
+                        simd,
+                        (&boxes, &gaze),
+                        t_max * scale,
+                        #[inline(always)]
+                        |segment| !ray.skip.is(placed.instance, segment.strand),
+                        #[inline(always)]
+                        |segment, both, end| {
+                            for (way, met) in both.into_iter().enumerate() {
+                                if let Some(met) = met {
+                                    pass(segment.hit(met, way, scale, placed.instance))?;
+                                }
+                            }
+                            ControlFlow::Continue(end)
+                        },
+                    )?;
+                }
+                ControlFlow::Continue(t_max)
+            },
+        );
+    }
+}
+
+/// The ray in the object space of an instance, and how much longer distances are there.
+#[inline(always)]
+fn enter(placed: &PlacedMesh, ray: &Ray) -> Option<(BoxRay, Gaze, f32)> {
+    let origin = placed.to_object.transform_point3a(ray.origin);
+    let direction = placed.to_object.transform_vector3a(ray.direction);
+    let scale = direction.length();
+    let along = direction / scale;
+    (scale > 0.0 && scale.is_finite()).then(|| (BoxRay::new(origin, along), Gaze::new(origin, along), scale))
+}
+
+/// By how much an instance makes radii larger, as Cycles has it.
+pub(crate) fn radius_scale(instance: &Instance) -> f32 {
+    instance.to_render.matrix3.determinant().abs().cbrt()
+}
+
+impl Segment {
+    #[inline(always)]
+    fn hit(&self, met: CurveMet, way: usize, scale: f32, instance: u32) -> Hit {
+        let v = if way == 0 { met.v } else { met.v + FROM_WITHIN };
+        Hit { t: met.t / scale, u: met.u, v, instance, triangle: self.number }
+    }
+}
+
+impl CurveTree {
+    /// Of these curves: of an instance, in render space, or in object space.
+    fn new(of: &[(u32, Option<&Instance>, &Curves)]) -> Self {
+        let mut tree = Self::default();
+        let mut boxes = Vec::new();
+        for &(i, instance, curves) in of {
+            let larger = instance.map_or(1.0, radius_scale);
+            let placed = |key: Vec4| match instance {
+                Some(instance) => {
+                    let place = instance.to_render.transform_point3a(Vec3A::from_vec4(key));
+                    place.extend(key.w * larger)
+                }
+                None => key,
+            };
+            for strand in 0..curves.strand_count() as u32 {
+                let range = curves.keys_of(strand);
+                if range.len() < 2 {
+                    continue;
+                }
+                let base = tree.keys.len() as u32;
+                let own = || range.clone().map(|key| placed(curves.keys[key as usize]));
+                tree.keys.extend(own().take(1));
+                tree.keys.extend(own());
+                tree.keys.extend(own().last());
+                for number in range.start..range.end - 1 {
+                    let controls = base + number - range.start;
+                    let four = tree.controls(controls);
+                    // Nothing is drawn between keys at one place.
+                    if four[1].truncate() == four[2].truncate() {
+                        continue;
+                    }
+                    let four = super::Controls(four);
+                    let cut = Cut::new(curves.shape, &four);
+                    let bounds = match cut {
+                        Cut::Straight => Bounds::around(&four.0[1..3], 1.0),
+                        _ => Bounds::around(&four.hull(), cut.reach()),
+                    };
+                    if bounds.is_within_reach() {
+                        boxes.push(bounds.naming([tree.segments.len() as u32, 0]));
+                        tree.segments.push(Segment { controls, instance: i, strand, number, cut });
+                    }
+                }
+            }
+        }
+        let built = build(&mut boxes, 1);
+        let order = built.leaves.iter().map(|leaf| tree.segments[boxes[leaf.start].name()[0] as usize]).collect();
+        Self { nodes: built.nodes, segments: order, keys: tree.keys }
+    }
+
+    fn bounds(&self) -> Option<Bounds> {
+        self.nodes.first().map(Node::bounds)
+    }
+
+    #[inline(always)]
+    fn controls(&self, first: u32) -> [Vec4; 4] {
+        let first = first as usize;
+        *self.keys[first..first + 4].first_chunk().expect("four")
+    }
+
+    /// Offers what a ray meets of wanted segments; `met` gives the ray's end from then on.
+    #[inline(always)]
+    fn follow<S: Simd>(
+        &self,
+        simd: S,
+        (boxes, gaze): (&BoxRay, &Gaze),
+        t_max: f32,
+        wanted: impl Fn(&Segment) -> bool,
+        mut met: impl FnMut(&Segment, BothMet, f32) -> ControlFlow<(), f32>,
+    ) -> ControlFlow<()> {
+        traverse(
+            simd,
+            &self.nodes,
+            boxes,
+            t_max,
+            #[inline(always)]
+            |leaf, t_max| {
+                let segment = &self.segments[leaf];
+                if !wanted(segment) {
+                    return ControlFlow::Continue(t_max);
+                }
+                met(segment, meet(simd, gaze, self.controls(segment.controls), segment.cut, t_max), t_max)
+            },
+        )
+    }
+}
+
+impl Skip {
+    #[inline(always)]
+    fn is(self, instance: u32, strand: u32) -> bool {
+        self.strand == strand && self.instance == instance
+    }
+}

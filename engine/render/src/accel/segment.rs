@@ -1,0 +1,381 @@
+//! Where a ray meets one segment of a curve.
+//!
+//! The segment is looked at along the ray and taken in pieces, eight at a time, a lane each. A piece lies between the planes
+//! through its two joints at right angles to the curve; neighbours share a plane to the last bit, so that nothing passes between
+//! them. Ribbons are even between joints and face the ray (Nakamaru and Ohno 2002; Woop, Benthin, Wald, Johnson and Tabellion
+//! 2014, as Cycles has them); round strands are cones about the line between joints (in the manner of the phantom intersector of
+//! Reshetov and Luebke 2018, with the planes instead of its iteration), met on their way in and on their way out.
+
+use crate::scene::curves::{Controls, CurveShape};
+use fearless_simd::{Simd, SimdBase, SimdFloat, SimdMask, f32x8};
+use glam::{Vec2, Vec3, Vec3A, Vec4};
+
+const LANES: usize = 8;
+/// Pieces of a round segment at most.
+const MOST_PIECES: f32 = 64.0;
+/// Ribbons are met from twice their radius away on, as in Embree: nearer ones of other strands would show cuts.
+const RIBBON_ROOM: f32 = 2.0;
+
+/// Round pieces reach so many radii over their joints: two cones do not meet the plane between them in quite the same line.
+const OVERLAP: f32 = 0.005;
+
+/// A ray along whose direction curves are looked at.
+pub(super) struct Gaze {
+    origin: Vec3A,
+    axes: [Vec3A; 3],
+}
+
+impl Gaze {
+    /// `direction` has length one.
+    pub(super) fn new(origin: Vec3A, direction: Vec3A) -> Self {
+        let (x, y) = direction.any_orthonormal_pair();
+        // Right-handed: x, y, along the ray.
+        let x = if x.cross(y).dot(direction) < 0.0 { -x } else { x };
+        Self { origin, axes: [x, y, direction] }
+    }
+
+    fn seen(&self, key: Vec4) -> Vec4 {
+        let from = Vec3A::from_vec4(key) - self.origin;
+        let [x, y, z] = self.axes.map(|axis| axis.dot(from));
+        Vec4::new(x, y, z, key.w)
+    }
+}
+
+/// Where a segment is met.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub(super) struct CurveMet {
+    pub(super) t: f32,
+    /// Along the segment, 0 to 1; beyond that on a round end, by what the normal has along the strand, and one more where the rest
+    /// of it leans away from the view.
+    pub(super) u: f32,
+    /// Across it, -1 to 1: the sine of the angle between the normal and the view, to the side of the cross product of the
+    /// strand's direction and the view.
+    pub(super) v: f32,
+}
+
+/// What a segment has of a ray: on the way in, and on the way out.
+pub(super) type BothMet = [Option<CurveMet>; 2];
+
+/// How a segment is taken apart.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub(super) enum Cut {
+    Ribbon(u16),
+    Round(u16),
+    /// A straight cone with round ends.
+    Straight,
+}
+
+impl Cut {
+    pub(super) fn new(shape: CurveShape, controls: &Controls) -> Self {
+        match shape {
+            CurveShape::Ribbon { pieces } => Self::Ribbon(pieces.max(1)),
+            CurveShape::Thick => Self::Round(round_pieces(controls)),
+            CurveShape::ThickLinear => Self::Straight,
+        }
+    }
+
+    /// How far it reaches from the curve, in radii: the edges between round pieces stick out.
+    pub(super) fn reach(self) -> f32 {
+        if matches!(self, Self::Round(_)) { 1.04 } else { 1.0 }
+    }
+}
+
+/// So many that no chord is a fiftieth of the radius from the curve, nor two more than a quarter of a radian apart.
+fn round_pieces(controls: &Controls) -> u16 {
+    let [_, b, c, d] = controls.coefficients();
+    let bend = (2.0 * c).truncate().length().max((2.0 * c + 6.0 * d).truncate().length());
+    let radius = controls.0[1].w.max(controls.0[2].w).max(f32::MIN_POSITIVE);
+    let length = b.truncate().length().min((b + 2.0 * c + 3.0 * d).truncate().length()).max(f32::MIN_POSITIVE);
+    let pieces = (bend / (8.0 * 0.02 * radius)).sqrt().max(4.0 * bend / length).ceil();
+    // What is not a number becomes the least.
+    pieces.clamp(LANES as f32, MOST_PIECES) as u16
+}
+
+/// The nearest places before `t_max` where a segment is met.
+#[inline(always)]
+pub(super) fn meet<S: Simd>(simd: S, gaze: &Gaze, controls: [Vec4; 4], cut: Cut, t_max: f32) -> BothMet {
+    let seen = Controls(controls.map(|key| gaze.seen(key)));
+    match cut {
+        Cut::Ribbon(pieces) => in_pieces::<S, false>(simd, &seen, usize::from(pieces), t_max),
+        Cut::Round(pieces) => in_pieces::<S, true>(simd, &seen, usize::from(pieces), t_max),
+        Cut::Straight => straight(&seen, t_max),
+    }
+}
+
+/// Joints between up to eight pieces: place, radius, and the curve's direction.
+struct Joints([[f32; LANES + 1]; 7]);
+
+#[inline(always)]
+fn in_pieces<S: Simd, const ROUND: bool>(simd: S, seen: &Controls, pieces: usize, t_max: f32) -> BothMet {
+    let [p, a, b, q] = seen.0;
+    // Both sides of a joint between segments find these bits.
+    let (start, end) = ((a, 0.5 * (b - p)), (b, 0.5 * (q - a)));
+    let coefficients = seen.coefficients();
+    let mut joints = Joints([[0.0; LANES + 1]; 7]);
+    joints.set(0, start);
+    let step = 1.0 / pieces as f32;
+    let mut both = [None; 2];
+    let mut first = 0;
+    while first < pieces {
+        let count = (pieces - first).min(LANES);
+        joints.follow(simd, &coefficients, first, step);
+        if first + count == pieces {
+            joints.set(count, end);
+        }
+        if ROUND {
+            joints.round(simd, t_max, (first, count, step), &mut both);
+        } else {
+            joints.flat(simd, t_max, (first, count, step), &mut both[0]);
+        }
+        first += count;
+        for part in &mut joints.0 {
+            part[0] = part[LANES];
+        }
+    }
+    if ROUND { both.map(|met| met.map(|met| on_curve(&coefficients, met))) } else { both }
+}
+
+/// The place of the curve that is nearest to where a piece was met, instead of that of the chord.
+fn on_curve([a, b, c, d]: &[Vec4; 4], met: CurveMet) -> CurveMet {
+    let at = |u: f32| *a + u * (*b + u * (*c + u * *d));
+    let slope = |u: f32| (*b + u * (2.0 * *c + 3.0 * u * *d)).truncate();
+    let from = |u: f32| Vec3::new(0.0, 0.0, met.t) - at(u).truncate();
+    let along = slope(met.u);
+    let u = (met.u + from(met.u).dot(along) / along.length_squared()).clamp(0.0, 1.0);
+    let (along, radius) = (slope(u), at(u).w);
+    let v = (from(u).y * along.x - from(u).x * along.y) / (along.truncate().length() * radius);
+    if (u + v).is_finite() { CurveMet { u, v: v.clamp(-1.0, 1.0), ..met } } else { met }
+}
+
+/// What the lanes found.
+struct Lanes<S: Simd> {
+    hit: u32,
+    t: f32x8<S>,
+    /// Along the piece.
+    s: f32x8<S>,
+    v: f32x8<S>,
+}
+
+impl<S: Simd> Lanes<S> {
+    /// Keeps what is nearer than what was found; the first piece's number, how many there are, and how much of the segment each is.
+    #[inline(always)]
+    fn keep_nearest(self, (first, count, step): (usize, usize, f32), nearest: &mut Option<CurveMet>) {
+        let mut lanes = self.hit & ((1 << count) - 1);
+        if lanes == 0 {
+            return;
+        }
+        let (t, s, v) = (self.t.to_array(), self.s.to_array(), self.v.to_array());
+        while lanes != 0 {
+            let lane = lanes.trailing_zeros() as usize & (LANES - 1);
+            lanes &= lanes - 1;
+            let is_sound = (s[lane] + v[lane]).is_finite();
+            if is_sound && nearest.is_none_or(|met| t[lane] < met.t) {
+                let u = ((first + lane) as f32 + s[lane].clamp(0.0, 1.0)) * step;
+                *nearest = Some(CurveMet { t: t[lane], u: u.min(1.0), v: v[lane].clamp(-1.0, 1.0) });
+            }
+        }
+    }
+}
+
+impl Joints {
+    fn set(&mut self, joint: usize, (place, direction): (Vec4, Vec4)) {
+        for axis in 0..4 {
+            self.0[axis][joint] = place[axis];
+        }
+        for axis in 0..3 {
+            self.0[4 + axis][joint] = direction[axis];
+        }
+    }
+
+    /// The eight joints after number `first`.
+    #[inline(always)]
+    fn follow<S: Simd>(&mut self, simd: S, [a, b, c, d]: &[Vec4; 4], first: usize, step: f32) {
+        let number = std::array::from_fn(|lane| (first + lane + 1) as f32);
+        let u = f32x8::load_array(simd, number) * step;
+        let all = |x: f32| f32x8::splat(simd, x);
+        for axis in 0..4 {
+            let place = u * (u * (u * d[axis] + c[axis]) + b[axis]) + all(a[axis]);
+            self.0[axis][1..].copy_from_slice(&place.to_array());
+        }
+        for axis in 0..3 {
+            let slope = u * (u * (3.0 * d[axis]) + 2.0 * c[axis]) + all(b[axis]);
+            self.0[4 + axis][1..].copy_from_slice(&slope.to_array());
+        }
+    }
+
+    /// The joints before the pieces.
+    #[inline(always)]
+    fn before<S: Simd>(&self, simd: S, part: usize) -> f32x8<S> {
+        let values: &[f32; LANES] = self.0[part][..LANES].try_into().expect("as long");
+        f32x8::load_array(simd, *values)
+    }
+
+    /// The joints behind them.
+    #[inline(always)]
+    fn behind<S: Simd>(&self, simd: S, part: usize) -> f32x8<S> {
+        let values: &[f32; LANES] = self.0[part][1..].try_into().expect("as long");
+        f32x8::load_array(simd, *values)
+    }
+
+    /// Ribbons that face the ray.
+    #[inline(always)]
+    fn flat<S: Simd>(&self, simd: S, t_max: f32, which: (usize, usize, f32), nearest: &mut Option<CurveMet>) {
+        let [x0, y0, z0, r0, tx0, ty0] = [0, 1, 2, 3, 4, 5].map(|part| self.before(simd, part));
+        let [x1, y1, z1, r1, tx1, ty1] = [0, 1, 2, 3, 4, 5].map(|part| self.behind(simd, part));
+        let all = |x: f32| f32x8::splat(simd, x);
+        // How far ahead of the joint the ray passes, along the curve there.
+        let ahead0 = all(0.0) - (x0 * tx0 + y0 * ty0);
+        let ahead1 = all(0.0) - (x1 * tx1 + y1 * ty1);
+        let between = ahead0.simd_ge(0.0) & ahead1.simd_lt(0.0);
+        if !between.any_true() {
+            return;
+        }
+        let s = ahead0 / (ahead0 - ahead1);
+        let (x, y, z, r) = (x0 + (x1 - x0) * s, y0 + (y1 - y0) * s, z0 + (z1 - z0) * s, r0 + (r1 - r0) * s);
+        let (tx, ty) = (tx0 + (tx1 - tx0) * s, ty0 + (ty1 - ty0) * s);
+        let aside = x * ty - y * tx;
+        let wide = r * (tx * tx + ty * ty).sqrt();
+        let within = aside.simd_le(wide) & aside.simd_ge(all(0.0) - wide) & wide.simd_gt(0.0);
+        let hit = between & within & z.simd_gt(r * RIBBON_ROOM) & z.simd_lt(t_max);
+        Lanes { hit: hit.to_bitmask() as u32, t: z, s, v: aside / wide }.keep_nearest(which, nearest);
+    }
+
+    /// Cones about the lines between joints.
+    #[inline(always)]
+    fn round<S: Simd>(&self, simd: S, t_max: f32, which: (usize, usize, f32), both: &mut BothMet) {
+        let [x0, y0, z0, r0, tx0, ty0, tz0] = [0, 1, 2, 3, 4, 5, 6].map(|part| self.before(simd, part));
+        let [x1, y1, z1, r1, tx1, ty1, tz1] = [0, 1, 2, 3, 4, 5, 6].map(|part| self.behind(simd, part));
+        let all = |x: f32| f32x8::splat(simd, x);
+        let (ax, ay, az, ar) = (x1 - x0, y1 - y0, z1 - z0, r1 - r0);
+        let flat2 = ax * ax + ay * ay;
+        let length2 = flat2 + az * az;
+        // From where the ray and the axis are nearest: nothing large cancels.
+        let s = all(0.0) - (x0 * ax + y0 * ay) / flat2;
+        let (z, r) = (z0 + az * s, r0 + ar * s);
+        let aside = x0 * ay - y0 * ax;
+        let wider = ar * az / length2;
+        let a = flat2 / length2 - wider * wider;
+        let b = all(0.0) - r * wider;
+        let c = aside * aside / flat2 - r * r;
+        let inside = b * b - a * c;
+        let crosses = inside.simd_ge(0.0);
+        if !crosses.any_true() {
+            return;
+        }
+        let root = inside.max(0.0).sqrt();
+        let room0 = (tx0 * tx0 + ty0 * ty0 + tz0 * tz0).sqrt() * r0 * OVERLAP - (x0 * tx0 + y0 * ty0);
+        let room1 = (tx1 * tx1 + ty1 * ty1 + tz1 * tz1).sqrt() * r1 * OVERLAP + (x1 * tx1 + y1 * ty1);
+        for (root, nearest) in [all(0.0) - root, root].into_iter().zip(both) {
+            let tau = (root - b) / a;
+            let t = z + tau;
+            let s = s + az * tau / length2;
+            let radius = r0 + ar * s;
+            let hit = crosses
+                & ((t - z0) * tz0 + room0).simd_ge(0.0)
+                & ((t - z1) * tz1 - room1).simd_lt(0.0)
+                & radius.simd_gt(0.0)
+                & t.simd_gt(0.0)
+                & t.simd_lt(t_max);
+            let v = aside / (flat2.sqrt() * radius);
+            Lanes { hit: hit.to_bitmask() as u32, t, s, v }.keep_nearest(which, nearest);
+        }
+    }
+}
+
+/// What a ball sweeps that goes from one key to the other, its radius changing evenly: a cone that touches two balls, and what of
+/// them is outside of it.
+fn straight(Controls([before, start, end, behind]): &Controls, t_max: f32) -> BothMet {
+    let (start, end) = (*start, *end);
+    let axis = (end - start).truncate();
+    let length = axis.length();
+    let along = axis / length;
+    // The view is opposite to the ray, which runs along z: its cross product with the axis, and what is left of it.
+    let across = Vec2::new(-along.y, along.x).normalize_or_zero().extend(0.0);
+    let up = across.cross(along);
+    let mut both: BothMet = [None; 2];
+    // By which key the place is, and the normal there.
+    let mut offer = |way: usize, t: f32, key: f32, ball: Vec4| {
+        if !(t > 0.0 && t < both[way].map_or(t_max, |nearest: CurveMet| nearest.t)) {
+            return;
+        }
+        let place = Vec3::new(0.0, 0.0, t);
+        let mut normal = (place - ball.truncate()) / ball.w;
+        let mut lengthwise = normal.dot(along);
+        let within = key + lengthwise * ball.w / length;
+        if !(0.0..=1.0).contains(&within) {
+            // Past a key: as its ball has it.
+            normal = (place - if within > 0.5 { end } else { start }.truncate()).normalize_or_zero();
+            lengthwise = normal.dot(along);
+        }
+        let key = f32::from(u8::from(within > 0.5));
+        let leans_away = (normal.dot(up) < 0.0) != (way == 1);
+        let u = match ((0.0..=1.0).contains(&within), leans_away) {
+            (true, _) => within,
+            (false, false) => key + lengthwise.clamp(-1.0, 1.0),
+            (false, true) => key + lengthwise.clamp(-1.0, 1.0) + 1f32.copysign(lengthwise),
+        };
+        // Between the keys the normal is taken to be at right angles to the axis, as in Cycles.
+        let radial = if (0.0..=1.0).contains(&within) { (1.0 - lengthwise * lengthwise).max(0.0).sqrt() } else { 1.0 };
+        let met = CurveMet { t, u, v: (normal.dot(across) / radial).clamp(-1.0, 1.0) };
+        if (met.u + met.v).is_finite() {
+            both[way] = Some(met);
+        }
+    };
+    // How the balls' radii change along the axis: from 1 on one lies in the other.
+    let narrows = (start.w - end.w) / length;
+    if narrows.abs() < 1.0 {
+        let ring = |ball: Vec4| {
+            let along = axis * (ball.w * narrows / length);
+            (ball + along.extend(0.0)).with_w(ball.w * (1.0 - narrows * narrows).sqrt())
+        };
+        for (way, t, s) in cone_between(ring(start), ring(end)).into_iter().enumerate().filter_map(|(way, met)| {
+            let (t, s) = met?;
+            Some((way, t, s))
+        }) {
+            // The ball that touches the cone there.
+            let ball = start.lerp(end, s);
+            offer(way, t, s * (1.0 - f32::EPSILON), ball);
+        }
+    }
+    let next = *behind - end;
+    let next_holds = |t: f32| {
+        let out = (Vec3::new(0.0, 0.0, t) - end.truncate()).dot(next.truncate());
+        next != Vec4::ZERO && out > -next.w * end.w
+    };
+    for (ball, is_end) in [(start, false), (end, true)] {
+        let high = ball.w * ball.w - ball.truncate().truncate().length_squared();
+        if high < 0.0 || ball.w <= 0.0 {
+            continue;
+        }
+        for (way, t) in [ball.z - high.sqrt(), ball.z + high.sqrt()].into_iter().enumerate() {
+            let outwards = (Vec3::new(0.0, 0.0, t) - ball.truncate()).dot(along) / ball.w;
+            // What is within the cone, or the next one, is not on the outside; a ball between two is the first one's.
+            let is_outside =
+                if is_end { outwards >= narrows && !next_holds(t) } else { outwards <= narrows && *before == start };
+            if is_outside {
+                offer(way, t, f32::from(u8::from(is_end)), ball);
+            }
+        }
+    }
+    both
+}
+
+/// Where a cone between two rings is entered and left, and how far between the rings that is; as [`Joints::round`] has it.
+fn cone_between(start: Vec4, end: Vec4) -> [Option<(f32, f32)>; 2] {
+    let axis = end - start;
+    let flat2 = axis.x * axis.x + axis.y * axis.y;
+    let length2 = flat2 + axis.z * axis.z;
+    let s = -(start.x * axis.x + start.y * axis.y) / flat2;
+    let (z, r) = (start.z + axis.z * s, start.w + axis.w * s);
+    let aside = start.x * axis.y - start.y * axis.x;
+    let wider = axis.w * axis.z / length2;
+    let a = flat2 / length2 - wider * wider;
+    let (b, c) = (-r * wider, aside * aside / flat2 - r * r);
+    let inside = b * b - a * c;
+    [-1.0, 1.0].map(|way| {
+        let tau = (way * inside.sqrt() - b) / a;
+        let s = s + axis.z * tau / length2;
+        let is_there = (0.0..=1.0).contains(&s) && start.w + axis.w * s > 0.0;
+        is_there.then_some((z + tau, s))
+    })
+}

@@ -1,0 +1,362 @@
+//! Hair and other curves, checked once so that nothing later needs to.
+//!
+//! A strand is a Catmull-Rom curve through its keys (Catmull and Rom 1974), its first and its last key counted twice at the
+//! ends; its radius follows the same curve. A segment goes from one key to the next and has the first one's number.
+
+use super::SceneError;
+use super::mesh::Mesh;
+use glam::{Vec2, Vec3, Vec4};
+
+/// What is drawn of a strand.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub enum CurveShape {
+    /// A ribbon that faces whoever looks, its normal that of a round strand: this many even pieces a segment.
+    Ribbon {
+        /// At least 1.
+        pieces: u16,
+    },
+    /// A round strand, open at its ends.
+    Thick,
+    /// Round and straight from key to key: what a ball whose radius changes evenly sweeps, with round ends.
+    ThickLinear,
+}
+
+/// What is known along strands.
+#[derive(Clone, Debug)]
+pub enum StrandValues {
+    /// At each key; even in between.
+    ByKey(Vec<Vec4>),
+    /// Of each strand.
+    ByStrand(Vec<Vec4>),
+}
+
+/// Curves as they arrive.
+#[derive(Clone, Debug)]
+pub struct CurvesDescription {
+    /// For messages.
+    pub name: String,
+    /// Where, object space, and the radius there.
+    pub keys: Vec<Vec4>,
+    /// By strand the index of its first key; then how many keys there are.
+    pub first_keys: Vec<u32>,
+    /// What is drawn.
+    pub shape: CurveShape,
+    /// The number of the first strand: by theirs they get random numbers.
+    pub first_number: u32,
+    /// UV maps by name, a place by strand: where its root is on what it grows from.
+    pub uv_maps: Vec<(String, Vec<Vec2>)>,
+    /// What else is known, by name.
+    pub attributes: Vec<(String, StrandValues)>,
+    /// Of the keys, without radius, a frame before and a frame after; `None` where they keep their places.
+    pub moved_keys: Option<[Vec<Vec3>; 2]>,
+}
+
+/// Checked curves: every key finite, every radius at least zero.
+#[derive(Clone, Debug)]
+pub struct Curves {
+    /// Where, object space, and the radius there.
+    pub keys: Vec<Vec4>,
+    /// By strand the index of its first key; then how many keys there are.
+    first_keys: Vec<u32>,
+    /// What is drawn.
+    pub shape: CurveShape,
+    /// By strand, what random numbers are made of.
+    numbers: Numbers,
+    uv_maps: Vec<(String, Vec<Vec2>)>,
+    attributes: Vec<(String, StrandValues)>,
+    /// Of the keys a frame before and a frame after.
+    pub moved_keys: Option<[Vec<Vec3>; 2]>,
+}
+
+/// The strands' numbers.
+#[derive(Clone, Debug)]
+enum Numbers {
+    From(u32),
+    Each(Vec<u32>),
+}
+
+/// One segment: the four keys that bend it, from before its start to behind its end.
+#[derive(Clone, Copy, Debug)]
+pub struct Controls(pub [Vec4; 4]);
+
+impl Controls {
+    /// The powers' coefficients of the curve, from the constant on.
+    #[inline(always)]
+    pub fn coefficients(&self) -> [Vec4; 4] {
+        let [p, a, b, q] = self.0;
+        [a, 0.5 * (b - p), p - 2.5 * a + 2.0 * b - 0.5 * q, 0.5 * (q - p) + 1.5 * (a - b)]
+    }
+
+    /// Place and radius, `u` from 0 to 1.
+    #[inline]
+    pub fn at(&self, u: f32) -> Vec4 {
+        let [a, b, c, d] = self.coefficients();
+        a + u * (b + u * (c + u * d))
+    }
+
+    /// How place and radius change with `u`.
+    #[inline]
+    pub fn slope(&self, u: f32) -> Vec4 {
+        let [_, b, c, d] = self.coefficients();
+        b + u * (2.0 * c + 3.0 * u * d)
+    }
+
+    /// The corners of the polygon that holds the curve (Bezier's).
+    pub fn hull(&self) -> [Vec4; 4] {
+        let [p, a, b, q] = self.0;
+        [a, a + (b - p) / 6.0, b - (q - a) / 6.0, b]
+    }
+}
+
+impl Curves {
+    /// Checks a description. The second value is a warning about strands left out.
+    ///
+    /// # Errors
+    /// [`SceneError::BadCurves`].
+    pub fn new(mut d: CurvesDescription) -> Result<(Self, Option<String>), SceneError> {
+        let bad = |what: String| SceneError::BadCurves { curves: d.name.clone(), what };
+        let (keys, strands) = (d.keys.len(), d.first_keys.len().saturating_sub(1));
+        let rises = d.first_keys.windows(2).all(|pair| pair[0] <= pair[1]);
+        if !rises || d.first_keys.first() != Some(&0) || d.first_keys.last().map(|&k| k as usize) != Some(keys) {
+            return Err(bad(format!("its strands do not share out its {keys} keys")));
+        }
+        let fits = |len: usize, most: usize, what: &str| {
+            if len == most { Ok(()) } else { Err(bad(format!("{len} values of {what}, where there should be {most}"))) }
+        };
+        for (name, values) in &d.uv_maps {
+            fits(values.len(), strands, &format!("UV map '{name}'"))?;
+        }
+        for (name, values) in &d.attributes {
+            match values {
+                StrandValues::ByKey(values) => fits(values.len(), keys, &format!("attribute '{name}'"))?,
+                StrandValues::ByStrand(values) => fits(values.len(), strands, &format!("attribute '{name}'"))?,
+            }
+        }
+        for moved in d.moved_keys.iter().flatten() {
+            fits(moved.len(), keys, "moved keys")?;
+        }
+        let is_sound = |key: &Vec4| key.is_finite() && key.abs().max_element() <= 1e12;
+        let keep: Vec<bool> = d
+            .first_keys
+            .windows(2)
+            .map(|range| d.keys[range[0] as usize..range[1] as usize].iter().all(is_sound))
+            .collect();
+        let dropped = keep.iter().filter(|&&kept| !kept).count();
+        let warning = (dropped > 0).then(|| {
+            format!(
+                "curves '{}': {dropped} of {strands} strands have a key that is not finite or farther than 1e12 units; \
+                 left out",
+                d.name
+            )
+        });
+        let mut numbers = Numbers::From(d.first_number);
+        if dropped > 0 {
+            numbers = Numbers::Each(
+                (0u32..).zip(&keep).filter(|(_, kept)| **kept).map(|(i, _)| i.wrapping_add(d.first_number)).collect(),
+            );
+            d.keep_only(&keep);
+        }
+        for key in &mut d.keys {
+            key.w = key.w.max(0.0);
+        }
+        let CurvesDescription { keys, first_keys, shape, uv_maps, attributes, moved_keys, .. } = d;
+        Ok((Self { keys, first_keys, shape, numbers, uv_maps, attributes, moved_keys }, warning))
+    }
+
+    /// Whether they are ribbons.
+    pub fn is_flat(&self) -> bool {
+        matches!(self.shape, CurveShape::Ribbon { .. })
+    }
+
+    /// How many strands there are.
+    pub fn strand_count(&self) -> usize {
+        self.first_keys.len() - 1
+    }
+
+    /// The keys of a strand.
+    pub fn keys_of(&self, strand: u32) -> std::ops::Range<u32> {
+        self.first_keys[strand as usize]..self.first_keys[strand as usize + 1]
+    }
+
+    /// How many segments there are.
+    pub fn segment_count(&self) -> usize {
+        (0..self.strand_count() as u32).map(|strand| self.keys_of(strand).len().saturating_sub(1)).sum()
+    }
+
+    /// The strand of a segment.
+    pub fn strand_of(&self, segment: u32) -> u32 {
+        (self.first_keys.partition_point(|&first| first <= segment) - 1) as u32
+    }
+
+    /// What bends a segment of a strand.
+    pub fn controls(&self, strand: u32, segment: u32) -> Controls {
+        let range = self.keys_of(strand);
+        let key = |i: u32| self.keys[i as usize];
+        let before = if segment > range.start { segment - 1 } else { segment };
+        let behind = (segment + 2).min(range.end - 1);
+        if self.shape == CurveShape::ThickLinear {
+            // The same line in even steps, so that it is run through evenly.
+            let (a, b) = (key(segment), key(segment + 1));
+            return Controls([a + a - b, a, b, b + b - a]);
+        }
+        Controls([key(before), key(segment), key(segment + 1), key(behind)])
+    }
+
+    /// How far along its strand a place is, 0 to 1, and how long the strand is; by straight lines between keys.
+    pub fn intercept(&self, segment: u32, u: f32) -> (f32, f32) {
+        let range = self.keys_of(self.strand_of(segment));
+        let (mut before, mut length) = ([0.0; 2], 0.0);
+        for i in range.start..range.end - 1 {
+            if i == segment {
+                before[0] = length;
+            }
+            length += (self.keys[i as usize + 1] - self.keys[i as usize]).truncate().length();
+            if i == segment {
+                before[1] = length;
+            }
+        }
+        let [a, b] = before.map(|at| if length > 0.0 { at / length } else { 0.0 });
+        (a + (b - a) * u, length)
+    }
+
+    /// The diameter at a place, even between keys.
+    pub fn thickness(&self, segment: u32, u: f32) -> f32 {
+        let [a, b] = [0, 1].map(|next| self.keys[segment as usize + next].w);
+        2.0 * (a + (b - a) * u)
+    }
+
+    /// What is a strand's own, 0 to 1, by its number.
+    pub fn random(&self, segment: u32) -> f32 {
+        let strand = self.strand_of(segment);
+        petzval_nodes::random_of_pair(match &self.numbers {
+            Numbers::From(first) => [first.wrapping_add(strand), 0],
+            Numbers::Each(each) => [each[strand as usize], 0],
+        })
+    }
+
+    /// An attribute at a place; `None` where there is none of that name.
+    pub fn attribute(&self, name: &str, segment: u32, u: f32) -> Option<Vec4> {
+        let (_, values) = self.attributes.iter().find(|(own, _)| own == name)?;
+        Some(match values {
+            StrandValues::ByKey(values) => {
+                let (a, b) = (values[segment as usize], values[segment as usize + 1]);
+                a + (b - a) * u
+            }
+            StrandValues::ByStrand(values) => values[self.strand_of(segment) as usize],
+        })
+    }
+
+    /// The UV map of that name, or the first where no name is given.
+    pub fn uv_map(&self, name: Option<&str>) -> Option<usize> {
+        match name {
+            None => (!self.uv_maps.is_empty()).then_some(0),
+            Some(name) => self.uv_maps.iter().position(|(own, _)| own == name),
+        }
+    }
+
+    /// Where in a UV map the root of a segment's strand is.
+    pub fn uv(&self, map: usize, segment: u32) -> Vec2 {
+        self.uv_maps[map].1[self.strand_of(segment) as usize]
+    }
+
+    /// The corners of the box that holds the keys.
+    fn bounds(&self) -> [Vec3; 2] {
+        let places = || self.keys.iter().map(|key| key.truncate());
+        [places().fold(Vec3::MAX, Vec3::min), places().fold(Vec3::MIN, Vec3::max)]
+    }
+
+    /// What stands in the scene where else a mesh does: one without triangles.
+    pub(super) fn into_mesh(self, name: String) -> Mesh {
+        Mesh { name, bounds: self.bounds(), curves: Some(Box::new(self)), ..Mesh::default() }
+    }
+}
+
+impl CurvesDescription {
+    fn keep_only(&mut self, keep: &[bool]) {
+        let by_key: Vec<bool> = self
+            .first_keys
+            .windows(2)
+            .zip(keep)
+            .flat_map(|(range, &kept)| std::iter::repeat_n(kept, (range[1] - range[0]) as usize))
+            .collect();
+        let mut first_keys = vec![0];
+        for (range, _) in self.first_keys.windows(2).zip(keep).filter(|(_, kept)| **kept) {
+            first_keys.push(first_keys[first_keys.len() - 1] + range[1] - range[0]);
+        }
+        self.first_keys = first_keys;
+        retain(&mut self.keys, &by_key);
+        self.uv_maps.iter_mut().for_each(|(_, values)| retain(values, keep));
+        for (_, values) in &mut self.attributes {
+            match values {
+                StrandValues::ByKey(values) => retain(values, &by_key),
+                StrandValues::ByStrand(values) => retain(values, keep),
+            }
+        }
+        self.moved_keys.iter_mut().flatten().for_each(|moved| retain(moved, &by_key));
+    }
+}
+
+fn retain<T: Copy>(list: &mut Vec<T>, keep: &[bool]) {
+    let mut flags = keep.iter();
+    list.retain(|_| *flags.next().expect("lengths were checked"));
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    fn two_strands() -> CurvesDescription {
+        let key = |x: f32, z: f32| Vec4::new(x, 0.0, z, 0.1);
+        CurvesDescription {
+            name: "hair".into(),
+            keys: vec![key(0.0, 0.0), key(0.0, 1.0), key(0.0, 3.0), key(5.0, 0.0), key(5.0, 2.0)],
+            first_keys: vec![0, 3, 5],
+            shape: CurveShape::Thick,
+            first_number: 7,
+            uv_maps: vec![("UVMap".into(), vec![Vec2::new(0.1, 0.2), Vec2::new(0.3, 0.4)])],
+            attributes: vec![("wet".into(), StrandValues::ByKey((0..5).map(|i| Vec4::splat(i as f32)).collect()))],
+            moved_keys: None,
+        }
+    }
+
+    #[test]
+    fn segments_know_their_strand_and_what_is_along_it() {
+        let (curves, warning) = Curves::new(two_strands()).unwrap();
+        assert!(warning.is_none());
+        assert_eq!((curves.strand_count(), curves.segment_count()), (2, 3));
+        assert_eq!([0, 1, 3].map(|segment| curves.strand_of(segment)), [0, 0, 1]);
+        let (intercept, length) = curves.intercept(1, 0.5);
+        assert!((intercept - 2.0 / 3.0).abs() < 1e-6 && (length - 3.0).abs() < 1e-6);
+        assert!((curves.thickness(0, 0.3) - 0.2).abs() < 1e-6);
+        assert_eq!(curves.attribute("wet", 3, 0.5), Some(Vec4::splat(3.5)));
+        assert_eq!(curves.uv(curves.uv_map(None).unwrap(), 3), Vec2::new(0.3, 0.4));
+        // Through the keys, with the slope of the line between their neighbours.
+        let controls = curves.controls(0, 1);
+        assert!((controls.at(0.0) - curves.keys[1]).length() < 1e-6);
+        assert!((controls.at(1.0) - curves.keys[2]).length() < 1e-6);
+        assert_eq!(controls.slope(0.0).truncate(), Vec3::new(0.0, 0.0, 1.5));
+    }
+
+    #[test]
+    fn strands_that_are_not_finite_are_left_out_and_the_others_keep_their_numbers() {
+        let (whole, _) = Curves::new(two_strands()).unwrap();
+        let mut d = two_strands();
+        d.keys[1].x = f32::NAN;
+        let (curves, warning) = Curves::new(d).unwrap();
+        assert!(warning.unwrap().contains("curves 'hair': 1 of 2 strands"));
+        assert_eq!((curves.strand_count(), curves.segment_count(), curves.keys.len()), (1, 1, 2));
+        assert_eq!(curves.random(0), whole.random(3));
+        assert_eq!(curves.uv(0, 0), Vec2::new(0.3, 0.4));
+        assert_eq!(curves.attribute("wet", 0, 0.0), Some(Vec4::splat(3.0)));
+    }
+
+    #[test]
+    fn arrays_that_do_not_fit_are_named() {
+        let mut d = two_strands();
+        d.uv_maps[0].1.pop();
+        assert!(Curves::new(d).unwrap_err().to_string().contains("UV map 'UVMap'"));
+        let mut d = two_strands();
+        d.first_keys = vec![0, 4, 3, 5];
+        assert!(Curves::new(d).unwrap_err().to_string().contains("share out"));
+    }
+}
