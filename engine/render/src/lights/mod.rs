@@ -141,7 +141,7 @@ impl Lights {
 
     /// Whether anything shines from within the scene.
     pub fn has_local(&self) -> bool {
-        !self.local.is_empty()
+        self.local.len() > 0
     }
 
     /// The middle of something that shines from within the scene, and likely on a place there; `None` where nothing does.
@@ -150,8 +150,8 @@ impl Lights {
         let count = self.local.len();
         // What shines past the place may still shine beside it.
         let index = chosen.unwrap_or(((u * count as f32) as usize).min(count.checked_sub(1)?));
-        Some(match &self.local[index] {
-            Emitter::Lamp(i) => self.lamps[*i as usize].bounds().center(),
+        Some(match self.local.get(index)? {
+            Emitter::Lamp(i) => self.lamps[i as usize].bounds().center(),
             Emitter::Triangle(triangle) => triangle.bounds().center(),
         })
     }
