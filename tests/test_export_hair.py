@@ -63,6 +63,10 @@ def test_hair_curves(parts, blender):
     assert (sent["shape"], sent["pieces"]) == ("RIBBON", 3)
     assert np.allclose(sent["uv_maps"]["surface_uv_coordinate"], [[0.1, 0.2], [0.3, 0.4]])
     assert len(recorder.of("Strands")) == 1
+    empty = blender.data.objects.new("Empty", blender.data.hair_curves.new("Empty"))
+    blender.context.scene.collection.objects.link(empty)
+    recorder, warnings, _ = parts.sent()
+    assert len(recorder.curves) == 1 and not warnings
     blender.context.view_layer.use_strand = False
     recorder, _, _ = parts.sent()
     assert not recorder.curves and not recorder.instances

@@ -58,10 +58,10 @@ def shape(scene: bpy.types.Scene) -> dict[str, Any]:
 
 def extract(curves: bpy.types.Curves, wanted: Iterable[str], drawn: dict[str, Any]) -> CurveArrays | None:
     """The arrays of curves in object space, and the attributes of these names; None where there are no strands."""
-    first_keys = np.empty(len(curves.curve_offset_data), np.int32)
-    curves.curve_offset_data.foreach_get("value", first_keys)
-    if len(first_keys) < 2:
+    if len(curves.curves) == 0:
         return None
+    first_keys = np.empty(len(curves.curves) + 1, np.int32)
+    curves.curve_offset_data.foreach_get("value", first_keys)
     keys = np.full((len(curves.points), 4), RADIUS, np.float32)
     keys[:, :3] = positions(curves)
     radius = curves.attributes.get("radius")

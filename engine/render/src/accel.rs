@@ -63,7 +63,9 @@ impl Skip {
 }
 
 /// See [`Hit::v`].
-pub const FROM_WITHIN: f32 = 3.0;
+const FROM_WITHIN: f32 = 3.0;
+/// See [`Hit::v`].
+const LEANS_AWAY: f32 = 6.0;
 
 /// Where a ray met a triangle, or a segment of a curve.
 #[derive(Clone, Copy, Debug)]
@@ -73,12 +75,34 @@ pub struct Hit {
     /// Barycentric weight of the triangle's second corner; along a segment, 0 to 1 (beyond on a round end, by
     /// which way the normal leans there).
     pub u: f32,
-    /// Barycentric weight of the third; across a segment, -1 to 1, and [`FROM_WITHIN`] more where a round strand is met from within.
+    /// Barycentric weight of the third; across a segment, -1 to 1, and more where a round strand is met from within or its normal
+    /// leans the other way: see [`Across`].
     pub v: f32,
     /// Index into the scene's instances.
     pub instance: u32,
     /// Index into the mesh's triangles, or a segment's number.
     pub triangle: u32,
+}
+
+/// What [`Hit::v`] says on a strand.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct Across {
+    /// The sine of the angle between the outward normal and the view, -1 to 1.
+    pub sine: f32,
+    /// A round strand is met from within.
+    pub is_within: bool,
+    /// What of the outward normal is neither across nor along the strand leans away from the view.
+    pub leans_away: bool,
+}
+
+impl Across {
+    /// Of a hit's `v`.
+    pub fn of(v: f32) -> Self {
+        // By how many steps of 3 it is moved.
+        let code = (v / FROM_WITHIN).round().clamp(0.0, 3.0);
+        let is_within = code == 1.0 || code == 3.0;
+        Self { sine: (v - FROM_WITHIN * code).clamp(-1.0, 1.0), is_within, leans_away: (code >= 2.0) != is_within }
+    }
 }
 
 /// The trees of one scene.

@@ -1,7 +1,7 @@
 //! A point on a surface, from what a ray met: where it is, which way it faces, and its texture coordinates.
 
 use crate::accel::curves::radius_scale;
-use crate::accel::{FROM_WITHIN, Hit, Ray, Skip};
+use crate::accel::{Across, Hit, Ray, Skip};
 use crate::scene::curves::Curves;
 use crate::scene::mesh::{GENERATED, Mesh};
 use crate::scene::{Instance, Scene};
@@ -86,14 +86,11 @@ impl SurfacePoint {
         let (middle, slope) = (controls.at(u), controls.slope(u));
         let along = along_strand(instance, slope.truncate(), direction);
         let across = along.cross(-direction).try_normalize().unwrap_or_else(|| along.any_orthonormal_vector());
-        let is_within = hit.v > 0.5 * FROM_WITHIN;
-        let v = if is_within { hit.v - FROM_WITHIN } else { hit.v };
-        // Beyond its ends: the part of the normal along the strand; one more where the rest leans the other way.
-        let past = hit.u - u;
-        let leans_away = past.abs() > 1.0;
-        let lengthwise = if leans_away { past - past.signum() } else { past };
+        let Across { sine: v, is_within, leans_away } = Across::of(hit.v);
+        // Beyond its ends: the part of the normal along the strand.
+        let lengthwise = hit.u - u;
         let upwards = (1.0 - v * v - lengthwise * lengthwise).max(0.0).sqrt();
-        let upwards = if leans_away != is_within { -upwards } else { upwards };
+        let upwards = if leans_away { -upwards } else { upwards };
         let outwards = (across * v + along * lengthwise + across.cross(along) * upwards).normalize();
         let shading_normal = if is_within { -outwards } else { outwards };
         let local = Vec3A::from_vec4(middle);
@@ -186,9 +183,9 @@ pub fn strand(scene: &Scene, point: &SurfacePoint) -> Strand {
     let mesh = mesh_of(scene, point.instance);
     if let Some(curves) = &mesh.curves {
         let along = tangent_of_strand(instance, curves, point);
-        let v = point.barycentric[1];
+        let Across { sine, is_within, .. } = Across::of(point.barycentric[1]);
         // From within the normal is turned round.
-        let offset = if v > 0.5 * FROM_WITHIN { v - FROM_WITHIN } else { -v };
+        let offset = if is_within { sine } else { -sine };
         return Strand { along, edge: None, offset: Some(offset) };
     }
     let corners = mesh.corners(point.triangle);

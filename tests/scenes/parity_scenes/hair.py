@@ -7,7 +7,7 @@ import bpy
 import numpy as np
 
 from . import scene
-from .studio import BLUE, CREAM, GOLD, GREEN, RED, WHITE, Tree, ball, empty_studio, lamp, material, plain, plane, put
+from .studio import BLUE, CREAM, GOLD, GREEN, RED, WHITE, Tree, ball, empty_studio, lamp, material, plain, put
 
 
 def _drawn_as(shape: str, subdivisions: int = 2) -> None:
@@ -153,37 +153,45 @@ def hair_shader():
         put(_grown(500, 5, 0.8, 0.02, surface, seed=8 + i), (2.0 * i - 1.0, 0.0, 0.6), scale=0.8)
 
 
-@scene("Curves of geometry nodes, and instances of hair")
+@scene("Curves of geometry nodes: straight ones, and instances of hair")
 def hair_nodes():
+    """Both of hair curves objects: what nodes make of other objects, neither program draws unless it is made a mesh."""
     empty_studio()
     tuft = _grown(120, 5, 0.8, 0.03, plain(GOLD, Roughness=0.4), seed=12)
-    tuft.hide_render = True
-    base = plane(plain(BLUE), (0.0, 0.0, 0.05), 4.0)
-    tree = bpy.data.node_groups.new("Tufts", "GeometryNodeTree")
-    tree.interface.new_socket("Geometry", in_out="INPUT", socket_type="NodeSocketGeometry")
-    tree.interface.new_socket("Geometry", in_out="OUTPUT", socket_type="NodeSocketGeometry")
-    nodes = {name: tree.nodes.new(name) for name in ("NodeGroupInput", "NodeGroupOutput")}
+    put(tuft, (0.0, 0.0, -5.0))
+    for count, build in ((9, _planted), (1, _spiral)):
+        data = bpy.data.hair_curves.new("Nodes")
+        data.add_curves([2])
+        holder = put(bpy.data.objects.new(f"Nodes {count}", data), (0.0, 0.0, 0.1))
+        tree = bpy.data.node_groups.new("Nodes", "GeometryNodeTree")
+        tree.interface.new_socket("Geometry", in_out="OUTPUT", socket_type="NodeSocketGeometry")
+        tree.links.new(build(tree, tuft), tree.nodes.new("NodeGroupOutput").inputs[0])
+        holder.modifiers.new("Nodes", "NODES").node_group = tree
+
+
+def _planted(tree, tuft):
+    """Tufts on a grid, turned each its own way."""
     points = tree.nodes.new("GeometryNodeMeshGrid")
     points.inputs["Size X"].default_value = points.inputs["Size Y"].default_value = 2.8
     for name in ("Vertices X", "Vertices Y"):
         points.inputs[name].default_value = 3
     source = tree.nodes.new("GeometryNodeObjectInfo")
     source.inputs["Object"].default_value = tuft
+    source.inputs["As Instance"].default_value = True
     place = tree.nodes.new("GeometryNodeInstanceOnPoints")
     place.inputs["Scale"].default_value = (0.35, 0.35, 0.35)
+    tree.links.new(points.outputs[0], place.inputs["Points"])
+    tree.links.new(source.outputs["Geometry"], place.inputs["Instance"])
+    return place.outputs[0]
+
+
+def _spiral(tree, _):
     spiral = tree.nodes.new("GeometryNodeCurveSpiral")
     spiral.inputs["Height"].default_value = 1.6
-    shown = tree.nodes.new("GeometryNodeSetMaterial")
-    shown.inputs["Material"].default_value = plain(RED)
     thick = tree.nodes.new("GeometryNodeSetCurveRadius")
     thick.inputs["Radius"].default_value = 0.06
-    join = tree.nodes.new("GeometryNodeJoinGeometry")
-    link = tree.links.new
-    link(points.outputs[0], place.inputs["Points"])
-    link(source.outputs["Geometry"], place.inputs["Instance"])
-    link(spiral.outputs[0], thick.inputs["Curve"])
-    link(thick.outputs[0], shown.inputs["Geometry"])
-    for part in (place.outputs[0], shown.outputs[0], nodes["NodeGroupInput"].outputs[0]):
-        link(part, join.inputs[0])
-    link(join.outputs[0], nodes["NodeGroupOutput"].inputs[0])
-    base.modifiers.new("Nodes", "NODES").node_group = tree
+    shown = tree.nodes.new("GeometryNodeSetMaterial")
+    shown.inputs["Material"].default_value = plain(RED)
+    tree.links.new(spiral.outputs[0], thick.inputs["Curve"])
+    tree.links.new(thick.outputs[0], shown.inputs["Geometry"])
+    return shown.outputs[0]

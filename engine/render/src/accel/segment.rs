@@ -6,6 +6,7 @@
 //! 2014, as Cycles has them); round strands are cones about the line between joints (in the manner of the phantom intersector of
 //! Reshetov and Luebke 2018, with the planes instead of its iteration), met on their way in and on their way out.
 
+use super::LEANS_AWAY;
 use crate::scene::curves::{Controls, CurveShape};
 use fearless_simd::{Simd, SimdBase, SimdFloat, SimdMask, f32x8};
 use glam::{Vec2, Vec3, Vec3A, Vec4};
@@ -45,11 +46,10 @@ impl Gaze {
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub(super) struct CurveMet {
     pub(super) t: f32,
-    /// Along the segment, 0 to 1; beyond that on a round end, by what the normal has along the strand, and one more where the rest
-    /// of it leans away from the view.
+    /// Along the segment, 0 to 1; beyond that on a round end, by what the normal has along the strand.
     pub(super) u: f32,
     /// Across it, -1 to 1: the sine of the angle between the normal and the view, to the side of the cross product of the
-    /// strand's direction and the view.
+    /// strand's direction and the view. [`LEANS_AWAY`] more where the normal leans as it does not of a cylinder.
     pub(super) v: f32,
 }
 
@@ -95,11 +95,28 @@ fn round_pieces(controls: &Controls) -> u16 {
 #[inline(always)]
 pub(super) fn meet<S: Simd>(simd: S, gaze: &Gaze, controls: [Vec4; 4], cut: Cut, t_max: f32) -> BothMet {
     let seen = Controls(controls.map(|key| gaze.seen(key)));
+    if !matches!(cut, Cut::Straight) && passes_by(&seen) {
+        return [None; 2];
+    }
     match cut {
         Cut::Ribbon(pieces) => in_pieces::<S, false>(simd, &seen, usize::from(pieces), t_max),
         Cut::Round(pieces) => in_pieces::<S, true>(simd, &seen, usize::from(pieces), t_max),
         Cut::Straight => straight(&seen, t_max),
     }
+}
+
+/// Whether the ray is too far from the line between the segment's ends, as it is seen along the ray, for what bends about that.
+#[inline(always)]
+fn passes_by(seen: &Controls) -> bool {
+    let [start, first, second, end] = seen.hull();
+    let chord = (end - start).truncate().truncate();
+    let aside = |place: Vec4| chord.perp_dot((place - start).truncate().truncate());
+    let ray = aside(Vec4::ZERO);
+    let (first_aside, second_aside) = (aside(first), aside(second));
+    let radius = start.w.abs().max(first.w.abs()).max(second.w.abs()).max(end.w.abs());
+    // With room for where round pieces meet, and for rounding.
+    let room = chord.length() * (1.05 * radius + 1e-6 * (start.abs() + end.abs()).truncate().max_element());
+    ray > first_aside.max(second_aside).max(0.0) + room || ray < first_aside.min(second_aside).min(0.0) - room
 }
 
 /// Joints between up to eight pieces: place, radius, and the curve's direction.
@@ -309,14 +326,11 @@ fn straight(Controls([before, start, end, behind]): &Controls, t_max: f32) -> Bo
         }
         let key = f32::from(u8::from(within > 0.5));
         let leans_away = (normal.dot(up) < 0.0) != (way == 1);
-        let u = match ((0.0..=1.0).contains(&within), leans_away) {
-            (true, _) => within,
-            (false, false) => key + lengthwise.clamp(-1.0, 1.0),
-            (false, true) => key + lengthwise.clamp(-1.0, 1.0) + 1f32.copysign(lengthwise),
-        };
+        let u = if (0.0..=1.0).contains(&within) { within } else { key + lengthwise.clamp(-1.0, 1.0) };
         // Between the keys the normal is taken to be at right angles to the axis, as in Cycles.
         let radial = if (0.0..=1.0).contains(&within) { (1.0 - lengthwise * lengthwise).max(0.0).sqrt() } else { 1.0 };
-        let met = CurveMet { t, u, v: (normal.dot(across) / radial).clamp(-1.0, 1.0) };
+        let lean = if leans_away { LEANS_AWAY } else { 0.0 };
+        let met = CurveMet { t, u, v: (normal.dot(across) / radial).clamp(-1.0, 1.0) + lean };
         if (met.u + met.v).is_finite() {
             both[way] = Some(met);
         }

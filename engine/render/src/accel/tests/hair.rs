@@ -76,8 +76,8 @@ proptest! {
             let u = sobol_burley::sample_4d(i, 1, seed);
             let target = Vec3A::new(0.5 + 3.0 * u[2], 0.5 * u[3], 0.5 * u[0]);
             let ray = ray_at(target, u, far);
-            // Seen along it, the pieces of a ribbon are no good reference.
-            if ray.direction.x.abs() > 0.9 {
+            // Seen along it, a strand folds up within less than its width, where ribbons are no good reference.
+            if ray.direction.x.abs() > 0.7 {
                 continue;
             }
             let (x, y) = ray.direction.any_orthonormal_pair();
@@ -133,11 +133,13 @@ proptest! {
             if let Some(hit) = hit.filter(|hit| hit.v <= 1.0) {
                 prop_assert!(outside(f64::from(hit.t)).abs() < 0.006, "{hit:?} is {} outside", outside(f64::from(hit.t)));
                 let point = SurfacePoint::new(&scene, &hit, ray.direction);
-                prop_assert!((point.position - ray.origin - ray.direction * hit.t).length() < 0.02);
+                let off = (point.position - ray.origin - ray.direction * hit.t).length();
+                // At its outline a small part of its radius is a long way along the ray.
+                prop_assert!(off < 0.02 || hit.v.abs() > 0.95, "{off} {hit:?}");
                 prop_assert!(point.shading_normal.dot(ray.direction) < 1e-3);
                 let at = (hit.triangle as f64 + f64::from(hit.u)) * FINE as f64;
                 let out = (o + d * f64::from(hit.t) - curve[(at as usize).min(curve.len() - 1)].0).normalize();
-                prop_assert!(out.dot(point.shading_normal.as_dvec3()) > 0.98);
+                prop_assert!(out.dot(point.shading_normal.as_dvec3()) > 0.98 || hit.v.abs() > 0.95);
             }
             // Its ends are open: who looks in sees the inside, later.
             let met = o + d * t;
@@ -181,8 +183,10 @@ proptest! {
                 Some(hit) => {
                     prop_assert!((f64::from(hit.t) - t).abs() < 0.02 || outside(f64::from(hit.t)).abs() < 1e-3, "{t} {hit:?} {} {ray:?} {keys:?}", outside(f64::from(hit.t)));
                     let point = SurfacePoint::new(&scene, &hit, ray.direction);
-                    // Where the strand gets thinner, its cone is a little more than its radius from the axis.
-                    prop_assert!((point.position - ray.origin - ray.direction * hit.t).length() < 0.015, "{hit:?}");
+                    // Where the strand gets thinner, its cone is a little more than its radius from the axis; at its outline that
+                    // is a long way along the ray.
+                    let off = (point.position - ray.origin - ray.direction * hit.t).length();
+                    prop_assert!(off < 0.015 || Across::of(hit.v).sine.abs() > 0.9, "{off} {hit:?}");
                 }
                 None => {
                     let deepest = (0..400).map(|i| outside(t + 0.005 * f64::from(i))).fold(f64::INFINITY, f64::min);
@@ -236,7 +240,7 @@ proptest! {
             let target = if keys[0].is_finite() { Vec3A::from_vec4(keys[0]) } else { Vec3A::ZERO };
             let ray = ray_at(target, u, 1.0);
             if ray.origin.is_finite() && let Some(hit) = accel.closest(&ray, Rays::CAMERA) {
-                prop_assert!(hit.t > 0.0 && hit.u.is_finite() && hit.v.abs() <= 1.0 + FROM_WITHIN, "{hit:?}");
+                prop_assert!(hit.t > 0.0 && hit.u.is_finite() && hit.v >= -1.0 && hit.v <= 1.0 + FROM_WITHIN + LEANS_AWAY, "{hit:?}");
                 let point = SurfacePoint::new(&scene, &hit, ray.direction);
                 prop_assert!(point.shading_normal.is_finite() && point.position.is_finite(), "{point:?}");
             }
@@ -273,10 +277,8 @@ fn a_straight_strand_is_a_cylinder() {
             assert!(normal.dot(DVec3::new(0.0, place.y, place.z) / 0.25) > 0.9999);
             // In and out again, but at its open ends and where round pieces overlap.
             let far = o.x + d.x * (-b + (b * b - a * c).sqrt()) / a;
-            assert!(
-                !(0.3..2.7).contains(&far) || (accel.transmittance(&ray, |_| 0.5) - 0.25).abs() < 1e-6,
-                "{x} {far}"
-            );
+            let is_clear = (0.3..2.7).contains(&far) && [far, x].iter().all(|x| (x - x.round()).abs() > 0.002);
+            assert!(!is_clear || (accel.transmittance(&ray, |_| 0.5) - 0.25).abs() < 1e-6, "{x} {far}");
             let axis = Vec3A::new(x as f32, 0.0, 0.0);
             let away = ray.direction.with_x(0.0).normalize();
             let out = accel.closest(&Ray::new(axis, away), Rays::CAMERA).unwrap();
