@@ -293,7 +293,7 @@ impl CurveTree {
                 let own = || range.clone().map(|key| placed(curves.keys[key as usize]));
                 tree.keys.extend(own().take(1));
                 tree.keys.extend(own());
-                tree.keys.extend(own().last());
+                tree.keys.extend(own().next_back());
                 for number in range.start..range.end - 1 {
                     let controls = base + number - range.start;
                     let four = tree.controls(controls);
