@@ -187,6 +187,7 @@ class SettingsDescription:
     diffuse_bounces: int = NO_LIMIT
     glossy_bounces: int = NO_LIMIT
     transmission_bounces: int = NO_LIMIT
+    volume_bounces: int = NO_LIMIT
     transparent_bounces: int = NO_LIMIT
     transparent_shadows: int = NO_LIMIT  # surfaces passed by shadow rays, those of the path before included
     # After a diffuse bounce.

@@ -175,6 +175,10 @@ class _Photograph:
         stopped = loop.follow(job, stop_asked=self._stop_asked, show=self._show, tell=self._progress)
         self._progress(job.progress() if stopped else 1.0, job.samples_done())
         self._show_all(job)
+        for warning in scene.warnings():
+            if warning not in self.report.warnings:
+                self.report.warn(warning)
+                self.host.report({"WARNING"}, warning)
         self._keep(json.loads(job.stats_json()), sync_seconds, stopped)
         if checkpoint:
             self._tell("Keeping the render", 1.0)

@@ -393,7 +393,11 @@ def test_hostile_meshes_are_rendered_around(parts, blender, tmp_path):
     assert parts.part("statistics").last("Scene").stats["non_finite_samples"] == 0
 
 
-def test_volumes_are_said(parts, blender):
-    blender.context.scene.collection.objects.link(blender.data.objects.new("Fog", blender.data.volumes.new("Fog")))
+def test_a_volume_without_its_file_is_said(parts, blender, tmp_path):
+    data = blender.data.volumes.new("Fog")
+    data.filepath = str(tmp_path / "none.vdb")
+    blender.context.scene.collection.objects.link(blender.data.objects.new("Fog", data))
+    # An empty one is nothing to speak of.
+    blender.context.scene.collection.objects.link(blender.data.objects.new("Empty", blender.data.volumes.new("Empty")))
     _, warnings, _ = parts.sent()
-    assert len(warnings) == 1 and "'Fog'" in warnings[0] and "not supported" in warnings[0]
+    assert len(warnings) == 1 and warnings[0].startswith("Object 'Fog': its volume file is left out: "), warnings

@@ -44,6 +44,8 @@ def send_scene(
         )
     if groups.names and scene.petzval.integrator == "BIDIRECTIONAL":
         report.warn(f"Scene '{scene.name}': bidirectional paths know of no light groups, their passes are black")
+    if (materials.fills_space or world.fills_space(scene.world)) and scene.petzval.integrator == "BIDIRECTIONAL":
+        report.warn(f"Scene '{scene.name}': bidirectional paths know of no volumes, space is empty")
     if scene.render.use_motion_blur:
         report.warn(
             f"Scene '{scene.name}': motion blur is supported for the lens's settings only yet, that of objects is left out"

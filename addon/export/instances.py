@@ -9,7 +9,7 @@ from typing import Any
 import bpy
 
 from ..description import Report
-from . import curves, hair, mesh, object_info
+from . import curves, grids, hair, mesh, object_info
 from .camera import rows
 from .image import Images
 from .light import Lights
@@ -26,7 +26,6 @@ BOUNCES = {"DIFFUSE", "GLOSSY", "TRANSMISSION"}
 #: Objects that are seen in a Blender render, but not here yet.
 NOT_YET = {
     "POINTCLOUD": "point clouds",
-    "VOLUME": "volumes",
     "GPENCIL": "grease pencil",
     "GREASEPENCIL": "grease pencil",
 }
@@ -94,6 +93,8 @@ class Stage:
             self.is_selective |= links.any or not BOUNCES.isdisjoint(hidden)
             if holder.type in WITH_SURFACE:
                 self._surface(holder, place, links, hidden)
+            elif holder.type == "VOLUME":
+                self._volume(holder, place, links, hidden)
             elif holder.type == "LIGHT":
                 self._builder.add_light(lights.describe(holder, place.matrix_world, hidden))
             elif holder.type in NOT_YET:
@@ -109,17 +110,30 @@ class Stage:
         index = self._mesh(holder, place)
         if index is None:
             return
-        for flag, words in (("is_holdout", "holdout"), ("is_shadow_catcher", "shadow catcher")):
-            if getattr(holder, flag):
-                self._report.warn(f"Object '{holder.name}': {words} is not supported yet, it is shown as it is")
-        if _is_diced(holder):
-            self._report.warn(
-                f"Object '{holder.name}': adaptive subdivision is not supported yet, it is divided as often as its "
-                "modifier's render levels say"
-            )
-        materials = [slot.material for slot in holder.material_slots]
+        materials = [self._materials.index(slot.material) for slot in holder.material_slots]
         # All strands have the first.
         self._place(holder, place, links, hidden, index, materials[:1] if holder.type == "CURVES" else materials)
+
+    def _volume(
+        self,
+        holder: bpy.types.Object,
+        place: bpy.types.DepsgraphObjectInstance,
+        links: Links,
+        hidden: tuple[str, ...],
+    ) -> None:
+        key = (holder.data.as_pointer(), frozenset({"volume"}))
+        if key not in self._meshes:
+            box = grids.of_volume(holder, self._report)
+            self._meshes[key] = None if box is None else self._add_box(holder.data.name, box)
+        index = self._meshes[key]
+        if index is None:
+            return
+        slots = [slot.material for slot in holder.material_slots] or [None]
+        self._place(holder, place, links, hidden, index, [self._materials.volume_index(one) for one in slots])
+
+    def _add_box(self, name: str, box: grids.Box) -> int:
+        corners, triangles = box.shape()
+        return self._builder.add_mesh(name, corners, triangles, grids=box.grids, keeps_opacity=box.keeps_opacity)
 
     def _place(
         self,
@@ -128,13 +142,21 @@ class Stage:
         links: Links,
         hidden: tuple[str, ...],
         index: int,
-        materials: list[bpy.types.Material | None],
+        materials: list[int],
     ) -> None:
+        for flag, words in (("is_holdout", "holdout"), ("is_shadow_catcher", "shadow catcher")):
+            if getattr(holder, flag):
+                self._report.warn(f"Object '{holder.name}': {words} is not supported yet, it is shown as it is")
+        if _is_diced(holder):
+            self._report.warn(
+                f"Object '{holder.name}': adaptive subdivision is not supported yet, it is divided as often as its "
+                "modifier's render levels say"
+            )
         self._builder.add_instance(
             holder.name,
             index,
             rows(place.matrix_world),
-            [self._materials.index(material) for material in materials],
+            materials,
             hidden_from=hidden,
             links=links.of(holder),
             asset_name=_asset(holder),
@@ -158,11 +180,16 @@ class Stage:
             self._meshes[key] = arrays and arrays.send(self._builder, data.name, moved)
         if key not in self._meshes:
             with mesh.shape(holder, data) as shape:
-                self._meshes[key] = self._add(data.name, shape, place, wanted)
+                self._meshes[key] = self._add(data.name, shape, place, wanted, grids.of_smoke(holder, self._report))
         return self._meshes[key]
 
     def _add(
-        self, name: str, data: bpy.types.Mesh, place: bpy.types.DepsgraphObjectInstance, wanted: frozenset[str]
+        self,
+        name: str,
+        data: bpy.types.Mesh,
+        place: bpy.types.DepsgraphObjectInstance,
+        wanted: frozenset[str],
+        smoke: list[grids.Grid],
     ) -> int | None:
         arrays = mesh.extract(data, wanted)
         if arrays is None:
@@ -177,6 +204,7 @@ class Stage:
             attributes=arrays.attributes or None,
             material_slots=arrays.material_slots,
             moved_positions=moved,
+            grids=smoke or None,
         )
 
     def _particles(
@@ -202,7 +230,7 @@ class Stage:
                 self._hair[key] = arrays.send(self._builder, name, moved)
             first_number += len(system.particles)
             self.is_selective |= links.any or not BOUNCES.isdisjoint(hidden)
-            self._place(holder, place, links, hidden, self._hair[key], [material])
+            self._place(holder, place, links, hidden, self._hair[key], [self._materials.index(material)])
 
 
 def _is_diced(holder: bpy.types.Object) -> bool:

@@ -14,6 +14,9 @@ from .graph import describe as describe_graph
 from .image import Images
 from .texture import Inputs
 
+#: No material has this address.
+_SMOKE = -1
+
 
 class Materials:
     """The materials of one scene, by the engine's index."""
@@ -23,6 +26,8 @@ class Materials:
         self._images = images
         self._report = report
         self._known: dict[int, int] = {}
+        #: Some material has a volume.
+        self.fills_space = False
         # By the material: what its graph asks of meshes.
         self._wanted: dict[int, frozenset[str]] = {}
 
@@ -33,6 +38,19 @@ class Materials:
             described = MaterialDescription("(none)") if material is None else self.describe(material)
             self._known[key] = self._builder.add_material(described)
         return self._known[key]
+
+    def volume_index(self, material: bpy.types.Material | None) -> int:
+        """The same for a volume object, which without one is smoke."""
+        if material is not None:
+            return self.index(material)
+        self.fills_space = True
+        if _SMOKE not in self._known:
+            node = {"type": "ShaderNodeVolumePrincipled", "name": "Principled Volume", "options": {}, "inputs": {}}
+            link = {"node": 0, "socket": "Volume"}
+            graph = {"nodes": [node], "surface": None, "volume": link, "displacement": None}
+            described = MaterialDescription("(smoke)", graph=json.dumps(graph))
+            self._known[_SMOKE] = self._builder.add_material(described)
+        return self._known[_SMOKE]
 
     def wanted(self, material: bpy.types.Material | None) -> frozenset[str]:
         """The attributes that a material asks of meshes."""
@@ -56,6 +74,7 @@ class Materials:
             return described
         owner = f"Material '{material.name}'"
         graph = describe_graph(material.node_tree, lambda node: self._images.of_node(node, owner))
+        self.fills_space |= graph["volume"] is not None
         self._wanted[material.original.as_pointer()] = attributes.wanted(graph)
         return MaterialDescription(
             material.name,
@@ -74,7 +93,7 @@ class Materials:
             return MaterialDescription(material.name, base_color=(0.0, 0.0, 0.0), specular=False)
         for name in ("Volume", "Displacement"):
             if isinstance(nodes.trace(nodes.Input(output.inputs[name])), nodes.Source):
-                inputs.warn(f"{name.lower()} is not supported yet, it is left out")
+                inputs.warn(f"its {name.lower()} is told by its nodes alone")
         found = nodes.trace(nodes.Input(output.inputs["Surface"]))
         if not isinstance(found, nodes.Source):
             # Nothing to hit but a volume's border; without a volume Blender shows black.

@@ -40,5 +40,5 @@ def most_bounces(scene: bpy.types.Scene) -> int:
     return cycles.max_bounces
 
 
-KINDS = ("diffuse", "glossy", "transmission")
+KINDS = ("diffuse", "glossy", "transmission", "volume")
 CAUSTICS = ("reflective", "refractive")

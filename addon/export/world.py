@@ -28,10 +28,16 @@ def describe(world: bpy.types.World | None, images: Images, report: Report) -> W
     return description
 
 
+def fills_space(world: bpy.types.World | None) -> bool:
+    """Whether it has a volume."""
+    if world is None or not uses_nodes(world):
+        return False
+    output = world.node_tree.get_output_node("CYCLES")
+    return output is not None and isinstance(nodes.trace(nodes.Input(output.inputs["Volume"])), nodes.Source)
+
+
 def _by_its_nodes(world: bpy.types.World, images: Images, report: Report) -> WorldDescription:
     owner = f"World '{world.name}'"
-    if isinstance(nodes.trace(nodes.Input(world.node_tree.get_output_node("CYCLES").inputs["Volume"])), nodes.Source):
-        report.warn(f"{owner}: volume is not supported yet, it is left out")
     return WorldDescription(graph=json.dumps(graph.describe(world.node_tree, lambda node: images.of_node(node, owner))))
 
 
@@ -42,7 +48,7 @@ def _surface(world: bpy.types.World, inputs: Inputs) -> WorldDescription:
     if output is None:
         return WorldDescription()
     if isinstance(nodes.trace(nodes.Input(output.inputs["Volume"])), nodes.Source):
-        inputs.warn("volume is not supported yet, it is left out")
+        inputs.warn("volume: its nodes say what fills space")
     start = nodes.Input(output.inputs["Surface"])
     found = nodes.trace(start)
     if not isinstance(found, nodes.Source):

@@ -72,7 +72,7 @@ class PETZVAL_RENDER_PT_light_paths(_RenderPanel, bpy.types.Panel):
         column.prop(settings if own else cycles, "max_bounces", text="Bounces")
         if cycles is not None:
             # Blender keeps these in Cycles's settings: a scene has one set of them.
-            for kind in ("diffuse", "glossy", "transmission"):
+            for kind in ("diffuse", "glossy", "transmission", "volume"):
                 column.prop(cycles, f"{kind}_bounces", text=kind.capitalize())
             column.prop(cycles, "transparent_max_bounces", text="Transparent")
             row = layout.row(heading="Caustics", align=True)

@@ -44,3 +44,4 @@ pub use pixels::Pixels;
 pub use points::{Column, Points};
 pub use program::{Layer, LayerKind, Operand, Program, Registers};
 pub use sky::SunDisc;
+pub use spectral::blackbody;

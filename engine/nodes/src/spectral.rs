@@ -67,7 +67,7 @@ const HOTTEST_K: f32 = 12_000.0;
 const STEPS: usize = 512;
 
 /// The colour of a glowing body; its luminance is 1 where no channel is cut off at 0.
-pub(crate) fn blackbody(kelvin: f32) -> Vec3A {
+pub fn blackbody(kelvin: f32) -> Vec3A {
     // Even steps of the inverse temperature: along them colours change about evenly.
     static TABLE: LazyLock<Vec<Vec3A>> = LazyLock::new(|| {
         let [low, high] = [1.0 / f64::from(COOLEST_K), 1.0 / f64::from(HOTTEST_K)];

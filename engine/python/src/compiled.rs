@@ -1,7 +1,7 @@
 //! The shader graphs of a scene, each compiled once, however many materials and lamps show it.
 
 use crate::error::Error;
-use petzval_nodes::{Graph as ShaderGraph, compile};
+use petzval_nodes::Graph as ShaderGraph;
 use petzval_render::scene::graph::{Displacement, Graph};
 use std::collections::HashMap;
 use std::sync::Arc;
@@ -38,8 +38,7 @@ impl Graphs {
 }
 
 fn compiled(json: &str, pass_index: i32, displacement: Displacement) -> Result<Compiled, Error> {
-    let (program, reports) = compile(&ShaderGraph::from_json(json)?);
-    let (mut graph, more) = Graph::new(program, pass_index);
+    let (mut graph, reports) = Graph::of(&ShaderGraph::from_json(json)?, pass_index);
     graph.displacement = displacement;
-    Ok((Arc::new(graph), reports.iter().map(ToString::to_string).chain(more).collect()))
+    Ok((Arc::new(graph), reports))
 }

@@ -6,9 +6,13 @@ use crate::curves::{More, description};
 use crate::doorway::away;
 use crate::error::{Error, bad_scene, refused};
 use crate::material::{PyLight, PyMaterial, PyWorld, visible};
-use glam::{DVec3, Vec2, Vec3, Vec4};
-use numpy::{PyArrayDyn, PyArrayMethods, PyReadonlyArray1, PyReadonlyArray2, PyReadonlyArray3, PyUntypedArrayMethods};
+use glam::{Affine3A, DMat4, DVec3, Vec2, Vec3, Vec4};
+use numpy::{
+    PyArrayDyn, PyArrayMethods, PyReadonlyArray1, PyReadonlyArray2, PyReadonlyArray3, PyReadonlyArray4,
+    PyUntypedArrayMethods,
+};
 use petzval_render::integrator::Stage;
+use petzval_render::scene::grid::Grid;
 use petzval_render::scene::mesh::MeshDescription;
 use petzval_render::scene::softening::Softening;
 use petzval_render::scene::texture::Texture;
@@ -21,6 +25,9 @@ use std::sync::Arc;
 
 /// Colour, pass index, random number.
 type PyObjectInfo = ((f32, f32, f32, f32), i32, f32);
+
+/// A grid's name; its values by z, y, x and channel; and the matrix from its voxels to the object's space.
+type PyGrid<'py> = (String, PyReadonlyArray4<'py, f32>, Matrix4);
 
 /// Takes a scene apart from Python, piece by piece.
 #[pyclass]
@@ -72,7 +79,7 @@ impl SceneBuilder {
         Ok(self.builder.add_material(material)?)
     }
 
-    #[pyo3(signature = (name, positions, triangles, *, corner_normals = None, uv_maps = None, attributes = None, material_slots = None, moved_positions = None))]
+    #[pyo3(signature = (name, positions, triangles, *, corner_normals = None, uv_maps = None, attributes = None, material_slots = None, moved_positions = None, grids = None, keeps_opacity = false))]
     #[allow(clippy::too_many_arguments)]
     fn add_mesh(
         &mut self,
@@ -85,6 +92,8 @@ impl SceneBuilder {
         attributes: Option<&Bound<'_, PyDict>>,
         material_slots: Option<numpy::PyReadonlyArray1<'_, i32>>,
         moved_positions: Option<[PyReadonlyArray2<'_, f32>; 2]>,
+        grids: Option<Vec<PyGrid<'_>>>,
+        keeps_opacity: bool,
     ) -> Result<usize, Error> {
         let bad = |what: &str| bad_scene(format!("mesh '{name}': {what}"));
         let positions = vec3s(positions.as_slice().map_err(|_| bad("positions are not contiguous"))?);
@@ -147,6 +156,8 @@ impl SceneBuilder {
             attributes: values_by_name,
             material_slots,
             moved_positions,
+            grids: grids.into_iter().flatten().map(|grid| read_grid(grid, name)).collect::<Result<_, _>>()?,
+            keeps_opacity,
         };
         let builder = &mut self.builder;
         Ok(away(py, || builder.add_mesh(description))??)
@@ -289,13 +300,26 @@ impl Scene {
     }
 
     fn warnings(&self) -> Vec<String> {
-        self.stage.warnings.clone()
+        self.stage.warnings.iter().cloned().chain(self.stage.media.report()).collect()
     }
 
     #[getter]
     fn bvh_seconds(&self) -> f64 {
         self.stage.build_seconds
     }
+}
+
+fn read_grid((grid, values, to_object): PyGrid<'_>, mesh: &str) -> Result<Grid, Error> {
+    let bad = |what: &str| bad_scene(format!("mesh '{mesh}': grid '{grid}': {what}"));
+    let to_object: DMat4 = to_object.into();
+    let to_voxels = to_object.inverse();
+    if !to_voxels.is_finite() {
+        return Err(bad("its matrix is not finite or has no inverse"));
+    }
+    let &[z, y, x, channels] = values.shape() else { return Err(bad("give four axes: z, y, x and channel")) };
+    let values = values.as_slice().map_err(|_| bad("its values are not contiguous"))?.to_vec();
+    let to_voxels = Affine3A::from_mat4(to_voxels.as_mat4());
+    Ok(Grid { name: grid.clone(), size: [x, y, z], channels, values, to_voxels })
 }
 
 fn vec3s(values: &[f32]) -> Vec<Vec3> {

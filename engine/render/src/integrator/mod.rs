@@ -1,6 +1,7 @@
 //! From a camera ray to the radiance along it.
 
 pub mod bidirectional;
+pub mod media;
 pub mod path;
 mod subsurface;
 
@@ -11,6 +12,7 @@ use crate::scene::Scene;
 use crate::scene::closure::Closure;
 use crate::scene::material::Input;
 use crate::shading::{energy, principled::PrincipledTables};
+use media::Media;
 use rayon::prelude::*;
 use std::collections::HashMap;
 use std::sync::Arc;
@@ -47,6 +49,8 @@ pub struct Stage {
     pub lights: Lights,
     /// What leaves them.
     pub emission: Emission,
+    /// What fills space.
+    pub media: Media,
     /// By material.
     pub tables: Vec<Arc<PrincipledTables>>,
     /// What had to be left out.
@@ -77,6 +81,7 @@ impl Stage {
         };
         let lights = Lights::new(&scene);
         let emission = Emission::new(&scene, &lights, accel.bounds());
+        let media = Media::new(&scene, accel.bounds());
         let reflection = energy::reflection().clone();
         indices(&scene).into_par_iter().for_each(energy::prepare);
         // One set of tables for each that differs, made in parallel.
@@ -90,7 +95,7 @@ impl Stage {
             .collect();
         let tables = scene.materials.iter().map(|m| known[&PrincipledTables::key(m)].clone()).collect();
         let build_seconds = start.elapsed().as_secs_f64();
-        Self { scene, accel, lights, emission, tables, warnings, build_seconds }
+        Self { scene, accel, lights, emission, media, tables, warnings, build_seconds }
     }
 }
 

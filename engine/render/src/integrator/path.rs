@@ -97,6 +97,8 @@ pub struct KindLimits {
     pub glossy: u32,
     /// Let through and scattered.
     pub transmission: u32,
+    /// Scattered in volumes.
+    pub volume: u32,
     /// Surfaces passed unbent.
     pub transparent: u32,
     /// The same for rays that ask whether light arrives, those of the path before them included.
@@ -107,8 +109,8 @@ pub struct KindLimits {
 
 impl Default for KindLimits {
     fn default() -> Self {
-        let [diffuse, glossy, transmission, transparent, transparent_shadows] = [u32::MAX; 5];
-        Self { diffuse, glossy, transmission, transparent, transparent_shadows, caustics: Caustics::ALL }
+        let [diffuse, glossy, transmission, volume, transparent, transparent_shadows] = [u32::MAX; 6];
+        Self { diffuse, glossy, transmission, volume, transparent, transparent_shadows, caustics: Caustics::ALL }
     }
 }
 
@@ -152,10 +154,41 @@ impl Limits {
 
 /// Follows a ray from the camera.
 pub fn trace(stage: &Stage, camera_ray: Ray, limits: &Limits, sampler: &mut PathSampler) -> PathResult {
-    let mut wave: Wave = Wave::default();
-    wave.start(camera_ray, sampler.clone());
-    wave.follow(stage, limits);
-    wave.found(0)
+    let mut found = PathResult::default();
+    trace_all(stage, std::iter::once((camera_ray, sampler.clone())), limits, |_, result| found = result);
+    found
+}
+
+/// Follows rays from the camera together, and tells by their numbers what they found.
+pub fn trace_all(
+    stage: &Stage,
+    rays: impl Iterator<Item = (Ray, PathSampler)>,
+    limits: &Limits,
+    found: impl FnMut(usize, PathResult),
+) {
+    if stage.media.is_empty() {
+        Wave::<NoGroups, false>::noting(NoGroups).trace_all(stage, rays, limits, found);
+    } else {
+        Wave::<NoGroups, true>::noting(NoGroups).trace_all(stage, rays, limits, found);
+    }
+}
+
+impl<const VOLUMES: bool> Wave<NoGroups, VOLUMES> {
+    fn trace_all(
+        mut self,
+        stage: &Stage,
+        rays: impl Iterator<Item = (Ray, PathSampler)>,
+        limits: &Limits,
+        mut found: impl FnMut(usize, PathResult),
+    ) {
+        let mut count = 0;
+        for (ray, sampler) in rays {
+            self.start(ray, sampler);
+            count += 1;
+        }
+        self.follow(stage, limits);
+        (0..count).for_each(|number| found(number, self.found(number)));
+    }
 }
 
 /// A start for a ray that leaves a surface along `d`, on the side that it goes to.

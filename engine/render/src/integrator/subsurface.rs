@@ -26,6 +26,10 @@ impl Numbers {
         Self(bits(0) ^ (bits(1) << 21) ^ (bits(2) << 42) ^ 0x9e37_79b9_7f4a_7c15)
     }
 
+    pub(super) fn seeded(seed: u64) -> Self {
+        Self(seed ^ 0x9e37_79b9_7f4a_7c15)
+    }
+
     /// Uniform, 0 to 1 (Steele, Lea and Flood 2014, splitmix).
     pub(super) fn next(&mut self) -> f32 {
         self.0 = self.0.wrapping_add(0x9e37_79b9_7f4a_7c15);

@@ -139,6 +139,23 @@ impl Lights {
         self.is_linked
     }
 
+    /// Whether anything shines from within the scene.
+    pub fn has_local(&self) -> bool {
+        self.local.len() > 0
+    }
+
+    /// The middle of something that shines from within the scene, and likely on a place there; `None` where nothing does.
+    pub fn near(&self, to: &Receiver, u: f32) -> Option<Vec3A> {
+        let chosen = self.tree(to).and_then(|tree| tree.sample(to, u)).map(|(index, _)| index);
+        let count = self.local.len();
+        // What shines past the place may still shine beside it.
+        let index = chosen.unwrap_or(((u * count as f32) as usize).min(count.checked_sub(1)?));
+        Some(match self.local.get(index)? {
+            Emitter::Lamp(i) => self.lamps[i as usize].bounds().center(),
+            Emitter::Triangle(triangle) => triangle.bounds().center(),
+        })
+    }
+
     /// What a source lights, and what throws shadows in its light.
     pub fn sets(&self, source: Source) -> Sets {
         match self.local.get(source.0) {
@@ -265,6 +282,22 @@ impl Lights {
         to: Option<&Receiver>,
         mut found: impl FnMut(Source, Rgb, f32),
     ) {
+        self.lamps_between(scene, from, d, t_max, way, to, |source, radiance, pdf, _| found(source, radiance, pdf));
+    }
+
+    /// The same with how far away each is.
+    #[allow(clippy::too_many_arguments)]
+    #[inline(always)]
+    pub fn lamps_between(
+        &self,
+        scene: &Scene,
+        from: Vec3A,
+        d: Vec3A,
+        t_max: f32,
+        way: Way,
+        to: Option<&Receiver>,
+        mut found: impl FnMut(Source, Rgb, f32, f32),
+    ) {
         self.met.along(from, d, t_max, |place| {
             let index = place as usize;
             let lamp = &self.lamps[self.local.lamps[index] as usize];
@@ -276,7 +309,7 @@ impl Lights {
                 let chance = to.map_or(0.0, |to| {
                     self.tree(to).map_or(0.0, |tree| tree.probability(to, index) * (1.0 - to.sky_chance))
                 });
-                found(Source(index), radiance, pdf * chance);
+                found(Source(index), radiance, pdf * chance, t);
             }
         });
     }

@@ -19,5 +19,5 @@ pub struct Receiver {
     /// Their sum.
     pub(super) total: f32,
     /// Chance of choosing the sky rather than something within the scene.
-    pub(super) sky_chance: f32,
+    pub(crate) sky_chance: f32,
 }

@@ -112,7 +112,18 @@ fn moved(mesh: &Mesh, offsets: &[Vec3], bends: bool) -> MeshDescription {
         };
         old.iter().enumerate().map(of).collect()
     });
-    let Mesh { name, positions, triangles, uv_maps, mut attributes, material_slots, moved_positions, .. } = shape;
+    let Mesh {
+        name,
+        positions,
+        triangles,
+        uv_maps,
+        mut attributes,
+        material_slots,
+        moved_positions,
+        grids,
+        keeps_opacity,
+        ..
+    } = shape;
     if bends {
         let old = |i: usize| match &mesh.corner_normals {
             Some(normals) => normals[i],
@@ -122,5 +133,16 @@ fn moved(mesh: &Mesh, offsets: &[Vec3], bends: bool) -> MeshDescription {
         attributes.push((UNDISPLACED_NORMAL.to_owned(), old));
     }
     let moved_positions = moved_positions.map(|moved| moved.map(|positions| shift(&positions)));
-    MeshDescription { name, positions, triangles, corner_normals, uv_maps, attributes, material_slots, moved_positions }
+    MeshDescription {
+        name,
+        positions,
+        triangles,
+        corner_normals,
+        uv_maps,
+        attributes,
+        material_slots,
+        moved_positions,
+        grids,
+        keeps_opacity,
+    }
 }

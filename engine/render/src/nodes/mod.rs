@@ -8,6 +8,7 @@ pub mod lamp;
 mod layers;
 mod point;
 mod strand;
+pub mod volume;
 mod way;
 pub mod world;
 

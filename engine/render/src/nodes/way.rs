@@ -28,6 +28,7 @@ const GLOSSY: u8 = 8;
 const SINGULAR: u8 = 16;
 const REFLECTED: u8 = 32;
 const TRANSMITTED: u8 = 64;
+const IN_VOLUME: u8 = 128;
 
 impl Way {
     const START: Self = Self { is: 0, depth: 0, diffuse: 0, glossy: 0, transmission: 0, transparent: 0 };
@@ -57,6 +58,13 @@ impl Way {
             transmission: self.transmission.saturating_add(u8::from(is_transmitted)),
             transparent: self.transparent,
         }
+    }
+
+    /// The same after a scattering in a volume.
+    #[inline]
+    #[must_use]
+    pub fn scattered_in_volume(self) -> Self {
+        Self { is: IN_VOLUME, depth: self.depth + 1, ..self }
     }
 
     /// The same after so many scatterings.
@@ -112,6 +120,12 @@ impl Way {
         }
     }
 
+    /// The same where there are volumes, too.
+    #[inline]
+    pub fn rays_with_volumes(self) -> Rays {
+        if self.is & IN_VOLUME != 0 { Rays::VOLUME_SCATTER } else { self.rays() }
+    }
+
     /// The kinds that a light must reach to be found by this way, all of them.
     #[inline]
     pub fn finds(self) -> Rays {
@@ -120,6 +134,7 @@ impl Way {
             .and(of(DIFFUSE, Rays::DIFFUSE))
             .and(of(GLOSSY | REFLECTED, Rays::GLOSSY))
             .and(of(TRANSMITTED, Rays::TRANSMISSION))
+            .and(of(IN_VOLUME, Rays::VOLUME_SCATTER))
     }
 
     /// What a node program reads of it.
@@ -133,6 +148,7 @@ impl Way {
             Field::IsSingularRay => is(SINGULAR),
             Field::IsReflectionRay => is(REFLECTED),
             Field::IsTransmissionRay => is(TRANSMITTED),
+            Field::IsVolumeScatterRay => is(IN_VOLUME),
             Field::RayDepth => f32::from(self.depth),
             Field::DiffuseDepth => f32::from(self.diffuse),
             Field::GlossyDepth => f32::from(self.glossy),
@@ -144,12 +160,13 @@ impl Way {
 }
 
 /// What tells of kinds of bounces: a world that asks for any of these is another one for each.
-pub const OF_BOUNCES: [Field; 10] = [
+pub const OF_BOUNCES: [Field; 11] = [
     Field::IsDiffuseRay,
     Field::IsGlossyRay,
     Field::IsSingularRay,
     Field::IsReflectionRay,
     Field::IsTransmissionRay,
+    Field::IsVolumeScatterRay,
     Field::RayDepth,
     Field::DiffuseDepth,
     Field::GlossyDepth,

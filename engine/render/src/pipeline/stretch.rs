@@ -47,14 +47,17 @@ pub(super) fn render<L: Leads>(
     light: &mut Patch,
     stopped: &dyn Fn() -> bool,
 ) -> Option<Counts> {
-    match light.group_count() {
-        0 => follow(Wave::noting(NoGroups), pipeline, shot, samples, light, stopped),
-        count => follow(Wave::noting(ByGroup::new(count)), pipeline, shot, samples, light, stopped),
+    let groups = || ByGroup::new(light.group_count());
+    match (light.group_count(), shot.stage.media.is_empty()) {
+        (0, true) => follow(Wave::<_, false>::noting(NoGroups), pipeline, shot, samples, light, stopped),
+        (_, true) => follow(Wave::<_, false>::noting(groups()), pipeline, shot, samples, light, stopped),
+        (0, false) => follow(Wave::<_, true>::noting(NoGroups), pipeline, shot, samples, light, stopped),
+        (_, false) => follow(Wave::<_, true>::noting(groups()), pipeline, shot, samples, light, stopped),
     }
 }
 
-fn follow<L: Leads, G: Groups>(
-    mut wave: Wave<G>,
+fn follow<L: Leads, G: Groups, const VOLUMES: bool>(
+    mut wave: Wave<G, VOLUMES>,
     mut pipeline: L,
     shot: &Shot<'_>,
     mut samples: impl Iterator<Item = ([u32; 2], u32)>,

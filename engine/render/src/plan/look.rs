@@ -5,7 +5,7 @@ use super::light::{Arriving, Brightest};
 use crate::accel::Ray;
 use crate::camera::clip::Clip;
 use crate::integrator::Stage;
-use crate::integrator::path::{CAMERA_SETS, KindLimits, Limits, Wave};
+use crate::integrator::path::{self, CAMERA_SETS, KindLimits, Limits};
 use crate::luminance;
 use crate::sampler::PathSampler;
 use crate::scene::visibility::Rays;
@@ -87,15 +87,15 @@ fn luminances(stage: &Stage, rays: &[Ray]) -> Vec<f32> {
         roulette: f32::INFINITY,
     };
     let light = |(chunk, rays): (usize, &[Ray])| -> Vec<f32> {
-        let mut wave = Wave::default();
-        for (i, ray) in rays.iter().enumerate() {
+        let rays = rays.iter().enumerate().map(|(i, ray)| {
             let mut sampler = PathSampler::new((chunk * WAVE + i) as u32, 2, 0, 0);
             sampler.jump_to(CAMERA_SETS);
-            wave.start(*ray, sampler);
-        }
-        wave.follow(stage, &limits);
-        let found = |i: usize| luminance(wave.found(i).radiance);
-        (0..rays.len()).map(found).map(|l| if l.is_finite() { l } else { 0.0 }).collect()
+            (*ray, sampler)
+        });
+        let mut light = Vec::with_capacity(WAVE);
+        let finite = |l: f32| if l.is_finite() { l } else { 0.0 };
+        path::trace_all(stage, rays, &limits, |_, found| light.push(finite(luminance(found.radiance))));
+        light
     };
     const WAVE: usize = 64;
     rays.par_chunks(WAVE).enumerate().flat_map_iter(light).collect()

@@ -1,5 +1,6 @@
 //! Point sets for Monte Carlo integration: where the numbers come from ([`PathSampler`]), what shapes they are
-//! bent into ([`warp`]), tables of arbitrary density ([`distribution`]), which pixel gets which ([`pattern`]), and the
+//! bent into ([`warp`]), tables of arbitrary density ([`distribution`]), directions
+//! in which media scatter ([`phase`]), which pixel gets which ([`pattern`]), and the
 //! picture's pixels ([`raster`]).
 //!
 //! Every random choice comes in threes: `sample_x` takes uniform numbers to a value, `x_pdf` gives its density.
@@ -7,6 +8,7 @@
 pub mod distribution;
 pub mod evenly;
 pub mod pattern;
+pub mod phase;
 mod points;
 pub mod raster;
 pub mod warp;

@@ -4,9 +4,10 @@ use super::closure::{
     Closure, Distribution, MetalKind, Pigment, Principled, PrincipledHair, SubsurfaceMethod, ThinFilm,
 };
 use super::layer::MOST_LAYERS;
+use super::volume::Volume;
 use crate::luminance;
 use glam::Vec3A;
-use petzval_nodes::{Field, Layer, LayerKind, Operand, Program, Registers};
+use petzval_nodes::{Field, Graph as Shaders, Layer, LayerKind, Operand, Program, Registers, compile};
 
 /// What the engine can tell of a point.
 const KNOWN: [Field; 48] = [
@@ -61,7 +62,7 @@ const KNOWN: [Field; 48] = [
 ];
 
 /// "Random per island".
-fn in_words(field: Field) -> String {
+pub(super) fn in_words(field: Field) -> String {
     let name = format!("{field:?}");
     let words = name.char_indices().flat_map(|(i, c)| {
         let gap = (i > 0 && c.is_uppercase()).then_some(' ');
@@ -124,6 +125,8 @@ pub struct Graph {
     pub pass_index: i32,
     /// What its displacement does.
     pub displacement: Displacement,
+    /// What fills the space behind the surface; of the world, all space.
+    pub volume: Option<Volume>,
 }
 
 /// What a material's displacement does.
@@ -172,26 +175,43 @@ impl Graph {
                 program.surface.len()
             ));
         }
-        let mut layers: Vec<GraphLayer> =
+        let layers: Vec<GraphLayer> =
             program.surface.iter().take(MOST_LAYERS).filter_map(|layer| Of(layer).layer(&mut report)).collect();
-        if !program.volume.is_empty() {
-            report("volume is not supported yet, it is left out");
-            if program.surface.is_empty() {
-                // Nothing to see but the volume's border.
-                let [color, weight] = [Source::Always(Vec3A::ONE); 2];
-                layers.push(GraphLayer {
-                    weight,
-                    closure: Closure::Transparent { color },
-                    normal: None,
-                    coat_normal: None,
-                    tangent: None,
-                });
-            }
-        }
         for field in program.reads().filter(|field| !KNOWN.contains(field)) {
             report(&format!("{} is not supported yet, it is 0", in_words(field)));
         }
-        (Self { program, layers, pass_index, displacement: Displacement::default() }, reports)
+        (Self { program, layers, pass_index, displacement: Displacement::default(), volume: None }, reports)
+    }
+
+    /// Of all that shaders say: surface and volume become programs of their own, since they are asked at different places.
+    pub fn of(shaders: &Shaders, pass_index: i32) -> (Self, Vec<String>) {
+        let (program, told) = compile(&Shaders { volume: None, ..shaders.clone() });
+        let (mut graph, mut reports) = Self::new(program, pass_index);
+        reports.splice(0..0, told.iter().map(ToString::to_string));
+        if shaders.volume.is_some() {
+            let (program, told) = compile(&Shaders { surface: None, displacement: None, ..shaders.clone() });
+            let (volume, more) = Volume::new(program, pass_index);
+            let told = told.iter().map(ToString::to_string).chain(more);
+            for what in told {
+                if !reports.contains(&what) {
+                    reports.push(what);
+                }
+            }
+            if graph.program.surface.is_empty() && volume.is_some() {
+                // Nothing to see but the volume's border.
+                let [color, weight] = [Source::Always(Vec3A::ONE); 2];
+                let closure = Closure::Transparent { color };
+                graph.layers.push(GraphLayer { weight, closure, normal: None, coat_normal: None, tangent: None });
+            }
+            graph.volume = volume;
+        }
+        (graph, reports)
+    }
+
+    /// Whether there is nothing but a volume: light passes its border as if it were not there.
+    #[inline]
+    pub fn is_only_volume(&self) -> bool {
+        self.volume.is_some() && self.program.surface.is_empty()
     }
 
     /// Whether it moves the vertices of meshes.

@@ -3,6 +3,7 @@
 use super::graph::Graph;
 use super::layer::{Layer, MOST_LAYERS};
 use super::texture::{Extension, Interpolation};
+use super::volume::Volume;
 use crate::Rgb;
 use std::sync::Arc;
 
@@ -137,6 +138,12 @@ impl Material {
             Some(graph) => graph.may_be_transparent(),
             None => self.alpha != Input::Constant(1.0) || self.layers.iter().any(Layer::may_be_transparent),
         }
+    }
+
+    /// What fills the space behind its surface.
+    #[inline]
+    pub fn volume(&self) -> Option<&Volume> {
+        self.graph.as_ref()?.volume.as_ref()
     }
 
     /// Whether its layers say what it is made of.

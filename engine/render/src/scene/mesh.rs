@@ -2,6 +2,7 @@
 
 use super::SceneError;
 use super::curves::Curves;
+use super::grid::Grid;
 use glam::{Vec2, Vec3, Vec4};
 
 /// The name by which a mesh keeps its undeformed coordinates in its box.
@@ -26,6 +27,10 @@ pub struct MeshDescription {
     pub material_slots: Option<Vec<u32>>,
     /// `positions` a frame before and a frame after; `None` where the mesh keeps its shape.
     pub moved_positions: Option<[Vec<Vec3>; 2]>,
+    /// Values known in its space, for volumes.
+    pub grids: Vec<Grid>,
+    /// Its volume is as opaque however large the object is.
+    pub keeps_opacity: bool,
 }
 
 /// A checked mesh: every index valid, every position finite, every triangle with area.
@@ -47,6 +52,10 @@ pub struct Mesh {
     pub material_slots: Option<Vec<u32>>,
     /// `positions` a frame before and a frame after.
     pub moved_positions: Option<[Vec<Vec3>; 2]>,
+    /// Values known in its space, for volumes.
+    pub grids: Vec<Grid>,
+    /// Its volume is as opaque however large the object is.
+    pub keeps_opacity: bool,
     /// The corners of the box that holds `positions`.
     pub bounds: [Vec3; 2],
     /// Hair or other curves, instead of triangles.
@@ -100,6 +109,7 @@ impl Mesh {
         });
         let finite = || d.positions.iter().filter(|p| p.is_finite());
         let bounds = [finite().fold(Vec3::MAX, |a, b| a.min(*b)), finite().fold(Vec3::MIN, |a, b| a.max(*b))];
+        let grids = d.grids.into_iter().map(|grid| grid.checked(&d.name)).collect::<Result<_, _>>()?;
         let mut mesh = Self {
             bounds,
             name: d.name,
@@ -110,6 +120,8 @@ impl Mesh {
             attributes: d.attributes,
             material_slots: d.material_slots,
             moved_positions: d.moved_positions,
+            grids,
+            keeps_opacity: d.keeps_opacity,
             curves: None,
         };
         if dropped > 0 {

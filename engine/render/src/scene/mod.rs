@@ -5,6 +5,7 @@ pub mod closure;
 pub mod curves;
 pub mod edges;
 pub mod graph;
+pub mod grid;
 pub mod lamp;
 pub mod layer;
 pub mod material;
@@ -13,6 +14,7 @@ pub mod softening;
 pub mod texture;
 pub mod viewport;
 pub mod visibility;
+pub mod volume;
 pub mod world;
 
 use crate::Rgb;

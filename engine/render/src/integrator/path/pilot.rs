@@ -1,6 +1,6 @@
 //! What a few hundred paths tell of a picture before it is rendered. Only noise and time depend on it, never the mean.
 
-use super::{CAMERA_SETS, Limits, Wave, leave};
+use super::{CAMERA_SETS, Limits, leave, trace_all};
 use crate::accel::Ray;
 use crate::integrator::Stage;
 use crate::sampler::{PathSampler, warp};
@@ -46,16 +46,15 @@ pub fn openness(stage: &Stage, rays: &[Ray]) -> f32 {
 /// its throughput times sqrt(1 + 1 / v), where v is the relative variance of a path: the less noise a picture has, the less
 /// it may be added to. Twice as much measured best: what is left out is what a whole path finds by its own light samples.
 pub fn roulette(stage: &Stage, limits: &Limits, rays: &[Ray]) -> f32 {
-    let mut wave: Wave = Wave::default();
-    for (i, ray) in rays.iter().enumerate() {
-        for index in 0..2 {
+    let twice = rays.iter().enumerate().flat_map(|(i, ray)| {
+        (0..2).map(move |index| {
             let mut sampler = PathSampler::new(i as u32, 1, index, 0);
             sampler.jump_to(CAMERA_SETS);
-            wave.start(*ray, sampler);
-        }
-    }
-    wave.follow(stage, limits);
-    let light: Vec<f32> = (0..2 * rays.len()).map(|i| wave.found(i).radiance.element_sum()).collect();
+            (*ray, sampler)
+        })
+    });
+    let mut light = Vec::with_capacity(2 * rays.len());
+    trace_all(stage, twice, limits, |_, found| light.push(found.radiance.element_sum()));
     let mean = light.iter().sum::<f32>() / light.len().max(1) as f32;
     let mut variances: Vec<f32> = light
         .chunks_exact(2)

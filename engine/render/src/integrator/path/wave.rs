@@ -4,6 +4,7 @@
 
 mod found;
 mod place;
+mod through;
 
 use super::choice::Chosen;
 use super::groups::{Groups, NoGroups};
@@ -23,9 +24,11 @@ use crate::surface::SurfacePoint;
 use found::Found;
 use glam::Vec3A;
 use place::{Place, Shadow};
+use through::{Brought, Inside, Veil, is_only_volume};
 
-/// Memory for paths, used again and again.
-pub struct Wave<G: Groups = NoGroups> {
+/// Memory for paths, used again and again. `VOLUMES`: what fills space counts; where there is nothing, none of it is in the
+/// code.
+pub struct Wave<G: Groups = NoGroups, const VOLUMES: bool = false> {
     paths: Vec<Path>,
     results: Vec<PathResult>,
     groups: G,
@@ -44,6 +47,10 @@ pub struct Wave<G: Groups = NoGroups> {
     is_alive: Vec<bool>,
     /// Those of the material that is being looked at.
     layers: Layers,
+    /// By path, what it is in; empty where there are no volumes.
+    inside: Vec<Inside>,
+    /// By shadow ray, what it goes through.
+    veils: Vec<Veil>,
 }
 
 /// One path under way.
@@ -78,7 +85,10 @@ impl Default for Wave {
     }
 }
 
-impl<G: Groups> Wave<G> {
+impl<G: Groups, const VOLUMES: bool> Wave<G, VOLUMES> {
+    /// Sets of numbers used at each surface.
+    const SETS: u32 = SETS_PER_STEP + if VOLUMES { 3 } else { 0 };
+
     /// Memory that notes the light of groups, too.
     pub fn noting(groups: G) -> Self {
         Self {
@@ -94,6 +104,8 @@ impl<G: Groups> Wave<G> {
             shadows: Vec::new(),
             is_alive: Vec::new(),
             layers: Layers::default(),
+            inside: Vec::new(),
+            veils: Vec::new(),
         }
     }
 
@@ -137,6 +149,10 @@ impl<G: Groups> Wave<G> {
 
     /// Follows all paths to their ends.
     pub fn follow(&mut self, stage: &Stage, limits: &Limits) {
+        if VOLUMES {
+            self.inside.clear();
+            self.inside.extend(self.paths.iter().map(|path| Inside::new(stage, path)));
+        }
         for step in 0..MOST_STEPS {
             if self.live.is_empty() {
                 return;
@@ -157,32 +173,58 @@ impl<G: Groups> Wave<G> {
         for &i in &self.live {
             let path = &self.paths[i as usize];
             self.results[i as usize].rays += 1;
-            self.hits.push(stage.accel.closest(&path.ray, path.way.rays()));
+            let rays = if VOLUMES { path.way.rays_with_volumes() } else { path.way.rays() };
+            self.hits.push(stage.accel.closest(&path.ray, rays));
         }
     }
 
     /// Light that the rays found; keeps those alive that go on through a surface, and notes where others scatter.
     fn meet(&mut self, stage: &Stage, limits: &Limits, step: u32) {
         self.meetings.clear();
+        self.shadows.clear();
+        if VOLUMES {
+            self.veils.clear();
+        }
         for (&i, hit) in self.live.iter().zip(&self.hits) {
             let path = &mut self.paths[i as usize];
             let mut found = Found { path: i, result: &mut self.results[i as usize], groups: &mut self.groups };
             self.is_alive[i as usize] = false;
+            if VOLUMES {
+                path.sampler.jump_to(CAMERA_SETS + step * Self::SETS);
+                let inside = &mut self.inside[i as usize];
+                let shades = (&mut self.shadows, &mut self.veils);
+                match inside.bring(stage, limits, path, hit.as_ref(), &mut found, shades) {
+                    Brought::ToTheEnd => {}
+                    Brought::Elsewhere => {
+                        self.is_alive[i as usize] = true;
+                        continue;
+                    }
+                    Brought::Nowhere => continue,
+                }
+            }
             let Some(hit) = hit else {
-                path.lamps_before(stage, limits, path.travelled + path.ray.t_max, &mut found);
+                if !VOLUMES {
+                    path.lamps_before(stage, limits, path.travelled + path.ray.t_max, &mut found);
+                }
                 path.sky(stage, limits, &mut found);
                 continue;
             };
-            path.sampler.jump_to(CAMERA_SETS + step * SETS_PER_STEP);
+            path.sampler.jump_to(CAMERA_SETS + step * Self::SETS);
             let point = SurfacePoint::new(&stage.scene, hit, path.ray.direction);
             let [u_alpha, u_end, u_light, u_lobe] = path.sampler.next_4d();
             let view = path.view(path.travelled + hit.t);
             let opening = opening(stage.around(), hit, &view);
             if u_alpha >= 1.0 - opening.chance {
-                if !limits.goes_on(path.way) {
-                    continue;
+                // The border of a volume alone is no surface.
+                if !VOLUMES || !is_only_volume(stage, &point) {
+                    if !limits.goes_on(path.way) {
+                        continue;
+                    }
+                    path.way = path.way.passed();
                 }
-                path.way = path.way.passed();
+                if VOLUMES {
+                    self.inside[i as usize].stack.cross(&stage.scene, &point);
+                }
                 path.throughput *= opening.light / opening.chance;
                 path.travelled += hit.t;
                 let origin = offset_origin(point.position, -point.geometric_normal, point.position_error);
@@ -190,13 +232,15 @@ impl<G: Groups> Wave<G> {
                 self.is_alive[i as usize] = true;
                 continue;
             }
-            path.lamps_before(stage, limits, path.travelled + hit.t, &mut found);
+            if !VOLUMES {
+                path.lamps_before(stage, limits, path.travelled + hit.t, &mut found);
+            }
             found.result.hit = true;
-            if found.result.first.is_none() {
+            if found.result.first.is_none() && (!VOLUMES || path.way.is_camera()) {
                 found.result.first = Some(FirstSurface::from(&point));
             }
             path.emission(stage, limits, hit, &point, opening.kept, &mut found);
-            if limits.scatters(path.way) {
+            if limits.scatters(path.way) && (!VOLUMES || self.inside[i as usize].may_scatter(limits)) {
                 let kept = opening.kept;
                 self.meetings.push(Meeting { path: i, point, kept, view, u: [u_end, u_light, u_lobe] });
             }
@@ -233,7 +277,6 @@ impl<G: Groups> Wave<G> {
 
     /// At each surface a sample of the lights, and a direction to go on in.
     fn scatter(&mut self, stage: &Stage, limits: &Limits) {
-        self.shadows.clear();
         if self.order.is_empty() {
             return;
         }
@@ -282,9 +325,16 @@ impl<G: Groups> Wave<G> {
         let [u0, u1, u2, u3] = path.sampler.next_4d();
         let at = Place { stage, limits, point };
         let to = at.light(path, &mut found, &mut self.shadows, bsdf, [*u_light, u0, u1]);
+        if VOLUMES {
+            let scene = &stage.scene;
+            self.inside[*i as usize].veil(scene, point, &self.shadows, &mut self.veils, [*u_light, u0, u1]);
+        }
         let is_alive = &mut self.is_alive[*i as usize];
         let Some(entry) = bsdf.enter(*u_lobe, [u2, u3]) else {
             *is_alive = at.turn(path, bsdf, to, [*u_end, *u_lobe, u2, u3]);
+            if VOLUMES && *is_alive {
+                self.inside[*i as usize].leave(&stage.scene, point, path);
+            }
             return;
         };
         let mut numbers = Numbers::new([*u_lobe, u2, u3]);
@@ -295,10 +345,28 @@ impl<G: Groups> Wave<G> {
         let (at, bsdf) = (Place { point: &exit, ..at }, Mixture::exit(&exit));
         let to = at.light(path, &mut found, &mut self.shadows, &bsdf, [u_light, u0, u1]);
         *is_alive = at.turn(path, &bsdf, to, [*u_end, u_lobe, u2, u3]);
+        if VOLUMES {
+            let inside = &mut self.inside[*i as usize];
+            inside.veil(&stage.scene, &exit, &self.shadows, &mut self.veils, [u_light, u0, u1]);
+            if *is_alive {
+                inside.leave(&stage.scene, &exit, path);
+            }
+        }
     }
 
     /// Adds the light whose way is free, as far as it is.
     fn shadow(&mut self, stage: &Stage, limits: &Limits) {
+        if VOLUMES {
+            for (shadow, veil) in self.shadows.iter().zip(&self.veils) {
+                let Shadow { path, light, way, of, .. } = shadow;
+                let result = &mut self.results[*path as usize];
+                let mut found = Found { path: *path, result, groups: &mut self.groups };
+                found.result.rays += 1;
+                let free = veil.light_through(stage, limits, shadow);
+                found.add(*of, limits.clamp(*light * free, u32::from(way.depth)));
+            }
+            return;
+        }
         for Shadow { path, ray, light, way, sets, of } in &self.shadows {
             let mut found = Found { path: *path, result: &mut self.results[*path as usize], groups: &mut self.groups };
             found.result.rays += 1;

@@ -36,7 +36,7 @@ impl Path {
     /// Whether light that the ray found counts: not where its emitter does not light the object that it comes from, nor
     /// where it has shadows of its own, which the ray knows nothing of.
     #[inline(always)]
-    fn finds(&self, stage: &Stage, sets: impl FnOnce() -> Sets) -> bool {
+    pub(super) fn finds(&self, stage: &Stage, sets: impl FnOnce() -> Sets) -> bool {
         if !stage.lights.is_linked() || self.way.is_camera() {
             return true;
         }

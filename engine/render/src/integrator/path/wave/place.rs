@@ -95,22 +95,33 @@ impl Place<'_> {
             path.throughput *= terminator::dimmed(&self.stage.scene, self.point, next.wi);
         }
         path.way = path.way.scattered(next.matte, next.mirror, next.transmitted);
-        let brightest = path.throughput.max_element();
-        if brightest <= 0.0 {
+        if !path.goes_on(self.limits, u_end) {
             return false;
-        }
-        let go_on = brightest * self.limits.roulette;
-        if go_on < 1.0 {
-            if u_end >= go_on {
-                return false;
-            }
-            path.throughput /= go_on;
         }
         path.chosen = if next.mirror { Chosen::Alone } else { Chosen::WithPdf(next.pdf, to) };
         path.travelled = 0.0;
         path.ray = self.point.leaving(leave(self.point, next.wi), next.wi);
         path.start = path.ray.origin;
         path.from = self.point.instance;
+        true
+    }
+}
+
+impl Path {
+    /// Ends faint paths by chance; whether this one goes on.
+    #[inline(always)]
+    pub(super) fn goes_on(&mut self, limits: &Limits, u_end: f32) -> bool {
+        let brightest = self.throughput.max_element();
+        if brightest <= 0.0 {
+            return false;
+        }
+        let go_on = brightest * limits.roulette;
+        if go_on < 1.0 {
+            if u_end >= go_on {
+                return false;
+            }
+            self.throughput /= go_on;
+        }
         true
     }
 }

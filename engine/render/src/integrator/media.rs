@@ -1,0 +1,316 @@
+//! What fills space on the way of light: which media a path is in, how far it comes in them, and what is left of it.
+//!
+//! Media that are the same everywhere are crossed by closed forms, a channel chosen for each distance. In the others light
+//! meets tentative particles at a rate that bounds their density cell by cell; those that are none do nothing (null
+//! collisions). Bounds come from samples, so that a medium may be denser than its bound: the weights of Galtier et al. 2013
+//! stay right there, negative for once, and [`Media::denser_than_bound`] counts it.
+
+mod bound;
+mod stack;
+
+pub(crate) use stack::{Entry, Stack};
+
+use super::Stage;
+use super::subsurface::Numbers;
+use crate::Rgb;
+use crate::accel::Ray;
+use crate::nodes::Way;
+use crate::nodes::volume::Medium;
+use crate::scene::Scene;
+use bound::{Bound, Bounded};
+use glam::Vec3A;
+use std::collections::HashMap;
+use std::sync::atomic::{AtomicU64, Ordering};
+
+/// Tentative particles on one stretch of a ray; what is behind so many is taken as it is seen.
+const MOST_STEPS: u32 = 1024;
+/// The same on the way to infinity, which is empty as a rule.
+const MOST_STEPS_OUT: u32 = 256;
+/// Light fainter than this part goes on by chance.
+const FAINT: f32 = 0.02;
+
+/// The media of a scene.
+pub struct Media {
+    bounds: HashMap<Entry, Bound>,
+    /// What fills all space.
+    world: Option<Entry>,
+    /// Objects that have media, and the boxes about them.
+    objects: Vec<(u32, [Vec3A; 2])>,
+    denser: AtomicU64,
+}
+
+impl Media {
+    /// Finds the media of a scene that fills these bounds.
+    pub(super) fn new(scene: &Scene, around: Option<(Vec3A, Vec3A)>) -> Self {
+        let mut bounds = HashMap::new();
+        let mut objects = Vec::new();
+        for (index, instance) in scene.instances.iter().enumerate() {
+            let index = index as u32;
+            let of = |material: &u32| scene.materials[*material as usize].volume().is_some();
+            let mut found = false;
+            for &material in instance.materials.iter().filter(|material| of(material)) {
+                let entry = Entry { instance: index, material };
+                bounds.entry(entry).or_insert_with(|| Bound::of_object(scene, entry));
+                found = true;
+            }
+            if found {
+                let corners = (0..8).map(|i| [i & 1, i >> 1 & 1, i >> 2].map(|bit| bit as f32));
+                let corners = corners.map(|part| crate::nodes::volume::within_box(scene, index, part));
+                let start = [Vec3A::INFINITY, Vec3A::NEG_INFINITY];
+                objects.push((index, corners.fold(start, |[low, high], p| [low.min(p), high.max(p)])));
+            }
+        }
+        let volume = scene.world.graph.as_ref().and_then(|graph| graph.volume.as_ref());
+        let world = volume.map(|_| Entry::WORLD);
+        if world.is_some() {
+            bounds.insert(Entry::WORLD, Bound::of_world(scene, around));
+        }
+        Self { bounds, world, objects, denser: AtomicU64::new(0) }
+    }
+
+    /// Whether there are none.
+    pub fn is_empty(&self) -> bool {
+        self.bounds.is_empty()
+    }
+
+    /// Takes all bounds for so much less.
+    #[cfg(test)]
+    fn loosen(&mut self, part: f32) {
+        self.bounds.values_mut().for_each(|bound| bound.loosen(part));
+    }
+
+    /// What to say of that after a render, where it is more than a few times.
+    pub fn report(&self) -> Option<String> {
+        const FEW: u64 = 10_000;
+        let count = self.denser_than_bound();
+        (count > FEW).then(|| {
+            "Volumes: some are far denser in places than was found before the render; there the picture is noisier"
+                .into()
+        })
+    }
+
+    /// How often light came to a place where a medium is denser than what was found of it before the render.
+    pub fn denser_than_bound(&self) -> u64 {
+        self.denser.load(Ordering::Relaxed)
+    }
+}
+
+/// What happens on a stretch of a ray.
+pub(super) enum Event {
+    /// Light comes to its end.
+    Through,
+    /// It is scattered before that. Its weight is still to be multiplied by what is scattered per unit.
+    Scattered {
+        /// From the ray's start.
+        distance: f32,
+        /// What scatters it.
+        medium: Box<Medium>,
+        /// With which density per unit it was scattered there; 0 where the medium varies and nothing competes.
+        density: f32,
+    },
+    /// Nothing is left of it.
+    Absorbed,
+}
+
+/// A stretch of a ray within media.
+pub(super) struct Stretch<'a> {
+    pub(super) stage: &'a Stage,
+    pub(super) stack: &'a Stack,
+    pub(super) ray: Ray,
+    pub(super) way: Way,
+}
+
+impl Stretch<'_> {
+    /// What is the same all along it, where it is, and scatters.
+    pub(super) fn even_medium(&self) -> Option<Medium> {
+        if !self.is_even() {
+            return None;
+        }
+        let medium = self.medium(self.ray.origin);
+        (medium.scattering != Rgb::ZERO).then_some(medium)
+    }
+
+    /// What is left of light that came so far through something even, and the density with which [`Stretch::follow`]
+    /// scatters it there.
+    pub(super) fn even_at(&self, medium: &Medium, throughput: Rgb, distance: f32) -> (Rgb, f32) {
+        let left = through(medium.extinction, distance);
+        (left, channels(throughput).map_or(0.0, |chances| chances.dot(medium.extinction * left)))
+    }
+
+    /// Follows light of this throughput: what is left of it, and what the media add. `scatters`: else it is dimmed only.
+    pub(super) fn follow(&self, throughput: &mut Rgb, scatters: bool, u: [f32; 4]) -> (Event, Rgb) {
+        if self.is_even() {
+            self.follow_even(throughput, scatters, u)
+        } else {
+            self.follow_varying(throughput, scatters, u)
+        }
+    }
+
+    /// The part of light that gets through all of it, on average.
+    pub(super) fn transmittance(&self, numbers: &mut Numbers) -> Rgb {
+        if self.is_even() {
+            return through(self.medium(self.ray.origin).extinction, self.ray.t_max);
+        }
+        let mut left = Rgb::ONE;
+        let mut walk = self.walk();
+        for _ in 0..self.most_steps() {
+            let Some((distance, rate)) = walk.next(numbers.next()) else { break };
+            let extinction = self.medium(self.at(distance)).extinction;
+            self.note(extinction, rate);
+            left *= Rgb::ONE - extinction / rate;
+            let most = left.abs().max_element();
+            if most < FAINT {
+                if numbers.next() * FAINT >= most {
+                    return Rgb::ZERO;
+                }
+                left *= FAINT / most;
+            }
+        }
+        left
+    }
+
+    fn most_steps(&self) -> u32 {
+        if self.ray.t_max.is_finite() { MOST_STEPS } else { MOST_STEPS_OUT }
+    }
+
+    fn is_even(&self) -> bool {
+        self.stack.iter().all(|entry| self.stage.media.bounds.get(entry).is_none_or(Bound::is_even))
+    }
+
+    fn at(&self, distance: f32) -> Vec3A {
+        self.ray.origin + self.ray.direction * distance
+    }
+
+    /// All media together at a place.
+    fn medium(&self, position: Vec3A) -> Medium {
+        let mut sum: Option<Medium> = None;
+        for entry in self.stack.iter() {
+            let found = entry.medium(&self.stage.scene, position, self.ray.direction, self.way);
+            match &mut sum {
+                None => sum = Some(found),
+                Some(sum) => sum.add(&found),
+            }
+        }
+        sum.unwrap_or_default()
+    }
+
+    fn walk(&self) -> Bounded<'_> {
+        let bounds = self.stack.iter().filter_map(|entry| {
+            let bound = self.stage.media.bounds.get(entry)?;
+            let here = || entry.medium(&self.stage.scene, self.ray.origin, self.ray.direction, self.way);
+            Some((bound, if bound.is_even() { self.rate_of(&here()) } else { 0.0 }))
+        });
+        Bounded::new(&self.ray, bounds)
+    }
+
+    /// Of something even among what varies.
+    fn rate_of(&self, medium: &Medium) -> f32 {
+        let shines = medium.emission.max_element() > 0.0 && self.ray.t_max.is_finite();
+        medium.extinction.max_element().max(if shines { bound::LOOKS / self.ray.t_max } else { 0.0 })
+    }
+
+    fn note(&self, extinction: Rgb, rate: f32) {
+        if extinction.max_element() > rate * 1.0001 {
+            self.stage.media.denser.fetch_add(1, Ordering::Relaxed);
+        }
+    }
+
+    fn follow_even(&self, throughput: &mut Rgb, scatters: bool, u: [f32; 4]) -> (Event, Rgb) {
+        let medium = self.medium(self.ray.origin);
+        let (extinction, t) = (medium.extinction, self.ray.t_max);
+        let left = through(extinction, t);
+        let emitted = if medium.emission == Rgb::ZERO {
+            Rgb::ZERO
+        } else {
+            *throughput * medium.emission * length_seen(extinction, t)
+        };
+        if !scatters || medium.scattering == Rgb::ZERO {
+            *throughput *= left;
+            return (Event::Through, emitted);
+        }
+        // A channel by what it carries; the others are weighted as if each had been chosen (Veach's balance heuristic).
+        let Some(chances) = channels(*throughput) else { return (Event::Absorbed, emitted) };
+        let channel = usize::from(u[0] >= chances.x) + usize::from(u[0] >= chances.x + chances.y);
+        let rate = extinction[channel.min(2)];
+        let distance = if rate > 0.0 { -(1.0 - u[1]).ln() / rate } else { f32::INFINITY };
+        if distance >= t {
+            *throughput *= left / chances.dot(left);
+            let event = if throughput.is_finite() { Event::Through } else { Event::Absorbed };
+            return (event, emitted);
+        }
+        let left = through(extinction, distance);
+        let density = chances.dot(extinction * left);
+        *throughput *= left / density;
+        if !throughput.is_finite() {
+            return (Event::Absorbed, emitted);
+        }
+        (Event::Scattered { distance, medium: Box::new(medium), density }, emitted)
+    }
+
+    fn follow_varying(&self, throughput: &mut Rgb, scatters: bool, u: [f32; 4]) -> (Event, Rgb) {
+        let mut numbers = Numbers::new([u[0], u[1], u[2]]);
+        let mut emitted = Rgb::ZERO;
+        let mut walk = self.walk();
+        let start = throughput.abs().max_element();
+        let mut first = Some(u[3]);
+        for _ in 0..self.most_steps() {
+            let u = first.take().unwrap_or_else(|| numbers.next());
+            let Some((distance, rate)) = walk.next(u) else { break };
+            let medium = self.medium(self.at(distance));
+            self.note(medium.extinction, rate);
+            emitted += *throughput * medium.emission / rate;
+            let null = Rgb::splat(rate) - medium.extinction;
+            let weights = throughput.abs();
+            let by_scattering = if scatters { weights.dot(medium.scattering) } else { 0.0 };
+            let by_null = weights.dot(null.abs());
+            let total = by_scattering + by_null;
+            if total <= 0.0 || !total.is_finite() {
+                return (Event::Absorbed, emitted);
+            }
+            let chance = by_scattering / total;
+            if numbers.next() < chance {
+                *throughput /= rate * chance;
+                return (Event::Scattered { distance, medium: Box::new(medium), density: 0.0 }, emitted);
+            }
+            *throughput *= null / (rate * (1.0 - chance));
+            let most = throughput.abs().max_element();
+            if most < FAINT * start {
+                if numbers.next() * FAINT * start >= most {
+                    return (Event::Absorbed, emitted);
+                }
+                *throughput *= FAINT * start / most;
+            }
+        }
+        (Event::Through, emitted)
+    }
+}
+
+/// The chances of the channels, by what they carry; `None` where that is nothing.
+fn channels(throughput: Rgb) -> Option<Rgb> {
+    let weights = throughput.abs();
+    let total = weights.element_sum();
+    (total > 0.0 && total.is_finite()).then(|| weights / total)
+}
+
+/// What is left of light after a way through something even; without end where that is infinite.
+fn through(extinction: Rgb, t: f32) -> Rgb {
+    extinction.map(|rate| if rate > 0.0 { (-rate * t).exp() } else { 1.0 })
+}
+
+/// How much of an even medium's length its start sees: the integral of [`through`].
+fn length_seen(extinction: Rgb, t: f32) -> Rgb {
+    extinction.map(|rate| {
+        let depth = rate * t;
+        if depth > 1e-3 {
+            -(-depth).exp_m1() / rate
+        } else if t.is_finite() {
+            t * (1.0 - 0.5 * depth)
+        } else {
+            // Light without end from a medium that hides nothing: as Cycles, none.
+            0.0
+        }
+    })
+}
+
+#[cfg(test)]
+mod tests;

@@ -1,0 +1,211 @@
+//! Bounds of how dense a medium is: cells over an object's box, found by trying points in each.
+
+use super::Entry;
+use crate::accel::Ray;
+use crate::nodes::volume::{Medium, within_box};
+use crate::nodes::{OF_BOUNCES, Way};
+use crate::scene::Scene;
+use crate::surface::mesh_of;
+use arrayvec::ArrayVec;
+use glam::{Affine3A, Vec3, Vec3A};
+use petzval_nodes::{Field, random_of};
+use rayon::prelude::*;
+
+/// Cells along each side.
+const SIDE: usize = 16;
+/// Points tried in a cell, along each side.
+const TRIED: usize = 3;
+/// How much denser than what was found a medium may be before weights turn negative.
+const MARGIN: f32 = 1.25;
+/// Of the densest cell's rate, what every cell has: no place is never looked at.
+const LEAST: f32 = 0.01;
+/// Where a medium shines, so many points are looked at over its box, at least.
+pub(super) const LOOKS: f32 = 8.0;
+/// Points tried for all space.
+const TRIED_IN_WORLD: u32 = 8192;
+
+/// What is known of a medium before the render.
+pub(super) enum Bound {
+    /// It is the same everywhere along a ray.
+    Even,
+    /// Cells over a box.
+    Cells {
+        /// Render space to cells.
+        to_cells: Affine3A,
+        /// The rate of each, x runs fastest.
+        rates: Vec<f32>,
+    },
+    /// One rate everywhere.
+    Everywhere(f32),
+}
+
+impl Bound {
+    /// Of an object's medium.
+    pub(super) fn of_object(scene: &Scene, entry: Entry) -> Self {
+        let mesh = mesh_of(scene, entry.instance);
+        let Some(volume) = entry.volume(scene) else { return Self::Even };
+        let has = |name: &str| mesh.grids.iter().any(|grid| grid.name == name);
+        if volume.is_even && !volume.grids().any(has) {
+            return Self::Even;
+        }
+        let [low, high] = mesh.bounds;
+        let size = (high - low).max(Vec3::splat(1e-12));
+        let diagonal =
+            (within_box(scene, entry.instance, [1.0; 3]) - within_box(scene, entry.instance, [0.0; 3])).length();
+        let to_box = Affine3A::from_scale(SIDE as f32 / size) * Affine3A::from_translation(-low);
+        let ways = ways(volume.program.reads());
+        let rate = |cell: usize| {
+            let corner = [cell % SIDE, cell / SIDE % SIDE, cell / SIDE / SIDE];
+            let tried = (0..TRIED.pow(3)).map(|point| {
+                let within = [point % TRIED, point / TRIED % TRIED, point / TRIED / TRIED];
+                let part = std::array::from_fn(|axis| {
+                    let jitter = random_of((cell * 97 + point * 3 + axis) as u32);
+                    (corner[axis] as f32 + (within[axis] as f32 + jitter) / TRIED as f32) / SIDE as f32
+                });
+                let position = within_box(scene, entry.instance, part);
+                most(&ways, |way| entry.medium(scene, position, Vec3A::Z, way), LOOKS / diagonal)
+            });
+            tried.fold(0.0, f32::max) * MARGIN
+        };
+        let mut rates: Vec<f32> = (0..SIDE.pow(3)).into_par_iter().map(rate).collect();
+        let least = LEAST * rates.iter().fold(0.0, |a, b| b.max(a));
+        rates.iter_mut().for_each(|rate| *rate = rate.max(least));
+        Self::Cells { to_cells: to_box * scene.instances[entry.instance as usize].to_object, rates }
+    }
+
+    /// Of the world's, in a scene that fills these bounds.
+    pub(super) fn of_world(scene: &Scene, around: Option<(Vec3A, Vec3A)>) -> Self {
+        let entry = Entry::WORLD;
+        let Some(volume) = entry.volume(scene) else { return Self::Even };
+        if volume.is_even {
+            return Self::Even;
+        }
+        let (low, high) = around.unwrap_or((Vec3A::splat(-1.0), Vec3A::ONE));
+        // The camera stands at render space's origin.
+        let (low, high) = (low.min(Vec3A::ZERO), high.max(Vec3A::ZERO));
+        let diagonal = (high - low).length().max(1e-6);
+        let ways = ways(volume.program.reads());
+        let tried = (0..TRIED_IN_WORLD).into_par_iter().map(|point| {
+            let part = |axis: u32| 1.5 * random_of(3 * point + axis) - 0.25;
+            let position = low + (high - low) * Vec3A::new(part(0), part(1), part(2));
+            most(&ways, |way| entry.medium(scene, position, Vec3A::Z, way), LOOKS / diagonal)
+        });
+        Self::Everywhere(tried.reduce(|| 0.0, f32::max) * MARGIN)
+    }
+
+    #[cfg(test)]
+    pub(super) fn loosen(&mut self, part: f32) {
+        if let Self::Cells { rates, .. } = self {
+            rates.iter_mut().for_each(|rate| *rate *= part);
+        }
+    }
+
+    pub(super) fn is_even(&self) -> bool {
+        matches!(self, Self::Even)
+    }
+}
+
+/// The kinds of path that a medium may tell apart.
+fn ways(reads: impl Iterator<Item = Field>) -> Vec<Way> {
+    let is_of_path =
+        |field: Field| OF_BOUNCES.contains(&field) || matches!(field, Field::IsCameraRay | Field::IsShadowRay);
+    let mut reads = reads;
+    if reads.any(is_of_path) { vec![Way::CAMERA, Way::BOUNCE, Way::CAMERA.shadow()] } else { vec![Way::CAMERA] }
+}
+
+/// The rate that a place asks for.
+fn most(ways: &[Way], medium: impl Fn(Way) -> Medium, if_it_shines: f32) -> f32 {
+    let of = |way: &Way| {
+        let found = medium(*way);
+        let shines = found.emission.max_element() > 0.0;
+        found.extinction.max_element().max(if shines && if_it_shines.is_finite() { if_it_shines } else { 0.0 })
+    };
+    ways.iter().map(of).fold(0.0, f32::max)
+}
+
+/// A ray through the cells of a bound.
+struct ThroughCells<'a> {
+    /// In cells.
+    origin: Vec3A,
+    direction: Vec3A,
+    rates: &'a [f32],
+}
+
+impl ThroughCells<'_> {
+    /// The rate at a distance, and up to which distance it holds.
+    fn at(&self, distance: f32) -> (f32, f32) {
+        let at = (self.origin + self.direction * distance).to_array();
+        let direction = self.direction.to_array();
+        let mut end = f32::INFINITY;
+        let mut cell = [0usize; 3];
+        for axis in 0..3 {
+            let here = at[axis].floor().clamp(0.0, (SIDE - 1) as f32);
+            cell[axis] = here as usize;
+            let side = if direction[axis] > 0.0 { here + 1.0 } else { here };
+            let away = (side - at[axis]) / direction[axis];
+            // Outside of the box the nearest cell goes on for ever.
+            let leaves = if direction[axis] > 0.0 { cell[axis] + 1 < SIDE } else { cell[axis] > 0 };
+            if direction[axis] != 0.0 && leaves && away < end {
+                end = away.max(0.0);
+            }
+        }
+        let rate = self.rates[(cell[2] * SIDE + cell[1]) * SIDE + cell[0]];
+        // A little into the next cell, lest rounding keep it in this one.
+        let step = 1e-4 / self.direction.abs().max_element().max(1e-20);
+        (rate, distance + end + step)
+    }
+}
+
+/// Tentative particles along a ray.
+pub(super) struct Bounded<'a> {
+    cells: ArrayVec<ThroughCells<'a>, 8>,
+    /// Of the media without cells.
+    rate: f32,
+    at: f32,
+    t_max: f32,
+}
+
+impl<'a> Bounded<'a> {
+    /// Through media of these bounds, and the rates of those that are even.
+    pub(super) fn new(ray: &Ray, bounds: impl Iterator<Item = (&'a Bound, f32)>) -> Self {
+        let mut walk = Self { cells: ArrayVec::new(), rate: 0.0, at: 0.0, t_max: ray.t_max };
+        for (bound, even) in bounds {
+            match bound {
+                Bound::Even => walk.rate += even,
+                Bound::Everywhere(rate) => walk.rate += rate,
+                Bound::Cells { to_cells, rates } => {
+                    let origin = to_cells.transform_point3a(ray.origin);
+                    let direction = to_cells.transform_vector3a(ray.direction);
+                    let _ = walk.cells.try_push(ThroughCells { origin, direction, rates });
+                }
+            }
+        }
+        walk
+    }
+
+    /// Where the next one is, and the rate there; `None` beyond the ray's end.
+    pub(super) fn next(&mut self, u: f32) -> Option<(f32, f32)> {
+        let mut depth = -(1.0 - u).ln();
+        while self.at < self.t_max {
+            let (mut rate, mut end) = (self.rate, f32::INFINITY);
+            for cells in &self.cells {
+                let (own, until) = cells.at(self.at);
+                rate += own;
+                end = end.min(until);
+            }
+            let end = end.min(self.t_max).max(self.at.next_up());
+            let distance = self.at + depth / rate;
+            if rate > 0.0 && distance < end {
+                self.at = distance;
+                return Some((distance, rate));
+            }
+            if !end.is_finite() {
+                return None;
+            }
+            depth -= rate * (end - self.at);
+            depth = depth.max(0.0);
+            self.at = end;
+        }
+        None
+    }
+}

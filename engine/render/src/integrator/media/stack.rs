@@ -1,0 +1,133 @@
+//! The media that a path is in: a short list, as objects with volumes may stand in one another.
+
+use crate::accel::{Accel, Hit, Ray};
+use crate::integrator::Stage;
+use crate::nodes::Way;
+use crate::nodes::volume::{Medium, medium};
+use crate::scene::Scene;
+use crate::scene::visibility::Rays;
+use crate::scene::volume::Volume;
+use crate::surface::SurfacePoint;
+use arrayvec::ArrayVec;
+use glam::Vec3A;
+
+/// Media that a path may be in at once; further ones are not entered.
+const MOST_MEDIA: usize = 8;
+
+/// A medium: what a material fills an object with.
+#[derive(Clone, Copy, Debug, PartialEq, Eq, Hash)]
+pub(crate) struct Entry {
+    /// Index of the instance.
+    pub(crate) instance: u32,
+    /// Index of the material.
+    pub(crate) material: u32,
+}
+
+impl Entry {
+    /// What fills all space.
+    pub(crate) const WORLD: Self = Self { instance: u32::MAX, material: u32::MAX };
+
+    pub(super) fn volume(self, scene: &Scene) -> Option<&Volume> {
+        if self == Self::WORLD {
+            return scene.world.graph.as_ref()?.volume.as_ref();
+        }
+        scene.materials[self.material as usize].volume()
+    }
+
+    pub(super) fn medium(self, scene: &Scene, position: Vec3A, direction: Vec3A, way: Way) -> Medium {
+        let own = (self != Self::WORLD).then_some(self.instance);
+        self.volume(scene).map_or_else(Medium::default, |volume| medium(volume, scene, own, position, direction, way))
+    }
+}
+
+/// The media that a path is in.
+#[derive(Clone, Debug, Default)]
+pub(crate) struct Stack(ArrayVec<Entry, MOST_MEDIA>);
+
+impl Stack {
+    /// Where a path begins, at a place of which nothing is known.
+    pub(crate) fn around(stage: &Stage, position: Vec3A) -> Self {
+        let media = &stage.media;
+        let mut stack = Self(media.world.into_iter().collect());
+        let is_in = |[low, high]: &[Vec3A; 2]| position.cmpge(*low).all() && position.cmple(*high).all();
+        if media.objects.iter().any(|(_, bounds)| is_in(bounds)) {
+            stack.enclose(&stage.scene, &stage.accel, position);
+        }
+        stack
+    }
+
+    /// Adds the objects that are left, but not entered, on a straight way out.
+    fn enclose(&mut self, scene: &Scene, accel: &Accel, position: Vec3A) {
+        let ray = Ray::new(position, Vec3A::Z);
+        let mut entered = Self::default();
+        for (_, point) in crossings(scene, accel, &ray, Rays::ALL) {
+            let entry = Entry { instance: point.instance, material: point.material };
+            if !point.backfacing {
+                entered.enter(entry);
+            } else if !entered.leave(entry) {
+                self.enter(entry);
+            }
+        }
+    }
+
+    /// Crosses a surface, from the side that the point was met on.
+    pub(crate) fn cross(&mut self, scene: &Scene, point: &SurfacePoint) {
+        if scene.materials[point.material as usize].volume().is_none() {
+            return;
+        }
+        let entry = Entry { instance: point.instance, material: point.material };
+        if point.backfacing {
+            self.leave(entry);
+        } else {
+            self.enter(entry);
+        }
+    }
+
+    /// Leaves all objects: a ray that meets nothing more is in none.
+    pub(crate) fn leave_objects(&mut self) {
+        self.0.retain(|entry| *entry == Entry::WORLD);
+    }
+
+    pub(crate) fn is_empty(&self) -> bool {
+        self.0.is_empty()
+    }
+
+    pub(crate) fn iter(&self) -> std::slice::Iter<'_, Entry> {
+        self.0.iter()
+    }
+
+    /// The object that was entered last.
+    pub(crate) fn innermost(&self) -> Option<u32> {
+        self.0.iter().rev().find(|entry| **entry != Entry::WORLD).map(|entry| entry.instance)
+    }
+
+    fn enter(&mut self, entry: Entry) {
+        if !self.0.contains(&entry) {
+            // One too many is not entered.
+            let _ = self.0.try_push(entry);
+        }
+    }
+
+    fn leave(&mut self, entry: Entry) -> bool {
+        let place = self.0.iter().position(|known| *known == entry);
+        if let Some(place) = place {
+            self.0.remove(place);
+        }
+        place.is_some()
+    }
+}
+
+/// The borders of media that a ray meets, nearest first, with how far they are.
+pub(crate) fn crossings(scene: &Scene, accel: &Accel, ray: &Ray, kind: Rays) -> Vec<(f32, SurfacePoint)> {
+    let mut found: Vec<(f32, SurfacePoint)> = Vec::new();
+    let mut note = |hit: &Hit| {
+        let point = SurfacePoint::new(scene, hit, ray.direction);
+        if scene.materials[point.material as usize].volume().is_some() {
+            found.push((hit.t, point));
+        }
+        0.0
+    };
+    accel.transmittance_of(ray, kind, &mut note);
+    found.sort_by(|a, b| a.0.total_cmp(&b.0).then((a.1.instance, a.1.triangle).cmp(&(b.1.instance, b.1.triangle))));
+    found
+}

@@ -1,0 +1,393 @@
+//! Paths through volumes: scattered on their way, dimmed on it, lit by what shines there.
+
+use super::super::choice::{Chosen, power_heuristic};
+use super::super::groups::Groups;
+use super::super::{Limits, opening};
+use super::Path;
+use super::found::Found;
+use super::place::Shadow;
+use crate::Rgb;
+use crate::accel::{Hit, Ray};
+use crate::integrator::Stage;
+use crate::integrator::media::{Event, Stack, Stretch};
+use crate::integrator::subsurface::Numbers;
+use crate::lights::receiver::Receiver;
+use crate::nodes::View;
+use crate::nodes::volume::Medium;
+use crate::sampler::warp;
+use crate::scene::Scene;
+use crate::scene::visibility::Rays;
+use crate::surface::SurfacePoint;
+use glam::Vec3A;
+use std::f32::consts::TAU;
+
+/// What a path is in.
+pub(super) struct Inside {
+    pub(super) stack: Stack,
+    /// Scatterings in volumes so far.
+    bounces: u32,
+}
+
+/// What a shadow ray goes through, by where it begins; and where its random numbers begin.
+pub(super) struct Veil {
+    stack: Stack,
+    seed: u64,
+}
+
+/// Where volumes bring a path.
+pub(super) enum Brought {
+    /// To what its ray meets.
+    ToTheEnd,
+    /// It is scattered before that.
+    Elsewhere,
+    /// It ends.
+    Nowhere,
+}
+
+/// Whether there is nothing at a point but the border of a volume.
+pub(super) fn is_only_volume(stage: &Stage, point: &SurfacePoint) -> bool {
+    stage.scene.materials[point.material as usize].graph.as_ref().is_some_and(|graph| graph.is_only_volume())
+}
+
+impl Inside {
+    /// Where a path begins.
+    pub(super) fn new(stage: &Stage, path: &Path) -> Self {
+        Self { stack: Stack::around(stage, path.ray.origin), bounces: 0 }
+    }
+
+    /// Whether scattering in volumes has left a scattering to the path.
+    pub(super) fn may_scatter(&self, limits: &Limits) -> bool {
+        self.bounces <= limits.kinds.volume
+    }
+
+    /// Follows a path to what its ray meets, and adds the light of lamps on the way.
+    pub(super) fn bring<G: Groups>(
+        &mut self,
+        stage: &Stage,
+        limits: &Limits,
+        path: &mut Path,
+        hit: Option<&Hit>,
+        found: &mut Found<'_, G>,
+        shades: (&mut Vec<Shadow<G::Of>>, &mut Vec<Veil>),
+    ) -> Brought {
+        let t_max = hit.map_or(path.ray.t_max, |hit| hit.t);
+        if hit.is_none() {
+            self.stack.leave_objects();
+        }
+        let [u_first, u_second] = [path.sampler.next_4d(), path.sampler.next_4d()];
+        let u_distance = path.sampler.next_4d();
+        self.lamps(stage, limits, path, t_max, found, &mut Numbers::new([u_distance[2], u_distance[3], u_first[0]]));
+        if self.stack.is_empty() {
+            return Brought::ToTheEnd;
+        }
+        let scatters = limits.scatters(path.way) && self.may_scatter(limits);
+        let stretch = Stretch { stage, stack: &self.stack, ray: Ray { t_max, ..path.ray }, way: path.way };
+        let pivot = if scatters {
+            self.beside_a_light(limits, path, &stretch, found, (&mut *shades.0, &mut *shades.1))
+        } else {
+            None
+        };
+        let (event, emitted) = stretch.follow(&mut path.throughput, scatters, u_distance);
+        if emitted != Rgb::ZERO && emitted.is_finite() {
+            let group = || self.stack.innermost().map_or(0, |i| stage.scene.instances[i as usize].light_group);
+            let of = found.groups.of(group);
+            found.add(of, limits.clamp(emitted, u32::from(path.way.depth)));
+            found.result.hit = true;
+        }
+        match event {
+            Event::Absorbed => {
+                found.result.hit = true;
+                Brought::Nowhere
+            }
+            Event::Through if path.throughput == Rgb::ZERO => Brought::Nowhere,
+            Event::Through => Brought::ToTheEnd,
+            Event::Scattered { distance, medium, density } => {
+                found.result.hit = true;
+                let share = pivot.map_or(1.0, |pivot| density / (density + pivot.density(distance)));
+                let position = path.ray.origin + path.ray.direction * distance;
+                let [_, u_seed, ..] = u_second;
+                let at = Place { stage, limits, position, medium: &medium, share };
+                let light = path.throughput * share;
+                let to = self.light(&at, path, light, found, shades, [u_first[0], u_first[1], u_first[2], u_seed]);
+                self.turn(&at, path, to, [u_first[3], u_second[0], u_second[2], u_second[3]])
+            }
+        }
+    }
+
+    /// A light sample at a place that lies well for a light, beside the one where the path is scattered (Kulla and Fajardo
+    /// 2012, "Importance Sampling Techniques for Path Tracing in Participating Media"). Both share by their densities
+    /// along the ray. `None` where the medium varies, so that the other's density is not known, or no light is near.
+    fn beside_a_light<G: Groups>(
+        &self,
+        limits: &Limits,
+        path: &mut Path,
+        stretch: &Stretch<'_>,
+        found: &mut Found<'_, G>,
+        shades: (&mut Vec<Shadow<G::Of>>, &mut Vec<Veil>),
+    ) -> Option<Pivot> {
+        let stage = stretch.stage;
+        if !stage.lights.has_local() {
+            return None;
+        }
+        let medium = stretch.even_medium()?;
+        let [u_choice, u_place, u_distance, u_seed] = path.sampler.next_4d();
+        let [u_light, u0, u1, _] = path.sampler.next_4d();
+        let ray = &stretch.ray;
+        // The light is one that is likely to shine on some place of what is well seen.
+        let reach = ray.t_max.min(3.0 / medium.extinction.max_element().max(f32::MIN_POSITIVE)).min(1e6);
+        let from = ray.origin + ray.direction * (reach * u_place);
+        let pivot = Pivot::new(ray, stage.lights.near(&self.receiver(stage, limits, from), u_choice)?)?;
+        let distance = pivot.sample(u_distance);
+        if !(distance > 0.0 && distance < ray.t_max) {
+            return Some(pivot);
+        }
+        let (left, by_following) = stretch.even_at(&medium, path.throughput, distance);
+        let light = path.throughput * left / (pivot.density(distance) + by_following);
+        if light.is_finite() && light != Rgb::ZERO {
+            let position = ray.origin + ray.direction * distance;
+            let share = by_following / (pivot.density(distance) + by_following);
+            let at = Place { stage, limits, position, medium: &medium, share };
+            self.light(&at, path, light, found, shades, [u_light, u0, u1, u_seed]);
+        }
+        Some(pivot)
+    }
+
+    /// A light sample at a place that this much light comes to.
+    fn light<G: Groups>(
+        &self,
+        at: &Place<'_>,
+        path: &Path,
+        throughput: Rgb,
+        found: &mut Found<'_, G>,
+        (shadows, veils): (&mut Vec<Shadow<G::Of>>, &mut Vec<Veil>),
+        [u_light, u0, u1, u_seed]: [f32; 4],
+    ) -> Receiver {
+        let Place { stage, limits, position, medium, share } = *at;
+        let to = self.receiver(stage, limits, position);
+        let Some((light, source)) = stage.lights.sample_source(&stage.scene, &to, u_light, [u0, u1], path.way) else {
+            return to;
+        };
+        if !light.reaches.any_of(Rays::VOLUME_SCATTER) || !self.takes(stage, light.sets) {
+            return to;
+        }
+        let (value, pdf) = medium.phase(path.ray.direction.dot(light.wi), throughput);
+        let is_alone = light.point_like || light.sets.blockers != 0;
+        let weight = if is_alone { 1.0 } else { power_heuristic(light.pdf, pdf * share) };
+        let arrives = throughput * value * light.radiance * (weight / light.pdf);
+        if arrives == Rgb::ZERO || !arrives.is_finite() {
+            return to;
+        }
+        let of = found.groups.of(|| stage.lights.group(&stage.scene, source));
+        if light.cast_shadow {
+            let ray = Ray { t_max: light.distance, ..Ray::new(position, light.wi) };
+            shadows.push(Shadow { path: found.path, ray, light: arrives, way: path.way, sets: light.sets, of });
+            veils.push(Veil { stack: self.stack.clone(), seed: seed([u_seed, u_light, u0]) });
+        } else {
+            found.add(of, limits.clamp(arrives, u32::from(path.way.depth)));
+        }
+        to
+    }
+
+    /// A direction to go on in.
+    fn turn(
+        &mut self,
+        at: &Place<'_>,
+        path: &mut Path,
+        to: Receiver,
+        [u_end, u_lobe, u_cos, u_around]: [f32; 4],
+    ) -> Brought {
+        let Some(cos) = at.medium.sample(path.throughput, u_lobe, u_cos) else { return Brought::Nowhere };
+        let sin = (1.0 - cos * cos).max(0.0).sqrt();
+        let (s, c) = (TAU * u_around).sin_cos();
+        let wi = warp::to_world(&warp::frame(path.ray.direction), Vec3A::new(sin * c, sin * s, cos)).normalize();
+        let (value, pdf) = at.medium.phase(cos, path.throughput);
+        path.throughput *= value / pdf;
+        path.way = path.way.scattered_in_volume();
+        self.bounces += 1;
+        if !path.throughput.is_finite() || !path.goes_on(at.limits, u_end) {
+            return Brought::Nowhere;
+        }
+        path.chosen = Chosen::WithPdf(pdf * at.share, to);
+        path.travelled = 0.0;
+        path.ray = Ray::new(at.position, wi);
+        path.start = at.position;
+        path.from = self.stack.innermost().unwrap_or(0);
+        Brought::Elsewhere
+    }
+
+    fn receiver(&self, stage: &Stage, limits: &Limits, position: Vec3A) -> Receiver {
+        match self.stack.innermost() {
+            Some(instance) => stage.lights.receiver_on(instance, position, None, limits.openness),
+            None => stage.lights.receiver(position, None, limits.openness),
+        }
+    }
+
+    /// Whether light of an emitter of these sets lights what the path is in.
+    fn takes(&self, stage: &Stage, sets: crate::scene::visibility::Sets) -> bool {
+        let links = |instance: u32| &stage.scene.instances[instance as usize].links;
+        !stage.lights.is_linked() || self.stack.innermost().is_none_or(|instance| links(instance).takes_light_of(sets))
+    }
+
+    /// Adds the light of lamps on this stretch of the ray, each as far as it comes through.
+    fn lamps<G: Groups>(
+        &self,
+        stage: &Stage,
+        limits: &Limits,
+        path: &Path,
+        t_max: f32,
+        found: &mut Found<'_, G>,
+        numbers: &mut Numbers,
+    ) {
+        if stage.scene.lamps.is_empty() {
+            return;
+        }
+        let Stage { scene, lights, .. } = stage;
+        let (end, to) = (path.travelled + t_max, path.chosen.receiver());
+        let (start, direction) = (path.start, path.ray.direction);
+        lights.lamps_between(scene, start, direction, end, path.way, to, |source, radiance, pdf, t| {
+            if t <= path.travelled || !path.finds(stage, || lights.sets(source)) {
+                return;
+            }
+            let ray = Ray { t_max: t - path.travelled, ..path.ray };
+            let left = if self.stack.is_empty() {
+                Rgb::ONE
+            } else {
+                Stretch { stage, stack: &self.stack, ray, way: path.way }.transmittance(numbers)
+            };
+            let light = path.throughput * left * radiance * path.chosen.weight(pdf);
+            let of = found.groups.of(|| lights.group(scene, source));
+            found.add(of, limits.clamp(light, u32::from(path.way.depth)));
+            found.result.hit = true;
+        });
+    }
+
+    /// Notes what the shadow ray goes through that was just added at a surface, if one was.
+    pub(super) fn veil<Of>(
+        &self,
+        scene: &Scene,
+        point: &SurfacePoint,
+        shadows: &[Shadow<Of>],
+        veils: &mut Vec<Veil>,
+        u: [f32; 3],
+    ) {
+        if veils.len() < shadows.len()
+            && let Some(shadow) = shadows.last()
+        {
+            let mut stack = self.stack.clone();
+            if shadow.ray.direction.dot(point.geometric_normal) < 0.0 {
+                stack.cross(scene, point);
+            }
+            veils.push(Veil { stack, seed: seed(u) });
+        }
+    }
+
+    /// Enters or leaves a body where the path went through its surface.
+    pub(super) fn leave(&mut self, scene: &Scene, point: &SurfacePoint, path: &Path) {
+        if path.ray.direction.dot(point.geometric_normal) < 0.0 {
+            self.stack.cross(scene, point);
+        }
+    }
+}
+
+/// Where light is scattered.
+#[derive(Clone, Copy)]
+struct Place<'a> {
+    stage: &'a Stage,
+    limits: &'a Limits,
+    position: Vec3A,
+    medium: &'a Medium,
+    /// Of the density of light samples here, what is due to following the path: its directions compete with all.
+    share: f32,
+}
+
+/// Places along a ray, evenly by the angle under which a point beside it sees them.
+#[derive(Clone, Copy)]
+struct Pivot {
+    /// Along the ray, where it comes closest to the point.
+    closest: f32,
+    /// The point's distance from it.
+    away: f32,
+    /// The angles of its ends.
+    angles: [f32; 2],
+}
+
+impl Pivot {
+    fn new(ray: &Ray, point: Vec3A) -> Option<Self> {
+        let to = point - ray.origin;
+        let closest = to.dot(ray.direction);
+        // Nearer than that it would be a spike that rounding moves about.
+        let away = (to - ray.direction * closest).length().max(1e-4 * to.length()).max(1e-12);
+        let angle = |t: f32| ((t - closest) / away).atan();
+        let angles = [angle(0.0), angle(ray.t_max)];
+        (point.is_finite() && angles[1] > angles[0]).then_some(Self { closest, away, angles })
+    }
+
+    fn sample(self, u: f32) -> f32 {
+        let [first, last] = self.angles;
+        self.closest + self.away * (first + (last - first) * u).tan()
+    }
+
+    /// Per unit along the ray.
+    fn density(self, distance: f32) -> f32 {
+        let off = distance - self.closest;
+        self.away / ((self.angles[1] - self.angles[0]) * (self.away * self.away + off * off))
+    }
+}
+
+fn seed(u: [f32; 3]) -> u64 {
+    let bits = |i: usize| u64::from(u[i].to_bits());
+    bits(0) ^ (bits(1) << 21) ^ (bits(2) << 42)
+}
+
+impl Veil {
+    /// What of a light sample comes through surfaces and volumes.
+    pub(super) fn light_through<Of>(&self, stage: &Stage, limits: &Limits, shadow: &Shadow<Of>) -> Rgb {
+        let Shadow { ray, way, sets, .. } = shadow;
+        let scene = &stage.scene;
+        let mut left = limits.shadows_pass(*way);
+        let mut borders: Vec<(f32, SurfacePoint)> = Vec::new();
+        let free = stage.accel.light_through(ray, Rays::SHADOW, |hit| {
+            let instance = &scene.instances[hit.instance as usize];
+            if sets.blockers != 0 && !instance.links.blocks_light_of(*sets) {
+                return Rgb::ONE;
+            }
+            let point = SurfacePoint::new(scene, hit, ray.direction);
+            if scene.materials[point.material as usize].volume().is_some() {
+                borders.push((hit.t, point));
+            }
+            if is_only_volume(stage, &point) {
+                return Rgb::ONE;
+            }
+            if left == 0 {
+                return Rgb::ZERO;
+            }
+            left -= 1;
+            opening(scene, hit, &View::along(ray, hit.t, way.shadow())).light
+        });
+        if free == Rgb::ZERO || (borders.is_empty() && self.stack.is_empty()) {
+            return free;
+        }
+        borders.sort_by(|(a, p), (b, q)| a.total_cmp(b).then((p.instance, p.triangle).cmp(&(q.instance, q.triangle))));
+        let mut numbers = Numbers::seeded(self.seed);
+        let (mut stack, mut from, mut free) = (self.stack.clone(), 0.0, free);
+        let mut dim = |stack: &Stack, from: f32, to: f32| {
+            if stack.is_empty() || to <= from {
+                return Rgb::ONE;
+            }
+            let part = Ray { t_max: to - from, ..Ray::new(ray.origin + ray.direction * from, ray.direction) };
+            Stretch { stage, stack, ray: part, way: way.shadow() }.transmittance(&mut numbers)
+        };
+        for (t, point) in &borders {
+            free *= dim(&stack, from, *t);
+            if free == Rgb::ZERO {
+                return free;
+            }
+            stack.cross(scene, point);
+            from = *t;
+        }
+        if ray.t_max.is_infinite() {
+            stack.leave_objects();
+        }
+        free * dim(&stack, from, ray.t_max)
+    }
+}

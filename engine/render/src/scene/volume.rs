@@ -1,0 +1,272 @@
+//! What fills space, as a compiled shader graph: closures whose inputs a program computes at each point.
+
+use super::graph::{Source, in_words};
+use super::layer::MOST_LAYERS;
+use glam::Vec3A;
+use petzval_nodes::{Field, Layer, LayerKind, Program};
+
+/// What of a point changes along a ray through a volume.
+const VARYING: [Field; 14] = [
+    Field::Position,
+    Field::Generated,
+    Field::Object,
+    Field::Camera,
+    Field::Window,
+    Field::ViewVector,
+    Field::ViewDepth,
+    Field::ViewDistance,
+    Field::PixelWidth,
+    Field::VolumeColour,
+    Field::VolumeDensity,
+    Field::VolumeFlame,
+    Field::VolumeTemperature,
+    Field::RandomPerIsland,
+];
+
+/// What Blender knows in volumes and this engine does not.
+const UNKNOWN: [Field; 10] = [
+    Field::InstancerGenerated,
+    Field::InstancerUv,
+    Field::ParticleIndex,
+    Field::ParticleRandom,
+    Field::ParticleAge,
+    Field::ParticleLifetime,
+    Field::ParticleLocation,
+    Field::ParticleSize,
+    Field::ParticleVelocity,
+    Field::ParticleAngularVelocity,
+];
+
+/// How light that a volume scatters is spread over directions, as Blender's nodes name them.
+#[derive(Clone, Copy, Debug)]
+pub enum Phase {
+    /// Henyey and Greenstein 1941.
+    HenyeyGreenstein {
+        /// Mean cosine.
+        anisotropy: Source,
+    },
+    /// Fournier and Forand 1994: sea water.
+    FournierForand {
+        /// Index of refraction of the particles.
+        ior: Source,
+        /// Part of the light that goes back.
+        backscatter: Source,
+    },
+    /// Draine 2003: dust.
+    Draine {
+        /// As Henyey and Greenstein's.
+        anisotropy: Source,
+        /// 0 is Henyey and Greenstein's; 1 with no anisotropy is Rayleigh's.
+        alpha: Source,
+    },
+    /// Particles much smaller than the wavelength.
+    Rayleigh,
+    /// Fog, after Jendersie and d'Eon 2023.
+    Mie {
+        /// Of the droplets, micrometres.
+        diameter_um: Source,
+    },
+}
+
+/// A closure of a volume. Coefficients are per Blender unit.
+#[derive(Clone, Debug)]
+pub enum VolumeClosure {
+    /// Absorbs what its colour lacks of white, times its density.
+    Absorption {
+        /// What is left.
+        color: Source,
+        /// Per unit.
+        density: Source,
+    },
+    /// Scatters its colour times its density, and absorbs nothing.
+    Scatter {
+        /// Albedo.
+        color: Source,
+        /// Per unit.
+        density: Source,
+        /// Where to.
+        phase: Phase,
+    },
+    /// Coefficients as they are.
+    Coefficients {
+        /// Absorbed.
+        absorption: Source,
+        /// Scattered.
+        scattering: Source,
+        /// Emitted.
+        emission: Source,
+        /// Where scattered light goes.
+        phase: Phase,
+    },
+    /// Smoke and fire.
+    Principled(Box<PrincipledVolume>),
+    /// Emits.
+    Emission {
+        /// Colour.
+        color: Source,
+        /// Radiance per unit.
+        strength: Source,
+    },
+}
+
+/// Blender's Principled Volume.
+#[derive(Clone, Debug)]
+pub struct PrincipledVolume {
+    /// Albedo.
+    pub color: Source,
+    /// The grid that it is multiplied by, if the object has it.
+    pub color_grid: String,
+    /// Per unit.
+    pub density: Source,
+    /// The grid that it is multiplied by.
+    pub density_grid: String,
+    /// Mean cosine.
+    pub anisotropy: Source,
+    /// Tint of what goes through.
+    pub absorption_color: Source,
+    /// Radiance per unit, times the next.
+    pub emission_strength: Source,
+    /// Colour.
+    pub emission_color: Source,
+    /// 1: as a black body.
+    pub blackbody: Source,
+    /// Of that.
+    pub blackbody_tint: Source,
+    /// Kelvin.
+    pub temperature: Source,
+    /// The grid that it is multiplied by.
+    pub temperature_grid: String,
+}
+
+impl PrincipledVolume {
+    /// The grids that it asks for.
+    pub fn grids(&self) -> [&str; 3] {
+        [&self.color_grid, &self.density_grid, &self.temperature_grid]
+    }
+}
+
+/// A closure and what it counts.
+#[derive(Clone, Debug)]
+pub struct VolumeLayer {
+    /// 0 to 1.
+    pub weight: Source,
+    /// What it does.
+    pub closure: VolumeClosure,
+}
+
+/// A program and the closures whose inputs it computes.
+#[derive(Debug)]
+pub struct Volume {
+    /// To be run at each point.
+    pub program: Program,
+    /// They add up.
+    pub layers: Vec<VolumeLayer>,
+    /// Of the material.
+    pub pass_index: i32,
+    /// No node asks for the place, so that it is the same along a ray, unless grids make it vary.
+    pub is_even: bool,
+}
+
+impl Volume {
+    /// Of a compiled graph, `None` where that has no volume; and what of it is done otherwise than in Blender.
+    pub fn new(program: Program, pass_index: i32) -> (Option<Self>, Vec<String>) {
+        let mut reports = Vec::new();
+        let layers: Vec<VolumeLayer> =
+            program.volume.iter().take(MOST_LAYERS).filter_map(|layer| Of(layer).layer()).collect();
+        if program.volume.len() > MOST_LAYERS {
+            let (count, most) = (program.volume.len(), MOST_LAYERS);
+            reports.push(format!("its volume has {count} closures, those after the first {most} are left out"));
+        }
+        if layers.len() < program.volume.len().min(MOST_LAYERS) {
+            reports.push("a surface's shader shows nothing in a volume".into());
+        }
+        for field in program.reads().filter(|field| UNKNOWN.contains(field)) {
+            let what = format!("{} is not supported in volumes yet, it is 0", in_words(field));
+            if !reports.contains(&what) {
+                reports.push(what);
+            }
+        }
+        let is_even = program.attributes.is_empty() && !program.reads().any(|field| VARYING.contains(&field));
+        ((!layers.is_empty()).then_some(Self { program, layers, pass_index, is_even }), reports)
+    }
+
+    /// The names of the grids that closures ask for, beside those that nodes read as attributes.
+    pub fn grids(&self) -> impl Iterator<Item = &str> {
+        let principled = self.layers.iter().filter_map(|layer| match &layer.closure {
+            VolumeClosure::Principled(principled) => Some(principled),
+            _ => None,
+        });
+        principled.flat_map(|principled| principled.grids()).filter(|name| !name.is_empty())
+    }
+
+    /// Whether any of it may emit.
+    pub fn emits(&self) -> bool {
+        let is_dark = |source: Source| source.constant(&self.program) == Some(Vec3A::ZERO);
+        self.layers.iter().any(|layer| match &layer.closure {
+            VolumeClosure::Absorption { .. } | VolumeClosure::Scatter { .. } => false,
+            VolumeClosure::Coefficients { emission, .. } => !is_dark(*emission),
+            VolumeClosure::Principled(p) => !is_dark(p.emission_strength) || !is_dark(p.blackbody),
+            VolumeClosure::Emission { color, strength } => !is_dark(*color) && !is_dark(*strength),
+        })
+    }
+}
+
+/// A layer as Blender names its inputs.
+struct Of<'a>(&'a Layer);
+
+impl Of<'_> {
+    fn layer(&self) -> Option<VolumeLayer> {
+        Some(VolumeLayer { weight: Source::Of(self.0.weight), closure: self.closure()? })
+    }
+
+    fn input(&self, identifier: &str, otherwise: f32) -> Source {
+        self.0.input(identifier).map_or(Source::Always(Vec3A::splat(otherwise)), Source::Of)
+    }
+
+    fn word(&self, name: &str, otherwise: &str) -> String {
+        self.0.option(name).unwrap_or(otherwise).to_owned()
+    }
+
+    fn closure(&self) -> Option<VolumeClosure> {
+        let (color, density) = (self.input("Color", 0.8), self.input("Density", 1.0));
+        Some(match self.0.kind {
+            LayerKind::VolumeAbsorption => VolumeClosure::Absorption { color, density },
+            LayerKind::VolumeScatter => VolumeClosure::Scatter { color, density, phase: self.phase() },
+            LayerKind::VolumeCoefficients => VolumeClosure::Coefficients {
+                absorption: self.input("Absorption Coefficients", 1.0),
+                scattering: self.input("Scatter Coefficients", 1.0),
+                emission: self.input("Emission Coefficients", 0.0),
+                phase: self.phase(),
+            },
+            LayerKind::PrincipledVolume => VolumeClosure::Principled(Box::new(PrincipledVolume {
+                color: self.input("Color", 0.5),
+                color_grid: self.word("Color Attribute", ""),
+                density,
+                density_grid: self.word("Density Attribute", "density"),
+                anisotropy: self.input("Anisotropy", 0.0),
+                absorption_color: self.input("Absorption Color", 0.0),
+                emission_strength: self.input("Emission Strength", 0.0),
+                emission_color: self.input("Emission Color", 1.0),
+                blackbody: self.input("Blackbody Intensity", 0.0),
+                blackbody_tint: self.input("Blackbody Tint", 1.0),
+                temperature: self.input("Temperature", 1000.0),
+                temperature_grid: self.word("Temperature Attribute", "temperature"),
+            })),
+            LayerKind::Emission => VolumeClosure::Emission { color, strength: self.input("Strength", 1.0) },
+            _ => return None,
+        })
+    }
+
+    fn phase(&self) -> Phase {
+        let anisotropy = self.input("Anisotropy", 0.0);
+        match self.0.option("phase") {
+            Some("FOURNIER_FORAND") => {
+                Phase::FournierForand { ior: self.input("IOR", 1.33), backscatter: self.input("Backscatter", 0.1) }
+            }
+            Some("DRAINE") => Phase::Draine { anisotropy, alpha: self.input("Alpha", 0.5) },
+            Some("RAYLEIGH") => Phase::Rayleigh,
+            Some("MIE") => Phase::Mie { diameter_um: self.input("Diameter", 20.0) },
+            _ => Phase::HenyeyGreenstein { anisotropy },
+        }
+    }
+}
