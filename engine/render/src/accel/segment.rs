@@ -17,8 +17,10 @@ const MOST_PIECES: f32 = 64.0;
 /// Ribbons are met from twice their radius away on, as in Embree: nearer ones of other strands would show cuts.
 const RIBBON_ROOM: f32 = 2.0;
 
-/// Round pieces reach so many radii over their joints: two cones do not meet the plane between them in quite the same line.
-const OVERLAP: f32 = 0.005;
+/// Round pieces reach so many radii over the joint before and the one behind them: two cones do not meet the plane between them in
+/// quite the same line, which a ray along the strand passes at some distance. (One side is enough, and what overlaps may count twice
+/// for light that is let through.)
+const OVERLAP: [f32; 2] = [0.005, 0.1];
 
 /// A ray along whose direction curves are looked at.
 pub(super) struct Gaze {
@@ -280,8 +282,8 @@ impl Joints {
             return;
         }
         let root = inside.max(0.0).sqrt();
-        let room0 = (tx0 * tx0 + ty0 * ty0 + tz0 * tz0).sqrt() * r0 * OVERLAP - (x0 * tx0 + y0 * ty0);
-        let room1 = (tx1 * tx1 + ty1 * ty1 + tz1 * tz1).sqrt() * r1 * OVERLAP + (x1 * tx1 + y1 * ty1);
+        let room0 = (tx0 * tx0 + ty0 * ty0 + tz0 * tz0).sqrt() * r0 * OVERLAP[0] - (x0 * tx0 + y0 * ty0);
+        let room1 = (tx1 * tx1 + ty1 * ty1 + tz1 * tz1).sqrt() * r1 * OVERLAP[1] + (x1 * tx1 + y1 * ty1);
         for (root, nearest) in [all(0.0) - root, root].into_iter().zip(both) {
             let tau = (root - b) / a;
             let t = z + tau;

@@ -181,7 +181,7 @@ proptest! {
             }
             match accel.closest(&ray, Rays::CAMERA) {
                 Some(hit) => {
-                    prop_assert!((f64::from(hit.t) - t).abs() < 0.02 || outside(f64::from(hit.t)).abs() < 1e-3, "{t} {hit:?} {} {ray:?} {keys:?}", outside(f64::from(hit.t)));
+                    prop_assert!((f64::from(hit.t) - t).abs() < 0.02 || outside(f64::from(hit.t)).abs() < 1e-3, "{t} {hit:?}");
                     let point = SurfacePoint::new(&scene, &hit, ray.direction);
                     // Where the strand gets thinner, its cone is a little more than its radius from the axis; at its outline that
                     // is a long way along the ray.
@@ -277,7 +277,7 @@ fn a_straight_strand_is_a_cylinder() {
             assert!(normal.dot(DVec3::new(0.0, place.y, place.z) / 0.25) > 0.9999);
             // In and out again, but at its open ends and where round pieces overlap.
             let far = o.x + d.x * (-b + (b * b - a * c).sqrt()) / a;
-            let is_clear = (0.3..2.7).contains(&far) && [far, x].iter().all(|x| (x - x.round()).abs() > 0.002);
+            let is_clear = (0.3..2.7).contains(&far) && [far, x].iter().all(|x| (x - x.round()).abs() > 0.03);
             assert!(!is_clear || (accel.transmittance(&ray, |_| 0.5) - 0.25).abs() < 1e-6, "{x} {far}");
             let axis = Vec3A::new(x as f32, 0.0, 0.0);
             let away = ray.direction.with_x(0.0).normalize();
