@@ -171,6 +171,15 @@ def focused(camera: CameraDescription, found: dict) -> dict:
 
 
 @dataclass
+class ShutterDescription:
+    """How the shutter opens, and where the camera stands meanwhile."""
+
+    openness: list[float] = field(default_factory=list)  # at even times over the exposure; empty: open all the time
+    rolling: float | None = None  # from the top down, each row for this part of the exposure; None: all at once
+    camera_keys: list[Matrix4] = field(default_factory=list)  # at even times over the exposure; empty: it stands still
+
+
+@dataclass
 class SettingsDescription:
     width: int
     height: int

@@ -14,6 +14,7 @@ from .description import CameraDescription, Report, focused
 from .export import aperture_mask, viewport
 from .export import camera as camera_export
 from .export.motion import Motion
+from .export.shutter import Blur
 
 
 def camera(scene: bpy.types.Scene, width: int, height: int, report: Report) -> CameraDescription:
@@ -31,9 +32,10 @@ def fill(
     report: Report,
     check_stop: Callable[[], None] = lambda: None,
     motion: Motion | None = None,
+    blur: Blur | None = None,
 ) -> None:
     """Tells the engine's `SceneBuilder` all that the camera may see."""
-    export.send_scene(depsgraph, builder, report, check_stop, motion)
+    export.send_scene(depsgraph, builder, report, check_stop, motion, blur)
     viewport.send(builder, seen_by, *size)
 
 

@@ -18,6 +18,7 @@ from .instances import Stage
 from .light_groups import LightGroups
 from .material import Materials
 from .motion import Motion
+from .shutter import Blur
 
 
 def send_scene(
@@ -26,6 +27,7 @@ def send_scene(
     report: Report,
     check_stop: Callable[[], None],
     motion: Motion | None = None,
+    blur: Blur | None = None,
 ) -> None:
     """Fills a `SceneBuilder`. `check_stop` is called between objects and may raise."""
     images = Images(builder, report)
@@ -35,7 +37,7 @@ def send_scene(
     sky = world.describe(scene.world, images, report)
     sky.light_group = groups.number(scene.world)
     builder.set_world(sky)
-    stage = Stage(builder, materials, images, groups, report, check_stop, motion)
+    stage = Stage(builder, materials, images, groups, report, check_stop, motion, blur)
     stage.send(depsgraph)
     if stage.is_selective and scene.petzval.integrator == "BIDIRECTIONAL":
         report.warn(
@@ -46,9 +48,5 @@ def send_scene(
         report.warn(f"Scene '{scene.name}': bidirectional paths know of no light groups, their passes are black")
     if (materials.fills_space or world.fills_space(scene.world)) and scene.petzval.integrator == "BIDIRECTIONAL":
         report.warn(f"Scene '{scene.name}': bidirectional paths know of no volumes, space is empty")
-    if scene.render.use_motion_blur:
-        report.warn(
-            f"Scene '{scene.name}': motion blur is supported for the lens's settings only yet, that of objects is left out"
-        )
     if scene.render.use_freestyle:
         report.warn(f"Scene '{scene.name}': Freestyle lines are not supported yet, they are left out")

@@ -17,6 +17,7 @@ from .light_groups import LightGroups
 from .linking import Links
 from .material import Materials
 from .motion import Motion
+from .shutter import Blur
 from .visibility import hidden_from
 
 #: Objects whose surface Blender can hand over as a mesh, or as strands.
@@ -58,9 +59,11 @@ class Stage:
         report: Report,
         check_stop: Callable[[], None],
         motion: Motion | None = None,
+        blur: Blur | None = None,
     ) -> None:
         self._builder = builder
         self._motion = motion
+        self._blur = blur
         self._materials = materials
         self._images = images
         self._groups = groups
@@ -96,6 +99,8 @@ class Stage:
             elif holder.type == "VOLUME":
                 self._volume(holder, place, links, hidden)
             elif holder.type == "LIGHT":
+                if self._blur is not None:
+                    self._blur.moves_light(place)
                 self._builder.add_light(lights.describe(holder, place.matrix_world, hidden))
             elif holder.type in NOT_YET:
                 self._report.warn(f"Object '{holder.name}': {NOT_YET[holder.type]} are not supported yet, left out")
@@ -161,6 +166,7 @@ class Stage:
             links=links.of(holder),
             asset_name=_asset(holder),
             moved=self._motion.matrices(place) if self._motion is not None else None,
+            keys=self._blur.matrices(place) if self._blur is not None else None,
             info=(tuple(holder.color), holder.pass_index, object_info.random(holder, place)),
             light_group=self._groups.number(holder),
             softening=_softening(holder),
@@ -204,6 +210,7 @@ class Stage:
             attributes=arrays.attributes or None,
             material_slots=arrays.material_slots,
             moved_positions=moved,
+            poses=self._blur.poses(place, arrays) if self._blur is not None else None,
             grids=smoke or None,
         )
 
@@ -228,6 +235,8 @@ class Stage:
                     moved = self._motion.hair(place, system.hair.name, arrays.keys[:, :3])
                 name = f"{holder.name}, {system.hair.name}"
                 self._hair[key] = arrays.send(self._builder, name, moved)
+                if self._blur is not None:
+                    self._blur.changes_strands(place, system.hair.name)
             first_number += len(system.particles)
             self.is_selective |= links.any or not BOUNCES.isdisjoint(hidden)
             self._place(holder, place, links, hidden, self._hair[key], [self._materials.index(material)])

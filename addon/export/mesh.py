@@ -26,6 +26,16 @@ class MeshArrays:
     uv_maps: dict[str, np.ndarray] = field(default_factory=dict)
     material_slots: np.ndarray | None = None
     attributes: dict[str, np.ndarray] = field(default_factory=dict)
+    #: The corners of the triangles, as the mesh counts them.
+    corners: np.ndarray | None = None
+
+    def spread(self, normals: np.ndarray | None) -> np.ndarray | None:
+        """Normals of vertices or corners, as `normals` gives them, by the triangles' corners; None where they are of another
+        mesh."""
+        if normals is None:
+            return None
+        of = self.triangles if len(normals) == len(self.positions) else self.corners
+        return normals.take(of, 0) if of is not None and of.max(initial=0) < len(normals) else None
 
 
 @contextmanager
@@ -56,6 +66,7 @@ def extract(mesh: bpy.types.Mesh, wanted: Iterable[str] = ()) -> MeshArrays | No
         uv_maps=_uv_maps(mesh, corners),
         material_slots=_slots(mesh, count),
         attributes=attributes.read(mesh, wanted, corners, triangles),
+        corners=corners,
     )
 
 
@@ -75,13 +86,21 @@ def _attribute(mesh: bpy.types.Mesh, name: str, value: str, shape: tuple[int, ..
     return _read(mesh.attributes[name].data, value, shape, kind)
 
 
-def _normals(mesh: bpy.types.Mesh, corners: np.ndarray, triangles: np.ndarray) -> np.ndarray | None:
-    """Normals by corner; None where all faces are flat."""
+def normals(mesh: bpy.types.Mesh) -> np.ndarray | None:
+    """Normals by vertex, or by corner where that is not the same; None where all faces are flat."""
     if mesh.normals_domain == "FACE":
         return None
     if mesh.normals_domain == "POINT":
-        return _read(mesh.vertex_normals, "vector", (len(mesh.vertices), 3), np.float32).take(triangles, 0)
-    return _read(mesh.corner_normals, "vector", (len(mesh.loops), 3), np.float32).take(corners, 0)
+        return _read(mesh.vertex_normals, "vector", (len(mesh.vertices), 3), np.float32)
+    return _read(mesh.corner_normals, "vector", (len(mesh.loops), 3), np.float32)
+
+
+def _normals(mesh: bpy.types.Mesh, corners: np.ndarray, triangles: np.ndarray) -> np.ndarray | None:
+    """Normals by corner of the triangles; None where all faces are flat."""
+    found = normals(mesh)
+    if found is None:
+        return None
+    return found.take(triangles if mesh.normals_domain == "POINT" else corners, 0)
 
 
 def _uv_maps(mesh: bpy.types.Mesh, corners: np.ndarray) -> dict[str, np.ndarray]:

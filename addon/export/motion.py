@@ -61,13 +61,13 @@ class Frame(dict[Key, Placed]):
                 if isinstance(data, bpy.types.Curves):
                     known[pointer] = curves.positions(data) if len(data.points) else None
                 else:
-                    deforms = _may_deform(holder) and not data.is_editmode
+                    deforms = may_deform(holder) and not data.is_editmode
                     known[pointer] = mesh.positions(data) if deforms else None
             found[key(place)] = Placed(rows(place.matrix_world), known[pointer], of_hair)
         return found
 
 
-def _may_deform(holder: bpy.types.Object) -> bool:
+def may_deform(holder: bpy.types.Object) -> bool:
     """Whether the mesh can have another shape at another frame: most cannot, and need not be read."""
     original = holder.original
     plain = original.type == "MESH" and not original.modifiers and original.data.shape_keys is None

@@ -1,10 +1,11 @@
 //! Renders, watched from Python.
 
-use crate::camera::PyCamera;
+use crate::camera::{Matrix4, PyCamera};
 use crate::doorway::away;
 use crate::error::{Error, refused};
 use crate::plan::Plan;
 use crate::scene::Scene;
+use glam::{DMat4, DVec3};
 use numpy::{PyArray1, PyArray3, PyArrayMethods};
 use petzval_render::camera::clip::Clip;
 use petzval_render::camera::imaging::Imaging;
@@ -18,6 +19,7 @@ use petzval_render::integrator::path::KindLimits;
 use petzval_render::job::checkpoint::Checkpoints;
 use petzval_render::job::{self as engine, Beside, Settings};
 use petzval_render::pipeline::Pipeline;
+use petzval_render::pipeline::exposure::{Exposure, Shutter};
 use petzval_render::pipeline::motion::Motion;
 use petzval_render::shading::Caustics;
 use pyo3::prelude::*;
@@ -102,6 +104,23 @@ impl TryFrom<PySettings> for Settings {
     }
 }
 
+/// How the shutter opens, and where the camera stands meanwhile.
+#[derive(FromPyObject)]
+pub(crate) struct PyShutter {
+    openness: Vec<f32>,
+    rolling: Option<f32>,
+    camera_keys: Vec<Matrix4>,
+}
+
+impl PyShutter {
+    pub(crate) fn exposure(self, origin: DVec3) -> Exposure {
+        let Self { openness, rolling, camera_keys } = self;
+        let exposure = Exposure::new(&Shutter { openness, rolling });
+        let keys: Vec<DMat4> = camera_keys.into_iter().map(Into::into).collect();
+        if keys.is_empty() { exposure } else { exposure.along(&keys, origin) }
+    }
+}
+
 type PyTile<'py> = (u32, u32, u32, u32, Bound<'py, PyArray3<f32>>);
 
 /// One render.
@@ -117,7 +136,7 @@ impl Job {
     #[new]
     #[pyo3(signature = (
         scene, camera, settings, over_the_shutter=Vec::new(), *, plan=None, mattes=Vec::new(), matte_levels=6,
-        neighbours=None, light_groups=0, checkpoint=None
+        neighbours=None, light_groups=0, checkpoint=None, shutter=None
     ))]
     #[allow(clippy::too_many_arguments)]
     fn new(
@@ -132,6 +151,7 @@ impl Job {
         neighbours: Option<[PyCamera; 2]>,
         light_groups: u16,
         checkpoint: Option<(PathBuf, String, f64)>,
+        shutter: Option<PyShutter>,
     ) -> Result<Self, Error> {
         let checkpoints = match checkpoint {
             Some((file, fingerprint, every_s)) => {
@@ -175,7 +195,8 @@ impl Job {
             };
             let clip = Clip::new(&now, &cameras[0]);
             let gains = shade::gains(&now, &cameras[cameras.len() / 2], settings.width, settings.height)?;
-            let beside = Beside { mattes, matte_levels, motion, clip, gains, light_groups, checkpoints };
+            let exposure = shutter.filter(|_| is_moving).map(|shutter| shutter.exposure(stage.scene.origin));
+            let beside = Beside { mattes, matte_levels, motion, clip, gains, light_groups, checkpoints, exposure };
             Ok(Self { job: engine::Job::start_with(stage, cameras, settings, beside)?, plan_seconds })
         })?
     }

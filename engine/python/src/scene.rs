@@ -14,6 +14,7 @@ use numpy::{
 use petzval_render::integrator::Stage;
 use petzval_render::scene::grid::Grid;
 use petzval_render::scene::mesh::MeshDescription;
+use petzval_render::scene::motion::Poses;
 use petzval_render::scene::softening::Softening;
 use petzval_render::scene::texture::Texture;
 use petzval_render::scene::viewport::ViewportDescription;
@@ -28,6 +29,9 @@ type PyObjectInfo = ((f32, f32, f32, f32), i32, f32);
 
 /// A grid's name; its values by z, y, x and channel; and the matrix from its voxels to the object's space.
 type PyGrid<'py> = (String, PyReadonlyArray4<'py, f32>, Matrix4);
+
+/// A mesh's vertices at a key, and the normals of its corners, if they are given.
+type PyPose<'py> = (PyReadonlyArray2<'py, f32>, Option<PyReadonlyArray3<'py, f32>>);
 
 /// Takes a scene apart from Python, piece by piece.
 #[pyclass]
@@ -79,7 +83,7 @@ impl SceneBuilder {
         Ok(self.builder.add_material(material)?)
     }
 
-    #[pyo3(signature = (name, positions, triangles, *, corner_normals = None, uv_maps = None, attributes = None, material_slots = None, moved_positions = None, grids = None, keeps_opacity = false))]
+    #[pyo3(signature = (name, positions, triangles, *, corner_normals = None, uv_maps = None, attributes = None, material_slots = None, moved_positions = None, poses = None, grids = None, keeps_opacity = false))]
     #[allow(clippy::too_many_arguments)]
     fn add_mesh(
         &mut self,
@@ -92,6 +96,7 @@ impl SceneBuilder {
         attributes: Option<&Bound<'_, PyDict>>,
         material_slots: Option<numpy::PyReadonlyArray1<'_, i32>>,
         moved_positions: Option<[PyReadonlyArray2<'_, f32>; 2]>,
+        poses: Option<Vec<PyPose<'_>>>,
         grids: Option<Vec<PyGrid<'_>>>,
         keeps_opacity: bool,
     ) -> Result<usize, Error> {
@@ -147,6 +152,10 @@ impl SceneBuilder {
             }
             None => None,
         };
+        let poses = match &poses {
+            Some(keys) => Some(read_poses(keys).map_err(|_| bad("its shapes over time are not contiguous"))?),
+            None => None,
+        };
         let description = MeshDescription {
             name: name.to_owned(),
             positions,
@@ -156,6 +165,7 @@ impl SceneBuilder {
             attributes: values_by_name,
             material_slots,
             moved_positions,
+            poses,
             grids: grids.into_iter().flatten().map(|grid| read_grid(grid, name)).collect::<Result<_, _>>()?,
             keeps_opacity,
         };
@@ -188,7 +198,7 @@ impl SceneBuilder {
 
     #[pyo3(signature = (
         object_name, mesh, matrix_world, materials, *, hidden_from = Vec::new(), links = None, asset_name = None,
-        moved = None, info = None, light_group = 0, softening = (0.0, 0.0)
+        moved = None, keys = None, info = None, light_group = 0, softening = (0.0, 0.0)
     ))]
     #[allow(clippy::too_many_arguments)]
     fn add_instance(
@@ -201,6 +211,7 @@ impl SceneBuilder {
         links: Option<(u64, u64, u8, u8)>,
         asset_name: Option<&str>,
         moved: Option<[Matrix4; 2]>,
+        keys: Option<Vec<Matrix4>>,
         info: Option<PyObjectInfo>,
         light_group: u16,
         softening: (f32, f32),
@@ -222,6 +233,9 @@ impl SceneBuilder {
         }
         if let Some(moved) = moved {
             self.builder.set_moved(instance, moved.map(Into::into))?;
+        }
+        if let Some(keys) = keys {
+            self.builder.set_keys(instance, &keys.into_iter().map(Into::into).collect::<Vec<DMat4>>());
         }
         Ok(())
     }
@@ -296,7 +310,13 @@ impl Scene {
 
     #[getter]
     fn instance_count(&self) -> usize {
-        self.stage.scene.instances.len()
+        self.stage.scene.placed().len()
+    }
+
+    /// Instances that move or change their shape while the shutter is open.
+    #[getter]
+    fn moving_count(&self) -> usize {
+        self.stage.scene.moving.len()
     }
 
     fn warnings(&self) -> Vec<String> {
@@ -307,6 +327,13 @@ impl Scene {
     fn bvh_seconds(&self) -> f64 {
         self.stage.build_seconds
     }
+}
+
+fn read_poses(keys: &[PyPose<'_>]) -> Result<Poses, numpy::AsSliceError> {
+    let positions = keys.iter().map(|(positions, _)| positions.as_slice().map(vec3s)).collect::<Result<_, _>>()?;
+    let normals = |(_, normals): &PyPose<'_>| Some(normals.as_ref()?.as_slice().map(|list| triples(&vec3s(list))));
+    let corner_normals = keys.iter().map(normals).collect::<Option<Result<_, _>>>().transpose()?;
+    Ok(Poses { positions, corner_normals })
 }
 
 fn read_grid((grid, values, to_object): PyGrid<'_>, mesh: &str) -> Result<Grid, Error> {

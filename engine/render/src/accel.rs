@@ -4,6 +4,7 @@
 mod bounds;
 mod build;
 pub(crate) mod curves;
+mod moving;
 mod node;
 mod refit;
 mod segment;
@@ -12,12 +13,13 @@ mod traverse;
 mod triangles;
 
 use crate::Rgb;
-use crate::scene::{Scene, curves::Controls, visibility::Rays};
+use crate::scene::{Scene, curves::Controls, motion::MIDDLE, visibility::Rays};
 use bounds::Bounds;
 use build::build;
 use curves::CurveForest;
 use fearless_simd::{Level, Simd, dispatch};
 use glam::{Affine3A, Vec3A};
+use moving::MovingForest;
 use node::Node;
 use rayon::prelude::*;
 use refit::Topology;
@@ -37,13 +39,21 @@ pub struct Ray {
     pub t_max: f32,
     /// The strand that it leaves.
     pub skip: Skip,
+    /// When: from 0, as the shutter opens, to 65535, as it is closed.
+    pub moment: u16,
 }
 
 impl Ray {
-    /// Without end.
+    /// Without end, in the middle of the exposure.
     #[inline]
     pub fn new(origin: Vec3A, direction: Vec3A) -> Self {
-        Self { origin, direction, t_max: f32::INFINITY, skip: Skip::NONE }
+        Self { origin, direction, t_max: f32::INFINITY, skip: Skip::NONE, moment: MIDDLE }
+    }
+
+    /// At another moment.
+    #[inline]
+    pub fn at(self, moment: u16) -> Self {
+        Self { moment, ..self }
     }
 }
 
@@ -82,6 +92,8 @@ pub struct Hit {
     pub instance: u32,
     /// Index into the mesh's triangles, or a segment's number.
     pub triangle: u32,
+    /// The ray's.
+    pub moment: u16,
 }
 
 /// What [`Hit::v`] says on a strand.
@@ -116,8 +128,8 @@ pub struct Accel {
     places: Vec<Node>,
     /// In the order of its leaves.
     placed: Vec<PlacedMesh>,
-    /// Hair, if there is any.
-    curves: Option<Box<CurveForest>>,
+    /// Hair, and what moves, if there is any.
+    beside: Option<Box<Forests>>,
     /// By instance.
     visible: Vec<Rays>,
     /// The kinds of ray that nothing is hidden from.
@@ -125,6 +137,51 @@ pub struct Accel {
     bounds: Option<Bounds>,
     topology: Topology,
     refitted: usize,
+}
+
+/// What most scenes have none of.
+struct Forests {
+    curves: Option<Box<CurveForest>>,
+    moving: Option<MovingForest>,
+}
+
+impl Forests {
+    fn new(scene: &Scene, parts: &Parts) -> Option<Box<Self>> {
+        let (curves, moving) = (CurveForest::new(scene, parts), MovingForest::new(scene));
+        (curves.is_some() || moving.is_some()).then(|| Box::new(Self { curves, moving }))
+    }
+
+    fn bounds(&self) -> Option<Bounds> {
+        let of_curves = self.curves.as_ref().and_then(|curves| curves.bounds());
+        let both = of_curves.into_iter().chain(self.moving.as_ref().and_then(MovingForest::bounds));
+        both.reduce(|a, b| a.union(&b))
+    }
+
+    /// The nearest of theirs that is nearer than `nearest`, else that.
+    fn closest(&self, level: Level, ray: &Ray, mut nearest: Option<Hit>, wanted: impl Fn(u32) -> bool) -> Option<Hit> {
+        if let Some(moving) = &self.moving {
+            nearest = moving.closest(level, ray, nearest, &wanted);
+        }
+        match &self.curves {
+            Some(curves) => curves.closest(level, ray, nearest, wanted),
+            None => nearest,
+        }
+    }
+
+    /// Gives all of theirs between the ray's ends to `pass` until that says no.
+    fn each_between(&self, level: Level, ray: &Ray, wanted: impl Fn(u32) -> bool, pass: &mut dyn FnMut(&Hit) -> bool) {
+        let mut goes_on = true;
+        if let Some(moving) = &self.moving {
+            let mut noted = |hit: &Hit| {
+                goes_on = pass(hit);
+                goes_on
+            };
+            moving.each_between(level, ray, &wanted, &mut noted);
+        }
+        if let (true, Some(curves)) = (goes_on, &self.curves) {
+            curves.each_between(level, ray, wanted, pass);
+        }
+    }
 }
 
 /// What traversal needs of an instance.
@@ -139,6 +196,15 @@ impl PlacedMesh {
     fn new(scene: &Scene, i: u32) -> Self {
         let instance = &scene.instances[i as usize];
         Self { to_object: instance.to_object, mesh: instance.mesh, instance: i }
+    }
+
+    /// The ray in its object space, and how much longer distances are there.
+    #[inline(always)]
+    fn enter(&self, ray: &Ray) -> Option<(TreeRay, f32)> {
+        let origin = self.to_object.transform_point3a(ray.origin);
+        let direction = self.to_object.transform_vector3a(ray.direction);
+        let scale = direction.length();
+        (scale > 0.0 && scale.is_finite()).then(|| (TreeRay::new(origin, direction / scale), scale))
     }
 }
 
@@ -171,11 +237,11 @@ impl Accel {
 
         let visible: Vec<Rays> = scene.instances.iter().map(|instance| instance.visible).collect();
         let all_visible = visible.iter().fold(Rays::ALL, |all, one| all.common(*one));
-        let curves = CurveForest::new(scene, parts);
+        let beside = Forests::new(scene, parts);
         let bounds = places.nodes.first().map(Node::bounds).into_iter().chain(common.bounds());
-        let bounds = bounds.chain(curves.as_ref().and_then(|curves| curves.bounds())).reduce(|a, b| a.union(&b));
+        let bounds = bounds.chain(beside.as_ref().and_then(|beside| beside.bounds())).reduce(|a, b| a.union(&b));
         let (level, places, refitted) = (Level::new(), places.nodes, 0);
-        Self { level, common, meshes, places, placed, curves, visible, all_visible, bounds, topology, refitted }
+        Self { level, common, meshes, places, placed, beside, visible, all_visible, bounds, topology, refitted }
     }
 
     /// How many of its trees were there before, see [`Self::new_after`].
@@ -191,9 +257,9 @@ impl Accel {
     /// The nearest surface.
     pub fn closest(&self, ray: &Ray, kind: Rays) -> Option<Hit> {
         let found = dispatch!(self.level, simd => self.closest_with(simd, ray, kind));
-        match &self.curves {
+        match &self.beside {
             None => found,
-            Some(curves) => curves.closest(self.level, ray, found, |instance| self.shows(instance, kind)),
+            Some(beside) => beside.closest(self.level, ray, found, |instance| self.shows(instance, kind)),
         }
     }
 
@@ -225,7 +291,7 @@ impl Accel {
 
     /// Gives every surface between the ray's ends to `pass`, in any order, until that says no.
     fn each_between(&self, ray: &Ray, kind: Rays, mut pass: impl FnMut(&Hit) -> bool) {
-        let Some(curves) = &self.curves else {
+        let Some(beside) = &self.beside else {
             let pass: &mut dyn FnMut(&Hit) -> bool = &mut pass;
             return dispatch!(self.level, simd => self.each_between_with(simd, ray, kind, pass));
         };
@@ -237,7 +303,7 @@ impl Accel {
         let noting: &mut dyn FnMut(&Hit) -> bool = &mut noted;
         dispatch!(self.level, simd => self.each_between_with(simd, ray, kind, noting));
         if goes_on {
-            curves.each_between(self.level, ray, |instance| self.shows(instance, kind), &mut pass);
+            beside.each_between(self.level, ray, |instance| self.shows(instance, kind), &mut pass);
         }
     }
 
@@ -250,7 +316,7 @@ impl Accel {
     fn closest_with<S: Simd>(&self, simd: S, ray: &Ray, kind: Rays) -> Option<Hit> {
         let here = TreeRay::new(ray.origin, ray.direction);
         let found = self.common.closest(simd, &here, ray.t_max, |instance| self.shows(instance, kind));
-        let mut nearest = found.map(|found| hit(found, 1.0, found.instance));
+        let mut nearest = found.map(|found| hit(found, 1.0, found.instance, ray.moment));
         if !self.places.is_empty() {
             let t_max = nearest.map_or(ray.t_max, |hit| hit.t);
             let _ = traverse(
@@ -264,7 +330,7 @@ impl Accel {
                         && let Some(found) =
                             self.meshes[placed.mesh as usize].closest(simd, &there, t_max * scale, |_| true)
                     {
-                        let hit = hit(found, scale, placed.instance);
+                        let hit = hit(found, scale, placed.instance, ray.moment);
                         // Not so where the division rounds up.
                         t_max = t_max.min(hit.t);
                         nearest = Some(hit);
@@ -287,7 +353,7 @@ impl Accel {
             #[inline(always)]
             |found| {
                 if self.shows(found.instance, kind) {
-                    pass(hit(found, 1.0, found.instance))
+                    pass(hit(found, 1.0, found.instance, ray.moment))
                 } else {
                     ControlFlow::Continue(())
                 }
@@ -308,7 +374,7 @@ impl Accel {
                             &there,
                             t_max * scale,
                             #[inline(always)]
-                            |found| pass(hit(found, scale, placed.instance)),
+                            |found| pass(hit(found, scale, placed.instance, ray.moment)),
                         )?;
                     }
                     ControlFlow::Continue(t_max)
@@ -331,8 +397,8 @@ impl Accel {
 }
 
 #[inline(always)]
-fn hit(found: Found, scale: f32, instance: u32) -> Hit {
-    Hit { t: found.t / scale, u: found.u, v: found.v, instance, triangle: found.triangle }
+fn hit(found: Found, scale: f32, instance: u32, moment: u16) -> Hit {
+    Hit { t: found.t / scale, u: found.u, v: found.v, instance, triangle: found.triangle, moment }
 }
 
 impl TriangleTree {

@@ -16,6 +16,7 @@ use crate::film::data::{DataPass, DataSums, FARTHEST, VectorSums};
 use crate::film::{Film, Keep, TilePixels};
 use crate::integrator::path::{self, Limits};
 use crate::integrator::{Integrator, Stage, bidirectional::Techniques};
+use crate::pipeline::exposure::Exposure;
 use crate::pipeline::motion::Motion;
 use crate::pipeline::{Counts, Pipeline, Shot, render_pixels, render_tile};
 use crate::sampler::{PathSampler, raster::Raster, warp::PixelFilter};
@@ -49,6 +50,9 @@ pub struct Beside {
     pub light_groups: u16,
     /// Where the render is kept while it goes on, and taken up again.
     pub checkpoints: Option<Checkpoints>,
+    /// When samples are taken and where the camera is then; `None`: all in the middle of the exposure, but for what the lens
+    /// does meanwhile.
+    pub exposure: Option<Exposure>,
 }
 
 /// What a render did.
@@ -81,6 +85,7 @@ struct Shared {
     raster: Raster,
     clip: Option<Clip>,
     motion: Option<Motion>,
+    exposure: Option<Exposure>,
     /// Found by the first thread that asks.
     limits: OnceLock<Limits>,
     film: Film,
@@ -304,6 +309,7 @@ impl Shared {
             adaptive: adapts.then(|| Adaptive::new(&settings, film.tile_count())),
             film,
             motion: beside.motion,
+            exposure: beside.exposure,
             clip: beside.clip,
             limits: OnceLock::new(),
             pipeline,
@@ -384,6 +390,7 @@ impl Shared {
             limits: *self.limits.get_or_init(|| self.find_limits()),
             pattern: s.pattern(),
             motion: self.motion.as_ref(),
+            exposure: self.exposure.as_ref(),
         }
     }
 

@@ -30,6 +30,8 @@ pub struct SurfacePoint {
     pub barycentric: [f32; 2],
     /// The strand of hair in its curves; [`NO_STRAND`] on a triangle.
     pub strand: u32,
+    /// When a ray met it, as in [`Ray::moment`].
+    pub moment: u16,
 }
 
 /// [`SurfacePoint::strand`] of triangles.
@@ -40,10 +42,32 @@ impl SurfacePoint {
     pub fn new(scene: &Scene, hit: &Hit, direction: Vec3A) -> Self {
         let instance = &scene.instances[hit.instance as usize];
         let mesh = &scene.meshes[instance.mesh as usize];
+        if mesh.is_special {
+            return Self::on_special(instance, mesh, hit, direction);
+        }
+        let normals = mesh.corner_normals.as_ref().map(|normals| &normals[hit.triangle as usize]);
+        Self::on_triangle(instance, mesh, hit, direction, mesh.corners(hit.triangle), normals)
+    }
+
+    /// On hair, or a mesh that changes its shape.
+    #[inline(never)]
+    fn on_special(instance: &Instance, mesh: &Mesh, hit: &Hit, direction: Vec3A) -> Self {
         if let Some(curves) = &mesh.curves {
             return Self::on_strand(instance, curves, hit, direction);
         }
-        let corners = mesh.corners(hit.triangle);
+        let normals = instance.corner_normals(mesh, hit.triangle);
+        Self::on_triangle(instance, mesh, hit, direction, instance.corners(mesh, hit.triangle), normals.as_ref())
+    }
+
+    #[inline(always)]
+    fn on_triangle(
+        instance: &Instance,
+        mesh: &Mesh,
+        hit: &Hit,
+        direction: Vec3A,
+        corners: [Vec3; 3],
+        normals: Option<&[Vec3; 3]>,
+    ) -> Self {
         let [w0, w1, w2] = weights([hit.u, hit.v]);
         let local = corners[0] * w0 + corners[1] * w1 + corners[2] * w2;
         let position = instance.to_render.transform_point3a(Vec3A::from(local));
@@ -51,10 +75,9 @@ impl SurfacePoint {
         let outward = geometric_normal(instance, &corners);
         let backfacing = outward.dot(direction) > 0.0;
         let geometric_normal = if backfacing { -outward } else { outward };
-        let shading_normal = match &mesh.corner_normals {
+        let shading_normal = match normals {
             None => geometric_normal,
-            Some(normals) => {
-                let n = normals[hit.triangle as usize];
+            Some(n) => {
                 let mixed = n[0] * w0 + n[1] * w1 + n[2] * w2;
                 // Flipped with the triangle. Where interpolation gives nothing, or a normal behind the
                 // triangle itself, the triangle's own stands in.
@@ -74,6 +97,7 @@ impl SurfacePoint {
             material: instance.material(mesh.slot(hit.triangle)),
             barycentric: [hit.u, hit.v],
             strand: NO_STRAND,
+            moment: hit.moment,
         }
     }
 
@@ -107,13 +131,15 @@ impl SurfacePoint {
             material: instance.material(0),
             barycentric: [hit.u, hit.v],
             strand,
+            moment: hit.moment,
         }
     }
 
     /// A ray without end that leaves it at `origin`: hair does not meet the strand that it leaves.
     #[inline(always)]
     pub fn leaving(&self, origin: Vec3A, direction: Vec3A) -> Ray {
-        Ray { skip: Skip { instance: self.instance, strand: self.strand }, ..Ray::new(origin, direction) }
+        let skip = Skip { instance: self.instance, strand: self.strand };
+        Ray { origin, direction, t_max: f32::INFINITY, skip, moment: self.moment }
     }
 
     /// Whether it is on hair, and a ray met the same strand.
@@ -188,7 +214,7 @@ pub fn strand(scene: &Scene, point: &SurfacePoint) -> Strand {
         let offset = if is_within { sine } else { -sine };
         return Strand { along, edge: None, offset: Some(offset) };
     }
-    let corners = mesh.corners(point.triangle);
+    let corners = instance.corners(mesh, point.triangle);
     let side = if point.backfacing { -1.0 } else { 1.0 };
     let edge = |to: usize| {
         let edge = instance.to_render.transform_vector3a(Vec3A::from(corners[to] - corners[0]));

@@ -4,12 +4,14 @@
 
 use super::bounds::Bounds;
 use super::build::build;
+use super::moving::MovingPlaces;
 use super::node::{BoxRay, Node};
 use super::segment::{BothMet, CurveMet, Cut, Gaze, meet};
 use super::source::Parts;
 use super::traverse::traverse;
 use super::{FROM_WITHIN, Hit, PlacedMesh, Ray, Skip};
 use crate::scene::curves::Curves;
+use crate::scene::motion::Moving;
 use crate::scene::{Instance, Scene};
 use fearless_simd::{Level, Simd, dispatch};
 use glam::{Vec3A, Vec4};
@@ -24,6 +26,8 @@ pub(super) struct CurveForest {
     shared: Vec<CurveTree>,
     places: Vec<Node>,
     placed: Vec<PlacedMesh>,
+    /// Those that move.
+    moving: Option<MovingPlaces>,
 }
 
 /// Segments and the nodes above them.
@@ -61,7 +65,8 @@ impl CurveForest {
         let alone: Vec<_> = parts.alone.iter().filter_map(curves_of).collect();
         let several: Vec<u32> = parts.several.iter().copied().filter(|i| curves_of(i).is_some()).collect();
         let mut is_shared = vec![false; scene.meshes.len()];
-        several.iter().for_each(|&i| is_shared[scene.instances[i as usize].mesh as usize] = true);
+        let moving = scene.moving.iter().map(|one| one.instance).filter(|i| curves_of(i).is_some());
+        several.iter().copied().chain(moving).for_each(|i| is_shared[scene.instances[i as usize].mesh as usize] = true);
         let shared: Vec<CurveTree> = scene
             .meshes
             .par_iter()
@@ -82,12 +87,15 @@ impl CurveForest {
             .collect();
         let places = build(&mut boxes, 1);
         let placed = places.leaves.iter().map(|leaf| PlacedMesh::new(scene, boxes[leaf.start].name()[0])).collect();
-        Some(Box::new(Self { common: CurveTree::new(&alone), shared, places: places.nodes, placed }))
+        let moves = |one: &Moving| curves_of(&one.instance).is_some();
+        let moving = MovingPlaces::new(scene, moves, |now| shared[now.mesh as usize].bounds());
+        Some(Box::new(Self { common: CurveTree::new(&alone), shared, places: places.nodes, placed, moving }))
     }
 
     pub(super) fn bounds(&self) -> Option<Bounds> {
         let places = self.places.first().map(Node::bounds);
-        places.into_iter().chain(self.common.bounds()).reduce(|a, b| a.union(&b))
+        let moving = self.moving.as_ref().and_then(MovingPlaces::bounds);
+        places.into_iter().chain(self.common.bounds()).chain(moving).reduce(|a, b| a.union(&b))
     }
 
     /// The nearest curve that is nearer than `nearest`, else that; of instances that are wanted.
@@ -136,50 +144,38 @@ impl CurveForest {
                 for (way, met) in both.into_iter().enumerate() {
                     if let Some(met) = met.filter(|met| met.t < end) {
                         (t_max, end) = (met.t, met.t);
-                        nearest = Some(segment.hit(met, way, 1.0, segment.instance));
+                        nearest = Some(segment.hit(met, way, 1.0, segment.instance, ray.moment));
                     }
                 }
                 ControlFlow::Continue(end)
             },
         );
-        if self.places.is_empty() {
-            return nearest;
+        if !self.places.is_empty() {
+            let _ = traverse(
+                simd,
+                &self.places,
+                &here,
+                t_max,
+                #[inline(always)]
+                |leaf, end| {
+                    t_max = self.try_placed(simd, &self.placed[leaf], ray, end, wanted, &mut nearest);
+                    ControlFlow::Continue(t_max)
+                },
+            );
         }
-        let _ = traverse(
-            simd,
-            &self.places,
-            &here,
-            t_max,
-            #[inline(always)]
-            |leaf, mut t_max| {
-                let placed = &self.placed[leaf];
-                if wanted(placed.instance)
-                    && let Some((boxes, gaze, scale)) = enter(placed, ray)
-                {
-                    let _ = self.shared[placed.mesh as usize].follow(
-                        simd,
-                        (&boxes, &gaze),
-                        t_max * scale,
-                        #[inline(always)]
-                        |segment| !ray.skip.is(placed.instance, segment.strand),
-                        #[inline(always)]
-                        |segment, both, mut end| {
-                            for (way, met) in both.into_iter().enumerate() {
-                                if let Some(met) = met.filter(|met| met.t < end) {
-                                    let hit = segment.hit(met, way, scale, placed.instance);
-                                    // Not so where the division rounds up.
-                                    t_max = t_max.min(hit.t);
-                                    end = met.t;
-                                    nearest = Some(hit);
-                                }
-                            }
-                            ControlFlow::Continue(end)
-                        },
-                    );
-                }
-                ControlFlow::Continue(t_max)
-            },
-        );
+        if let Some(moving) = &self.moving {
+            let _ = traverse(
+                simd,
+                moving.nodes(ray.moment),
+                &here,
+                t_max,
+                #[inline(always)]
+                |leaf, end| {
+                    let (placed, _) = moving.placed(leaf, ray.moment);
+                    ControlFlow::Continue(self.try_placed(simd, &placed, ray, end, wanted, &mut nearest))
+                },
+            );
+        }
         nearest
     }
 
@@ -204,46 +200,110 @@ impl CurveForest {
             |segment, both, end| {
                 for (way, met) in both.into_iter().enumerate() {
                     if let Some(met) = met {
-                        pass(segment.hit(met, way, 1.0, segment.instance))?;
+                        pass(segment.hit(met, way, 1.0, segment.instance, ray.moment))?;
                     }
                 }
                 ControlFlow::Continue(end)
             },
         );
-        if end.is_break() || self.places.is_empty() {
+        if end.is_break() {
             return;
         }
-        let _ = traverse(
-            simd,
-            &self.places,
-            &here,
-            ray.t_max,
-            #[inline(always)]
-            |leaf, t_max| {
-                let placed = &self.placed[leaf];
-                if wanted(placed.instance)
-                    && let Some((boxes, gaze, scale)) = enter(placed, ray)
-                {
-                    self.shared[placed.mesh as usize].follow(
-                        simd,
-                        (&boxes, &gaze),
-                        t_max * scale,
-                        #[inline(always)]
-                        |segment| !ray.skip.is(placed.instance, segment.strand),
-                        #[inline(always)]
-                        |segment, both, end| {
-                            for (way, met) in both.into_iter().enumerate() {
-                                if let Some(met) = met {
-                                    pass(segment.hit(met, way, scale, placed.instance))?;
-                                }
-                            }
-                            ControlFlow::Continue(end)
-                        },
-                    )?;
-                }
-                ControlFlow::Continue(t_max)
-            },
-        );
+        if !self.places.is_empty() {
+            let end = traverse(
+                simd,
+                &self.places,
+                &here,
+                ray.t_max,
+                #[inline(always)]
+                |leaf, t_max| self.pass_placed(simd, &self.placed[leaf], ray, t_max, wanted, &mut pass),
+            );
+            if end.is_break() {
+                return;
+            }
+        }
+        if let Some(moving) = &self.moving {
+            let _ = traverse(
+                simd,
+                moving.nodes(ray.moment),
+                &here,
+                ray.t_max,
+                #[inline(always)]
+                |leaf, t_max| self.pass_placed(simd, &moving.placed(leaf, ray.moment).0, ray, t_max, wanted, &mut pass),
+            );
+        }
+    }
+
+    /// The nearest curve of an instance, as [`Self::closest_with`]; gives the end of the ray from then on.
+    #[inline(always)]
+    fn try_placed<S: Simd>(
+        &self,
+        simd: S,
+        placed: &PlacedMesh,
+        ray: &Ray,
+        mut t_max: f32,
+        wanted: &impl Fn(u32) -> bool,
+        nearest: &mut Option<Hit>,
+    ) -> f32 {
+        if wanted(placed.instance)
+            && let Some((boxes, gaze, scale)) = enter(placed, ray)
+        {
+            let _ = self.shared[placed.mesh as usize].follow(
+                simd,
+                (&boxes, &gaze),
+                t_max * scale,
+                #[inline(always)]
+                |segment| !ray.skip.is(placed.instance, segment.strand),
+                #[inline(always)]
+                |segment, both, mut end| {
+                    for (way, met) in both.into_iter().enumerate() {
+                        if let Some(met) = met.filter(|met| met.t < end) {
+                            let hit = segment.hit(met, way, scale, placed.instance, ray.moment);
+                            // Not so where the division rounds up.
+                            t_max = t_max.min(hit.t);
+                            end = met.t;
+                            *nearest = Some(hit);
+                        }
+                    }
+                    ControlFlow::Continue(end)
+                },
+            );
+        }
+        t_max
+    }
+
+    /// All curves of an instance, as [`Self::each_between_with`].
+    #[inline(always)]
+    fn pass_placed<S: Simd>(
+        &self,
+        simd: S,
+        placed: &PlacedMesh,
+        ray: &Ray,
+        t_max: f32,
+        wanted: &impl Fn(u32) -> bool,
+        pass: &mut impl FnMut(Hit) -> ControlFlow<()>,
+    ) -> ControlFlow<(), f32> {
+        if wanted(placed.instance)
+            && let Some((boxes, gaze, scale)) = enter(placed, ray)
+        {
+            self.shared[placed.mesh as usize].follow(
+                simd,
+                (&boxes, &gaze),
+                t_max * scale,
+                #[inline(always)]
+                |segment| !ray.skip.is(placed.instance, segment.strand),
+                #[inline(always)]
+                |segment, both, end| {
+                    for (way, met) in both.into_iter().enumerate() {
+                        if let Some(met) = met {
+                            pass(segment.hit(met, way, scale, placed.instance, ray.moment))?;
+                        }
+                    }
+                    ControlFlow::Continue(end)
+                },
+            )?;
+        }
+        ControlFlow::Continue(t_max)
     }
 }
 
@@ -264,9 +324,9 @@ pub(crate) fn radius_scale(instance: &Instance) -> f32 {
 
 impl Segment {
     #[inline(always)]
-    fn hit(&self, met: CurveMet, way: usize, scale: f32, instance: u32) -> Hit {
+    fn hit(&self, met: CurveMet, way: usize, scale: f32, instance: u32, moment: u16) -> Hit {
         let v = if way == 0 { met.v } else { met.v + FROM_WITHIN };
-        Hit { t: met.t / scale, u: met.u, v, instance, triangle: self.number }
+        Hit { t: met.t / scale, u: met.u, v, instance, triangle: self.number, moment }
     }
 }
 

@@ -22,13 +22,16 @@ pub(super) struct Topology {
     meshes: Vec<u32>,
     /// By mesh.
     triangles: Vec<usize>,
+    /// The instances that move.
+    moving: Vec<u32>,
 }
 
 impl Topology {
     pub(super) fn of(scene: &Scene) -> Self {
         Self {
-            meshes: scene.instances.iter().map(|instance| instance.mesh).collect(),
+            meshes: scene.placed().iter().map(|instance| instance.mesh).collect(),
             triangles: scene.meshes.iter().map(|mesh| mesh.triangles.len()).collect(),
+            moving: scene.moving.iter().map(|one| one.instance).collect(),
         }
     }
 }

@@ -5,7 +5,7 @@ use crate::scene::{Scene, mesh::Mesh};
 use glam::Vec3;
 use rayon::prelude::*;
 
-/// Which instances go where.
+/// Which of the instances that stand still go where.
 pub(super) struct Parts {
     /// Those whose mesh has no other.
     pub(super) alone: Vec<u32>,
@@ -16,10 +16,13 @@ pub(super) struct Parts {
 
 impl Parts {
     pub(super) fn of(scene: &Scene) -> Self {
+        let mut is_still = vec![true; scene.placed().len()];
+        scene.moving.iter().for_each(|one| is_still[one.instance as usize] = false);
+        let still = || (0..is_still.len() as u32).filter(|&i| is_still[i as usize]);
         let mut uses = vec![0; scene.meshes.len()];
-        scene.instances.iter().for_each(|instance| uses[instance.mesh as usize] += 1);
+        still().for_each(|i| uses[scene.instances[i as usize].mesh as usize] += 1);
         let of_mesh = |&i: &u32| uses[scene.instances[i as usize].mesh as usize];
-        let (alone, several) = (0..scene.instances.len() as u32).partition(|instance| of_mesh(instance) == 1);
+        let (alone, several) = still().partition(|instance| of_mesh(instance) == 1);
         Self { alone, several, uses }
     }
 

@@ -44,6 +44,18 @@ impl Block {
         self.triangle[lane] = triangle;
     }
 
+    /// The same triangles on their way to where another block has them, after a part of it.
+    #[inline(always)]
+    pub(super) fn towards(&self, to: &Self, part: f32) -> Self {
+        let mut now = self.clone();
+        for (now, to) in now.corners.as_flattened_mut().iter_mut().zip(to.corners.as_flattened()) {
+            for (now, to) in now.iter_mut().zip(to) {
+                *now += (*to - *now) * part;
+            }
+        }
+        now
+    }
+
     pub(super) fn holds(&self, lane: usize) -> bool {
         !self.corners[0][0][lane].is_nan()
     }

@@ -53,12 +53,23 @@ pub struct FilmEnd<'a> {
 #[derive(Default)]
 pub struct LightPath {
     places: Vec<Vertex>,
+    moment: u16,
 }
 
 impl LightPath {
+    /// Says when the next ones go, as in [`Ray::moment`].
+    pub fn set_moment(&mut self, moment: u16) {
+        self.moment = moment;
+    }
+
+    /// When this one goes.
+    pub fn moment(&self) -> u16 {
+        self.moment
+    }
+
     /// Follows light from a source. Gives the rays traced.
     pub fn trace(&mut self, stage: &Stage, limits: &Limits, sampler: PathSampler) -> u32 {
-        light::trace(stage, limits, sampler, &mut self.places)
+        light::trace(stage, limits, sampler, self.moment, &mut self.places)
     }
 
     /// Gives what the film gets of it to `add`, pixel by pixel, for one light path a pixel. Gives the rays traced.

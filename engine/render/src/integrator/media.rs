@@ -44,7 +44,7 @@ impl Media {
     pub(super) fn new(scene: &Scene, around: Option<(Vec3A, Vec3A)>) -> Self {
         let mut bounds = HashMap::new();
         let mut objects = Vec::new();
-        for (index, instance) in scene.instances.iter().enumerate() {
+        for (index, instance) in scene.placed().iter().enumerate() {
             let index = index as u32;
             let of = |material: &u32| scene.materials[*material as usize].volume().is_some();
             let mut found = false;
@@ -58,6 +58,25 @@ impl Media {
                 let corners = corners.map(|part| crate::nodes::volume::within_box(scene, index, part));
                 let start = [Vec3A::INFINITY, Vec3A::NEG_INFINITY];
                 objects.push((index, corners.fold(start, |[low, high], p| [low.min(p), high.max(p)])));
+            }
+        }
+        for one in scene.moving.iter().filter(|one| one.first > 0) {
+            let (own, owner) = (one.first..one.first + one.count(), &scene.instances[one.instance as usize]);
+            let Some((_, around)) = objects.iter_mut().find(|(index, _)| *index == one.instance) else { continue };
+            for index in own {
+                let now = &scene.instances[index as usize];
+                for &material in &owner.materials {
+                    let known = bounds.get(&Entry { instance: one.instance, material });
+                    if let Some(bound) = known.map(|bound: &Bound| bound.standing(owner, now)) {
+                        bounds.insert(Entry { instance: index, material }, bound);
+                    }
+                }
+                let there = now.to_render * owner.to_object;
+                let corners = (0..8).map(|i| [i & 1, i >> 1 & 1, i >> 2].map(|bit| bit as f32));
+                for part in corners {
+                    let corner = there.transform_point3a(crate::nodes::volume::within_box(scene, one.instance, part));
+                    *around = [around[0].min(corner), around[1].max(corner)];
+                }
             }
         }
         let volume = scene.world.graph.as_ref().and_then(|graph| graph.volume.as_ref());

@@ -75,6 +75,7 @@ impl Stage {
         let start = Instant::now();
         nodes::world::bake(&mut scene);
         let warnings = nodes::displacement::displace(&mut scene);
+        scene.set_in_motion();
         let accel = match previous {
             Some(previous) => Accel::new_after(&previous.accel, &scene),
             None => Accel::new(&scene),

@@ -50,7 +50,8 @@ pub(super) fn walk(
     rays: &mut u32,
 ) -> Option<(SurfacePoint, Rgb)> {
     let inwards = -point.geometric_normal;
-    let mut ray = Ray::new(offset_origin(point.position, inwards, point.position_error), entry.direction);
+    let start = offset_origin(point.position, inwards, point.position_error);
+    let mut ray = Ray::new(start, entry.direction).at(point.moment);
     let mut medium = entry.medium;
     let mut light = entry.light;
     for step in 0..MOST_STEPS {
@@ -86,7 +87,7 @@ pub(super) fn walk(
             light /= go_on;
         }
         let direction = scatter(ray.direction, medium.anisotropy, [numbers.next(), numbers.next()]);
-        ray = Ray::new(ray.origin + ray.direction * distance, direction);
+        ray = Ray::new(ray.origin + ray.direction * distance, direction).at(point.moment);
     }
     None
 }

@@ -12,6 +12,7 @@ use crate::accel::{Hit, Ray, offset_origin};
 use crate::nodes::{View, Way};
 use crate::sampler::{distribution::AliasTable, warp};
 use crate::scene::Scene;
+use crate::scene::motion::MIDDLE;
 use crate::surface::SurfacePoint;
 use crate::{Rgb, luminance};
 use glam::Vec3A;
@@ -62,7 +63,7 @@ impl Emission {
             .local
             .iter()
             .map(|emitter| match emitter {
-                Emitter::Triangle(triangle) => triangle.power,
+                Emitter::Triangle(triangle) | Emitter::Moving(triangle, _) => triangle.power,
                 Emitter::Lamp(i) => lights.lamps[*i as usize].emission_power(1.0),
             })
             .collect();
@@ -89,7 +90,10 @@ impl Emission {
             return Some(EmittedRay { ray, source, strength: r.strength, cos: 1.0 }).filter(EmittedRay::shines);
         }
         let emitted = match lights.local.get(index) {
-            Some(Emitter::Triangle(triangle)) => emit_triangle(scene, source, triangle, u_place, u_direction),
+            // One that moves sends light as it stands in the middle of the exposure.
+            Some(Emitter::Triangle(triangle) | Emitter::Moving(triangle, _)) => {
+                emit_triangle(scene, source, triangle, u_place, u_direction)
+            }
             _ => self.emit_world(scene, lights, source, u_place, u_direction)?,
         };
         Some(emitted).filter(EmittedRay::shines)
@@ -141,7 +145,9 @@ impl Emission {
         };
         let pdf = match (from_lamp, lights.local.get(source.0)) {
             (Some(pdf), _) => pdf,
-            (_, Some(Emitter::Triangle(triangle))) => distance * distance / (emitted.cos.max(1e-6) * triangle.area),
+            (_, Some(Emitter::Triangle(triangle) | Emitter::Moving(triangle, _))) => {
+                distance * distance / (emitted.cos.max(1e-6) * triangle.area)
+            }
             _ => lights.sky.image_pdf(scene, -direction),
         };
         let density = self.density(scene, lights, source, -direction, distance);
@@ -159,7 +165,7 @@ impl Emission {
         }
         let density = match (lights.lamp(source), lights.local.get(source.0)) {
             (Some(lamp), _) => lamp.emission_density(distance, self.radius),
-            (_, Some(Emitter::Triangle(triangle))) => {
+            (_, Some(Emitter::Triangle(triangle) | Emitter::Moving(triangle, _))) => {
                 let is_front = triangle.normal().dot(wi) < 0.0;
                 let share = if triangle.two_sided { 0.5 } else { f32::from(u8::from(is_front)) };
                 share / (PI * triangle.area)
@@ -191,7 +197,7 @@ impl Lights {
     pub(super) fn lamp(&self, source: Source) -> Option<&super::lamp::PreparedLamp> {
         let index = match self.local.get(source.0) {
             Some(Emitter::Lamp(i)) => *i,
-            Some(Emitter::Triangle { .. }) => return None,
+            Some(Emitter::Triangle(_) | Emitter::Moving(..)) => return None,
             None => self.sky.suns()[source.0.checked_sub(self.local.len() + 1)?],
         };
         Some(&self.lamps[index as usize])
@@ -227,9 +233,13 @@ fn emit_triangle(
     }
     let local = warp::sample_cosine_hemisphere(u_direction);
     let direction = warp::to_world(&warp::frame(out), local).normalize();
-    let hit = Hit { t: 0.0, u, v, instance: triangle.instance, triangle: triangle.triangle };
+    let hit = Hit { t: 0.0, u, v, instance: triangle.instance, triangle: triangle.triangle, moment: MIDDLE };
     let point = SurfacePoint::new(scene, &hit, -out);
-    let strength = triangle.radiance(scene, [u, v], &View { direction: -direction, distance: 1.0, way: Way::LIGHT });
+    let strength = triangle.radiance(
+        scene,
+        [u, v],
+        &View { direction: -direction, distance: 1.0, way: Way::LIGHT, moment: MIDDLE },
+    );
     let origin = offset_origin(point.position, out, point.position_error);
     EmittedRay { ray: Ray::new(origin, direction), source, strength, cos: local.z }
 }

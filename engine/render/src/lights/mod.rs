@@ -16,6 +16,7 @@ mod triangle;
 use crate::nodes::Way;
 use crate::scene::material::{Input, Material};
 use crate::scene::mesh::Mesh;
+use crate::scene::motion::MIDDLE;
 use crate::scene::{
     Scene,
     lamp::LampKind,
@@ -30,6 +31,7 @@ use receiver::Receiver;
 use sky::Sky;
 use std::collections::{HashMap, HashSet};
 use std::f32::consts::PI;
+use std::sync::Arc;
 use tree::LightTree;
 use triangle::LitTriangle;
 
@@ -62,6 +64,8 @@ pub struct Source(usize);
 enum Emitter {
     Triangle(LitTriangle),
     Lamp(u32),
+    /// As it is at the instance's own time, and by the number in [`Scene::moving`].
+    Moving(LitTriangle, u32),
 }
 
 /// Every emitter of a scene, ready to be sampled.
@@ -73,7 +77,7 @@ pub struct Lights {
     // By instance, which of these is for it; empty where there are no links.
     tree_of: Vec<u32>,
     // By instance: by triangle, 1 + its index in `local`; empty where the instance emits nothing.
-    emitter_of: Vec<Vec<u32>>,
+    emitter_of: Vec<Arc<[u32]>>,
     lamps: Vec<PreparedLamp>,
     // Of those that rays meet.
     met: LampTree,
@@ -101,7 +105,7 @@ impl Lights {
         // So far all are lamps.
         let met = LampTree::new(local.iter().enumerate().filter_map(|(place, emitter)| match emitter {
             Emitter::Lamp(i) => Some((place as u32, &lamps[*i as usize])),
-            Emitter::Triangle(_) => None,
+            Emitter::Triangle(_) | Emitter::Moving(..) => None,
         }));
         let emitter_of = emissive_triangles(scene, &mut local, &mut bounds);
         let sky = Sky::new(scene, &lamps);
@@ -131,14 +135,14 @@ impl Lights {
         let index = chosen.unwrap_or(((u * count as f32) as usize).min(count.checked_sub(1)?));
         Some(match &self.local[index] {
             Emitter::Lamp(i) => self.lamps[*i as usize].bounds().center(),
-            Emitter::Triangle(triangle) => triangle.bounds().center(),
+            Emitter::Triangle(triangle) | Emitter::Moving(triangle, _) => triangle.bounds().center(),
         })
     }
 
     /// What a source lights, and what throws shadows in its light.
     pub fn sets(&self, source: Source) -> Sets {
         match self.local.get(source.0) {
-            Some(Emitter::Triangle(triangle)) => triangle.sets(),
+            Some(Emitter::Triangle(triangle) | Emitter::Moving(triangle, _)) => triangle.sets(),
             _ => self.lamp(source).map_or(Sets::EVERYTHING, PreparedLamp::sets),
         }
     }
@@ -147,7 +151,9 @@ impl Lights {
     pub fn group(&self, scene: &Scene, source: Source) -> u16 {
         let of_lamp = |lamp: u32| scene.lamps[lamp as usize].light_group;
         match self.local.get(source.0) {
-            Some(Emitter::Triangle(triangle)) => scene.instances[triangle.instance as usize].light_group,
+            Some(Emitter::Triangle(triangle) | Emitter::Moving(triangle, _)) => {
+                scene.instances[triangle.instance as usize].light_group
+            }
             Some(Emitter::Lamp(lamp)) => of_lamp(*lamp),
             None => match source.0 - self.local.len() {
                 0 => scene.world.light_group,
@@ -173,7 +179,7 @@ impl Lights {
     fn receiver_by(&self, tree: u32, position: Vec3A, normal: Option<Vec3A>, openness: f32) -> Receiver {
         let Some(of_tree) = &self.trees[tree as usize] else {
             let weights = [0.0; receiver::WIDTH];
-            return Receiver { position, normal, tree, weights, total: 0.0, sky_chance: 1.0 };
+            return Receiver { position, normal, tree, weights, total: 0.0, sky_chance: 1.0, moment: MIDDLE };
         };
         let mut to = Receiver { tree, ..of_tree.receiver(position, normal) };
         if !self.sky.is_dark() {
@@ -218,6 +224,9 @@ impl Lights {
         let mut sample = match &self.local[index] {
             Emitter::Lamp(i) => self.lamps[*i as usize].light(scene, from, u, way)?,
             Emitter::Triangle(triangle) => triangle.sample(scene, from, u, way)?,
+            Emitter::Moving(triangle, moving) => {
+                triangle.standing(scene, scene.moving[*moving as usize].at(to.moment)).sample(scene, from, u, way)?
+            }
         };
         sample.pdf *= probability * (1.0 - chance);
         Some((sample, Source(index)))
@@ -225,11 +234,15 @@ impl Lights {
 
     /// The density with which [`Lights::sample`] at `to` would have found a point on an emissive triangle:
     /// `distance` away, met at `cos` to its normal.
-    pub fn triangle_pdf(&self, to: &Receiver, hit: (u32, u32), distance: f32, cos: f32) -> f32 {
+    pub fn triangle_pdf(&self, scene: &Scene, to: &Receiver, hit: (u32, u32), distance: f32, cos: f32) -> f32 {
         let (Some(Source(index)), Some(tree)) = (self.triangle_source(hit.0, hit.1), self.tree(to)) else { return 0.0 };
-        let Emitter::Triangle(triangle) = &self.local[index] else { return 0.0 };
+        let area = match &self.local[index] {
+            Emitter::Triangle(triangle) => triangle.area,
+            Emitter::Moving(..) => triangle::area(scene, hit.0, hit.1),
+            Emitter::Lamp(_) => return 0.0,
+        };
         let chance = tree.probability(to, index) * (1.0 - to.sky_chance);
-        chance / triangle.area * distance * distance / cos.max(1e-6)
+        chance / area * distance * distance / cos.max(1e-6)
     }
 
     /// Calls `found(radiance, pdf)` for each lamp with extent that a ray from `from` along `d` meets before
@@ -342,7 +355,7 @@ fn linked_trees(
 ) -> Vec<u32> {
     let mut known = HashMap::new();
     let sets = |emitter: &Emitter| match emitter {
-        Emitter::Triangle(triangle) => triangle.sets(),
+        Emitter::Triangle(triangle) | Emitter::Moving(triangle, _) => triangle.sets(),
         Emitter::Lamp(lamp) => lamps[*lamp as usize].sets(),
     };
     let tree_for = |links: &Links| {
@@ -359,12 +372,16 @@ fn linked_trees(
 }
 
 /// Appends every triangle that may emit, with its bounds.
-fn emissive_triangles(scene: &Scene, local: &mut Vec<Emitter>, bounds: &mut Vec<LightBounds>) -> Vec<Vec<u32>> {
+fn emissive_triangles(scene: &Scene, local: &mut Vec<Emitter>, bounds: &mut Vec<LightBounds>) -> Vec<Arc<[u32]>> {
     let brightness: Vec<f32> = scene.materials.iter().map(|m| average_emission(scene, m)).collect();
     // By mesh, found when first needed.
     let mut closed: Vec<Option<bool>> = vec![None; scene.meshes.len()];
-    let mut emitter_of = vec![Vec::new(); scene.instances.len()];
-    for (i, instance) in scene.instances.iter().enumerate() {
+    let mut emitter_of = vec![Arc::<[u32]>::default(); scene.instances.len()];
+    let mut moving = vec![None; scene.placed().len()];
+    for (number, one) in scene.moving.iter().enumerate().filter(|(_, one)| one.first > 0) {
+        moving[one.instance as usize] = Some(number as u32);
+    }
+    for (i, instance) in scene.placed().iter().enumerate() {
         if instance.materials.iter().all(|&m| brightness[m as usize] == 0.0) {
             continue;
         }
@@ -376,14 +393,40 @@ fn emissive_triangles(scene: &Scene, local: &mut Vec<Emitter>, bounds: &mut Vec<
             let b = brightness[instance.material(mesh.slot(t as u32)) as usize];
             let lit = LitTriangle::new(scene, i as u32, t as u32, b, two_sided);
             if lit.power > 0.0 {
-                local.push(Emitter::Triangle(lit));
-                bounds.push(lit.bounds());
+                let (emitter, around) = match moving[i] {
+                    None => (Emitter::Triangle(lit), lit.bounds()),
+                    Some(number) => (Emitter::Moving(lit, number), swept(scene, &lit, number)),
+                };
+                local.push(emitter);
+                bounds.push(around);
                 *entry = local.len() as u32;
             }
         }
-        emitter_of[i] = list;
+        emitter_of[i] = list.into();
+        if let Some(number) = moving[i] {
+            let one = &scene.moving[number as usize];
+            let list = emitter_of[i].clone();
+            emitter_of[one.first as usize..][..one.count() as usize].fill(list);
+        }
     }
     emitter_of
+}
+
+/// Around a triangle that moves: where it is and shines to at any of its moments.
+fn swept(scene: &Scene, lit: &LitTriangle, moving: u32) -> LightBounds {
+    /// Moments that are looked at; between them it goes on much as before.
+    const MOST_LOOKS: u32 = 64;
+    let one = &scene.moving[moving as usize];
+    let step = (one.count() / MOST_LOOKS).max(1);
+    let moments = (0..one.count()).step_by(step as usize).chain([one.count() - 1]);
+    let mut all = moments.map(|i| lit.standing(scene, one.first + i).bounds()).reduce(|a, b| a.union(&b));
+    if let Some(all) = &mut all {
+        // What it comes to between two looks.
+        let room = (all.max - all.min) * if step > 1 { 2.0 / MOST_LOOKS as f32 } else { 0.0 };
+        (all.min, all.max, all.power) = (all.min - room, all.max + room, lit.power);
+        all.normal_spread_rad = (all.normal_spread_rad + if step > 1 { 0.2 } else { 0.0 }).min(PI);
+    }
+    all.unwrap_or_else(|| lit.bounds())
 }
 
 /// Brightness of a material, for choosing; 0 only where it cannot emit.

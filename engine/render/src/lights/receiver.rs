@@ -20,4 +20,14 @@ pub struct Receiver {
     pub(super) total: f32,
     /// Chance of choosing the sky rather than something within the scene.
     pub(crate) sky_chance: f32,
+    /// When light is wanted, as in [`crate::accel::Ray::moment`].
+    pub moment: u16,
+}
+
+impl Receiver {
+    /// At another moment.
+    #[inline]
+    pub fn at(self, moment: u16) -> Self {
+        Self { moment, ..self }
+    }
 }

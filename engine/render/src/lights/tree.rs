@@ -5,6 +5,7 @@
 use super::bounds::LightBounds;
 use super::build::Half;
 use super::receiver::{Receiver, WIDTH};
+use crate::scene::motion::MIDDLE;
 use glam::Vec3A;
 use wide::f32x8;
 
@@ -162,7 +163,7 @@ impl LightTree {
     /// A place, and what the parts under the root may send there. The sky has no chance yet.
     pub(super) fn receiver(&self, position: Vec3A, normal: Option<Vec3A>) -> Receiver {
         let weights = self.nodes[0].importances(position, normal);
-        Receiver { position, normal, tree: 0, total: sum(&weights), weights, sky_chance: 0.0 }
+        Receiver { position, normal, tree: 0, total: sum(&weights), weights, sky_chance: 0.0, moment: MIDDLE }
     }
 
     /// An emitter and the probability of its choice; `None` where none may send light.

@@ -4,6 +4,7 @@ use super::LightSample;
 use super::bounds::LightBounds;
 use crate::nodes::{View, Way};
 use crate::scene::Scene;
+use crate::scene::motion::MIDDLE;
 use crate::scene::visibility::{Rays, Sets};
 use crate::surface::{area_vector, geometric_normal, mesh_of};
 use crate::{Rgb, nodes, sampler::warp};
@@ -11,7 +12,7 @@ use glam::{Vec3, Vec3A};
 use std::f32::consts::{FRAC_PI_2, PI};
 
 /// For what is the same from everywhere.
-const FROM_LIGHTS: View = View { direction: Vec3A::NEG_Z, distance: 1.0, way: Way::LIGHT };
+const FROM_LIGHTS: View = View { direction: Vec3A::NEG_Z, distance: 1.0, way: Way::LIGHT, moment: MIDDLE };
 
 /// Render space.
 #[derive(Clone, Copy, Debug)]
@@ -54,11 +55,26 @@ impl LitTriangle {
             sets: placed.links.sets,
             power: brightness * area * PI * if two_sided { 2.0 } else { 1.0 },
             area,
-            normal: geometric_normal(placed, &mesh.corners(triangle)).into(),
+            normal: geometric_normal(placed, &placed.corners(mesh, triangle)).into(),
             corner: a.into(),
             edges: [(b - a).into(), (c - a).into()],
             radiance: is_even
                 .then(|| nodes::emission(material, scene.into(), [instance, triangle], [0.0; 2], &FROM_LIGHTS)),
+        }
+    }
+
+    /// The same as another instance has it: one that stands for a moment of its own.
+    pub(super) fn standing(&self, scene: &Scene, instance: u32) -> Self {
+        let [a, b, c] = placed_corners(scene, instance, self.triangle);
+        let placed = &scene.instances[instance as usize];
+        let corners = placed.corners(mesh_of(scene, instance), self.triangle);
+        Self {
+            instance,
+            area: 0.5 * area_vector([a, b, c]).length(),
+            normal: geometric_normal(placed, &corners).into(),
+            corner: a.into(),
+            edges: [(b - a).into(), (c - a).into()],
+            ..*self
         }
     }
 
@@ -118,7 +134,7 @@ impl LitTriangle {
             wi,
             // Just short of the triangle, which must not shadow itself.
             distance: distance * (1.0 - 1e-4),
-            radiance: self.radiance(scene, [v, w], &View { direction: wi, distance, way: way.light() }),
+            radiance: self.radiance(scene, [v, w], &View { direction: wi, distance, way: way.light(), moment: MIDDLE }),
             pdf: distance2 / (cos * self.area),
             point_like: false,
             cast_shadow: true,
@@ -130,6 +146,11 @@ impl LitTriangle {
 
 /// A triangle's corners in render space.
 pub(super) fn placed_corners(scene: &Scene, instance: u32, triangle: u32) -> [Vec3A; 3] {
-    let m = &scene.instances[instance as usize].to_render;
-    mesh_of(scene, instance).corners(triangle).map(|p| m.transform_point3a(Vec3A::from(p)))
+    let placed = &scene.instances[instance as usize];
+    placed.corners(mesh_of(scene, instance), triangle).map(|p| placed.to_render.transform_point3a(Vec3A::from(p)))
+}
+
+/// That of a triangle, Blender units squared.
+pub(super) fn area(scene: &Scene, instance: u32, triangle: u32) -> f32 {
+    0.5 * area_vector(placed_corners(scene, instance, triangle)).length()
 }

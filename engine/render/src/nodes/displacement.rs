@@ -6,6 +6,7 @@ use crate::nodes::Way;
 use crate::scene::Scene;
 use crate::scene::graph::{Displacement, Graph};
 use crate::scene::mesh::{Mesh, MeshDescription};
+use crate::scene::motion::{MIDDLE, Poses};
 use glam::{Vec3, Vec3A};
 use petzval_nodes::Registers;
 use rayon::prelude::*;
@@ -70,7 +71,7 @@ fn offsets(scene: &Scene, instance: usize) -> Option<Vec<Vec3>> {
         // Looked at from above, from about as far as the triangle is wide.
         let [a, b, c] = mesh.corners(triangle);
         let width = owner.to_render.transform_vector3((b - a).abs().max((c - a).abs())).length();
-        let view = View { direction: -normal, distance: width, way: Way::BOUNCE };
+        let view = View { direction: -normal, distance: width, way: Way::BOUNCE, moment: MIDDLE };
         let barycentric = [[0.0, 0.0], [1.0, 0.0], [0.0, 1.0]][corner];
         let Graph { program, pass_index, .. } = graph;
         let place = [instance as u32, triangle];
@@ -120,6 +121,7 @@ fn moved(mesh: &Mesh, offsets: &[Vec3], bends: bool) -> MeshDescription {
         mut attributes,
         material_slots,
         moved_positions,
+        poses,
         grids,
         keeps_opacity,
         ..
@@ -142,6 +144,11 @@ fn moved(mesh: &Mesh, offsets: &[Vec3], bends: bool) -> MeshDescription {
         attributes,
         material_slots,
         moved_positions,
+        // Each shape is moved as the middle one is; normals that were given for them no longer hold.
+        poses: poses.map(|poses| Poses {
+            positions: poses.positions.iter().map(|positions| shift(positions)).collect(),
+            corner_normals: None,
+        }),
         grids,
         keeps_opacity,
     }

@@ -28,12 +28,14 @@ pub struct View {
     pub distance: f32,
     /// What happened to the path before.
     pub way: Way,
+    /// When, as in [`Ray::moment`].
+    pub moment: u16,
 }
 
 impl View {
     /// By a ray that met something, so far from where it set out.
     pub fn along(ray: &Ray, distance: f32, way: Way) -> Self {
-        Self { direction: ray.direction, distance, way }
+        Self { direction: ray.direction, distance, way, moment: ray.moment }
     }
 }
 
@@ -66,7 +68,7 @@ impl<'a> Point<'a> {
         material_index: f32,
     ) -> Self {
         let scene = around.scene;
-        let hit = Hit { t: view.distance, u, v, instance, triangle };
+        let hit = Hit { t: view.distance, u, v, instance, triangle, moment: view.moment };
         let surface = SurfacePoint::new(scene, &hit, view.direction);
         let mesh = mesh_of(scene, instance);
         let instance = &scene.instances[instance as usize];
@@ -75,9 +77,12 @@ impl<'a> Point<'a> {
         // A pixel's width: heights are asked that far apart for a bump.
         let size = scene.viewport.pixel_angle_rad() * view.distance.max(1e-6 * surface.position.length());
         let footprint = [x * size, y * size];
-        let along = match &mesh.curves {
-            None => weights_along(instance, mesh, triangle, &footprint),
-            Some(curves) => strand::weights_along(instance, curves, &surface, &footprint),
+        let along = if !mesh.is_special {
+            weights_along(instance, mesh.corners(triangle), &footprint)
+        } else if let Some(curves) = &mesh.curves {
+            strand::weights_along(instance, curves, &surface, &footprint)
+        } else {
+            weights_along(instance, instance.corners(mesh, triangle), &footprint)
         };
         Self {
             around,
@@ -181,7 +186,7 @@ impl<'a> Point<'a> {
         }
         let at = self.in_render(shift);
         let to_render = |p: Vec3| self.instance.to_render.transform_point3a(p.into());
-        let [a, b, c] = self.mesh.corners(self.surface.triangle).map(to_render);
+        let [a, b, c] = self.instance.corners(self.mesh, self.surface.triangle).map(to_render);
         let away = |[from, to]: [Vec3A; 2]| {
             let along = to - from;
             (along.cross(at - from).length_squared() / along.length_squared().max(f32::MIN_POSITIVE)).sqrt()
@@ -201,7 +206,7 @@ impl<'a> Point<'a> {
         if self.mesh.curves.is_some() {
             return self.instance.to_object.transform_point3a(self.in_render(shift));
         }
-        let [a, b, c] = self.mesh.corners(self.surface.triangle);
+        let [a, b, c] = self.instance.corners(self.mesh, self.surface.triangle);
         let [wa, wb, wc] = self.barycentric(shift);
         Vec3A::from(a * wa + b * wb + c * wc)
     }
@@ -210,10 +215,16 @@ impl<'a> Point<'a> {
         if self.mesh.curves.is_some() {
             return (self.instance.to_render.matrix3.transpose() * self.surface.shading_normal).normalize_or_zero();
         }
+        if self.mesh.poses.is_some()
+            && let Some([a, b, c]) = self.instance.corner_normals(self.mesh, self.surface.triangle)
+        {
+            let [wa, wb, wc] = self.barycentric(shift);
+            return (a * wa + b * wb + c * wc).into();
+        }
         match &self.mesh.corner_normals {
             Some(normals) => self.interpolated(normals, shift).into(),
             None => {
-                let [a, b, c] = self.mesh.corners(self.surface.triangle);
+                let [a, b, c] = self.instance.corners(self.mesh, self.surface.triangle);
                 (b - a).cross(c - a).normalize_or_zero().into()
             }
         }
@@ -238,7 +249,7 @@ impl<'a> Point<'a> {
     /// the side on which v grows.
     fn tangent(&self, map: Option<usize>) -> Vec4 {
         let Some(map) = map else { return Vec4::ZERO };
-        let [a, b, c] = self.mesh.corners(self.surface.triangle);
+        let [a, b, c] = self.instance.corners(self.mesh, self.surface.triangle);
         let [ua, ub, uc] = self.mesh.uv_maps[map].1[self.surface.triangle as usize];
         let (e, f, p, q) = (b - a, c - a, ub - ua, uc - ua);
         let area = p.perp_dot(q);
@@ -368,8 +379,8 @@ fn perpendicular(n: Vec3A) -> [Vec3A; 2] {
 }
 
 /// How a triangle's weights change along two vectors of its plane, render space.
-fn weights_along(instance: &Instance, mesh: &Mesh, triangle: u32, vectors: &[Vec3A; 2]) -> [Vec2; 2] {
-    let [a, b, c] = mesh.corners(triangle).map(|p| instance.to_render.transform_point3a(p.into()));
+fn weights_along(instance: &Instance, corners: [Vec3; 3], vectors: &[Vec3A; 2]) -> [Vec2; 2] {
+    let [a, b, c] = corners.map(|p| instance.to_render.transform_point3a(p.into()));
     let (e, f) = (b - a, c - a);
     let (ee, ef, ff) = (e.dot(e), e.dot(f), f.dot(f));
     let determinant = ee * ff - ef * ef;

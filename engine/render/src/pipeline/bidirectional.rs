@@ -42,7 +42,7 @@ pub(super) fn sample(lens: &RealLens, techniques: Techniques, path: &mut LightPa
     let led = lens.lead_all(&request, raster);
     s.count_camera(led.is_none());
     let Some(led) = led else { return s.lost() };
-    let camera = CameraEnd { lens, ray: shot.seen(led.ray), density: lens.led_density(&led) };
+    let camera = CameraEnd { lens, ray: shot.seen(led.ray).at(path.moment()), density: lens.led_density(&led) };
     let found = path.join(stage, &camera, limits, sampler);
     if !s.count_path(&found) {
         return;

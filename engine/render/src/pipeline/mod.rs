@@ -1,6 +1,7 @@
 //! Ways from the film to the scene and back: which rays are followed, and where what they find is added up.
 
 pub mod bidirectional;
+pub mod exposure;
 pub mod film_first;
 pub mod hero;
 pub mod motion;
@@ -18,6 +19,8 @@ use crate::integrator::Stage;
 use crate::integrator::bidirectional::{LightPath, Techniques};
 use crate::integrator::path::{self, Limits, PathResult};
 use crate::sampler::{PathSampler, pattern::Pattern, raster::Raster};
+use crate::scene::motion::moment;
+use exposure::Exposure;
 use film_first::FilmFirst;
 use hero::Hero;
 use motion::Motion;
@@ -89,6 +92,8 @@ pub struct Shot<'a> {
     pub pattern: Pattern,
     /// Where it is asked how things move over the picture.
     pub motion: Option<&'a Motion>,
+    /// When samples are taken, where anything but the lens moves, or the shutter is not simply open.
+    pub exposure: Option<&'a Exposure>,
 }
 
 impl Shot<'_> {
@@ -98,15 +103,22 @@ impl Shot<'_> {
         self.clip.map_or(ray, |clip| clip.cut(ray))
     }
 
-    /// The number of the camera at the time of a sample.
-    fn camera(&self, [x, y]: [u32; 2], index: u32) -> usize {
-        if self.cameras.len() == 1 {
-            return 0;
-        }
+    /// When a sample is taken, as a part of the exposure.
+    fn time(&self, [x, y]: [u32; 2], index: u32, up: f32) -> f32 {
         let mut sampler = self.pattern.pixel(x, y).sampler(index);
         sampler.jump_to(path::TIME_SET);
         let [u, ..] = sampler.next_4d();
-        ((u * self.cameras.len() as f32) as usize).min(self.cameras.len() - 1)
+        self.exposure.map_or(u, |exposure| exposure.part(u, up))
+    }
+
+    /// The number of the camera at that time.
+    fn camera(&self, time: f32) -> usize {
+        ((time * self.cameras.len() as f32) as usize).min(self.cameras.len() - 1)
+    }
+
+    /// Whether samples have times.
+    fn is_timed(&self) -> bool {
+        self.cameras.len() > 1 || self.exposure.is_some()
     }
 }
 
@@ -187,7 +199,10 @@ fn render_light_paths(
             return None;
         }
         let timed = counts.camera_rays.is_multiple_of(TIMED_EVERY).then(Instant::now);
-        let Some(lens) = shot.cameras[shot.camera([x, y], index)].traced_lens() else { continue };
+        let up = (y as f32 + 0.5) / shot.raster.size().1 as f32 - 0.5;
+        let time = if shot.is_timed() { shot.time([x, y], index, up) } else { 0.5 };
+        let Some(lens) = shot.cameras[shot.camera(time)].traced_lens() else { continue };
+        light_path.set_moment(moment(time));
         let one = Sample { shot, x, y, index, timed, counts: &mut counts, light };
         bidirectional::sample(lens, techniques, &mut light_path, one);
         if let Some(start) = timed {

@@ -7,6 +7,7 @@ use crate::camera::packet::Request;
 use crate::film::Patch;
 use crate::integrator::path::{ByGroup, Groups, NoGroups, Wave};
 use crate::sampler::PathSampler;
+use crate::scene::motion::moment;
 use std::time::Instant;
 
 /// Samples in a stretch. More fill the registers better; fewer stay in the nearest caches.
@@ -79,9 +80,17 @@ fn follow<L: Leads, G: Groups, const VOLUMES: bool>(
         stretch.ask(&mut pipeline, shot.cameras.len(), &mut leads);
         counts.camera_time += start.elapsed();
         wave.clear();
-        for (lead, sampler) in leads.iter().zip(&stretch.samplers) {
-            if let Some(lead) = lead {
-                wave.start(shot.seen(L::ray(lead)), sampler.clone());
+        if let Some(exposure) = shot.exposure {
+            for ((lead, sampler), time) in leads.iter().zip(&stretch.samplers).zip(&stretch.times) {
+                if let Some(lead) = lead {
+                    wave.start(exposure.sent(shot.seen(L::ray(lead)), moment(*time)), sampler.clone());
+                }
+            }
+        } else {
+            for (lead, sampler) in leads.iter().zip(&stretch.samplers) {
+                if let Some(lead) = lead {
+                    wave.start(shot.seen(L::ray(lead)), sampler.clone());
+                }
             }
         }
         wave.follow(shot.stage, &shot.limits);
@@ -120,6 +129,8 @@ struct Stretch {
     indices: Vec<u32>,
     samplers: Vec<PathSampler>,
     cameras: Vec<usize>,
+    /// When each is taken, as a part of the exposure; empty where that does not matter.
+    times: Vec<f32>,
 }
 
 impl Stretch {
@@ -128,6 +139,7 @@ impl Stretch {
         self.indices.clear();
         self.samplers.clear();
         self.cameras.clear();
+        self.times.clear();
         let mut at = [0; 2];
         let mut points = shot.pattern.pixel(0, 0);
         for (pixel, index) in samples {
@@ -142,7 +154,13 @@ impl Stretch {
             self.requests.push(Request { pixel, place, u_lens, u_wavelength, u_pixels, u_place, u_beyond });
             self.indices.push(index);
             self.samplers.push(sampler);
-            self.cameras.push(shot.camera(pixel, index));
+            if shot.is_timed() {
+                let time = shot.time(pixel, index, place.y);
+                self.cameras.push(shot.camera(time));
+                self.times.push(time);
+            } else {
+                self.cameras.push(0);
+            }
         }
     }
 

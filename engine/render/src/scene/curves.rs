@@ -267,7 +267,7 @@ impl Curves {
 
     /// What stands in the scene where else a mesh does: one without triangles.
     pub(super) fn into_mesh(self, name: String) -> Mesh {
-        Mesh { name, bounds: self.bounds(), curves: Some(Box::new(self)), ..Mesh::default() }
+        Mesh { name, bounds: self.bounds(), curves: Some(Box::new(self)), is_special: true, ..Mesh::default() }
     }
 }
 

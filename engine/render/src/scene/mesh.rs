@@ -3,6 +3,7 @@
 use super::SceneError;
 use super::curves::Curves;
 use super::grid::Grid;
+use super::motion::Poses;
 use glam::{Vec2, Vec3, Vec4};
 
 /// The name by which a mesh keeps its undeformed coordinates in its box.
@@ -27,6 +28,8 @@ pub struct MeshDescription {
     pub material_slots: Option<Vec<u32>>,
     /// `positions` a frame before and a frame after; `None` where the mesh keeps its shape.
     pub moved_positions: Option<[Vec<Vec3>; 2]>,
+    /// Its shapes while the shutter is open; `None` where it keeps its shape.
+    pub poses: Option<Poses>,
     /// Values known in its space, for volumes.
     pub grids: Vec<Grid>,
     /// Its volume is as opaque however large the object is.
@@ -60,6 +63,10 @@ pub struct Mesh {
     pub bounds: [Vec3; 2],
     /// Hair or other curves, instead of triangles.
     pub curves: Option<Box<Curves>>,
+    /// Its shapes while the shutter is open.
+    pub poses: Option<Box<Poses>>,
+    /// It has curves or several shapes: one question for what most meshes have neither of.
+    pub is_special: bool,
 }
 
 impl Mesh {
@@ -88,15 +95,27 @@ impl Mesh {
         if let Some(moved) = d.moved_positions.iter().flatten().find(|moved| moved.len() != d.positions.len()) {
             return Err(bad(format!("{} moved positions for {} vertices", moved.len(), d.positions.len())));
         }
+        if let Some(poses) = &d.poses {
+            let (keys, vertices) = (poses.key_count(), d.positions.len());
+            let fit = poses.positions.iter().all(|key| key.len() == vertices);
+            let normals_fit = poses.corner_normals.iter().flatten().all(|key| key.len() == n)
+                && poses.corner_normals.as_ref().is_none_or(|normals| normals.len() == keys);
+            if keys < 2 || !fit || !normals_fit {
+                return Err(bad(format!("its {keys} shapes over time do not fit its {vertices} vertices")));
+            }
+        }
         if u32::try_from(n).is_err() {
             return Err(bad(format!("{n} triangles are more than 2^32")));
         }
         if let Some(t) = d.triangles.iter().find(|t| t.iter().any(|&i| i as usize >= d.positions.len())) {
             return Err(bad(format!("triangle {t:?} points past its {} vertices", d.positions.len())));
         }
+        let shapes = || d.poses.iter().flat_map(|poses| &poses.positions);
         let whole = |t: &[u32; 3]| {
             let [a, b, c] = t.map(|i| d.positions[i as usize]);
-            [a, b, c].iter().all(within_reach) && has_area(a, b, c)
+            [a, b, c].iter().all(within_reach)
+                && has_area(a, b, c)
+                && shapes().all(|shape| t.iter().all(|&i| within_reach(&shape[i as usize])))
         };
         let keep: Vec<bool> = d.triangles.iter().map(whole).collect();
         let dropped = keep.iter().filter(|&&k| !k).count();
@@ -123,6 +142,8 @@ impl Mesh {
             grids,
             keeps_opacity: d.keeps_opacity,
             curves: None,
+            is_special: d.poses.is_some(),
+            poses: d.poses.map(Box::new),
         };
         if dropped > 0 {
             mesh.keep_only(&keep);
@@ -165,6 +186,8 @@ impl Mesh {
         if let Some(normals) = &mut self.corner_normals {
             filter(normals, keep);
         }
+        let posed = self.poses.as_mut().and_then(|poses| poses.corner_normals.as_mut());
+        posed.into_iter().flatten().for_each(|normals| filter(normals, keep));
         for (_, uvs) in &mut self.uv_maps {
             filter(uvs, keep);
         }

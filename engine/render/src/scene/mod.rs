@@ -10,6 +10,7 @@ pub mod lamp;
 pub mod layer;
 pub mod material;
 pub mod mesh;
+pub mod motion;
 pub mod softening;
 pub mod texture;
 pub mod viewport;
@@ -23,6 +24,7 @@ use glam::{Affine3A, DAffine3, DMat4, DVec3, Mat3A, Vec4};
 use lamp::Lamp;
 use material::Material;
 use mesh::{Mesh, MeshDescription};
+use motion::{Moving, Pose, Way};
 use softening::Softening;
 use texture::Texture;
 use viewport::{Viewport, ViewportDescription};
@@ -111,6 +113,8 @@ pub struct Instance {
     pub moved: Option<Box<[DAffine3; 2]>>,
     /// What shader graphs may ask of the object.
     pub info: ObjectInfo,
+    /// Which of its mesh's shapes it has, where that has several.
+    pub pose: Pose,
 }
 
 /// What Blender's Object Info node tells.
@@ -131,6 +135,35 @@ impl Default for ObjectInfo {
 }
 
 impl Instance {
+    /// Puts it elsewhere: `to_world` takes object space to world space, `origin` is render space's.
+    fn stand(&mut self, to_world: &DAffine3, origin: DVec3) {
+        let moved = DAffine3::from_translation(-origin) * *to_world;
+        let single = |map: DAffine3| Affine3A::from_mat4(DMat4::from(map).as_mat4());
+        let linear = to_world.matrix3;
+        // Scaled by the determinant's size, so that single precision neither overflows nor vanishes.
+        let normal = linear.inverse().transpose() * linear.determinant().abs().cbrt();
+        self.to_render = single(moved);
+        self.to_object = single(moved.inverse());
+        self.normal_to_render = Mat3A::from(normal.as_mat3());
+        self.mirrored = linear.determinant() < 0.0;
+    }
+
+    /// A triangle's corners, object space.
+    #[inline]
+    pub fn corners(&self, mesh: &Mesh, triangle: u32) -> [glam::Vec3; 3] {
+        match &mesh.poses {
+            None => mesh.corners(triangle),
+            Some(poses) => poses.corners(mesh.triangles[triangle as usize], self.pose),
+        }
+    }
+
+    /// The normals at a triangle's corners, object space; `None` of a mesh that has none.
+    #[inline]
+    pub fn corner_normals(&self, mesh: &Mesh, triangle: u32) -> Option<[glam::Vec3; 3]> {
+        let posed = mesh.poses.as_ref().and_then(|poses| poses.normals(triangle, self.pose));
+        posed.or_else(|| Some(mesh.corner_normals.as_ref()?[triangle as usize]))
+    }
+
     /// The material of a mesh's slot; slots past the end take the last, as Blender does.
     #[inline]
     pub fn material(&self, slot: u32) -> u32 {
@@ -143,8 +176,10 @@ impl Instance {
 pub struct Scene {
     /// Meshes in object space.
     pub meshes: Vec<Mesh>,
-    /// Where they stand.
+    /// Where they stand. Those of [`Self::placed`] come first, then what stands for moments of what moves.
     pub instances: Vec<Instance>,
+    /// What moves while the shutter is open.
+    pub moving: Vec<Moving>,
     /// Materials; the first is the default grey.
     pub materials: Vec<Material>,
     /// Images.
@@ -164,13 +199,13 @@ pub struct Scene {
 impl Scene {
     /// Triangles, each instance counted.
     pub fn triangle_count(&self) -> usize {
-        self.instances.iter().map(|i| self.meshes[i.mesh as usize].triangles.len()).sum()
+        self.placed().iter().map(|i| self.meshes[i.mesh as usize].triangles.len()).sum()
     }
 
     /// Segments of hair and other curves, each instance counted.
     pub fn segment_count(&self) -> usize {
         let of = |mesh: &Mesh| mesh.curves.as_ref().map_or(0, |curves| curves.segment_count());
-        self.instances.iter().map(|i| of(&self.meshes[i.mesh as usize])).sum()
+        self.placed().iter().map(|i| of(&self.meshes[i.mesh as usize])).sum()
     }
 }
 
@@ -178,6 +213,7 @@ struct RawInstance {
     object_name: String,
     asset_name: Option<String>,
     moved: Option<[DMat4; 2]>,
+    way: Option<Way>,
     info: ObjectInfo,
     mesh: usize,
     matrix: DMat4,
@@ -302,6 +338,7 @@ impl SceneBuilder {
             object_name: object_name.into(),
             asset_name: None,
             moved: None,
+            way: None,
             info: ObjectInfo::default(),
             mesh,
             matrix,
@@ -359,6 +396,20 @@ impl SceneBuilder {
         Ok(())
     }
 
+    /// Says where an instance stands at keys that lie evenly over the time that the shutter is open, the middle one where it was
+    /// added. One that cannot be taken between stands still, with a warning.
+    pub fn set_keys(&mut self, instance: usize, matrices: &[DMat4]) {
+        let raw = &mut self.instances[instance];
+        if matrices.iter().all(|m| *m == raw.matrix) {
+            return;
+        }
+        raw.way = Way::new(matrices);
+        if raw.way.is_none() {
+            let what = "its scale is zero or not finite while the shutter is open; it stands still";
+            self.warnings.push(format!("object '{}': {what}", raw.object_name));
+        }
+    }
+
     /// Adds a lamp. `matrix` takes its axes to world space; it shines along its -z.
     ///
     /// # Errors
@@ -411,43 +462,46 @@ impl SceneBuilder {
         };
         let mut materials = vec![Material::default_grey()];
         materials.extend(self.materials);
-        let mut dims = false;
+        let (mut dims, mut moving) = (false, Vec::new());
         let instances = self
             .instances
             .into_iter()
-            .map(|raw| {
+            .enumerate()
+            .map(|(number, raw)| {
                 // Strands are round: nothing coarse would show.
                 let is_hair = self.meshes[raw.mesh].curves.is_some();
                 let softening = if is_hair { Softening::default() } else { raw.softening };
                 dims |= softening.dims();
-                let moved = DMat4::from_translation(-origin) * raw.matrix;
-                let inverse = moved.inverse();
-                let linear = glam::DMat3::from_mat4(raw.matrix);
-                // Scaled by the determinant's size, so that single precision neither overflows nor vanishes.
-                let normal = linear.inverse().transpose() * linear.determinant().abs().cbrt();
                 let from_origin = |m: DMat4| DAffine3::from_mat4(DMat4::from_translation(-origin) * m);
-                Instance {
+                let mut instance = Instance {
                     asset_name: raw.asset_name.unwrap_or_else(|| raw.object_name.clone()),
                     object_name: raw.object_name,
                     info: raw.info,
                     moved: raw.moved.map(|matrices| Box::new(matrices.map(from_origin))),
                     mesh: raw.mesh as u32,
-                    to_render: Affine3A::from_mat4(moved.as_mat4()),
-                    to_object: Affine3A::from_mat4(inverse.as_mat4()),
-                    normal_to_render: Mat3A::from(normal.as_mat3()),
-                    mirrored: linear.determinant() < 0.0,
+                    to_render: Affine3A::IDENTITY,
+                    to_object: Affine3A::IDENTITY,
+                    normal_to_render: Mat3A::IDENTITY,
+                    mirrored: false,
+                    pose: self.meshes[raw.mesh].poses.as_ref().map_or_else(Pose::default, |poses| poses.middle()),
                     materials: if raw.materials.is_empty() { vec![0] } else { raw.materials },
                     visible: raw.visible,
                     links: raw.links,
                     light_group: raw.light_group,
                     softening,
+                };
+                instance.stand(&DAffine3::from_mat4(raw.matrix), origin);
+                if raw.way.is_some() || self.meshes[raw.mesh].poses.is_some() {
+                    moving.push(Moving::new(number as u32, raw.way));
                 }
+                instance
             })
             .collect();
         let lamps = self.lamps.into_iter().map(|(lamp, matrix)| lamp.placed(place(matrix))).collect();
         Scene {
             meshes: self.meshes,
             instances,
+            moving,
             materials,
             textures: self.textures,
             lamps,

@@ -144,7 +144,7 @@ impl Met<'_> {
             return radiance;
         };
         let cos = point.geometric_normal.dot(self.ray.direction).abs();
-        let pdf = lights.triangle_pdf(&to, (hit.instance, hit.triangle), distance, cos);
+        let pdf = lights.triangle_pdf(scene, &to, (hit.instance, hit.triangle), distance, cos);
         radiance * self.weight(pdf, emission.density(scene, lights, source, self.ray.direction, distance))
     }
 }

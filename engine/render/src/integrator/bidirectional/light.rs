@@ -18,8 +18,14 @@ const LIGHT_SETS: u32 = 2;
 /// Where in the sampler the numbers for aiming at the lens begin: behind those of all steps.
 const AIM_SETS: u32 = 4096;
 
-/// Follows light from a source; its scattering places replace those in `path`. Gives the rays traced.
-pub(super) fn trace(stage: &Stage, limits: &Limits, mut sampler: PathSampler, path: &mut Vec<Vertex>) -> u32 {
+/// Follows light from a source, as things are at a moment; its scattering places replace those in `path`. Gives the rays traced.
+pub(super) fn trace(
+    stage: &Stage,
+    limits: &Limits,
+    mut sampler: PathSampler,
+    moment: u16,
+    path: &mut Vec<Vertex>,
+) -> u32 {
     path.clear();
     let [u_choice, u0, u1, u2] = sampler.next_4d();
     let [u3, ..] = sampler.next_4d();
@@ -29,7 +35,7 @@ pub(super) fn trace(stage: &Stage, limits: &Limits, mut sampler: PathSampler, pa
     let mut walk = Walk { stage, sampler, first_set: LIGHT_SETS, step: 0, rays: 0 };
     // What casts no shadow is lit, and so is what stands behind it: chance decides for which of them the ray is.
     let casts_shadow = |hit: &Hit| stage.scene.instances[hit.instance as usize].visible.any_of(Rays::SHADOW);
-    let mut ray = emitted.ray;
+    let mut ray = emitted.ray.at(moment);
     let mut shares = 1.0;
     let mut carried = Rgb::ZERO;
     let mut partial = Partial { ends: 0.0, before: 0.0 };

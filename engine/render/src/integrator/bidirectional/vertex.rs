@@ -81,7 +81,7 @@ impl Surface {
         let material = material(stage, point);
         if material.is_layered() {
             let mut layers = Layers::new();
-            let view = View { direction: -wo, distance: 1.0, way: Way::BOUNCE };
+            let view = View { direction: -wo, distance: 1.0, way: Way::BOUNCE, moment: point.moment };
             nodes::layers(material, stage.around(), point, &view, &mut layers);
             return Self::Layers(mix(stage, &layers, point, wo, kept, None));
         }

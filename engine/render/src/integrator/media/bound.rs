@@ -4,12 +4,13 @@ use super::Entry;
 use crate::accel::Ray;
 use crate::nodes::volume::{Medium, within_box};
 use crate::nodes::{OF_BOUNCES, Way};
-use crate::scene::Scene;
+use crate::scene::{Instance, Scene};
 use crate::surface::mesh_of;
 use arrayvec::ArrayVec;
 use glam::{Affine3A, Vec3, Vec3A};
 use petzval_nodes::{Field, random_of};
 use rayon::prelude::*;
+use std::sync::Arc;
 
 /// Cells along each side.
 const SIDE: usize = 16;
@@ -33,7 +34,7 @@ pub(super) enum Bound {
         /// Render space to cells.
         to_cells: Affine3A,
         /// The rate of each, x runs fastest.
-        rates: Vec<f32>,
+        rates: Arc<Vec<f32>>,
     },
     /// One rate everywhere.
     Everywhere(f32),
@@ -70,7 +71,18 @@ impl Bound {
         let mut rates: Vec<f32> = (0..SIDE.pow(3)).into_par_iter().map(rate).collect();
         let least = LEAST * rates.iter().fold(0.0, |a, b| b.max(a));
         rates.iter_mut().for_each(|rate| *rate = rate.max(least));
-        Self::Cells { to_cells: to_box * scene.instances[entry.instance as usize].to_object, rates }
+        Self::Cells { to_cells: to_box * scene.instances[entry.instance as usize].to_object, rates: Arc::new(rates) }
+    }
+
+    /// The same where the instance stands elsewhere.
+    pub(super) fn standing(&self, from: &Instance, to: &Instance) -> Self {
+        match self {
+            Self::Even => Self::Even,
+            Self::Everywhere(rate) => Self::Everywhere(*rate),
+            Self::Cells { to_cells, rates } => {
+                Self::Cells { to_cells: *to_cells * from.to_render * to.to_object, rates: rates.clone() }
+            }
+        }
     }
 
     /// Of the world's, in a scene that fills these bounds.
@@ -96,7 +108,7 @@ impl Bound {
     #[cfg(test)]
     pub(super) fn loosen(&mut self, part: f32) {
         if let Self::Cells { rates, .. } = self {
-            rates.iter_mut().for_each(|rate| *rate *= part);
+            Arc::make_mut(rates).iter_mut().for_each(|rate| *rate *= part);
         }
     }
 

@@ -45,20 +45,20 @@ impl Entry {
 pub(crate) struct Stack(ArrayVec<Entry, MOST_MEDIA>);
 
 impl Stack {
-    /// Where a path begins, at a place of which nothing is known.
-    pub(crate) fn around(stage: &Stage, position: Vec3A) -> Self {
-        let media = &stage.media;
+    /// Where a path begins with a ray, at a place of which nothing is known.
+    pub(crate) fn around(stage: &Stage, ray: &Ray) -> Self {
+        let (media, position) = (&stage.media, ray.origin);
         let mut stack = Self(media.world.into_iter().collect());
         let is_in = |[low, high]: &[Vec3A; 2]| position.cmpge(*low).all() && position.cmple(*high).all();
         if media.objects.iter().any(|(_, bounds)| is_in(bounds)) {
-            stack.enclose(&stage.scene, &stage.accel, position);
+            stack.enclose(&stage.scene, &stage.accel, ray);
         }
         stack
     }
 
     /// Adds the objects that are left, but not entered, on a straight way out.
-    fn enclose(&mut self, scene: &Scene, accel: &Accel, position: Vec3A) {
-        let ray = Ray::new(position, Vec3A::Z);
+    fn enclose(&mut self, scene: &Scene, accel: &Accel, ray: &Ray) {
+        let ray = Ray::new(ray.origin, Vec3A::Z).at(ray.moment);
         let mut entered = Self::default();
         for (_, point) in crossings(scene, accel, &ray, Rays::ALL) {
             let entry = Entry { instance: point.instance, material: point.material };

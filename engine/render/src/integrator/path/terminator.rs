@@ -70,13 +70,12 @@ impl Grazing {
 fn height(scene: &Scene, point: &SurfacePoint, side: f32) -> Vec3A {
     let instance = &scene.instances[point.instance as usize];
     let mesh = mesh_of(scene, point.instance);
-    let Some(normals) = &mesh.corner_normals else { return Vec3A::ZERO };
+    let Some(normals) = instance.corner_normals(mesh, point.triangle) else { return Vec3A::ZERO };
     let side = if point.backfacing { -side } else { side };
     let [u, v] = point.barycentric;
     let weights = [1.0 - u - v, u, v];
-    let corners = mesh.corners(point.triangle).map(|p| instance.to_render.transform_point3a(Vec3A::from(p)));
-    let normals = normals[point.triangle as usize]
-        .map(|n| (instance.normal_to_render * Vec3A::from(n)).normalize_or_zero() * side);
+    let corners = instance.corners(mesh, point.triangle).map(|p| instance.to_render.transform_point3a(Vec3A::from(p)));
+    let normals = normals.map(|n| (instance.normal_to_render * Vec3A::from(n)).normalize_or_zero() * side);
     let (mut bulge, mut clear) = (0.0, f32::INFINITY);
     let mut normal = Vec3A::ZERO;
     for (i, j) in [(0, 1), (1, 2), (2, 0)] {
@@ -117,7 +116,7 @@ mod tests {
     }
 
     fn point(scene: &Scene, u: f32, v: f32) -> SurfacePoint {
-        SurfacePoint::new(scene, &Hit { t: 1.0, u, v, instance: 0, triangle: 0 }, -Vec3A::Z)
+        SurfacePoint::new(scene, &Hit { t: 1.0, u, v, instance: 0, triangle: 0, moment: 0 }, -Vec3A::Z)
     }
 
     #[test]

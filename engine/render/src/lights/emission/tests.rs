@@ -208,7 +208,7 @@ fn densities_agree_from_both_ends() {
                 });
             }
             if let Some(&Emitter::Triangle(LitTriangle { instance, triangle, .. })) = lights.local.get(e.source.0) {
-                let pdf = lights.triangle_pdf(&to, (instance, triangle), t, e.cos);
+                let pdf = lights.triangle_pdf(&scene, &to, (instance, triangle), t, e.cos);
                 met = Some((lights.triangle_source(instance, triangle).unwrap(), e.strength, pdf));
             }
             // A ray on a lamp's very rim may pass it.

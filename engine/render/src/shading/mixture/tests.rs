@@ -140,6 +140,7 @@ fn point(backfacing: bool) -> SurfacePoint {
         material: 0,
         barycentric: [0.3, 0.3],
         strand: crate::surface::NO_STRAND,
+        moment: 0,
     }
 }
 

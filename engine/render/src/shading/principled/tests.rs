@@ -50,6 +50,7 @@ fn bsdf(c: &Case, wo: Vec3A) -> Bsdf {
         material: 0,
         barycentric: [0.3, 0.3],
         strand: crate::surface::NO_STRAND,
+        moment: 0,
     };
     Bsdf::new(&material, &values, &tables, &point, wo)
 }
@@ -133,6 +134,7 @@ fn plain(wo: Vec3A) -> Bsdf {
         material: 0,
         barycentric: [0.3, 0.3],
         strand: crate::surface::NO_STRAND,
+        moment: 0,
     };
     let values = MaterialValues { base_color: Rgb::splat(0.8), metallic: 0.0, roughness: 0.5, transmission: 0.0 };
     Bsdf::new(&material, &values, &tables, &point, wo)

@@ -106,10 +106,9 @@ impl Path {
         let place = [hit.instance, hit.triangle];
         let radiance = nodes::emission(material, stage.around(), place, point.barycentric, &view) * kept;
         let cos = -point.geometric_normal.dot(self.ray.direction);
-        let pdf = self
-            .chosen
-            .receiver()
-            .map_or(0.0, |to| stage.lights.triangle_pdf(to, (hit.instance, hit.triangle), self.travelled + hit.t, cos));
+        let pdf = self.chosen.receiver().map_or(0.0, |to| {
+            stage.lights.triangle_pdf(&stage.scene, to, (hit.instance, hit.triangle), self.travelled + hit.t, cos)
+        });
         let light = self.throughput * radiance * self.chosen.weight(pdf);
         let of = found.groups.of(|| stage.scene.instances[hit.instance as usize].light_group);
         found.add(of, limits.clamp(light, u32::from(self.way.depth)));

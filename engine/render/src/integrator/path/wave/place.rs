@@ -45,6 +45,7 @@ impl Place<'_> {
     ) -> Receiver {
         let Self { stage, limits, point, .. } = self;
         let to = stage.lights.receiver_on(point.instance, point.position, bsdf.receiving_normal(), limits.openness);
+        let to = to.at(point.moment);
         if !bsdf.is_mirror()
             && let Some((light, source)) = stage.lights.sample_source(&stage.scene, &to, u_light, [u0, u1], path.way)
             && let Some(light) = self.linked(light)

@@ -52,7 +52,7 @@ pub(super) fn is_only_volume(stage: &Stage, point: &SurfacePoint) -> bool {
 impl Inside {
     /// Where a path begins.
     pub(super) fn new(stage: &Stage, path: &Path) -> Self {
-        Self { stack: Stack::around(stage, path.ray.origin), bounces: 0 }
+        Self { stack: Stack::around(stage, &path.ray), bounces: 0 }
     }
 
     /// Whether scattering in volumes has left a scattering to the path.
@@ -163,7 +163,7 @@ impl Inside {
         [u_light, u0, u1, u_seed]: [f32; 4],
     ) -> Receiver {
         let Place { stage, limits, position, medium, share } = *at;
-        let to = self.receiver(stage, limits, position);
+        let to = self.receiver(stage, limits, position).at(path.ray.moment);
         let Some((light, source)) = stage.lights.sample_source(&stage.scene, &to, u_light, [u0, u1], path.way) else {
             return to;
         };
@@ -179,7 +179,7 @@ impl Inside {
         }
         let of = found.groups.of(|| stage.lights.group(&stage.scene, source));
         if light.cast_shadow {
-            let ray = Ray { t_max: light.distance, ..Ray::new(position, light.wi) };
+            let ray = Ray { t_max: light.distance, ..Ray::new(position, light.wi).at(path.ray.moment) };
             shadows.push(Shadow { path: found.path, ray, light: arrives, way: path.way, sets: light.sets, of });
             veils.push(Veil { stack: self.stack.clone(), seed: seed([u_seed, u_light, u0]) });
         } else {
@@ -209,7 +209,7 @@ impl Inside {
         }
         path.chosen = Chosen::WithPdf(pdf * at.share, to);
         path.travelled = 0.0;
-        path.ray = Ray::new(at.position, wi);
+        path.ray = Ray::new(at.position, wi).at(path.ray.moment);
         path.start = at.position;
         path.from = self.stack.innermost().unwrap_or(0);
         Brought::Elsewhere
@@ -374,7 +374,7 @@ impl Veil {
             if stack.is_empty() || to <= from {
                 return Rgb::ONE;
             }
-            let part = Ray { t_max: to - from, ..Ray::new(ray.origin + ray.direction * from, ray.direction) };
+            let part = Ray { t_max: to - from, origin: ray.origin + ray.direction * from, ..*ray };
             Stretch { stage, stack, ray: part, way: way.shadow() }.transmittance(&mut numbers)
         };
         for (t, point) in &borders {

@@ -1,0 +1,241 @@
+# SPDX-License-Identifier: GPL-3.0-or-later
+"""When the shutter is open, and where everything is at keys that lie evenly over that time, for motion blur."""
+
+from __future__ import annotations
+
+import math
+from collections.abc import Callable
+from typing import NamedTuple
+
+import bpy
+import numpy as np
+
+from ..description import Matrix4, Report
+from . import curves, hair, mesh
+from .camera import rows
+from .motion import Key, key, may_deform
+
+#: How much of the shutter's time has gone by at the frame.
+_OPENS = {"START": 0.0, "CENTER": 0.5, "END": 1.0}
+#: Points at which the shutter's curve is read.
+_CURVE_POINTS = 256
+
+
+class Shutter(NamedTuple):
+    """The time of an exposure, in frames."""
+
+    begin: float
+    length: float
+
+    @property
+    def middle(self) -> float:
+        return self.begin + 0.5 * self.length
+
+    def at(self, part: float) -> tuple[int, float]:
+        """The frame and subframe after a part of it, 0 to 1."""
+        return split(self.begin + part * self.length)
+
+
+def split(time: float) -> tuple[int, float]:
+    """A frame and what is beyond it."""
+    frame = math.floor(time)
+    return frame, time - frame
+
+
+def of(scene: bpy.types.Scene) -> Shutter | None:
+    """That of a scene in its frame; None where it asks for no motion blur, or it is taken out."""
+    render = scene.render
+    is_off = scene.petzval.effect_motion_blur == "OFF"
+    if is_off or not render.use_motion_blur or render.motion_blur_shutter <= 0.0:
+        return None
+    now = scene.frame_current + scene.frame_subframe
+    length = render.motion_blur_shutter
+    return Shutter(now - _OPENS[_position(scene)] * length, length)
+
+
+def _position(scene: bpy.types.Scene) -> str:
+    # Before Blender 4.2 it was a setting of Cycles.
+    own = scene.render if hasattr(scene.render, "motion_blur_position") else getattr(scene, "cycles", None)
+    return getattr(own, "motion_blur_position", "CENTER")
+
+
+def openness(render: bpy.types.RenderSettings) -> list[float]:
+    """How open the shutter is at even times; nothing where it is simply open."""
+    mapping = render.motion_blur_shutter_curve
+    mapping.initialize()
+    curve = mapping.curves[0]
+    found = [mapping.evaluate(curve, i / (_CURVE_POINTS - 1)) for i in range(_CURVE_POINTS)]
+    return [] if min(found) == max(found) else found
+
+
+def rolling(scene: bpy.types.Scene) -> float | None:
+    """For which part of the exposure each row is exposed, of a shutter that rolls from the top down."""
+    cycles = getattr(scene, "cycles", None)
+    if getattr(cycles, "rolling_shutter_type", "NONE") != "TOP":
+        return None
+    return cycles.rolling_shutter_duration
+
+
+def key_count(holder: bpy.types.Object, parent: bpy.types.Object | None = None) -> int:
+    """Keys of an object, made by `parent` if that is another, as Cycles has them; 0: it is not blurred."""
+    settings = [one.cycles for one in (holder, parent) if one is not None and hasattr(one, "cycles")]
+    if not all(one.use_motion_blur for one in settings):
+        return 0
+    return 2 ** max([1, *(one.motion_steps for one in settings)]) + 1
+
+
+def key_count_of(place: bpy.types.DepsgraphObjectInstance) -> int:
+    return key_count(place.object, place.parent if place.is_instance else None)
+
+
+def _deforms(place: bpy.types.DepsgraphObjectInstance) -> bool:
+    both = (place.object, place.parent if place.is_instance else None)
+    settings = [one.cycles for one in both if one is not None and hasattr(one, "cycles")]
+    return all(one.use_deform_motion for one in settings) and may_deform(place.object)
+
+
+class Shape(NamedTuple):
+    """A mesh at one key, or the keys of strands."""
+
+    positions: np.ndarray
+    #: By vertex or by corner; None where it has none, or all faces are flat.
+    normals: np.ndarray | None = None
+
+
+class Standing(NamedTuple):
+    """One instance at one key."""
+
+    matrix: Matrix4
+    #: Shared by all instances; None where it keeps its shape.
+    shape: Shape | None
+    #: Of the keys of hair, by particle system.
+    hair: dict[str, np.ndarray]
+
+
+def _read(depsgraph: bpy.types.Depsgraph) -> dict[Key, Standing]:
+    """Where everything stands in the graph's frame."""
+    found: dict[Key, Standing] = {}
+    known: dict[int, Shape | None] = {}
+    known_hair: dict[str, dict[str, np.ndarray]] = {}
+    is_render = depsgraph.mode == "RENDER"
+    for place in depsgraph.object_instances:
+        holder = place.object
+        of_hair: dict[str, np.ndarray] = {}
+        if holder.particle_systems:
+            if holder.name_full not in known_hair:
+                known_hair[holder.name_full] = {
+                    system.hair.name: hair.places(holder, system) for system in hair.systems(place, is_render)
+                }
+            of_hair = known_hair[holder.name_full]
+        if not (place.show_self or of_hair) or not key_count_of(place):
+            continue
+        data = holder.data
+        shape = None
+        if isinstance(data, (bpy.types.Mesh, bpy.types.Curves)) and _deforms(place):
+            pointer = data.as_pointer()
+            if pointer not in known:
+                known[pointer] = _shape(data)
+            shape = known[pointer]
+        found[key(place)] = Standing(rows(place.matrix_world), shape, of_hair)
+    return found
+
+
+def _shape(data: bpy.types.Mesh | bpy.types.Curves) -> Shape | None:
+    if isinstance(data, bpy.types.Curves):
+        return Shape(curves.positions(data)) if len(data.points) else None
+    return None if data.is_editmode else Shape(mesh.positions(data), mesh.normals(data))
+
+
+class Blur:
+    """Where everything is at keys over the exposure."""
+
+    def __init__(self, report: Report) -> None:
+        self._report = report
+        self._keys: list[dict[Key, Standing]] = []
+
+    def read(self, depsgraph: bpy.types.Depsgraph) -> None:
+        """The next key: the graph is at its time."""
+        now = _read(depsgraph)
+        if self._keys:
+            # What has not changed since is kept once.
+            before = self._keys[-1]
+            for which, one in now.items():
+                old = before.get(which)
+                if old is not None and old.shape is not None and one.shape is not None and _same(old.shape, one.shape):
+                    now[which] = one._replace(shape=old.shape)
+        self._keys.append(now)
+
+    def matrices(self, place: bpy.types.DepsgraphObjectInstance) -> list[Matrix4] | None:
+        """Where an instance stands at its keys; None where it stands still."""
+        found = [one.matrix for one in self._of(place)]
+        return found if any(one != found[0] for one in found) else None
+
+    def poses(
+        self, place: bpy.types.DepsgraphObjectInstance, now: mesh.MeshArrays
+    ) -> list[tuple[np.ndarray, np.ndarray | None]] | None:
+        """The vertices of an instance's mesh and the normals of its corners at its keys; None where it keeps its shape."""
+        shapes = [one.shape for one in self._of(place)]
+        if not shapes or any(one is None for one in shapes) or all(one is shapes[0] for one in shapes):
+            return None
+        if any(one.positions.shape != now.positions.shape for one in shapes):
+            self._report.warn(
+                f"Object '{place.object.name}': it has other vertices while the shutter is open, how it changes is not blurred"
+            )
+            return None
+        normals = [now.spread(one.normals) for one in shapes]
+        has_normals = now.corner_normals is not None and all(one is not None for one in normals)
+        return [(one.positions, own if has_normals else None) for one, own in zip(shapes, normals, strict=True)]
+
+    def changes_strands(self, place: bpy.types.DepsgraphObjectInstance, system: str | None = None) -> None:
+        """Says so where strands change their shape: that is not blurred yet."""
+        keys = self._of(place)
+        if system is None:
+            shapes = [one.shape.positions for one in keys if one.shape is not None]
+        else:
+            shapes = [one.hair[system] for one in keys if system in one.hair]
+        if any(one.shape != shapes[0].shape or not np.array_equal(one, shapes[0]) for one in shapes):
+            self._report.warn(
+                f"Object '{place.object.name}': hair that changes its shape while the shutter is open is not blurred yet, but "
+                "where its object goes"
+            )
+
+    def moves_light(self, place: bpy.types.DepsgraphObjectInstance) -> None:
+        """Says so where a lamp moves: it does not blur, as in Cycles."""
+        if self.matrices(place) is not None:
+            self._report.warn(
+                f"Light '{place.object.name}': it moves while the shutter is open; as in Cycles it stands still, where it is in "
+                "the middle of that time"
+            )
+
+    def _of(self, place: bpy.types.DepsgraphObjectInstance) -> list[Standing]:
+        """An instance at each of its own keys; nothing where it is not blurred or not always there."""
+        count = key_count_of(place)
+        if count == 0 or not self._keys:
+            return []
+        which, step = key(place), (len(self._keys) - 1) // (count - 1)
+        found = [one.get(which) for one in self._keys[::step]]
+        return [] if any(one is None for one in found) else found
+
+
+def _same(one: Shape, other: Shape) -> bool:
+    if one.positions.shape != other.positions.shape or not np.array_equal(one.positions, other.positions):
+        return False
+    if one.normals is None or other.normals is None:
+        return one.normals is other.normals
+    return one.normals.shape == other.normals.shape and np.array_equal(one.normals, other.normals)
+
+
+def most_keys(depsgraph: bpy.types.Depsgraph) -> int:
+    """The keys of what has most in the graph, its camera among them."""
+    camera = depsgraph.scene_eval.camera
+    found = [key_count_of(place) for place in depsgraph.object_instances]
+    return max([0 if camera is None else key_count(camera), *found])
+
+
+def sweep(
+    shutter: Shutter, count: int, frame_set: Callable[[int, float], None], look: Callable[[int], None]
+) -> None:
+    """Calls `look` with the number of each key while the scene is at its time."""
+    for number in range(count):
+        frame_set(*shutter.at(number / (count - 1)))
+        look(number)

@@ -1,0 +1,490 @@
+//! What moves while the shutter is open, beside what stands still: who has nothing that moves pays nothing.
+//!
+//! The shutter's time is parted into slices, each with a tree over what its instances sweep meanwhile; a ray asks the tree of its
+//! moment's slice, and an instance where it stands at that moment. A mesh that changes its shape has a tree for the time
+//! between each two of its keys: boxes hold what triangles sweep, and leaves both ends of it.
+
+use super::bounds::Bounds;
+use super::build::build;
+use super::node::Node;
+use super::source::TriangleSource;
+use super::traverse::{Found, TreeRay, TriangleTree, traverse};
+use super::triangles::{Block, LANES};
+use super::{Hit, PlacedMesh, Ray, hit};
+use crate::scene::mesh::Mesh;
+use crate::scene::motion::{Moving, Pose, Poses};
+use crate::scene::{Instance, Scene};
+use fearless_simd::{Level, Simd, dispatch};
+use glam::Affine3A;
+use rayon::prelude::*;
+use std::ops::{ControlFlow, Range};
+
+/// Slices of the shutter's time, as bits: as many as an instance has moments at least.
+const SLICE_BITS: u32 = 4;
+
+/// Instances that move, and trees over what they sweep.
+pub(super) struct MovingPlaces {
+    slices: Vec<Slice>,
+    items: Vec<Item>,
+    /// Of all items, by moment.
+    stands: Vec<Stand>,
+}
+
+/// A part of the shutter's time.
+struct Slice {
+    nodes: Vec<Node>,
+    /// By leaf.
+    items: Vec<u32>,
+}
+
+/// One that moves.
+struct Item {
+    mesh: u32,
+    /// Of its first moment.
+    instance: u32,
+    shift: u32,
+    /// The first of its stands.
+    stand: u32,
+}
+
+/// Where it is at one moment.
+#[derive(Clone, Copy)]
+struct Stand {
+    to_object: Affine3A,
+    pose: Pose,
+}
+
+impl MovingPlaces {
+    /// Of those that are wanted; `bounds` are in object space, of an instance's mesh in its pose. `None` where there are none.
+    pub(super) fn new<'a>(
+        scene: &'a Scene,
+        wanted: impl Fn(&Moving) -> bool,
+        bounds: impl Fn(&'a Instance) -> Option<Bounds> + Sync,
+    ) -> Option<Self> {
+        let (mut items, mut stands) = (Vec::new(), Vec::new());
+        let moving: Vec<&Moving> = scene.moving.iter().filter(|one| wanted(one)).collect();
+        for one in &moving {
+            let mesh = scene.instances[one.instance as usize].mesh;
+            items.push(Item { mesh, instance: one.first, shift: one.shift, stand: stands.len() as u32 });
+            let own = &scene.instances[one.first as usize..][..one.count() as usize];
+            stands.extend(own.iter().map(|now| Stand { to_object: now.to_object, pose: now.pose }));
+        }
+        let slice = |number: u32| {
+            let swept = |(i, one): (usize, &&Moving)| {
+                let count = one.count() >> SLICE_BITS;
+                let own = &scene.instances[(one.first + number * count) as usize..][..count as usize];
+                let boxes = own.iter().filter_map(|now| Some(bounds(now)?.transformed(&now.to_render)));
+                Some(boxes.reduce(|a, b| a.union(&b))?.naming([i as u32, 0]))
+            };
+            let swept = moving.iter().enumerate().filter_map(swept);
+            let mut boxes: Vec<Bounds> = swept.filter(Bounds::is_within_reach).collect();
+            let built = build(&mut boxes, 1);
+            let items = built.leaves.iter().map(|leaf| boxes[leaf.start].name()[0]).collect();
+            Slice { nodes: built.nodes, items }
+        };
+        let slices = (0..1u32 << SLICE_BITS).into_par_iter().map(slice).collect();
+        (!items.is_empty()).then_some(Self { slices, items, stands })
+    }
+
+    pub(super) fn bounds(&self) -> Option<Bounds> {
+        self.slices.iter().filter_map(|slice| slice.nodes.first().map(Node::bounds)).reduce(|a, b| a.union(&b))
+    }
+
+    /// The tree over what there is at a moment.
+    #[inline(always)]
+    pub(super) fn nodes(&self, moment: u16) -> &[Node] {
+        &self.slice(moment).nodes
+    }
+
+    /// What is in a leaf of that, where it stands then, in which pose.
+    #[inline(always)]
+    pub(super) fn placed(&self, leaf: usize, moment: u16) -> (PlacedMesh, Pose) {
+        let item = &self.items[self.slice(moment).items[leaf] as usize];
+        let number = u32::from(moment) >> item.shift;
+        let Stand { to_object, pose } = self.stands[(item.stand + number) as usize];
+        (PlacedMesh { to_object, mesh: item.mesh, instance: item.instance + number }, pose)
+    }
+
+    #[inline(always)]
+    fn slice(&self, moment: u16) -> &Slice {
+        &self.slices[usize::from(moment >> (16 - SLICE_BITS))]
+    }
+}
+
+/// Meshes that move.
+pub(super) struct MovingForest {
+    places: MovingPlaces,
+    /// By mesh, of those that keep their shape; empty for the others.
+    still: Vec<TriangleTree>,
+    /// By mesh, of those that do not: by key, from there to the next.
+    posed: Vec<Vec<PosedTree>>,
+}
+
+/// Triangles on their way between two keys. The blocks of the tree are where they come from.
+struct PosedTree {
+    tree: TriangleTree,
+    /// Where they go.
+    to: Vec<Block>,
+}
+
+impl MovingForest {
+    /// `None` where no mesh moves.
+    pub(super) fn new(scene: &Scene) -> Option<Self> {
+        let is_of_triangles = |one: &Moving| mesh_of(scene, one.instance).curves.is_none();
+        let mut moves = vec![false; scene.meshes.len()];
+        for one in scene.moving.iter().filter(|one| is_of_triangles(one)) {
+            moves[scene.instances[one.instance as usize].mesh as usize] = true;
+        }
+        let meshes = || scene.meshes.par_iter().zip(&moves);
+        let still = |(mesh, &moves): (&Mesh, &bool)| {
+            let is_still = moves && mesh.poses.is_none();
+            if is_still { TriangleTree::new(&TriangleSource::Mesh(mesh)) } else { TriangleTree::default() }
+        };
+        let posed = |(mesh, &moves): (&Mesh, &bool)| match &mesh.poses {
+            Some(poses) if moves => (0..poses.key_count() - 1).map(|key| PosedTree::new(mesh, poses, key)).collect(),
+            _ => Vec::new(),
+        };
+        let (still, posed): (Vec<_>, Vec<Vec<PosedTree>>) =
+            (meshes().map(still).collect(), meshes().map(posed).collect());
+        let bounds = |now: &Instance| {
+            let of_posed = posed[now.mesh as usize].get(now.pose.key as usize);
+            of_posed.map_or(&still[now.mesh as usize], |posed| &posed.tree).bounds()
+        };
+        let places = MovingPlaces::new(scene, is_of_triangles, bounds)?;
+        Some(Self { places, still, posed })
+    }
+
+    pub(super) fn bounds(&self) -> Option<Bounds> {
+        self.places.bounds()
+    }
+
+    /// The nearest surface that is nearer than `nearest`, else that; of instances that are wanted.
+    #[inline(never)]
+    pub(super) fn closest(
+        &self,
+        level: Level,
+        ray: &Ray,
+        nearest: Option<Hit>,
+        wanted: impl Fn(u32) -> bool,
+    ) -> Option<Hit> {
+        dispatch!(level, simd => self.closest_with(simd, ray, nearest, &wanted))
+    }
+
+    /// Gives every surface between the ray's ends to `pass` until that says no.
+    #[inline(never)]
+    pub(super) fn each_between(
+        &self,
+        level: Level,
+        ray: &Ray,
+        wanted: impl Fn(u32) -> bool,
+        pass: &mut dyn FnMut(&Hit) -> bool,
+    ) {
+        dispatch!(level, simd => self.each_between_with(simd, ray, &wanted, pass));
+    }
+
+    #[inline(always)]
+    fn closest_with<S: Simd>(
+        &self,
+        simd: S,
+        ray: &Ray,
+        mut nearest: Option<Hit>,
+        wanted: &impl Fn(u32) -> bool,
+    ) -> Option<Hit> {
+        let here = TreeRay::new(ray.origin, ray.direction);
+        let t_max = nearest.map_or(ray.t_max, |hit| hit.t);
+        let _ = traverse(
+            simd,
+            self.places.nodes(ray.moment),
+            &here.boxes,
+            t_max,
+            #[inline(always)]
+            |leaf, mut t_max| {
+                let (placed, pose) = self.places.placed(leaf, ray.moment);
+                if wanted(placed.instance)
+                    && let Some((there, scale)) = placed.enter(ray)
+                {
+                    let found = match self.posed[placed.mesh as usize].get(pose.key as usize) {
+                        None => self.still[placed.mesh as usize].closest(simd, &there, t_max * scale, |_| true),
+                        Some(posed) => posed.closest(simd, &there, pose.part, t_max * scale),
+                    };
+                    if let Some(found) = found {
+                        let hit = hit(found, scale, placed.instance, ray.moment);
+                        // Not so where the division rounds up.
+                        t_max = t_max.min(hit.t);
+                        nearest = Some(hit);
+                    }
+                }
+                ControlFlow::Continue(t_max)
+            },
+        );
+        nearest
+    }
+
+    #[inline(always)]
+    fn each_between_with<S: Simd>(
+        &self,
+        simd: S,
+        ray: &Ray,
+        wanted: &impl Fn(u32) -> bool,
+        pass: &mut dyn FnMut(&Hit) -> bool,
+    ) {
+        let mut pass = |hit: Hit| if pass(&hit) { ControlFlow::Continue(()) } else { ControlFlow::Break(()) };
+        let here = TreeRay::new(ray.origin, ray.direction);
+        let _ = traverse(
+            simd,
+            self.places.nodes(ray.moment),
+            &here.boxes,
+            ray.t_max,
+            #[inline(always)]
+            |leaf, t_max| {
+                let (placed, pose) = self.places.placed(leaf, ray.moment);
+                if wanted(placed.instance)
+                    && let Some((there, scale)) = placed.enter(ray)
+                {
+                    let mut pass = |found: Found| pass(hit(found, scale, placed.instance, ray.moment));
+                    match self.posed[placed.mesh as usize].get(pose.key as usize) {
+                        None => self.still[placed.mesh as usize].visit(simd, &there, t_max * scale, &mut pass),
+                        Some(posed) => posed.visit(simd, &there, pose.part, t_max * scale, &mut pass),
+                    }?;
+                }
+                ControlFlow::Continue(t_max)
+            },
+        );
+    }
+}
+
+fn mesh_of(scene: &Scene, instance: u32) -> &Mesh {
+    &scene.meshes[scene.instances[instance as usize].mesh as usize]
+}
+
+impl PosedTree {
+    /// Of the time from a key to the next.
+    fn new(mesh: &Mesh, poses: &Poses, key: usize) -> Self {
+        let corners = |triangle: u32, part: f32| {
+            let pose = Pose { key: key as u32, part };
+            poses.corners(mesh.triangles[triangle as usize], pose)
+        };
+        let swept = |triangle: u32| {
+            let [from, to] = [0.0, 1.0].map(|part| Bounds::of(&corners(triangle, part)));
+            from.union(&to).naming([0, triangle])
+        };
+        let mut items: Vec<Bounds> = (0..mesh.triangles.len() as u32).into_par_iter().map(swept).collect();
+        items.retain(Bounds::is_within_reach);
+        let built = build(&mut items, LANES);
+        let block = |leaf: &Range<usize>, part: f32| {
+            let mut block = Block::EMPTY;
+            for (lane, item) in items[leaf.clone()].iter().enumerate() {
+                block.set(lane, &corners(item.name()[1], part), item.name());
+            }
+            block
+        };
+        let blocks = |part: f32| built.leaves.iter().map(|leaf| block(leaf, part)).collect();
+        let tree = TriangleTree { blocks: blocks(0.0), nodes: built.nodes, surface: 0.0 };
+        Self { tree, to: built.leaves.iter().map(|leaf| block(leaf, 1.0)).collect() }
+    }
+
+    /// As [`TriangleTree::closest`], after a part of the time.
+    #[inline(always)]
+    fn closest<S: Simd>(&self, simd: S, ray: &TreeRay, part: f32, t_max: f32) -> Option<Found> {
+        let mut nearest = None;
+        let _ = traverse(
+            simd,
+            &self.tree.nodes,
+            &ray.boxes,
+            t_max,
+            #[inline(always)]
+            |leaf, mut t_max| {
+                for found in self.meet(simd, leaf, ray, part, t_max) {
+                    if found.t < t_max {
+                        t_max = found.t;
+                        nearest = Some(found);
+                    }
+                }
+                ControlFlow::Continue(t_max)
+            },
+        );
+        nearest
+    }
+
+    /// As [`TriangleTree::visit`], after a part of the time.
+    #[inline(always)]
+    fn visit<S: Simd>(
+        &self,
+        simd: S,
+        ray: &TreeRay,
+        part: f32,
+        t_max: f32,
+        mut on_hit: impl FnMut(Found) -> ControlFlow<()>,
+    ) -> ControlFlow<()> {
+        traverse(
+            simd,
+            &self.tree.nodes,
+            &ray.boxes,
+            t_max,
+            #[inline(always)]
+            |leaf, t_max| {
+                for found in self.meet(simd, leaf, ray, part, t_max) {
+                    on_hit(found)?;
+                }
+                ControlFlow::Continue(t_max)
+            },
+        )
+    }
+
+    #[inline(always)]
+    fn meet<S: Simd>(
+        &self,
+        simd: S,
+        leaf: usize,
+        ray: &TreeRay,
+        part: f32,
+        t_max: f32,
+    ) -> impl Iterator<Item = Found> + use<S> {
+        let block = self.tree.blocks[leaf].towards(&self.to[leaf], part);
+        let met = block.meet(simd, &ray.shear, t_max);
+        met.into_iter().flat_map(move |met| {
+            (0..LANES).filter(move |lane| met.lanes >> lane & 1 == 1).map({
+                let (instance, triangle) = (block.instance, block.triangle);
+                let (t, u, v) = (met.t, met.u, met.v);
+                move |lane| Found {
+                    t: t[lane],
+                    u: u[lane],
+                    v: v[lane],
+                    instance: instance[lane],
+                    triangle: triangle[lane],
+                }
+            })
+        })
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::super::Accel;
+    use super::*;
+    use crate::scene::SceneBuilder;
+    use crate::scene::mesh::MeshDescription;
+    use crate::scene::visibility::Rays;
+    use glam::{DMat4, DVec3, Vec3, Vec3A};
+
+    /// A sheet of hills; with `poses`, its hills wander.
+    fn sheet(poses: Option<[f32; 3]>) -> MeshDescription {
+        let at = |i: u32, j: u32, phase: f32| {
+            let (x, y) = (i as f32 / 10.0, j as f32 / 10.0);
+            Vec3::new(x - 0.5, y - 0.5, 0.1 * (9.0 * x + phase).sin() * (7.0 * y - phase).cos())
+        };
+        let shape = |phase: f32| (0..=10).flat_map(|i| (0..=10).map(move |j| at(i, j, phase))).collect::<Vec<_>>();
+        let place = |i: u32, j: u32| i * 11 + j;
+        let cells = (0..10).flat_map(|i| (0..10).map(move |j| (i, j)));
+        MeshDescription {
+            name: "sheet".into(),
+            positions: shape(poses.map_or(0.0, |phases| phases[1])),
+            triangles: cells
+                .flat_map(|(i, j)| {
+                    [
+                        [place(i, j), place(i + 1, j), place(i + 1, j + 1)],
+                        [place(i, j), place(i + 1, j + 1), place(i, j + 1)],
+                    ]
+                })
+                .collect(),
+            poses: poses.map(|phases| Poses { positions: phases.map(shape).to_vec(), corner_normals: None }),
+            ..Default::default()
+        }
+    }
+
+    fn matrices(number: usize) -> [DMat4; 3] {
+        let by = number as f64;
+        let at = |part: f64| {
+            DMat4::from_translation(DVec3::new(by - 1.0 + part, 0.3 * part * by, -4.0 - 0.2 * by * part))
+                * DMat4::from_rotation_y(1.3 * part * by)
+                * DMat4::from_scale(DVec3::new(1.0 + 0.5 * part, 1.0, 1.0))
+        };
+        [-0.5, 0.0, 0.5].map(at)
+    }
+
+    /// Two bodies of one mesh that move, one that changes its shape, too, and one that stands still.
+    fn scene() -> Scene {
+        let mut builder = SceneBuilder::new();
+        let stiff = builder.add_mesh(sheet(None)).unwrap();
+        let soft = builder.add_mesh(sheet(Some([-1.0, 0.0, 2.0]))).unwrap();
+        for (number, mesh) in [stiff, stiff, soft].into_iter().enumerate() {
+            let keys = matrices(number);
+            let index = builder.add_instance("moves", mesh, keys[1], &[], true, true).unwrap().unwrap();
+            builder.set_keys(index, &keys);
+        }
+        let back = DMat4::from_translation(DVec3::new(0.0, 0.0, -6.0)) * DMat4::from_scale(DVec3::splat(9.0));
+        builder.add_instance("still", stiff, back, &[], true, true).unwrap();
+        let mut scene = builder.build(DVec3::ZERO);
+        scene.set_in_motion();
+        scene
+    }
+
+    /// The same as it stands at a moment, nothing of it moving.
+    fn at(scene: &Scene, moment: u16) -> Scene {
+        let mut builder = SceneBuilder::new();
+        let mut placed: Vec<u32> = (0..scene.placed().len() as u32).collect();
+        scene.moving.iter().for_each(|one| placed[one.instance as usize] = one.at(moment));
+        for i in placed {
+            let instance = &scene.instances[i as usize];
+            let mesh = &scene.meshes[instance.mesh as usize];
+            let positions = match &mesh.poses {
+                None => mesh.positions.clone(),
+                Some(poses) => {
+                    let [from, to] = [0, 1].map(|next| &poses.positions[instance.pose.key as usize + next]);
+                    from.iter().zip(to).map(|(from, to)| from.lerp(*to, instance.pose.part)).collect()
+                }
+            };
+            let shape = MeshDescription { positions, triangles: mesh.triangles.clone(), ..Default::default() };
+            let mesh = builder.add_mesh(shape).unwrap();
+            let matrix = glam::Mat4::from(instance.to_render).as_dmat4();
+            builder.add_instance("", mesh, matrix, &[], true, true).unwrap();
+        }
+        builder.build(DVec3::ZERO)
+    }
+
+    #[test]
+    fn rays_meet_what_stands_there_at_their_moment() {
+        let scene = scene();
+        assert_eq!(scene.moving.len(), 3);
+        let accel = Accel::new(&scene);
+        let (mut met_moving, mut all) = (0, 0);
+        for moment in [0u16, 1, 12_345, 32_767, 32_768, 50_000, 65_535] {
+            let still = at(&scene, moment);
+            let truth = Accel::new(&still);
+            for i in 0..2000u32 {
+                let u = |by: f64| (f64::from(i) * by).fract() as f32;
+                let target = Vec3A::new(4.0 * u(0.618) - 2.0, 2.0 * u(0.755) - 1.0, -4.0);
+                let ray = Ray::new(Vec3A::new(0.3 * u(0.41), 0.0, 0.0), target.normalize()).at(moment);
+                let [found, want] = [&accel, &truth].map(|one| one.closest(&ray, Rays::CAMERA));
+                let (Some(found), Some(want)) = (found, want) else {
+                    assert_eq!(found.is_some(), want.is_some(), "{ray:?}");
+                    continue;
+                };
+                assert!((found.t - want.t).abs() < 1e-4 * want.t, "{found:?} {want:?}");
+                all += 1;
+                if (found.instance as usize) < scene.placed().len() {
+                    continue;
+                }
+                met_moving += 1;
+                let [own, other] = [(&scene, found), (&still, want)]
+                    .map(|(scene, hit)| crate::surface::SurfacePoint::new(scene, &hit, ray.direction));
+                assert!(own.position.distance(other.position) < 1e-4, "{own:?} {other:?}");
+                // On an edge either triangle may answer.
+                let is_same = own.triangle == other.triangle;
+                let apart = own.geometric_normal.distance(other.geometric_normal);
+                assert!(!is_same || apart < 2e-3, "{own:?} {other:?}");
+                assert_eq!(own.moment, moment);
+                let counted = |accel: &Accel| {
+                    let mut count = 0;
+                    accel.light_through(&ray, Rays::SHADOW, |_| {
+                        count += 1;
+                        crate::Rgb::ONE
+                    });
+                    count
+                };
+                assert_eq!(counted(&accel), counted(&truth));
+            }
+        }
+        assert!(met_moving > 2000 && all > met_moving, "{met_moving} of {all}");
+    }
+}

@@ -1,0 +1,194 @@
+//! When samples are taken while the shutter is open, and where the camera is then.
+
+use crate::accel::Ray;
+use crate::scene::motion::{MIDDLE, Way, moment};
+use glam::{Affine3A, DAffine3, DMat3, DMat4, DVec3};
+
+/// Entries of the table of times.
+const TIMES: usize = 256;
+/// Places of a camera that moves, as bits of the exposure's moments.
+const WAY_BITS: u32 = 12;
+
+/// How the shutter opens and closes.
+#[derive(Clone, Debug, Default, PartialEq)]
+pub struct Shutter {
+    /// How open it is at times that lie evenly over the exposure, the first and the last at its ends; fewer than two: fully, all
+    /// the time.
+    pub openness: Vec<f32>,
+    /// The picture is taken from the top to the bottom over the exposure, each row for this part of it; `None`: all rows at once.
+    pub rolling: Option<f32>,
+}
+
+/// The time of an exposure.
+#[derive(Clone, Debug)]
+pub struct Exposure {
+    /// Parts of the exposure by which equal parts of the light have come in.
+    times: Option<Vec<f32>>,
+    rolling: Option<f32>,
+    /// By moment, from where the camera is in the middle of the exposure to where it is then, render space.
+    way: Option<Vec<Affine3A>>,
+}
+
+impl Exposure {
+    /// Of a camera that stands still.
+    pub fn new(shutter: &Shutter) -> Self {
+        let rolling = shutter.rolling.map(|part| part.clamp(0.0, 1.0));
+        Self { times: times(&shutter.openness), rolling, way: None }
+    }
+
+    /// Of one whose axes are taken to the world by these matrices, at keys that lie evenly over the exposure; `origin` is render
+    /// space's. Their scale counts nothing.
+    pub fn along(self, keys: &[DMat4], origin: DVec3) -> Self {
+        let poses: Vec<DMat4> = keys.iter().map(unscaled).collect();
+        if poses.iter().all(|pose| *pose == poses[0]) {
+            return self;
+        }
+        let way = Way::new(&poses).map(|way| {
+            let to_origin = DAffine3::from_translation(-origin);
+            let back = (to_origin * way.at(0.5)).inverse();
+            let count = 1u32 << WAY_BITS;
+            let place = |i: u32| to_origin * way.at((f64::from(i) + 0.5) / f64::from(count)) * back;
+            let single = |map: DAffine3| Affine3A::from_mat4(DMat4::from(map).as_mat4());
+            (0..count).map(|i| single(place(i))).collect()
+        });
+        Self { way, ..self }
+    }
+
+    /// When a sample is taken, as a part of the exposure: by a uniform number, and how far above the picture's middle it is, as a
+    /// part of its height.
+    pub fn part(&self, u: f32, up: f32) -> f32 {
+        let mut part = match &self.times {
+            None => u,
+            Some(times) => {
+                let along = u * (times.len() - 1) as f32;
+                let i = (along as usize).min(times.len() - 2);
+                times[i] + (times[i + 1] - times[i]) * (along - i as f32)
+            }
+        };
+        if let Some(row_part) = self.rolling {
+            part = 0.5 + (part - 0.5) * row_part - up * (1.0 - row_part);
+        }
+        part.clamp(0.0, 1.0)
+    }
+
+    /// The moment of a part of the exposure.
+    pub fn moment(&self, part: f32) -> u16 {
+        moment(part)
+    }
+
+    /// A ray of the camera as it goes out at a moment.
+    #[inline]
+    pub fn sent(&self, ray: Ray, moment: u16) -> Ray {
+        let Some(way) = &self.way else { return ray.at(moment) };
+        let place = &way[usize::from(moment >> (16 - WAY_BITS))];
+        let direction = place.transform_vector3a(ray.direction).normalize();
+        Ray { origin: place.transform_point3a(ray.origin), direction, moment, ..ray }
+    }
+
+    /// Whether the camera moves.
+    pub fn has_way(&self) -> bool {
+        self.way.is_some()
+    }
+
+    /// Where a point that the camera sees in the middle of the exposure would be seen at a moment: as if it, not the camera, had
+    /// moved. Render space.
+    pub fn seen(&self, point: DVec3, moment: u16) -> DVec3 {
+        let Some(way) = &self.way else { return point };
+        way[usize::from(moment >> (16 - WAY_BITS))].inverse().transform_point3a(point.as_vec3a()).as_dvec3()
+    }
+}
+
+impl Default for Exposure {
+    fn default() -> Self {
+        Self::new(&Shutter::default())
+    }
+}
+
+/// The moment that stands for the whole exposure where nothing is to be blurred.
+pub const STILL: u16 = MIDDLE;
+
+fn unscaled(m: &DMat4) -> DMat4 {
+    let axes = DMat3::from_mat4(*m);
+    let unit = |axis: DVec3, otherwise: DVec3| axis.try_normalize().unwrap_or(otherwise);
+    let linear =
+        DMat3::from_cols(unit(axes.x_axis, DVec3::X), unit(axes.y_axis, DVec3::Y), unit(axes.z_axis, DVec3::Z));
+    DMat4::from_mat3_translation(linear, m.w_axis.truncate())
+}
+
+/// The inverse of how much light has come in by a time, at even parts of the light; `None` where that is even.
+fn times(openness: &[f32]) -> Option<Vec<f32>> {
+    let open: Vec<f64> =
+        openness.iter().map(|v| f64::from(if v.is_finite() { v.clamp(0.0, 1.0) } else { 0.0 })).collect();
+    if open.len() < 2 || open.iter().all(|v| *v == open[0]) {
+        return None;
+    }
+    let mut sums = vec![0.0];
+    for pair in open.windows(2) {
+        sums.push(sums[sums.len() - 1] + 0.5 * (pair[0] + pair[1]));
+    }
+    let total = sums[sums.len() - 1];
+    let time = |i: usize| {
+        let wanted = total * i as f64 / (TIMES - 1) as f64;
+        let next = sums.partition_point(|sum| *sum < wanted).clamp(1, sums.len() - 1);
+        let within = wanted - sums[next - 1];
+        // Light comes in as a straight line says: its sum is a parabola.
+        let (a, b) = (open[next - 1], open[next]);
+        let root = (a * a + 2.0 * within * (b - a)).max(0.0).sqrt();
+        let part = if root + a > 0.0 { 2.0 * within / (root + a) } else { 0.0 };
+        (((next - 1) as f64 + part.clamp(0.0, 1.0)) / (open.len() - 1) as f64) as f32
+    };
+    Some((0..TIMES).map(time).collect())
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use glam::Vec3A;
+    use std::f64::consts::FRAC_PI_2;
+
+    /// A shutter that opens as a triangle: as many samples in each part as it lets light in.
+    #[test]
+    fn samples_are_taken_as_the_shutter_opens() {
+        let count = 10_000;
+        let share = |exposure: &Exposure, until: f32| {
+            let taken = (0..count).filter(|i| exposure.part((*i as f32 + 0.5) / count as f32, 0.0) < until).count();
+            taken as f32 / count as f32
+        };
+        let triangle = Exposure::new(&Shutter { openness: vec![0.0, 1.0, 0.0], rolling: None });
+        for (until, want) in [(0.25, 0.125), (0.5, 0.5), (0.75, 0.875)] {
+            // The table has 256 entries.
+            assert!((share(&triangle, until) - want).abs() < 2e-3, "{until}: {}", share(&triangle, until));
+        }
+        let even = Exposure::new(&Shutter { openness: vec![0.7; 5], rolling: None });
+        assert!((share(&even, 0.3) - 0.3).abs() < 1e-3);
+    }
+
+    /// From the top down, each row for its part of the time.
+    #[test]
+    fn a_rolling_shutter_begins_at_the_top() {
+        let rolling = |part| Exposure::new(&Shutter { openness: Vec::new(), rolling: Some(part) });
+        let close = |a: f32, b: f32| assert!((a - b).abs() < 1e-6, "{a} {b}");
+        for (up, want) in [(0.5, 0.0), (0.0, 0.5), (-0.5, 1.0)] {
+            close(rolling(0.0).part(0.3, up), want);
+        }
+        close(rolling(0.2).part(0.0, 0.5), 0.0);
+        close(rolling(0.2).part(1.0, 0.5), 0.2);
+        close(rolling(0.2).part(0.0, -0.5), 0.8);
+        close(rolling(1.0).part(0.3, 0.5), 0.3);
+    }
+
+    /// A camera that turns about itself by a quarter: its rays turn with it, and in the middle nothing happens.
+    #[test]
+    fn rays_go_with_the_camera() {
+        let origin = DVec3::new(3.0, 4.0, 5.0);
+        let at = |angle: f64| DMat4::from_translation(origin) * DMat4::from_rotation_z(angle);
+        let exposure = Exposure::default().along(&[at(-FRAC_PI_2), at(0.0), at(FRAC_PI_2)], origin);
+        let ray = Ray::new(Vec3A::X * 0.1, Vec3A::X);
+        let sent = |moment: u16| exposure.sent(ray, moment);
+        assert!(sent(MIDDLE).direction.distance(Vec3A::X) < 1e-3);
+        assert!(sent(0).direction.distance(Vec3A::NEG_Y) < 1e-3 && sent(0).origin.distance(Vec3A::NEG_Y * 0.1) < 1e-4);
+        assert!(sent(65535).direction.distance(Vec3A::Y) < 1e-3);
+        let still = Exposure::default().along(&[at(0.0); 3], origin);
+        assert!(!still.has_way());
+    }
+}
