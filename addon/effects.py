@@ -28,7 +28,11 @@ EFFECTS = (
         "Less light towards the corners. Off: as bright as in the middle; blur keeps its shapes",
     ),
     Effect("diaphragm", "Diaphragm Shape", "Blades or a mask in blur discs. Off: a round opening as large"),
-    Effect("motion_blur", "Lens in Motion", "Focus, zoom or diaphragm that change while the shutter is open"),
+    Effect(
+        "motion_blur",
+        "Motion Blur",
+        "What moves, the camera among it, and a lens that changes, while the shutter is open",
+    ),
     Effect("transmission", "Transmission", "What glass and coatings take of each colour", False),
     Effect("ghosts", "Ghosts", "Light reflected between the surfaces of the lens", False),
     Effect("glare", "Veiling Glare", "Light scattered in the lens", False),

@@ -5,7 +5,6 @@ from __future__ import annotations
 
 import dataclasses
 import json
-import math
 import time
 import traceback
 
@@ -13,8 +12,9 @@ import bpy
 import numpy as np
 
 from . import checkpoints, effects, loop, passes, persistent, planning, render_settings, staging, statistics, tiles
-from .description import CameraDescription, Report, focused
+from .description import CameraDescription, Report, ShutterDescription, focused
 from .export import camera as camera_export
+from .export import shutter as shutters
 from .export.errors import ExportError
 from .export.motion import Frame, Motion
 from .native import EngineMissing, engine
@@ -23,8 +23,6 @@ from .native import EngineMissing, engine
 ENGINE = "PETZVAL"
 
 
-# How much of the shutter's time has gone by at the frame.
-_OPENS = {"START": 0.0, "CENTER": 0.5, "END": 1.0}
 # Samples: with fewer, the time that a forecast takes would be seen.
 _WORTH_A_FORECAST = 1 << 21
 # Pictures of a lens that changes while the shutter is open: enough for changes of a few f-stops, or of a focus pull
@@ -129,18 +127,30 @@ class _Photograph:
         self.planned = ""
 
     def take(self) -> None:
+        shutter = shutters.of(self.scene)
+        now = self.scene.frame_current + self.scene.frame_subframe
+        if shutter is None or shutter.middle == now:
+            return self._take(shutter)
+        # As in Cycles, everything is taken as it is in the middle of the exposure.
+        try:
+            self._frame_set(*shutters.split(shutter.middle))
+            self._take(shutter)
+        finally:
+            self._frame_set(*shutters.split(now))
+
+    def _take(self, shutter: shutters.Shutter | None) -> None:
         native = engine()
         self._tell("Reading the scene", 0.0)
         began = time.perf_counter()
         width, height = camera_export.resolution(self.scene.render)
         camera = staging.camera(self.scene, width, height, self.report)
         settings = render_settings.describe(self.scene, width, height, bool(self.data_passes))
-        moving = self._over_the_shutter(camera, width, height)
+        blur, opened, moving = self._over_the_shutter(shutter, camera, width, height)
         neighbours, motion = self._beside(camera, width, height)
         builder, size = native.SceneBuilder(), (width, height)
         checkpoint = checkpoints.of(self.depsgraph)
         told = checkpoint.watched(builder) if checkpoint else builder
-        staging.fill(told, self.depsgraph, camera, size, self.report, self._check_stop, motion)
+        staging.fill(told, self.depsgraph, camera, size, self.report, self._check_stop, motion, blur)
         self.report.warnings += builder.warnings()
         sync_seconds = time.perf_counter() - began
 
@@ -158,15 +168,19 @@ class _Photograph:
             neighbours = neighbours and tuple(
                 dataclasses.replace(then, **focused(then, self.focus)) for then in neighbours
             )
+        if not (scene.moving_count or moving or (opened and opened.camera_keys)):
+            # Nothing moves: samples need no time.
+            opened = None
         if loop.WATCH.study is not None:
             wishes = effects.wishes(self.scene.petzval)
-            loop.WATCH.study(loop.Subject(scene, camera, settings, moving, wishes, sync_seconds))
+            loop.WATCH.study(loop.Subject(scene, camera, settings, moving, wishes, opened, sync_seconds))
             _deliver_black(self.host, self.depsgraph)
             return
-        self._plan(native, scene, camera, settings, moving)
+        self._plan(native, scene, camera, settings, moving, opened)
         mattes = [one.engine_name for one in self.mattes]
         beside = {"plan": self.plan, "mattes": mattes, "matte_levels": self.matte_levels, "neighbours": neighbours}
         beside["light_groups"] = len(self.light_groups)
+        beside["shutter"] = opened
         if checkpoint:
             decided = [(row["effect"], row["decision"]) for row in self.told["effects"]]
             others = {name: value for name, value in beside.items() if name != "plan"}
@@ -185,39 +199,66 @@ class _Photograph:
             is_done_with = not stopped and loop.WATCH.checkpoint is None
             loop.stoppable(lambda: job.end_checkpoints(is_done_with), lambda: False)
 
-    def _plan(self, native, scene, camera, settings, moving) -> None:
+    def _plan(self, native, scene, camera, settings, moving, opened) -> None:
         """Decides what is simulated."""
         self._tell("Planning the effects", 0.0)
         wishes = effects.wishes(self.scene.petzval)
-        self.plan = loop.stoppable(lambda: native.Plan(scene, camera, settings, moving, **wishes), self._stop_asked)
+        self.plan = loop.stoppable(
+            lambda: native.Plan(scene, camera, settings, moving, shutter=opened, **wishes), self._stop_asked
+        )
         planned = json.loads(self.plan.json())
         if settings.width * settings.height * settings.samples > _WORTH_A_FORECAST:
             planned = json.loads(loop.stoppable(lambda: self.plan.forecast(scene, camera, settings), self._stop_asked))
         planning.keep(self.scene.name, planned)
         self.told, self.planned = planned, effects.summary(planned)
 
-    def _over_the_shutter(self, camera: CameraDescription, width: int, height: int) -> list[CameraDescription]:
-        """The camera at even times while the shutter is open; nothing where the lens does not change meanwhile."""
-        render = self.scene.render
-        if not render.use_motion_blur or render.motion_blur_shutter <= 0.0:
-            return []
-        now, subframe = self.scene.frame_current, self.scene.frame_subframe
-        begin = now + subframe - _OPENS[getattr(render, "motion_blur_position", "CENTER")] * render.motion_blur_shutter
-        shutter = render.motion_blur_shutter
+    def _over_the_shutter(
+        self, shutter: shutters.Shutter | None, camera: CameraDescription, width: int, height: int
+    ) -> tuple[shutters.Blur | None, ShutterDescription | None, list[CameraDescription]]:
+        """Everything at its keys, how the shutter opens, and the camera at even times while it is open: none of these where the
+        lens does not change meanwhile."""
+        if shutter is None:
+            return None, None, []
+        count = max(shutters.most_keys(self.depsgraph), 3)
+        blur, keys = shutters.Blur(self.report), []
 
-        def at(part: float) -> CameraDescription:
-            frame = math.floor(begin + part * shutter)
-            self._frame_set(frame, begin + part * shutter - frame)
+        def describe() -> CameraDescription:
             then = camera_export.describe(self.scene.camera, self.scene, width, height, self.report)
-            # The camera's own way through the world is not blurred yet; the report says so.
-            return dataclasses.replace(then, matrix_world=camera.matrix_world, aperture_mask=camera.aperture_mask)
+            return dataclasses.replace(then, aperture_mask=camera.aperture_mask)
 
+        def look(_: int) -> None:
+            self._check_stop()
+            keys.append(describe())
+            blur.read(self.depsgraph)
+
+        def look_at_lens(_: int) -> None:
+            moving.append(dataclasses.replace(describe(), matrix_world=camera.matrix_world))
+
+        moving: list[CameraDescription] = []
         try:
-            if all(at(part) == camera for part in (0.0, 0.5, 1.0)):
-                return []
-            return [at((step + 0.5) / _SHUTTER_STEPS) for step in range(_SHUTTER_STEPS)]
+            shutters.sweep(shutter, count, self._frame_set, look)
+            if any(dataclasses.replace(key, matrix_world=camera.matrix_world) != camera for key in keys):
+                half = 0.5 * shutter.length / _SHUTTER_STEPS
+                between = shutters.Shutter(shutter.begin + half, shutter.length - 2.0 * half)
+                shutters.sweep(between, _SHUTTER_STEPS, self._frame_set, look_at_lens)
         finally:
-            self._frame_set(now, subframe)
+            self._frame_set(*shutters.split(shutter.middle))
+        return blur, self._opened(keys), moving
+
+    def _opened(self, keys: list[CameraDescription]) -> ShutterDescription:
+        """How the shutter opens, and where the camera is at its keys."""
+        own = shutters.key_count(self.scene.camera)
+        matrices = [key.matrix_world for key in keys[:: (len(keys) - 1) // (own - 1)]] if own else []
+        if matrices.count(matrices[0] if matrices else None) == len(matrices):
+            matrices = []
+        rolling = shutters.rolling(self.scene)
+        if self.scene.petzval.integrator == "BIDIRECTIONAL":
+            if matrices or rolling is not None:
+                self.report.warn(
+                    f"Scene '{self.scene.name}': bidirectional paths know of no camera that moves, and of no rolling shutter"
+                )
+            matrices, rolling = [], None
+        return ShutterDescription(shutters.openness(self.scene.render), rolling, matrices)
 
     def _beside(
         self, camera: CameraDescription, width: int, height: int

@@ -32,6 +32,8 @@ class Subject:
     settings: Any
     over_the_shutter: list
     wishes: dict[str, Any]
+    #: How the shutter opens; None where nothing moves.
+    shutter: Any
     #: That reading the scene took.
     sync_seconds: float
 

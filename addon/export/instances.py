@@ -183,6 +183,8 @@ class Stage:
         if key not in self._meshes and isinstance(data, bpy.types.Curves):
             arrays = curves.extract(data, wanted, self._drawn)
             moved = self._motion.positions(place, arrays.keys[:, :3]) if arrays and self._motion is not None else None
+            if self._blur is not None:
+                self._blur.changes_strands(place)
             self._meshes[key] = arrays and arrays.send(self._builder, data.name, moved)
         if key not in self._meshes:
             with mesh.shape(holder, data) as shape:

@@ -45,7 +45,7 @@ def split(time: float) -> tuple[int, float]:
 def of(scene: bpy.types.Scene) -> Shutter | None:
     """That of a scene in its frame; None where it asks for no motion blur, or it is taken out."""
     render = scene.render
-    is_off = scene.petzval.effect_motion_blur == "OFF"
+    is_off = scene.petzval.effects.motion_blur == "OFF"
     if is_off or not render.use_motion_blur or render.motion_blur_shutter <= 0.0:
         return None
     now = scene.frame_current + scene.frame_subframe
@@ -232,9 +232,7 @@ def most_keys(depsgraph: bpy.types.Depsgraph) -> int:
     return max([0 if camera is None else key_count(camera), *found])
 
 
-def sweep(
-    shutter: Shutter, count: int, frame_set: Callable[[int, float], None], look: Callable[[int], None]
-) -> None:
+def sweep(shutter: Shutter, count: int, frame_set: Callable[[int, float], None], look: Callable[[int], None]) -> None:
     """Calls `look` with the number of each key while the scene is at its time."""
     for number in range(count):
         frame_set(*shutter.at(number / (count - 1)))

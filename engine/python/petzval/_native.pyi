@@ -167,6 +167,8 @@ class SceneBuilder:
         attributes: dict[str, npt.NDArray[np.float32]] | None = None,  # name -> (triangles, 3, 4)
         material_slots: npt.NDArray[np.int32] | None = None,  # (triangles,) slot of each triangle
         moved_positions: tuple[npt.NDArray[np.float32], npt.NDArray[np.float32]] | None = None,  # a frame before, after
+        # Vertices and, if it has them, corner normals, at even times over the exposure.
+        poses: Sequence[tuple[npt.NDArray[np.float32], npt.NDArray[np.float32] | None]] | None = None,
     ) -> int:
         """Triangles with a non-finite corner or without area are left out and counted in `warnings`."""
     def add_curves(
@@ -195,6 +197,7 @@ class SceneBuilder:
         links: tuple[int, int, int, int] | None = None,  # `Links.of` of `addon/export/linking.py`
         asset_name: str | None = None,
         moved: tuple[Sequence[Sequence[float]], Sequence[Sequence[float]]] | None = None,
+        keys: Sequence[Sequence[Sequence[float]]] | None = None,  # matrices at even times over the exposure
         info: tuple[tuple[float, float, float, float], int, float] | None = None,  # colour, pass index, random
         light_group: int = 0,  # its number; 0 is none
         softening: tuple[float, float] = (0.0, 0.0),  # Blender's geometry and shading offsets of shadow terminators
@@ -232,6 +235,9 @@ class Scene:
     @property
     def instance_count(self) -> int: ...
     @property
+    def moving_count(self) -> int:
+        """Instances that move or change their shape while the shutter is open."""
+    @property
     def bvh_seconds(self) -> float: ...
 
 class SettingsDescription(Protocol):
@@ -251,6 +257,12 @@ class SettingsDescription(Protocol):
     transparent_film: bool  # world seen directly is left out, alpha 0
     integrator: str  # PATH | BIDIRECTIONAL: the real lens alone, one scale for all axes
 
+class ShutterDescription(Protocol):
+    openness: Sequence[float]  # at even times over the exposure; fewer than two: open all the time
+    rolling: float | None  # from the top down, each row for this part of the exposure
+    # Where the camera stands at even times over the exposure; empty: it stands still.
+    camera_keys: Sequence[Sequence[Sequence[float]]]
+
 class Plan:
     """What is simulated of a camera's lens in one picture, and why."""
 
@@ -263,6 +275,7 @@ class Plan:
         *,
         effects: dict[str, str] = ...,  # name: "auto" | "on" | "off"; what is not named is auto
         quality: float = 1.0,  # tolerances are divided by it
+        shutter: ShutterDescription | None = None,  # where anything but the lens moves
     ) -> None: ...
     def json(self) -> str:
         """effects: a row each (effect, measure, is_unbounded, unit, tolerance, word, decision "on" | "off", is_available,
@@ -292,6 +305,7 @@ class Job:
         neighbours: tuple[CameraDescription, CameraDescription] | None = None,
         light_groups: int = 0,
         checkpoint: tuple[str, str, float] | None = None,  # file, fingerprint of the picture, seconds between two
+        shutter: ShutterDescription | None = None,  # where anything but the lens moves
     ) -> None:
         """`over_the_shutter`: the camera at the middles of equal parts of the exposure, where it changes meanwhile.
 

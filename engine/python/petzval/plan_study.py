@@ -20,5 +20,12 @@ class PlanStudy:
             return
         from petzval import _native
 
-        plan = _native.Plan(subject.scene, subject.camera, subject.settings, subject.over_the_shutter, **subject.wishes)
+        plan = _native.Plan(
+            subject.scene,
+            subject.camera,
+            subject.settings,
+            subject.over_the_shutter,
+            shutter=subject.shutter,
+            **subject.wishes,
+        )
         self.found = json.loads(plan.forecast(subject.scene, subject.camera, subject.settings))

@@ -3,7 +3,7 @@
 use crate::camera::PyCamera;
 use crate::doorway::away;
 use crate::error::{Error, refused};
-use crate::job::PySettings;
+use crate::job::{PySettings, PyShutter};
 use crate::scene::Scene;
 use petzval_render::camera::clip::Clip;
 use petzval_render::camera::{Camera, CameraDescription};
@@ -25,7 +25,8 @@ pub(crate) struct Plan {
 #[pymethods]
 impl Plan {
     #[new]
-    #[pyo3(signature = (scene, camera, settings, over_the_shutter=Vec::new(), *, effects=BTreeMap::new(), quality=1.0))]
+    #[allow(clippy::too_many_arguments)]
+    #[pyo3(signature = (scene, camera, settings, over_the_shutter=Vec::new(), *, effects=BTreeMap::new(), quality=1.0, shutter=None))]
     fn new(
         py: Python<'_>,
         scene: &Scene,
@@ -34,6 +35,7 @@ impl Plan {
         over_the_shutter: Vec<PyCamera>,
         effects: BTreeMap<String, String>,
         quality: f64,
+        shutter: Option<PyShutter>,
     ) -> Result<Self, Error> {
         let description: CameraDescription = camera.try_into()?;
         let moving =
@@ -43,7 +45,10 @@ impl Plan {
         let needs_lens = settings.integrator == Integrator::Bidirectional;
         let size = [settings.width, settings.height];
         let stage = scene.stage.clone();
-        let plan = away(py, || plan::Plan::new(&stage, &description, &moving, size, &wishes, needs_lens))??;
+        let plan = away(py, || {
+            let exposure = shutter.map(|shutter| shutter.exposure(stage.scene.origin));
+            plan::Plan::new(&stage, &description, &moving, size, &wishes, needs_lens, exposure.as_ref())
+        })??;
         Ok(Self { plan, quality })
     }
 

@@ -50,7 +50,7 @@ struct Shot {
 
 impl Shot {
     fn plan(&self, wishes: &Wishes) -> Result<Plan, PlanError> {
-        Plan::new(&self.stage, &self.d, &self.moving, self.size, wishes, false)
+        Plan::new(&self.stage, &self.d, &self.moving, self.size, wishes, false, None)
     }
 
     fn decision(&self, effect: Effect) -> Decision {
@@ -195,7 +195,8 @@ fn the_user_has_the_last_word() {
     }
     // Light that comes from the other end needs the lens as it is.
     let shot = large();
-    let two_way = |words: &[(Effect, Word)]| Plan::new(&shot.stage, &shot.d, &[], shot.size, &wishes(words), true);
+    let two_way =
+        |words: &[(Effect, Word)]| Plan::new(&shot.stage, &shot.d, &[], shot.size, &wishes(words), true, None);
     assert!(matches!(two_way(&[(Effect::Distortion, Word::Off)]), Err(PlanError::Conflict(_))));
     assert_eq!(two_way(&[(Effect::Vignetting, Word::Off)]).unwrap().camera.way, Way::Exact);
     let pinhole = Shot { d: CameraDescription { model: Model::Pinhole, ..triplet() }, ..large() };

@@ -20,7 +20,7 @@ def prepare(width: int, height: int, samples: int, bounces: int = BOUNCES) -> No
     scene = bpy.context.scene
     render = scene.render
     render.resolution_x, render.resolution_y, render.resolution_percentage = width, height, 100
-    render.use_compositing = render.use_sequencer = render.use_border = render.use_motion_blur = False
+    render.use_compositing = render.use_sequencer = render.use_border = False
     scene_parts.exr(scene)
     scene.camera.data.petzval.model = "PINHOLE"
     beside_cycles.without_tricks(samples)

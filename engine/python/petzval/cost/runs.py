@@ -210,7 +210,7 @@ class _Measured:
         settings = dataclasses.replace(self.settings, samples=one.samples, seed=seed, **rung.settings)
         wishes = {"effects": rung.effects, "quality": rung.quality}
         began = time.perf_counter()
-        plan = self.native.Plan(subject.scene, camera, settings, moving, **wishes)
+        plan = self.native.Plan(subject.scene, camera, settings, moving, shutter=subject.shutter, **wishes)
         planned = time.perf_counter() - began
         if rung.key == AUTO:
             began = time.perf_counter()
@@ -220,7 +220,7 @@ class _Measured:
         else:
             told = json.loads(plan.json())
         began, processor = time.perf_counter(), time.process_time()
-        job = self.native.Job(subject.scene, camera, settings, moving, plan=plan)
+        job = self.native.Job(subject.scene, camera, settings, moving, plan=plan, shutter=subject.shutter)
         one.setup_s.append(planned + time.perf_counter() - began)
         made = time.process_time() - processor
         self._wait(job)
@@ -243,9 +243,15 @@ class _Measured:
             self.settings, samples=self.truth_each, seed=TRUTH_SEED + self.rounds, **rung.settings
         )
         plan = self.native.Plan(
-            self.subject.scene, camera, settings, moving, effects=rung.effects, quality=rung.quality
+            self.subject.scene,
+            camera,
+            settings,
+            moving,
+            effects=rung.effects,
+            quality=rung.quality,
+            shutter=self.subject.shutter,
         )
-        job = self.native.Job(self.subject.scene, camera, settings, moving, plan=plan)
+        job = self.native.Job(self.subject.scene, camera, settings, moving, plan=plan, shutter=self.subject.shutter)
         self._wait(job)
         self.truth[self.rounds % 2].add(job.image()[..., :3])
         self.truth_samples += self.truth_each

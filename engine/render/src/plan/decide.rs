@@ -1,6 +1,7 @@
 //! From measures and wishes to decisions: the cheapest camera that leaves out nothing that can be seen.
 
 use super::measured::{Known, measure};
+use super::motion::SceneMotion;
 use super::price::{Price, sample_ns};
 use super::words::size;
 use super::{Decision, Effect, PlanError, Wishes, Word};
@@ -60,7 +61,7 @@ pub struct CameraChoice {
     pub round_f_number: Option<f64>,
     /// What is left out of the lens that is traced.
     pub shown: Shown,
-    /// The lens changes while the shutter is open.
+    /// Samples are taken all through the time that the shutter is open.
     pub is_moving: bool,
 }
 
@@ -187,7 +188,8 @@ fn choose(known: &Known<'_>, wishes: &Wishes) -> Result<(CameraChoice, Price), P
         (Way::Exact, exact)
     };
     let round_f_number = (lens.diaphragm_part > 0.0 && !wanted(Effect::Diaphragm)).then(|| survey.f_number_by_area());
-    let is_moving = known.motion.is_some() && wanted(Effect::MotionBlur);
+    let moves = known.motion.is_some() || known.scene_motion.is_some();
+    let is_moving = moves && wanted(Effect::MotionBlur);
     // Rays that are sent elsewhere on purpose are followed from the film.
     let is_traced = way == Way::Exact && shown.is_traced_plainly();
     let pipeline = wishes.pipeline.of_packets(is_traced.then_some(carried));
@@ -226,6 +228,34 @@ fn decision(effect: Effect, known: &Known<'_>, wishes: &Wishes, choice: &CameraC
     let is_uncertain = known.lens.dark_part > DARK || (is_large && measure.is_some_and(|value| value <= tolerance));
     let cost_ns = if is_on { cost_ns(effect, choice, price, known.survey.shape(), &known.lens) } else { 0.0 };
     Decision { effect, measure, tolerance, word, is_on, is_uncertain, why, cost_ns }
+}
+
+/// What becomes of motion blur where the camera has no lens to be planned. Of what a simpler model of the lens does meanwhile it
+/// is not known how far it goes.
+pub(super) fn motion_without_lens(motion: Option<SceneMotion>, lens_changes: bool, wishes: &Wishes) -> Decision {
+    let effect = Effect::MotionBlur;
+    let (word, tolerance) = (wishes.word(effect), tolerance(effect, wishes));
+    let moves = motion.is_some() || lens_changes;
+    let px = motion.as_ref().map(|motion| motion.px);
+    let is_large = px.is_some_and(|px| px * MARGIN > tolerance);
+    let is_on = moves && (word == Word::On || (word == Word::Auto && (is_large || lens_changes)));
+    let outcome = match (word, is_on) {
+        (Word::On, true) => "simulated, as asked",
+        (Word::Off, _) => "left out, as asked",
+        (_, true) => "simulated",
+        (_, false) if moves => "left out",
+        (_, false) => "nothing to simulate",
+    };
+    let limit = size(tolerance, effect.unit());
+    let why = match motion {
+        Some(SceneMotion { text, .. }) if is_large => format!("{text}, more than {limit}: {outcome}"),
+        Some(_) if lens_changes => format!("the lens changes: {outcome}"),
+        Some(SceneMotion { text, .. }) => format!("{text}, less than {limit}: {outcome}"),
+        None if lens_changes => format!("the lens changes: {outcome}"),
+        None => format!("everything stands still: {outcome}"),
+    };
+    let measure = if lens_changes && !is_large { None } else { Some(px.unwrap_or(0.0)) };
+    Decision { effect, measure, tolerance, word, is_on, is_uncertain: false, why, cost_ns: 0.0 }
 }
 
 fn pinhole(info: &LensInfo) -> Way {

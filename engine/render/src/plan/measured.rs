@@ -1,5 +1,6 @@
 //! How large each effect is in this picture, and what is said of it.
 
+use super::motion::SceneMotion;
 use super::words::{size, worst};
 use super::{Effect, Unit};
 use crate::camera::CameraDescription;
@@ -16,6 +17,8 @@ pub(super) struct Known<'a> {
     pub(super) lens: LensMeasures,
     /// `None` where the lens stands still.
     pub(super) motion: Option<Worst>,
+    /// `None` where nothing else moves either.
+    pub(super) scene_motion: Option<SceneMotion>,
     /// Ghosts of the brightest source, as a part of the exposure.
     pub(super) ghosts: Option<f64>,
     /// Irradiance on the front over that of a world as bright as the picture all over; `None` of a black picture.
@@ -64,9 +67,11 @@ pub(super) fn measure(known: &Known<'_>, effect: Effect) -> Measured {
             let value = lens.diaphragm_part * (lens.defocus.value + lens.aberration.value);
             Measured { value: Some(value), text: size(value, Unit::Pixels) }
         }
-        Effect::MotionBlur => match known.motion {
-            Some(motion) => of(motion),
-            None => Measured { value: Some(0.0), text: "the lens stands still".to_owned() },
+        Effect::MotionBlur => match (known.motion, &known.scene_motion) {
+            (Some(lens), None) => of(lens),
+            (Some(lens), Some(motion)) if lens.value > motion.px => of(lens),
+            (_, Some(SceneMotion { px, text })) => Measured { value: Some(*px), text: text.clone() },
+            (None, None) => Measured { value: Some(0.0), text: "everything stands still".to_owned() },
         },
         Effect::Transmission => {
             let value = lens.tint_stops.abs();

@@ -9,6 +9,7 @@ mod decide;
 mod light;
 mod look;
 mod measured;
+mod motion;
 mod price;
 mod words;
 
@@ -17,11 +18,13 @@ use crate::camera::survey::{GRID, LensMeasures, Survey, Worst};
 use crate::camera::{Camera, CameraDescription, CameraError, Model};
 use crate::integrator::Stage;
 use crate::pipeline::Pipeline;
+use crate::pipeline::exposure::Exposure;
 use decide::decide;
 pub use decide::{CameraChoice, Way};
 pub use light::Brightest;
 pub use look::Look;
 use measured::Known;
+use motion::scene_motion;
 use std::time::Instant;
 
 /// What a lens can do to a picture, or the wave nature of light, or time.
@@ -41,7 +44,7 @@ pub enum Effect {
     Vignetting,
     /// The shape of the opening in blur discs.
     Diaphragm,
-    /// The lens changes while the shutter is open.
+    /// Something moves, or the lens changes, while the shutter is open.
     MotionBlur,
     /// What glass and coatings take of each colour.
     Transmission,
@@ -273,7 +276,8 @@ pub struct Plan {
 
 impl Plan {
     /// Measures and decides for a picture of that many pixels. `moving` is the camera at times over which the shutter is
-    /// open, if the lens changes meanwhile; `needs_lens` says that rays from lights are to end in a lens that is traced.
+    /// open, if the lens changes meanwhile, and `exposure` is that time, where it matters; `needs_lens` says that rays from lights
+    /// are to end in a lens that is traced.
     ///
     /// # Errors
     /// [`PlanError`].
@@ -284,13 +288,14 @@ impl Plan {
         [width, height]: [u32; 2],
         wishes: &Wishes,
         needs_lens: bool,
+        exposure: Option<&Exposure>,
     ) -> Result<Self, PlanError> {
         let start = Instant::now();
         if !(0.01..=1000.0).contains(&wishes.quality) {
             return Err(PlanError::Quality(wishes.quality));
         }
         if d.model != Model::Lens {
-            return Self::without_lens(stage, d, moving, [width, height], wishes, start);
+            return Self::without_lens(stage, d, (moving, exposure), [width, height], wishes, start);
         }
         let survey = Survey::new(d, width, height)?;
         let fans = survey.fans();
@@ -313,7 +318,8 @@ impl Plan {
         let ghosts = if look.exposure > 0.0 { source.map(of_exposure) } else { None };
         let even = std::f64::consts::PI * f64::from(look.exposure);
         let front_light = (even > 0.0).then(|| f64::from(look.front_irradiance) / even);
-        let known = Known { d, survey: &survey, lens, motion, ghosts, front_light, needs_lens };
+        let scene_motion = scene_motion(&stage.scene, exposure, &fans.rays(), &seen);
+        let known = Known { d, survey: &survey, lens, motion, scene_motion, ghosts, front_light, needs_lens };
         let (decisions, camera, camera_ns) = decide(&known, wishes)?;
         Ok(Self { decisions, camera, camera_ns, lens: Some(lens), look, seconds: start.elapsed().as_secs_f64() })
     }
@@ -322,7 +328,7 @@ impl Plan {
     fn without_lens(
         stage: &Stage,
         d: &CameraDescription,
-        moving: &[CameraDescription],
+        (moving, exposure): (&[CameraDescription], Option<&Exposure>),
         [width, height]: [u32; 2],
         wishes: &Wishes,
         start: Instant,
@@ -359,17 +365,24 @@ impl Plan {
         };
         let rays: Vec<_> = (0..GRID[0] * GRID[1]).map(ray).collect();
         let clip = Clip::new(d, &camera);
-        let (look, _) = Look::along(stage, &rays, clip, camera.axes().z_axis);
-        let is_moving = moving.len() > 1 && wishes.word(Effect::MotionBlur) != Word::Off;
-        let decision = |effect: Effect| Decision {
-            effect,
-            measure: None,
-            tolerance: effect.unit().tolerance(wishes.quality),
-            word: wishes.word(effect),
-            is_on: has(effect) || (effect == Effect::MotionBlur && is_moving),
-            is_uncertain: false,
-            why: "decided by the camera's model".to_owned(),
-            cost_ns: 0.0,
+        let (look, seen) = Look::along(stage, &rays, clip, camera.axes().z_axis);
+        let motion = scene_motion(&stage.scene, exposure, &rays, &seen);
+        let blur = decide::motion_without_lens(motion, moving.len() > 1, wishes);
+        let is_moving = blur.is_on;
+        let decision = |effect: Effect| {
+            if effect == Effect::MotionBlur {
+                return blur.clone();
+            }
+            Decision {
+                effect,
+                measure: None,
+                tolerance: effect.unit().tolerance(wishes.quality),
+                word: wishes.word(effect),
+                is_on: has(effect),
+                is_uncertain: false,
+                why: "decided by the camera's model".to_owned(),
+                cost_ns: 0.0,
+            }
         };
         Ok(Self {
             decisions: Effect::ALL.into_iter().map(decision).collect(),

@@ -1,0 +1,246 @@
+# SPDX-License-Identifier: GPL-3.0-or-later
+"""Motion blur: what moves, what turns, what changes its shape, and when the shutter is open."""
+
+from __future__ import annotations
+
+import math
+from collections.abc import Callable
+
+import bpy
+import numpy as np
+
+from . import scene
+from .studio import BLUE, CREAM, GOLD, GREEN, RED, ball, cube, empty_studio, lamp, material, monkey, plain, put
+
+FRAME = 10
+
+
+def _opened(shutter: float = 1.0) -> None:
+    """The shutter, so many frames long, about the frame in which all is seen."""
+    here = bpy.context.scene
+    here.render.use_motion_blur, here.render.motion_blur_shutter = True, shutter
+    here.frame_set(FRAME)
+
+
+def _animate(holder, path: str, value: Callable[[float], object]) -> None:
+    """Gives a property `value(t)` for t from -1, a frame before, to 1; between the keys it goes straight."""
+    for t in range(-3, 4):
+        setattr(holder, path, value(float(t)))
+        holder.keyframe_insert(path, frame=FRAME + t)
+    action = holder.id_data.animation_data.action
+    for curve in _curves(action):
+        for point in curve.keyframe_points:
+            point.interpolation = "LINEAR"
+
+
+def _curves(action: bpy.types.Action):
+    if not hasattr(action, "layers"):
+        return list(action.fcurves)
+    strips = (strip for layer in action.layers for strip in layer.strips)
+    return [curve for strip in strips for bag in strip.channelbags for curve in bag.fcurves]
+
+
+@scene("A ball slides and throws a blurred shadow")
+def slides():
+    empty_studio()
+    thing = ball(plain(RED), (0.0, 0.0, 0.8), 0.8)
+    _animate(thing, "location", lambda t: (1.6 * t, 0.3 * t, 0.8))
+    cube(plain(BLUE), (1.6, 1.2, 0.6), 1.2)
+    _opened()
+
+
+@scene("Cubes spin: many keys and few")
+def spins():
+    empty_studio()
+    for x, steps in ((-1.3, 3), (1.3, 1)):
+        thing = cube(plain(CREAM), (x, 0.0, 0.9), 1.3, 0.0)
+        thing.cycles.motion_steps = steps
+        _animate(thing, "rotation_euler", lambda t: (0.3, 0.0, 0.4 + 1.2 * t))
+    _opened()
+
+
+@scene("Growing, mirrored and sheared")
+def scaled():
+    empty_studio()
+    grows = ball(plain(GREEN), (-1.4, 0.0, 0.8), 0.7)
+    _animate(grows, "scale", lambda t: (1.0 + 0.5 * t, 1.0, 1.0 - 0.4 * t))
+    mirrored = monkey(plain(CREAM), (1.3, 0.0, 0.9), 1.4, levels=0)
+    _animate(mirrored, "location", lambda t: (1.3 + 0.5 * t, 0.0, 0.9))
+    mirrored.scale.x = -1.0
+    holder = put(bpy.data.objects.new("Holder", None), (0.0, -1.5, 0.4), scale=(1.0, 1.0, 0.4))
+    _animate(holder, "rotation_euler", lambda t: (0.0, 0.5 * t, 0.0))
+    sheared = cube(plain(BLUE), (0.0, 0.0, 0.0), 0.8)
+    sheared.parent = holder
+    _opened()
+
+
+@scene("Instances of a collection, and children of a parent that turns")
+def instanced():
+    empty_studio()
+    part = ball(plain(GOLD), (0.4, 0.0, 0.0), 0.35)
+    second = cube(plain(RED), (-0.4, 0.0, 0.1), 0.5)
+    group = bpy.data.collections.new("Group")
+    for one in (part, second):
+        bpy.context.scene.collection.objects.unlink(one)
+        group.objects.link(one)
+    for number in range(3):
+        placed = put(bpy.data.objects.new(f"Placed {number}", None), (1.6 * number - 1.6, 0.0, 0.6))
+        placed.instance_type, placed.instance_collection = "COLLECTION", group
+        _animate(placed, "rotation_euler", lambda t, n=number: (0.0, 0.4 * n * t, 0.7 * t))
+    holder = put(bpy.data.objects.new("Holder", None), (0.0, 1.0, 2.0))
+    _animate(holder, "rotation_euler", lambda t: (0.0, 0.6 * t, 0.0))
+    child = cube(plain(BLUE), (1.5, 0.0, 0.0), 0.7)
+    child.parent = holder
+    _opened()
+
+
+def _row() -> bpy.types.Object:
+    empty_studio()
+    monkey(plain(CREAM), (0.0, 0.0, 0.9), 1.7)
+    ball(plain(RED), (-1.5, -1.5, 0.6), 0.6)
+    cube(plain(BLUE), (1.6, 1.2, 0.6), 1.2)
+    return bpy.context.scene.camera
+
+
+@scene("The camera pans")
+def camera_pans():
+    camera = _row()
+    turn = camera.rotation_euler.copy()
+    _animate(camera, "rotation_euler", lambda t: (turn.x, turn.y, 0.15 * t))
+    _opened()
+
+
+@scene("The camera walks forwards and rolls, a ball goes with it")
+def camera_walks():
+    camera = _row()
+    place, turn = camera.location.copy(), camera.rotation_euler.copy()
+    _animate(camera, "location", lambda t: (place.x + 0.3 * t, place.y + 1.2 * t, place.z))
+    _animate(camera, "rotation_euler", lambda t: (turn.x, 0.1 * t, 0.0))
+    thing = ball(plain(GREEN), (1.2, -2.2, 0.9), 0.4)
+    _animate(thing, "location", lambda t: (1.2 + 0.3 * t, -2.2 + 1.2 * t, 0.9))
+    _opened()
+
+
+@scene("Shape keys, smooth and flat")
+def shape_keys():
+    empty_studio()
+    for x, make in ((-1.3, ball), (1.3, cube)):
+        thing = make(plain(RED if x < 0 else BLUE), (x, 0.0, 0.9))
+        thing.shape_key_add(name="Basis")
+        bent = thing.shape_key_add(name="Bent")
+        for point in bent.data:
+            point.co.x += 0.9 * point.co.z * abs(point.co.z)
+        bent.slider_min = -2.0
+        _animate(bent, "value", lambda t: 0.9 * t)
+    _opened()
+
+
+@scene("A skeleton bends a mesh that moves, too")
+def armature():
+    empty_studio()
+    bpy.ops.object.armature_add(location=(0.0, 0.0, 0.2))
+    holder = bpy.context.object
+    bpy.ops.object.mode_set(mode="EDIT")
+    first = holder.data.edit_bones[0]
+    first.tail = (0.0, 0.0, 1.0)
+    second = holder.data.edit_bones.new("Second")
+    second.head, second.tail, second.parent = (0.0, 0.0, 1.0), (0.0, 0.0, 2.0), first
+    bpy.ops.object.mode_set(mode="OBJECT")
+    bpy.ops.mesh.primitive_cylinder_add(vertices=32, radius=0.35, depth=2.0, location=(0.0, 0.0, 1.2))
+    thing = bpy.context.object
+    bpy.ops.object.mode_set(mode="EDIT")
+    bpy.ops.mesh.select_all(action="SELECT")
+    bpy.ops.mesh.subdivide(number_cuts=8)
+    bpy.ops.object.mode_set(mode="OBJECT")
+    bpy.ops.object.shade_smooth()
+    thing.data.materials.append(plain(GREEN))
+    upper = [min(max((vertex.co.z + 0.4) / 0.8, 0.0), 1.0) for vertex in thing.data.vertices]
+    for name, shares in (("Bone", [1.0 - share for share in upper]), ("Second", upper)):
+        group = thing.vertex_groups.new(name=name)
+        for number, share in enumerate(shares):
+            group.add([number], share, "REPLACE")
+    thing.modifiers.new("Armature", "ARMATURE").object = holder
+    thing.cycles.motion_steps = 2
+    bone = holder.pose.bones["Second"]
+    bone.rotation_mode = "XYZ"
+    _animate(bone, "rotation_euler", lambda t: (0.0, 0.0, 1.2 * t))
+    _animate(thing, "location", lambda t: (0.4 * t, 0.0, 1.2))
+    _opened()
+
+
+@scene("The shutter opens at the frame, on a pan and a slide")
+def shutter_start():
+    slides()
+    camera = bpy.context.scene.camera
+    turn = camera.rotation_euler.copy()
+    _animate(camera, "rotation_euler", lambda t: (turn.x, turn.y, 0.1 * t))
+    bpy.context.scene.render.motion_blur_position = "START"
+    _opened(0.8)
+
+
+@scene("The shutter closes at the frame")
+def shutter_end():
+    slides()
+    bpy.context.scene.render.motion_blur_position = "END"
+    _opened(0.8)
+
+
+@scene("A shutter that opens slowly")
+def shutter_curve():
+    slides()
+    curve = bpy.context.scene.render.motion_blur_shutter_curve
+    points = curve.curves[0].points
+    for point, place in zip(points, ((0.0, 0.0), (1.0, 1.0)), strict=False):
+        point.location = place
+    for point in list(points)[2:]:
+        points.remove(point)
+    curve.update()
+    _opened()
+
+
+@scene("A rolling shutter")
+def rolling_shutter():
+    camera = _row()
+    turn = camera.rotation_euler.copy()
+    _animate(camera, "rotation_euler", lambda t: (turn.x, turn.y, 0.25 * t))
+    cycles = bpy.context.scene.cycles
+    cycles.rolling_shutter_type, cycles.rolling_shutter_duration = "TOP", 0.2
+    _opened()
+
+
+@scene("A lamp that moves stands still, as in Cycles", warns=("as in Cycles it stands still",))
+def moving_lamp():
+    empty_studio(strength=0.1)
+    cube(plain(CREAM), (0.0, 0.0, 0.75))
+    thing = lamp("POINT", 80.0, (1.5, -1.0, 1.2), shadow_soft_size=0.2)
+    _animate(thing, "location", lambda t: (1.5 + 2.0 * t, -1.0, 1.2))
+    _opened()
+
+
+@scene("What glows moves and grows", noise=0.02)
+def moving_glow():
+    empty_studio(strength=0.05, lit=False)
+    cube(plain(CREAM), (0.6, 0.4, 0.75))
+    glow = material(lambda t: t.shows(t.node("Emission", Color=GOLD, Strength=20.0).outputs[0]))
+    thing = cube(glow, (-1.2, -1.0, 0.9), 0.5)
+    _animate(thing, "location", lambda t: (-1.2 + 1.6 * t, -1.0, 0.9))
+    _animate(thing, "scale", lambda t: (1.0 + 0.5 * t, 1.0, 1.0))
+    _opened()
+
+
+@scene("Blur switched off for one, and for the shape of another")
+def switched_off():
+    empty_studio()
+    still = ball(plain(RED), (-1.3, 0.0, 0.7), 0.7)
+    still.cycles.use_motion_blur = False
+    _animate(still, "location", lambda t: (-1.3 + t, 0.0, 0.7))
+    stiff = ball(plain(BLUE), (1.3, 0.0, 0.7), 0.7)
+    stiff.cycles.use_deform_motion = False
+    stiff.shape_key_add(name="Basis")
+    bent = stiff.shape_key_add(name="Bent")
+    for point in bent.data:
+        point.co.x += 0.8 * math.copysign(np.sqrt(abs(point.co.z)), point.co.z)
+    bent.slider_min = -2.0
+    _animate(bent, "value", lambda t: 0.9 * t)
+    _animate(stiff, "location", lambda t: (1.3, 0.0, 0.7 + 0.3 * t))
+    _opened()
