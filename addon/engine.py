@@ -252,12 +252,11 @@ class _Photograph:
         if matrices.count(matrices[0] if matrices else None) == len(matrices):
             matrices = []
         rolling = shutters.rolling(self.scene)
-        if self.scene.petzval.integrator == "BIDIRECTIONAL":
-            if matrices or rolling is not None:
-                self.report.warn(
-                    f"Scene '{self.scene.name}': bidirectional paths know of no camera that moves, and of no rolling shutter"
-                )
-            matrices, rolling = [], None
+        if rolling is not None and self.scene.petzval.integrator == "BIDIRECTIONAL":
+            self.report.warn(
+                f"Scene '{self.scene.name}': bidirectional paths know of no rolling shutter, all rows are open at once"
+            )
+            rolling = None
         return ShutterDescription(shutters.openness(self.scene.render), rolling, matrices)
 
     def _beside(

@@ -43,10 +43,11 @@ struct Table {
 impl Mattes {
     /// Those of a scene, each with the `levels` names that cover most of a pixel.
     pub fn new(scene: &Scene, layers: &[MatteLayer], levels: u32) -> Self {
+        let owners = if layers.is_empty() { Vec::new() } else { scene.owners() };
         let table = |layer: &MatteLayer| {
             let names: Vec<&str> = match layer {
-                MatteLayer::Object => scene.instances.iter().map(|i| i.object_name.as_str()).collect(),
-                MatteLayer::Asset => scene.instances.iter().map(|i| i.asset_name.as_str()).collect(),
+                MatteLayer::Object => scene.placed().iter().map(|i| i.object_name.as_str()).collect(),
+                MatteLayer::Asset => scene.placed().iter().map(|i| i.asset_name.as_str()).collect(),
                 // The first stands for empty slots.
                 MatteLayer::Material => std::iter::once(NO_MATERIAL)
                     .chain(scene.materials.iter().skip(1).map(|m| m.name.as_str()))
@@ -54,6 +55,11 @@ impl Mattes {
             };
             let ids: Vec<u32> = names.iter().map(|name| id(name)).collect();
             let names = names.iter().map(|&name| name.to_owned()).zip(ids.iter().copied()).collect();
+            // What stands for a moment has its owner's.
+            let ids = match layer {
+                MatteLayer::Material => ids,
+                MatteLayer::Object | MatteLayer::Asset => owners.iter().map(|&owner| ids[owner as usize]).collect(),
+            };
             (*layer, Table { ids, names })
         };
         Self { layers: layers.iter().map(table).collect(), levels: levels as usize }

@@ -16,6 +16,7 @@ use crate::accel::Ray;
 use crate::camera::clip::Clip;
 use crate::camera::real_lens::RealLens;
 use crate::sampler::{PathSampler, raster::Raster};
+use glam::Affine3A;
 use vertex::Vertex;
 
 /// Which ways of making a path are used.
@@ -35,6 +36,8 @@ pub struct CameraEnd<'a> {
     pub ray: Ray,
     /// Of the ray's choice, per unit of etendue ([`crate::camera::from_scene`]).
     pub density: f64,
+    /// From where the lens is in the middle of the exposure to where it is now; `None`: it stands still.
+    pub way: Option<Affine3A>,
 }
 
 /// Where light paths end.
@@ -47,6 +50,8 @@ pub struct FilmEnd<'a> {
     pub clip: Option<Clip>,
     /// What else makes the same paths.
     pub techniques: Techniques,
+    /// From where the lens is in the middle of the exposure to where it is now; `None`: it stands still.
+    pub way: Option<Affine3A>,
 }
 
 /// Scattering places of a light path; kept from one path to the next, so that nothing is allocated on the way.

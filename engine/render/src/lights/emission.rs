@@ -73,7 +73,7 @@ impl Emission {
         Self { choice: AliasTable::new(&powers), center, radius }
     }
 
-    /// A ray that leaves a source, chosen by five uniform numbers; `None` where nothing shines that way.
+    /// A ray that leaves a source at a moment, chosen by five uniform numbers; `None` where nothing shines that way.
     pub fn sample(
         &self,
         scene: &Scene,
@@ -81,21 +81,20 @@ impl Emission {
         u_choice: f32,
         u_place: [f32; 2],
         u_direction: [f32; 2],
+        moment: u16,
     ) -> Option<EmittedRay> {
         let (index, _, _) = self.choice.as_ref()?.sample(u_choice.min(1.0 - f32::EPSILON));
         let source = Source(index);
         if let Some(lamp) = lights.lamp(source) {
             let r = lamp.emit(u_place, u_direction, (self.center, self.radius));
-            let ray = Ray::new(r.origin, r.direction);
+            let ray = Ray::new(r.origin, r.direction).at(moment);
             return Some(EmittedRay { ray, source, strength: r.strength, cos: 1.0 }).filter(EmittedRay::shines);
         }
-        let emitted = match lights.local.get(index) {
-            // One that moves sends light as it stands in the middle of the exposure.
-            Some(Emitter::Triangle(triangle) | Emitter::Moving(triangle, _)) => {
-                emit_triangle(scene, source, triangle, u_place, u_direction)
-            }
-            _ => self.emit_world(scene, lights, source, u_place, u_direction)?,
+        let mut emitted = match lights.triangle_at(scene, source, moment) {
+            Some(triangle) => emit_triangle(scene, source, &triangle, u_place, u_direction),
+            None => self.emit_world(scene, lights, source, u_place, u_direction)?,
         };
+        emitted.ray.moment = moment;
         Some(emitted).filter(EmittedRay::shines)
     }
 
@@ -143,37 +142,43 @@ impl Emission {
             }
             None => None,
         };
-        let pdf = match (from_lamp, lights.local.get(source.0)) {
-            (Some(pdf), _) => pdf,
-            (_, Some(Emitter::Triangle(triangle) | Emitter::Moving(triangle, _))) => {
-                distance * distance / (emitted.cos.max(1e-6) * triangle.area)
-            }
-            _ => lights.sky.image_pdf(scene, -direction),
+        let pdf = match from_lamp {
+            Some(pdf) => pdf,
+            None => match lights.triangle_at(scene, source, emitted.ray.moment) {
+                Some(triangle) => distance * distance / (emitted.cos.max(1e-6) * triangle.area),
+                None => lights.sky.image_pdf(scene, -direction),
+            },
         };
-        let density = self.density(scene, lights, source, -direction, distance);
+        let density = self.density(scene, lights, source, -direction, distance, emitted.ray.moment);
         let is_usable = density > 0.0 && density.is_finite() && radiance.is_finite();
         is_usable.then_some(ArrivedLight { radiance, sample_pdf: pdf * chance, density, point_like })
     }
 
     /// The density, per unit of etendue, with which light paths choose a ray that comes from `source`, `distance` away
-    /// along `wi`.
-    pub fn density(&self, scene: &Scene, lights: &Lights, source: Source, wi: Vec3A, distance: f32) -> f32 {
+    /// along `wi` at a moment.
+    pub fn density(
+        &self,
+        scene: &Scene,
+        lights: &Lights,
+        source: Source,
+        wi: Vec3A,
+        distance: f32,
+        moment: u16,
+    ) -> f32 {
         let Some(choice) = &self.choice else { return 0.0 };
         let chance = choice.probability(source.0);
         if chance == 0.0 {
             return 0.0;
         }
-        let density = match (lights.lamp(source), lights.local.get(source.0)) {
-            (Some(lamp), _) => lamp.emission_density(distance, self.radius),
-            (_, Some(Emitter::Triangle(triangle) | Emitter::Moving(triangle, _))) => {
-                let is_front = triangle.normal().dot(wi) < 0.0;
-                let share = if triangle.two_sided { 0.5 } else { f32::from(u8::from(is_front)) };
-                share / (PI * triangle.area)
-            }
-            _ => {
-                let per_sr = if lights.sky.has_image() { lights.sky.image_pdf(scene, wi) } else { warp::SPHERE_PDF };
-                per_sr / (PI * self.radius * self.radius)
-            }
+        let density = if let Some(lamp) = lights.lamp(source) {
+            lamp.emission_density(distance, self.radius)
+        } else if let Some(triangle) = lights.triangle_at(scene, source, moment) {
+            let is_front = triangle.normal().dot(wi) < 0.0;
+            let share = if triangle.two_sided { 0.5 } else { f32::from(u8::from(is_front)) };
+            share / (PI * triangle.area)
+        } else {
+            let per_sr = if lights.sky.has_image() { lights.sky.image_pdf(scene, wi) } else { warp::SPHERE_PDF };
+            per_sr / (PI * self.radius * self.radius)
         };
         chance * density
     }
@@ -201,6 +206,17 @@ impl Lights {
             None => self.sky.suns()[source.0.checked_sub(self.local.len() + 1)?],
         };
         Some(&self.lamps[index as usize])
+    }
+
+    /// The triangle that a source is, if it is one, where it stands at a moment.
+    fn triangle_at(&self, scene: &Scene, source: Source, moment: u16) -> Option<LitTriangle> {
+        match self.local.get(source.0)? {
+            Emitter::Triangle(triangle) => Some(*triangle),
+            Emitter::Moving(triangle, moving) => {
+                Some(triangle.standing(scene, scene.moving[*moving as usize].at(moment)))
+            }
+            Emitter::Lamp(_) => None,
+        }
     }
 
     /// The chance with which [`Lights::sample_source`] at [`Lights::receiver_between`] chooses a source.

@@ -16,10 +16,11 @@ pub(super) fn sample(lens: &RealLens, techniques: Techniques, path: &mut LightPa
     let (stage, limits, raster) = (shot.stage, &shot.limits, shot.raster);
     let light_sampler = shot.pattern.apart(LIGHT_SEED).pixel(s.x, s.y).sampler(s.index);
     s.counts.rays += u64::from(path.trace(stage, limits, light_sampler.clone()));
+    let way = shot.exposure.and_then(|exposure| exposure.way(path.moment()));
     let (mut non_finite, light) = (0, &mut *s.light);
     let rays = path.splat(
         stage,
-        &FilmEnd { lens, raster, clip: shot.clip, techniques },
+        &FilmEnd { lens, raster, clip: shot.clip, techniques, way },
         limits,
         light_sampler,
         |x, y, colour| {
@@ -42,7 +43,9 @@ pub(super) fn sample(lens: &RealLens, techniques: Techniques, path: &mut LightPa
     let led = lens.lead_all(&request, raster);
     s.count_camera(led.is_none());
     let Some(led) = led else { return s.lost() };
-    let camera = CameraEnd { lens, ray: shot.seen(led.ray).at(path.moment()), density: lens.led_density(&led) };
+    let ray = shot.seen(led.ray).at(path.moment());
+    let ray = shot.exposure.map_or(ray, |exposure| exposure.sent(ray, path.moment()));
+    let camera = CameraEnd { lens, ray, density: lens.led_density(&led), way };
     let found = path.join(stage, &camera, limits, sampler);
     if !s.count_path(&found) {
         return;

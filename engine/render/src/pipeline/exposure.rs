@@ -1,7 +1,7 @@
 //! When samples are taken while the shutter is open, and where the camera is then.
 
 use crate::accel::Ray;
-use crate::scene::motion::{MIDDLE, Way, moment};
+use crate::scene::motion::{Way, moment};
 use glam::{Affine3A, DAffine3, DMat3, DMat4, DVec3};
 
 /// Entries of the table of times.
@@ -79,10 +79,16 @@ impl Exposure {
     /// A ray of the camera as it goes out at a moment.
     #[inline]
     pub fn sent(&self, ray: Ray, moment: u16) -> Ray {
-        let Some(way) = &self.way else { return ray.at(moment) };
-        let place = &way[usize::from(moment >> (16 - WAY_BITS))];
+        let Some(place) = self.way(moment) else { return ray.at(moment) };
         let direction = place.transform_vector3a(ray.direction).normalize();
         Ray { origin: place.transform_point3a(ray.origin), direction, moment, ..ray }
+    }
+
+    /// From where the camera is in the middle of the exposure to where it is at a moment, render space; `None` where it stands
+    /// still.
+    #[inline]
+    pub fn way(&self, moment: u16) -> Option<Affine3A> {
+        self.way.as_ref().map(|way| way[usize::from(moment >> (16 - WAY_BITS))])
     }
 
     /// Whether the camera moves.
@@ -93,8 +99,8 @@ impl Exposure {
     /// Where a point that the camera sees in the middle of the exposure would be seen at a moment: as if it, not the camera, had
     /// moved. Render space.
     pub fn seen(&self, point: DVec3, moment: u16) -> DVec3 {
-        let Some(way) = &self.way else { return point };
-        way[usize::from(moment >> (16 - WAY_BITS))].inverse().transform_point3a(point.as_vec3a()).as_dvec3()
+        let Some(place) = self.way(moment) else { return point };
+        place.inverse().transform_point3a(point.as_vec3a()).as_dvec3()
     }
 }
 
@@ -103,9 +109,6 @@ impl Default for Exposure {
         Self::new(&Shutter::default())
     }
 }
-
-/// The moment that stands for the whole exposure where nothing is to be blurred.
-pub const STILL: u16 = MIDDLE;
 
 fn unscaled(m: &DMat4) -> DMat4 {
     let axes = DMat3::from_mat4(*m);
@@ -143,6 +146,7 @@ fn times(openness: &[f32]) -> Option<Vec<f32>> {
 #[cfg(test)]
 mod tests {
     use super::*;
+    use crate::scene::motion::MIDDLE;
     use glam::Vec3A;
     use std::f64::consts::FRAC_PI_2;
 

@@ -104,10 +104,12 @@ impl Shot<'_> {
     }
 
     /// When a sample is taken, as a part of the exposure.
-    fn time(&self, [x, y]: [u32; 2], index: u32, up: f32) -> f32 {
+    fn time(&self, [x, y]: [u32; 2], index: u32) -> f32 {
         let mut sampler = self.pattern.pixel(x, y).sampler(index);
         sampler.jump_to(path::TIME_SET);
         let [u, ..] = sampler.next_4d();
+        // A row rolls by its lower edge, as in Cycles.
+        let up = y as f32 / self.raster.size().1 as f32 - 0.5;
         self.exposure.map_or(u, |exposure| exposure.part(u, up))
     }
 
@@ -199,8 +201,7 @@ fn render_light_paths(
             return None;
         }
         let timed = counts.camera_rays.is_multiple_of(TIMED_EVERY).then(Instant::now);
-        let up = (y as f32 + 0.5) / shot.raster.size().1 as f32 - 0.5;
-        let time = if shot.is_timed() { shot.time([x, y], index, up) } else { 0.5 };
+        let time = if shot.is_timed() { shot.time([x, y], index) } else { 0.5 };
         let Some(lens) = shot.cameras[shot.camera(time)].traced_lens() else { continue };
         light_path.set_moment(moment(time));
         let one = Sample { shot, x, y, index, timed, counts: &mut counts, light };

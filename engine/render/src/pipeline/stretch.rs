@@ -155,7 +155,7 @@ impl Stretch {
             self.indices.push(index);
             self.samplers.push(sampler);
             if shot.is_timed() {
-                let time = shot.time(pixel, index, place.y);
+                let time = shot.time(pixel, index);
                 self.cameras.push(shot.camera(time));
                 self.times.push(time);
             } else {

@@ -57,7 +57,12 @@ pub(super) fn trace(
             break;
         }
         partial = if bounce == 0 {
-            let aim_pdf = camera.lens.aim_pdf(point.position, -ray.direction);
+            // As the lens would have it if it stood still.
+            let (at, to_lens) = match camera.way.map(|way| way.inverse()) {
+                None => (point.position, -ray.direction),
+                Some(back) => (back.transform_point3a(point.position), back.transform_vector3a(-ray.direction)),
+            };
+            let aim_pdf = camera.lens.aim_pdf(at, to_lens);
             Partial::first(camera.density * f64::from(cos_in), f64::from(aim_pdf), 0.0)
         } else {
             partial.arrived(stretch.distance, cos_in)
@@ -123,7 +128,9 @@ impl Met<'_> {
         let to = self.receiver();
         lights.lamp_sources_along(scene, origin, direction, t_max, self.way(), to.as_ref(), |source, radiance, pdf| {
             // Every lamp that can be met has extent: the distance does not matter.
-            found(radiance * self.weight(pdf, emission.density(scene, lights, source, direction, 1.0)));
+            found(
+                radiance * self.weight(pdf, emission.density(scene, lights, source, direction, 1.0, self.ray.moment)),
+            );
         });
     }
 
@@ -131,7 +138,11 @@ impl Met<'_> {
         let Stage { scene, lights, emission, .. } = self.stage;
         let to = self.receiver();
         lights.sky_sources_along(scene, self.ray.direction, self.way(), to.as_ref(), |source, radiance, pdf| {
-            found(radiance * self.weight(pdf, emission.density(scene, lights, source, self.ray.direction, 1.0)));
+            found(
+                radiance
+                    * self
+                        .weight(pdf, emission.density(scene, lights, source, self.ray.direction, 1.0, self.ray.moment)),
+            );
         });
     }
 
@@ -145,21 +156,23 @@ impl Met<'_> {
         };
         let cos = point.geometric_normal.dot(self.ray.direction).abs();
         let pdf = lights.triangle_pdf(scene, &to, (hit.instance, hit.triangle), distance, cos);
-        radiance * self.weight(pdf, emission.density(scene, lights, source, self.ray.direction, distance))
+        radiance
+            * self.weight(pdf, emission.density(scene, lights, source, self.ray.direction, distance, self.ray.moment))
     }
 }
 
 /// What a light sample finds at a place.
 fn direct(stage: &Stage, vertex: &Vertex, u_choice: f32, u: [f32; 2], rays: &mut u32) -> Rgb {
     let Stage { scene, lights, emission, .. } = stage;
-    let to = lights.receiver_between(vertex.point.position);
+    let to = lights.receiver_between(vertex.point.position).at(vertex.point.moment);
     let Some((light, source)) = lights.sample_source(scene, &to, u_choice, u, Way::LIGHT) else { return Rgb::ZERO };
     let (value, pdf) = vertex.bsdf.evaluate(light.wi);
     let found = vertex.carried * value * light.radiance / light.pdf;
     if is_dark(found) {
         return Rgb::ZERO;
     }
-    let density = emission.density(scene, lights, source, light.wi, light.distance) * vertex.cos(light.wi);
+    let density =
+        emission.density(scene, lights, source, light.wi, light.distance, vertex.point.moment) * vertex.cos(light.wi);
     let back_pdf = if density > 0.0 { vertex.seen_from(stage, light.wi).evaluate(vertex.back).1 } else { 0.0 };
     let by_chance = if light.point_like { 0.0 } else { squared(pdf) };
     let others = (by_chance + vertex.partial.others(f64::from(density), back_pdf)) / squared(light.pdf);

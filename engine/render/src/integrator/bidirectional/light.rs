@@ -4,7 +4,7 @@ use super::vertex::{Vertex, Walk};
 use super::weights::{Partial, squared, weight};
 use super::{FilmEnd, Techniques, is_dark};
 use crate::Rgb;
-use crate::accel::Hit;
+use crate::accel::{Hit, Ray};
 use crate::camera::from_scene::Landed;
 use crate::integrator::Stage;
 use crate::integrator::path::{Limits, SURE_BOUNCES, opening};
@@ -12,6 +12,7 @@ use crate::nodes::{View, Way};
 use crate::sampler::PathSampler;
 use crate::scene::visibility::Rays;
 use crate::shading::Scattering;
+use glam::Vec3A;
 
 /// Sets of four numbers before the light path's first step.
 const LIGHT_SETS: u32 = 2;
@@ -29,13 +30,13 @@ pub(super) fn trace(
     path.clear();
     let [u_choice, u0, u1, u2] = sampler.next_4d();
     let [u3, ..] = sampler.next_4d();
-    let Some(emitted) = stage.emission.sample(&stage.scene, &stage.lights, u_choice, [u0, u1], [u2, u3]) else {
+    let Some(emitted) = stage.emission.sample(&stage.scene, &stage.lights, u_choice, [u0, u1], [u2, u3], moment) else {
         return 0;
     };
     let mut walk = Walk { stage, sampler, first_set: LIGHT_SETS, step: 0, rays: 0 };
     // What casts no shadow is lit, and so is what stands behind it: chance decides for which of them the ray is.
     let casts_shadow = |hit: &Hit| stage.scene.instances[hit.instance as usize].visible.any_of(Rays::SHADOW);
-    let mut ray = emitted.ray.at(moment);
+    let mut ray = emitted.ray;
     let mut shares = 1.0;
     let mut carried = Rgb::ZERO;
     let mut partial = Partial { ends: 0.0, before: 0.0 };
@@ -89,7 +90,7 @@ pub(super) fn trace(
 }
 
 struct Scattered {
-    direction: glam::Vec3A,
+    direction: Vec3A,
     carried: Rgb,
     partial: Partial,
 }
@@ -130,7 +131,10 @@ pub(super) fn splat(
     path: &[Vertex],
     mut add: impl FnMut(u32, u32, Rgb),
 ) -> u32 {
-    let FilmEnd { lens, raster, clip, techniques } = *film;
+    let FilmEnd { lens, raster, clip, techniques, way } = *film;
+    let back = way.map(|way| way.inverse());
+    // As the lens would have it if it stood still.
+    let place = |p: Vec3A| back.map_or(p, |back| back.transform_point3a(p));
     let mut rays = 0;
     sampler.jump_to(AIM_SETS);
     for (bounce, vertex) in path.iter().enumerate() {
@@ -141,21 +145,23 @@ pub(super) fn splat(
             continue;
         }
         let set = ((u_set * lens.sets() as f32) as usize).min(lens.sets() - 1);
-        let Some((d, aim_pdf)) = lens.aim(vertex.point.position, [u0, u1]) else { continue };
+        let from = place(vertex.point.position);
+        let Some((aim, aim_pdf)) = lens.aim(from, [u0, u1]) else { continue };
+        let d = way.map_or(aim, |way| way.transform_vector3a(aim).normalize());
         let (sent, back_pdf) = vertex.sent(stage, d);
         if is_dark(sent) {
             continue;
         }
-        let Some(Landed { splats, density }) = lens.land(set, vertex.point.position, d, raster, [u_column, u_row])
-        else {
+        let Some(Landed { splats, density }) = lens.land(set, from, aim, raster, [u_column, u_row]) else {
             continue;
         };
         let others = vertex.partial.others(density * f64::from(vertex.cos(d)), back_pdf) / squared(aim_pdf);
         let light = sent * (techniques.weight(others) / aim_pdf);
         let mut ray = vertex.ray(d);
-        ray.t_max = lens.distance_from(ray.origin, d);
+        ray.t_max = lens.distance_from(place(ray.origin), aim);
         if let Some(clip) = clip {
-            let Some(way) = clip.way_to_camera(&ray) else { continue };
+            let seen = Ray { origin: place(ray.origin), direction: aim, ..ray };
+            let Some(way) = clip.way_to_camera(&seen) else { continue };
             ray.t_max = way;
         }
         let through = |hit: &Hit| opening(&stage.scene, hit, &View::along(&ray, hit.t, Way::CAMERA.shadow())).light;

@@ -127,7 +127,7 @@ fn light_paths_bring_what_light_samples_find() {
         let height = |p: Vec3A| 1.0 + (p.z + 0.5 * p.x) / radius;
         for i in 0..n {
             let (u, v) = (sobol_burley::sample_4d(i, 0, 1), sobol_burley::sample_4d(i, 0, 2));
-            if let Some(e) = emission.sample(&scene, &lights, u[0], [u[1], u[2]], [u[3], v[0]])
+            if let Some(e) = emission.sample(&scene, &lights, u[0], [u[1], u[2]], [u[3], v[0]], MIDDLE)
                 && let Some((t, p)) = at_sphere(&e.ray, radius)
                 && let Some(light) = emission.arrive(&scene, &lights, &e, p, t)
             {
@@ -170,7 +170,7 @@ fn power_is_that_of_the_lamp() {
         let mut sum = Rgb::ZERO;
         for i in 0..n {
             let (u, v) = (sobol_burley::sample_4d(i, 0, 5), sobol_burley::sample_4d(i, 0, 6));
-            let e = emission.sample(&scene, &lights, u[0], [u[1], u[2]], [u[3], v[0]]).unwrap();
+            let e = emission.sample(&scene, &lights, u[0], [u[1], u[2]], [u[3], v[0]], MIDDLE).unwrap();
             let (t, p) = at_sphere(&e.ray, 4.0).unwrap();
             let light = emission.arrive(&scene, &lights, &e, p, t).unwrap();
             sum += light.radiance / light.density / n as f32;
@@ -187,7 +187,7 @@ fn densities_agree_from_both_ends() {
         let mut compared = 0;
         for i in 0..2000 {
             let (u, v) = (sobol_burley::sample_4d(i, 0, 7), sobol_burley::sample_4d(i, 0, 8));
-            let Some(e) = emission.sample(&scene, &lights, u[0], [u[1], u[2]], [u[3], v[0]]) else { continue };
+            let Some(e) = emission.sample(&scene, &lights, u[0], [u[1], u[2]], [u[3], v[0]], MIDDLE) else { continue };
             let Some((t, p)) = at_sphere(&e.ray, 3.0) else { continue };
             let Some(light) = emission.arrive(&scene, &lights, &e, p, t) else { continue };
             assert!(light.point_like == ["point", "spot", "sun"].contains(&name));
@@ -217,7 +217,7 @@ fn densities_agree_from_both_ends() {
             assert!(source == e.source, "{name}");
             assert!((radiance - light.radiance).abs().max_element() < 0.02 * radiance.max_element(), "{name}");
             assert!((pdf - light.sample_pdf).abs() <= 2e-3 * pdf, "{name}: {pdf} {}", light.sample_pdf);
-            let density = emission.density(&scene, &lights, source, wi, t);
+            let density = emission.density(&scene, &lights, source, wi, t, MIDDLE);
             assert!((density / light.density - 1.0).abs() < 1e-4, "{name}: {density} {}", light.density);
         }
         let is_point_like = ["point", "spot", "sun"].contains(&name);
@@ -245,7 +245,7 @@ fn densities_integrate_to_one() {
             let wi = warp::to_world(&warp::frame(-p / radius), inwards);
             let etendue = 4.0 * PI * PI * radius * radius / n as f32;
             if name == "even sky" {
-                sum += f64::from(etendue * emission.density(&scene, &lights, Source(0), -wi, 1.0));
+                sum += f64::from(etendue * emission.density(&scene, &lights, Source(0), -wi, 1.0, MIDDLE));
             } else if name == "triangle" {
                 let [a, b, c] = crate::lights::triangle::placed_corners(&scene, 0, 0);
                 let normal = (b - a).cross(c - a);
@@ -253,13 +253,13 @@ fn densities_integrate_to_one() {
                 let q = p + wi * t;
                 let inside = q.x >= 0.0 && q.y >= 0.0 && q.x + q.y <= 1.0 && t > 0.0;
                 if inside {
-                    sum += f64::from(etendue * emission.density(&scene, &lights, Source(0), wi, t));
+                    sum += f64::from(etendue * emission.density(&scene, &lights, Source(0), wi, t, MIDDLE));
                 }
             } else {
                 lights.lamp_sources_along(&scene, p, wi, f32::INFINITY, Way::BOUNCE, None, |s, radiance, _| {
                     // Beyond its spread a lamp is dark, and no ray is chosen.
                     if radiance != Rgb::ZERO {
-                        sum += f64::from(etendue * emission.density(&scene, &lights, s, wi, 1.0));
+                        sum += f64::from(etendue * emission.density(&scene, &lights, s, wi, 1.0, MIDDLE));
                     }
                 });
             }
