@@ -44,7 +44,7 @@ impl Parts {
             let change = (next - rotation).to_cols_array().into_iter().map(f64::abs).fold(0.0, f64::max);
             rotation = next;
             // Also ends where it is no number.
-            if !(change > 1e-12) {
+            if change.is_nan() || change <= 1e-12 {
                 break;
             }
         }
