@@ -53,6 +53,32 @@ pub struct LightSample {
     pub reaches: Rays,
     /// What it lights, and what throws shadows in its light.
     pub sets: Sets,
+    /// Of the surface that emits; lamps are none, and rays do not meet them.
+    pub leaves: Option<Leaving>,
+}
+
+/// How light leaves a surface.
+#[derive(Clone, Copy, Debug)]
+pub struct Leaving {
+    /// The cosine to its normal, positive.
+    pub cos: f32,
+    /// How far rounding may have put the surface from where it is, Blender units.
+    pub error: f32,
+}
+
+impl LightSample {
+    /// How far a ray goes that asks whether this light arrives, and whose start may be `error` from the place that it arrives at.
+    /// Blender units.
+    #[inline]
+    pub fn reach(&self, error: f32) -> f32 {
+        (self.distance - self.gap(error)).max(0.0)
+    }
+
+    /// How far from its end that is: before the surface that it comes from, which must not shadow itself.
+    #[inline]
+    pub fn gap(&self, error: f32) -> f32 {
+        self.leaves.map_or(0.0, |leaves| (leaves.error + error) / leaves.cos)
+    }
 }
 
 /// One of a scene's sources of light: lamps and emissive triangles, then the world and the suns.
