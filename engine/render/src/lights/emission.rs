@@ -64,7 +64,7 @@ impl Emission {
             .iter()
             .map(|emitter| match emitter {
                 Emitter::Triangle(triangle) | Emitter::Moving(triangle, _) => triangle.power,
-                Emitter::Lamp(i) => lights.lamps[*i as usize].emission_power(1.0),
+                Emitter::Lamp(i) => lights.lamps[i as usize].emission_power(1.0),
             })
             .collect();
         let average = scene.world.texture.map_or(Rgb::ONE, |t| scene.textures[t as usize].average());
@@ -201,7 +201,7 @@ impl Lights {
     /// The lamp that a source is, if it is one.
     pub(super) fn lamp(&self, source: Source) -> Option<&super::lamp::PreparedLamp> {
         let index = match self.local.get(source.0) {
-            Some(Emitter::Lamp(i)) => *i,
+            Some(Emitter::Lamp(i)) => i,
             Some(Emitter::Triangle(_) | Emitter::Moving(..)) => return None,
             None => self.sky.suns()[source.0.checked_sub(self.local.len() + 1)?],
         };
@@ -213,7 +213,7 @@ impl Lights {
         match self.local.get(source.0)? {
             Emitter::Triangle(triangle) => Some(*triangle),
             Emitter::Moving(triangle, moving) => {
-                Some(triangle.standing(scene, scene.moving[*moving as usize].at(moment)))
+                Some(triangle.standing(scene, scene.moving[moving as usize].at(moment)))
             }
             Emitter::Lamp(_) => None,
         }
