@@ -181,7 +181,7 @@ def test_what_is_left_out_is_said(parts, blender, tmp_path):
     assert any("'Lamp'" in line and "stands still" in line for line in told)
 
 
-def test_mattes_and_checkpoints_know_what_moves(parts, blender, tmp_path):
+def test_mattes_know_what_moves(parts, blender, tmp_path):
     """The coverage of what slides is that of its blurred picture, as in Cycles."""
     scene, *_ = stage(parts)
     scene.view_layers[0].use_pass_cryptomatte_object = True
@@ -194,3 +194,59 @@ def test_mattes_and_checkpoints_know_what_moves(parts, blender, tmp_path):
     for which, ours in covered["PETZVAL"].items():
         # A pixel that is half covered by 256 samples: 0.03 each.
         assert np.abs(blocks(ours[..., None], 4) - blocks(covered["CYCLES"][which][..., None], 4)).max() < 0.05
+
+
+def test_frames_of_an_animation(parts, blender, tmp_path):
+    """With what Blender keeps of the frame before, the next one is the same."""
+    scene, *_ = stage(parts)
+    opened(scene)
+    scene.frame_set(FRAME + 1)
+    alone, _ = photograph(parts, scene, tmp_path / "alone.exr", samples=4)
+    scene.render.use_persistent_data = True
+    scene.frame_set(FRAME)
+    photograph(parts, scene, tmp_path / "before.exr", samples=1)
+    scene.frame_set(FRAME + 1)
+    after, _ = photograph(parts, scene, tmp_path / "after.exr", samples=4)
+    assert np.allclose(colour(alone), colour(after), atol=1e-6)
+
+
+def test_a_checkpoint_is_of_one_motion(parts, blender, tmp_path):
+    """A render that moves otherwise does not take up what another has left."""
+    scene, _, slides, _ = stage(parts)
+    watch = parts.part("loop").WATCH
+    opened(scene)
+    # Kept at the end, for one that asks for it by name.
+    watch.checkpoint, watch.checkpoint_every_s = str(tmp_path / "kept"), 0.0
+    try:
+        resumed = []
+        for shutter in (1.0, 1.0, 0.7):
+            scene.render.motion_blur_shutter = shutter
+            photograph(parts, scene, tmp_path / "kept.exr", samples=4)
+            kept = parts.part("statistics").last(scene.name).stats["checkpoint"]
+            resumed.append(kept["resumed_samples"])
+    finally:
+        watch.checkpoint = watch.checkpoint_every_s = None
+    assert resumed[0] == 0 and resumed[1] > 0 and resumed[2] == 0
+
+
+def test_hair_that_changes_its_shape_is_named(parts, blender, tmp_path):
+    scene, *_ = stage(parts)
+    data = blender.data.hair_curves.new("Hair")
+    data.add_curves([3])
+    data.attributes["position"].data.foreach_set("vector", [0, 0, 0, 0, 0, 1, 0, 0, 2])
+    holder = blender.data.objects.new("Hair", data)
+    holder.location = (0.0, 3.0, 0.0)
+    scene.collection.objects.link(holder)
+    group = blender.data.node_groups.new("Bend", "GeometryNodeTree")
+    group.interface.new_socket("Geometry", in_out="INPUT", socket_type="NodeSocketGeometry")
+    group.interface.new_socket("Geometry", in_out="OUTPUT", socket_type="NodeSocketGeometry")
+    start, end = group.nodes.new("NodeGroupInput"), group.nodes.new("NodeGroupOutput")
+    bend = group.nodes.new("GeometryNodeSetPosition")
+    group.links.new(start.outputs[0], bend.inputs["Geometry"])
+    group.links.new(group.nodes.new("GeometryNodeInputSceneTime").outputs["Seconds"], bend.inputs["Offset"])
+    group.links.new(bend.outputs[0], end.inputs[0])
+    holder.modifiers.new("Bend", "NODES").node_group = group
+    scene.frame_set(FRAME)
+    opened(scene)
+    photograph(parts, scene, tmp_path / "hair.exr", samples=1)
+    assert any("'Hair'" in line and "not blurred yet" in line for line in warnings(parts, scene))

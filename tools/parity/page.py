@@ -16,6 +16,7 @@ CHAPTERS = {
     "worlds": "Worlds",
     "shapes": "Shapes",
     "views": "Cameras",
+    "motion": "Motion",
 }
 
 

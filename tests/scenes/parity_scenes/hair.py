@@ -18,7 +18,7 @@ def _drawn_as(shape: str, subdivisions: int = 2) -> None:
     settings.subdivisions = subdivisions
 
 
-def _grown(strands: int, keys: int, length: float, radius: float, surface, seed: int = 1, bend: float = 0.5):
+def grown(strands: int, keys: int, length: float, radius: float, surface, seed: int = 1, bend: float = 0.5):
     """A tuft about the origin, as a hair curves object."""
     dice = np.random.default_rng(seed)
     out = dice.normal(size=(strands, 3))
@@ -51,31 +51,31 @@ def hair_curves():
     empty_studio()
     lamp("POINT", 200.0, (2.5, -3.0, 3.5), shadow_soft_size=0.2)
     ball(plain((0.3, 0.2, 0.15, 1.0)), (0.0, 0.0, 0.9), 0.75)
-    _grown(1500, 6, 0.7, 0.012, _principled_hair(Color=(0.45, 0.2, 0.08, 1.0), Roughness=0.35, Radial_Roughness=0.4))
+    grown(1500, 6, 0.7, 0.012, _principled_hair(Color=(0.45, 0.2, 0.08, 1.0), Roughness=0.35, Radial_Roughness=0.4))
 
 
 @scene("Ribbons: diffuse, under lamps", noise=0.012)
 def hair_ribbons():
     empty_studio(strength=0.1)
     _drawn_as("RIBBONS", 3)
-    _grown(300, 5, 0.8, 0.03, material(lambda t: t.shows(t.diffuse(GOLD))), bend=1.0)
+    grown(300, 5, 0.8, 0.03, material(lambda t: t.shows(t.diffuse(GOLD))), bend=1.0)
 
 
 @scene("Thick curves: gloss, and one that is seen through")
 def hair_thick():
     empty_studio()
     _drawn_as("THICK")
-    _grown(60, 5, 0.9, 0.06, plain(RED, Roughness=0.25), bend=0.8)
+    grown(60, 5, 0.9, 0.06, plain(RED, Roughness=0.25), bend=0.8)
     seen_through = material(lambda t: t.shows(t.mix(0.5, t.node("BsdfTransparent").outputs[0], t.diffuse(BLUE))))
-    put(_grown(40, 5, 0.8, 0.05, seen_through, seed=2), (-1.9, 0.3, 0.5), scale=0.6)
-    put(_grown(40, 5, 0.8, 0.05, plain(CREAM), seed=3), (1.9, 0.3, 0.5), (20, 30, 0), 0.6)
+    put(grown(40, 5, 0.8, 0.05, seen_through, seed=2), (-1.9, 0.3, 0.5), scale=0.6)
+    put(grown(40, 5, 0.8, 0.05, plain(CREAM), seed=3), (1.9, 0.3, 0.5), (20, 30, 0), 0.6)
 
 
 @scene("Curves that are straight between their points")
 def hair_straight():
     empty_studio()
     _drawn_as("THICK_LINEAR")
-    _grown(60, 4, 0.9, 0.06, plain(GREEN, Roughness=0.3), bend=1.5)
+    grown(60, 4, 0.9, 0.06, plain(GREEN, Roughness=0.3), bend=1.5)
 
 
 def _haired(count: int, surface, location=(0.0, 0.0, 0.9), radius: float = 0.75, **settings):
@@ -136,7 +136,7 @@ def hair_info():
         t.shows(t.diffuse(t.mixed_colour(wet, place, WHITE)))
 
     for i, build in enumerate((along, size, known)):
-        put(_grown(250, 6, 0.8, 0.03, material(build), seed=4 + i), (1.9 * i - 1.9, 0.0, 0.5), scale=0.6)
+        put(grown(250, 6, 0.8, 0.03, material(build), seed=4 + i), (1.9 * i - 1.9, 0.0, 0.5), scale=0.6)
 
 
 @scene("Hair shader on curves, under an even sky")
@@ -151,14 +151,14 @@ def hair_shader():
     )
     for i, kind in enumerate(kinds):
         surface = material(lambda t, kind=kind: t.shows(kind(t).outputs[0]))
-        put(_grown(500, 5, 0.8, 0.02, surface, seed=8 + i), (2.0 * i - 1.0, 0.0, 0.6), scale=0.8)
+        put(grown(500, 5, 0.8, 0.02, surface, seed=8 + i), (2.0 * i - 1.0, 0.0, 0.6), scale=0.8)
 
 
 @scene("Curves of geometry nodes: straight ones, and instances of hair")
 def hair_nodes():
     """Both of hair curves objects: what nodes make of other objects, neither program draws unless it is made a mesh."""
     empty_studio()
-    tuft = _grown(120, 5, 0.8, 0.03, plain(GOLD, Roughness=0.4), seed=12)
+    tuft = grown(120, 5, 0.8, 0.03, plain(GOLD, Roughness=0.4), seed=12)
     put(tuft, (0.0, 0.0, -5.0))
     for count, build in ((9, _planted), (1, _spiral)):
         data = bpy.data.hair_curves.new("Nodes")

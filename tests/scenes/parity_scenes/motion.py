@@ -9,7 +9,7 @@ from collections.abc import Callable
 import bpy
 import numpy as np
 
-from . import scene
+from . import hair, scene, volumes
 from .studio import BLUE, CREAM, GOLD, GREEN, RED, ball, cube, empty_studio, lamp, material, monkey, plain, put
 
 FRAME = 10
@@ -243,4 +243,35 @@ def switched_off():
     bent.slider_min = -2.0
     _animate(bent, "value", lambda t: 0.9 * t)
     _animate(stiff, "location", lambda t: (1.3, 0.0, 0.7 + 0.3 * t))
+    _opened()
+
+
+@scene("Hair goes with what it grows on, thick and as ribbons")
+def hair_goes_along():
+    empty_studio()
+    bpy.context.scene.cycles_curves.shape = "RIBBONS"
+    tuft = hair.grown(300, 5, 0.8, 0.03, material(lambda t: t.shows(t.diffuse(GOLD))), bend=0.8)
+    _animate(tuft, "location", lambda t: (0.8 * t, 0.0, 0.9))
+    _animate(tuft, "rotation_euler", lambda t: (0.0, 0.5 * t, 0.3))
+    _opened()
+
+
+@scene("Fog in a box that slides, glass, and a bump in the object's own coordinates", noise=0.015)
+def fog_and_glass():
+    empty_studio()
+    fog = volumes.filled(lambda t: t.node("VolumeScatter", Density=1.5, Color=CREAM).outputs[0])
+    box = cube(fog, (-1.2, 0.0, 0.8), 1.3, 0.0)
+    _animate(box, "location", lambda t: (-1.2 + 0.8 * t, 0.0, 0.8))
+    clear = ball(
+        material(lambda t: t.shows(t.principled(Roughness=0.0, Transmission_Weight=1.0))), (0.9, -1.6, 0.5), 0.5
+    )
+    _animate(clear, "location", lambda t: (0.9, -1.6, 0.5 + 0.4 * t))
+
+    def rough(t):
+        place = t.node("TexCoord").outputs["Object"]
+        height = t.node("TexNoise", Vector=place, Scale=6.0).outputs[0]
+        t.shows(t.diffuse(RED, Normal=t.node("Bump", Height=height, Strength=0.6).outputs[0]))
+
+    thing = ball(material(rough), (1.5, 0.6, 0.8), 0.8)
+    _animate(thing, "rotation_euler", lambda t: (0.0, 0.0, 0.8 * t))
     _opened()
