@@ -143,6 +143,12 @@ def read(path: Path) -> np.ndarray:
         bpy.data.images.remove(loaded)
 
 
+def at_corners(mesh: dict, values: tuple[str, np.ndarray]) -> np.ndarray:
+    """What was sent, (triangles, 3, numbers)."""
+    domain, rows = values
+    return rows[mesh["triangles"] if domain == "POINT" else mesh["loops"]]
+
+
 class Recorder:
     """The engine's own builder, with a record of what was sent to it."""
 

@@ -56,29 +56,26 @@ def _shown(graph: dict[str, Any], kind: str) -> set[str]:
     return {link["socket"] for link in given if graph["nodes"][link["node"]]["type"] == kind}
 
 
-def read(mesh: bpy.types.Mesh, names: Iterable[str], corners: np.ndarray, triangles: np.ndarray) -> dict[str, Any]:
-    """By name: (triangles, 3, 4). `corners` and `triangles` are the loops and vertices of each triangle."""
-    found = {name: _values(mesh, name, corners, triangles) for name in names}
+def read(mesh: bpy.types.Mesh, names: Iterable[str], triangles: int) -> dict[str, tuple[str, np.ndarray]]:
+    """By name: what they belong to, and four numbers each, as `mesh.Values`. `triangles` is how many the mesh has."""
+    found = {name: _values(mesh, name, triangles) for name in names}
     return {name: values for name, values in found.items() if values is not None}
 
 
-def _values(mesh: bpy.types.Mesh, name: str, corners: np.ndarray, triangles: np.ndarray) -> np.ndarray | None:
+def _values(mesh: bpy.types.Mesh, name: str, triangles: int) -> tuple[str, np.ndarray] | None:
     if name == GENERATED:
-        return _in_box(mesh).take(triangles, 0)
+        return "POINT", _in_box(mesh)
     if name in _OF_EDGES.values():
-        return _of_edges(mesh, name).take(triangles, 0)
+        return "POINT", _of_edges(mesh, name)
     attribute = mesh.attributes.get(name) if name else _colour_for_rendering(mesh)
     if attribute is None or attribute.data_type not in KINDS:
         return None
-    values = four(attribute)
-    if attribute.domain == "POINT":
-        return values.take(triangles, 0)
-    if attribute.domain == "CORNER":
-        return values.take(corners, 0)
+    if attribute.domain in ("POINT", "CORNER"):
+        return attribute.domain, four(attribute)
     if attribute.domain == "FACE":
-        faces = np.empty(len(triangles), np.int32)
+        faces = np.empty(triangles, np.int32)
         mesh.loop_triangles.foreach_get("polygon_index", faces)
-        return np.repeat(values.take(faces, 0)[:, None], 3, 1)
+        return "TRIANGLE", four(attribute).take(faces, 0)
     return None
 
 

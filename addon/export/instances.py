@@ -211,6 +211,7 @@ class Stage:
             name,
             arrays.positions,
             arrays.triangles,
+            loops=arrays.loops_if_asked,
             corner_normals=arrays.corner_normals,
             uv_maps=arrays.uv_maps or None,
             attributes=arrays.attributes or None,

@@ -16,26 +16,36 @@ from . import attributes
 MOST_UV_MAPS = 8
 
 
+#: What values belong to ("POINT", "CORNER", "TRIANGLE"), and these, one a row.
+Values = tuple[str, np.ndarray]
+
+
 @dataclass
 class MeshArrays:
-    """What `SceneBuilder.add_mesh` takes."""
+    """What `SceneBuilder.add_mesh` takes: values as the mesh keeps them, and which of them each triangle has."""
 
     positions: np.ndarray
     triangles: np.ndarray
-    corner_normals: np.ndarray | None = None
-    uv_maps: dict[str, np.ndarray] = field(default_factory=dict)
+    #: Which corners of the faces the triangles' are.
+    loops: np.ndarray
+    corner_normals: Values | None = None
+    uv_maps: dict[str, Values] = field(default_factory=dict)
     material_slots: np.ndarray | None = None
-    attributes: dict[str, np.ndarray] = field(default_factory=dict)
-    #: The corners of the triangles, as the mesh counts them.
-    corners: np.ndarray | None = None
+    attributes: dict[str, Values] = field(default_factory=dict)
 
-    def spread(self, normals: np.ndarray | None) -> np.ndarray | None:
-        """Normals of vertices or corners, as `normals` gives them, by the triangles' corners; None where they are of another
-        mesh."""
+    @property
+    def loops_if_asked(self) -> np.ndarray | None:
+        """None where nothing is kept by corners."""
+        normals = [self.corner_normals] if self.corner_normals else []
+        found = any(domain == "CORNER" for domain, _ in (*normals, *self.uv_maps.values(), *self.attributes.values()))
+        return self.loops if found else None
+
+    def fits(self, normals: Values | None) -> bool:
+        """Whether normals are of this mesh."""
         if normals is None:
-            return None
-        of = self.triangles if len(normals) == len(self.positions) else self.corners
-        return normals.take(of, 0) if of is not None and of.max(initial=0) < len(normals) else None
+            return False
+        count = len(self.positions) if normals[0] == "POINT" else int(self.loops.max(initial=-1)) + 1
+        return len(normals[1]) == count if normals[0] == "POINT" else len(normals[1]) >= count
 
 
 @contextmanager
@@ -62,16 +72,15 @@ def extract(mesh: bpy.types.Mesh, wanted: Iterable[str] = ()) -> MeshArrays | No
     count = len(mesh.loop_triangles)
     if count == 0:
         return None
-    corners = _read(mesh.loop_triangles, "loops", (count, 3), np.int32)
-    triangles = _attribute(mesh, ".corner_vert", "value", (len(mesh.loops),), np.int32).take(corners)
+    loops = _read(mesh.loop_triangles, "loops", (count, 3), np.int32)
     return MeshArrays(
         positions=positions(mesh),
-        triangles=triangles,
-        corner_normals=_normals(mesh, corners, triangles),
-        uv_maps=_uv_maps(mesh, corners),
+        triangles=_attribute(mesh, ".corner_vert", "value", (len(mesh.loops),), np.int32).take(loops),
+        loops=loops,
+        corner_normals=normals(mesh),
+        uv_maps=_uv_maps(mesh),
         material_slots=_slots(mesh, count),
-        attributes=attributes.read(mesh, wanted, corners, triangles),
-        corners=corners,
+        attributes=attributes.read(mesh, wanted, count),
     )
 
 
@@ -91,29 +100,19 @@ def _attribute(mesh: bpy.types.Mesh, name: str, value: str, shape: tuple[int, ..
     return _read(mesh.attributes[name].data, value, shape, kind)
 
 
-def normals(mesh: bpy.types.Mesh) -> np.ndarray | None:
-    """Normals by vertex, or by corner where that is not the same; None where all faces are flat."""
+def normals(mesh: bpy.types.Mesh) -> Values | None:
+    """By vertex, or by corner where that is not the same; None where all faces are flat."""
     if mesh.normals_domain == "FACE":
         return None
     if mesh.normals_domain == "POINT":
-        return _read(mesh.vertex_normals, "vector", (len(mesh.vertices), 3), np.float32)
-    return _read(mesh.corner_normals, "vector", (len(mesh.loops), 3), np.float32)
+        return "POINT", _read(mesh.vertex_normals, "vector", (len(mesh.vertices), 3), np.float32)
+    return "CORNER", _read(mesh.corner_normals, "vector", (len(mesh.loops), 3), np.float32)
 
 
-def _normals(mesh: bpy.types.Mesh, corners: np.ndarray, triangles: np.ndarray) -> np.ndarray | None:
-    """Normals by corner of the triangles; None where all faces are flat."""
-    found = normals(mesh)
-    if found is None:
-        return None
-    return found.take(triangles if mesh.normals_domain == "POINT" else corners, 0)
-
-
-def _uv_maps(mesh: bpy.types.Mesh, corners: np.ndarray) -> dict[str, np.ndarray]:
+def _uv_maps(mesh: bpy.types.Mesh) -> dict[str, Values]:
     """UV maps by name, the one that is rendered by default first."""
     layers = sorted(mesh.uv_layers, key=lambda layer: not layer.active_render)[:MOST_UV_MAPS]
-    return {
-        layer.name: _read(layer.uv, "vector", (len(mesh.loops), 2), np.float32).take(corners, 0) for layer in layers
-    }
+    return {layer.name: ("CORNER", _read(layer.uv, "vector", (len(mesh.loops), 2), np.float32)) for layer in layers}
 
 
 def _slots(mesh: bpy.types.Mesh, count: int) -> np.ndarray | None:

@@ -98,8 +98,8 @@ class Shape(NamedTuple):
     """A mesh at one key, or the keys of strands."""
 
     positions: np.ndarray
-    #: By vertex or by corner; None where it has none, or all faces are flat.
-    normals: np.ndarray | None = None
+    #: None where it has none, or all faces are flat.
+    normals: mesh.Values | None = None
 
 
 class Standing(NamedTuple):
@@ -172,7 +172,7 @@ class Blur:
 
     def poses(
         self, place: bpy.types.DepsgraphObjectInstance, now: mesh.MeshArrays
-    ) -> list[tuple[np.ndarray, np.ndarray | None]] | None:
+    ) -> list[tuple[np.ndarray, mesh.Values | None]] | None:
         """The vertices of an instance's mesh and the normals of its corners at its keys; None where it keeps its shape."""
         shapes = [one.shape for one in self._of(place)]
         if not shapes or any(one is None for one in shapes) or all(one is shapes[0] for one in shapes):
@@ -182,9 +182,8 @@ class Blur:
                 f"Object '{place.object.name}': it has other vertices while the shutter is open, how it changes is not blurred"
             )
             return None
-        normals = [now.spread(one.normals) for one in shapes]
-        has_normals = now.corner_normals is not None and all(one is not None for one in normals)
-        return [(one.positions, own if has_normals else None) for one, own in zip(shapes, normals, strict=True)]
+        has_normals = now.corner_normals is not None and all(now.fits(one.normals) for one in shapes)
+        return [(one.positions, one.normals if has_normals else None) for one in shapes]
 
     def changes_strands(self, place: bpy.types.DepsgraphObjectInstance, system: str | None = None) -> None:
         """Says so where strands change their shape: that is not blurred yet."""
@@ -222,7 +221,7 @@ def _same(one: Shape, other: Shape) -> bool:
         return False
     if one.normals is None or other.normals is None:
         return one.normals is other.normals
-    return one.normals.shape == other.normals.shape and np.array_equal(one.normals, other.normals)
+    return one.normals[0] == other.normals[0] and np.array_equal(one.normals[1], other.normals[1])
 
 
 def most_keys(depsgraph: bpy.types.Depsgraph) -> int:

@@ -146,6 +146,9 @@ def sharp_points_json(
 def free_memory_bytes() -> int | None:
     """What this process may still take of the machine's memory, or of its container's; None: the system does not say."""
 
+#: What values belong to ("POINT": vertices, "CORNER": corners of faces, as `loops` number them, "TRIANGLE"), and these, one a row.
+Values = tuple[str, npt.NDArray[np.float32]]
+
 class SceneBuilder:
     """Takes a scene apart from Python, piece by piece; `build` checks it and builds the trees."""
 
@@ -165,13 +168,14 @@ class SceneBuilder:
         positions: npt.NDArray[np.float32],  # (vertices, 3), object space
         triangles: npt.NDArray[np.uint32] | npt.NDArray[np.int32],  # (triangles, 3), vertex indices
         *,
-        corner_normals: npt.NDArray[np.float32] | None = None,  # (triangles, 3, 3), object space
-        uv_maps: dict[str, npt.NDArray[np.float32]] | None = None,  # name -> (triangles, 3, 2)
-        attributes: dict[str, npt.NDArray[np.float32]] | None = None,  # name -> (triangles, 3, 4)
+        loops: npt.NDArray[np.uint32] | npt.NDArray[np.int32] | None = None,  # (triangles, 3), corners of faces
+        corner_normals: Values | None = None,  # rows of 3, object space
+        uv_maps: dict[str, Values] | None = None,  # rows of 2
+        attributes: dict[str, Values] | None = None,  # rows of 4
         material_slots: npt.NDArray[np.int32] | None = None,  # (triangles,) slot of each triangle
         moved_positions: tuple[npt.NDArray[np.float32], npt.NDArray[np.float32]] | None = None,  # a frame before, after
         # Vertices and, if it has them, corner normals, at even times over the exposure.
-        poses: Sequence[tuple[npt.NDArray[np.float32], npt.NDArray[np.float32] | None]] | None = None,
+        poses: Sequence[tuple[npt.NDArray[np.float32], Values | None]] | None = None,
     ) -> int:
         """Triangles with a non-finite corner or without area are left out and counted in `warnings`."""
     def add_curves(

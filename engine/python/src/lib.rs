@@ -14,6 +14,7 @@ mod layer;
 mod lens;
 mod material;
 mod memory;
+mod mesh;
 mod pictures;
 mod plan;
 mod scene;

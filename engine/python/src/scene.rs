@@ -6,15 +6,14 @@ use crate::curves::{More, description};
 use crate::doorway::away;
 use crate::error::{Error, bad_scene, refused};
 use crate::material::{PyLight, PyMaterial, PyWorld, visible};
-use glam::{Affine3A, DMat4, DVec3, Vec2, Vec3, Vec4};
+use crate::mesh::{PyCorners, PyGrid, PyPose, corners, indices, named, read_grid, read_poses, vectors};
+use glam::{DMat4, DVec3};
 use numpy::{
-    PyArrayDyn, PyArrayMethods, PyReadonlyArray1, PyReadonlyArray2, PyReadonlyArray3, PyReadonlyArray4,
+    PyArrayDyn, PyArrayMethods, PyReadonlyArray1, PyReadonlyArray2,
     PyUntypedArrayMethods,
 };
 use petzval_render::integrator::Stage;
-use petzval_render::scene::grid::Grid;
 use petzval_render::scene::mesh::MeshDescription;
-use petzval_render::scene::motion::Poses;
 use petzval_render::scene::softening::Softening;
 use petzval_render::scene::texture::Texture;
 use petzval_render::scene::viewport::ViewportDescription;
@@ -26,12 +25,6 @@ use std::sync::Arc;
 
 /// Colour, pass index, random number.
 type PyObjectInfo = ((f32, f32, f32, f32), i32, f32);
-
-/// A grid's name; its values by z, y, x and channel; and the matrix from its voxels to the object's space.
-type PyGrid<'py> = (String, PyReadonlyArray4<'py, f32>, Matrix4);
-
-/// A mesh's vertices at a key, and the normals of its corners, if they are given.
-type PyPose<'py> = (PyReadonlyArray2<'py, f32>, Option<PyReadonlyArray3<'py, f32>>);
 
 /// Takes a scene apart from Python, piece by piece.
 #[pyclass]
@@ -83,89 +76,60 @@ impl SceneBuilder {
         Ok(self.builder.add_material(material)?)
     }
 
-    #[pyo3(signature = (name, positions, triangles, *, corner_normals = None, uv_maps = None, attributes = None, material_slots = None, moved_positions = None, poses = None, grids = None, keeps_opacity = false))]
+    #[pyo3(signature = (
+        name, positions, triangles, *, loops = None, corner_normals = None, uv_maps = None, attributes = None,
+        material_slots = None, moved_positions = None, poses = None, grids = None, keeps_opacity = false
+    ))]
     #[allow(clippy::too_many_arguments)]
-    fn add_mesh(
+    fn add_mesh<'py>(
         &mut self,
-        py: Python<'_>,
+        py: Python<'py>,
         name: &str,
-        positions: PyReadonlyArray2<'_, f32>,
-        triangles: &Bound<'_, PyAny>,
-        corner_normals: Option<PyReadonlyArray3<'_, f32>>,
-        uv_maps: Option<&Bound<'_, PyDict>>,
-        attributes: Option<&Bound<'_, PyDict>>,
-        material_slots: Option<numpy::PyReadonlyArray1<'_, i32>>,
-        moved_positions: Option<[PyReadonlyArray2<'_, f32>; 2]>,
-        poses: Option<Vec<PyPose<'_>>>,
-        grids: Option<Vec<PyGrid<'_>>>,
+        positions: PyReadonlyArray2<'py, f32>,
+        triangles: &Bound<'py, PyAny>,
+        loops: Option<&Bound<'py, PyAny>>,
+        corner_normals: Option<PyCorners<'py>>,
+        uv_maps: Option<&Bound<'py, PyDict>>,
+        attributes: Option<&Bound<'py, PyDict>>,
+        material_slots: Option<PyReadonlyArray1<'py, i32>>,
+        moved_positions: Option<[PyReadonlyArray2<'py, f32>; 2]>,
+        poses: Option<Vec<PyPose<'py>>>,
+        grids: Option<Vec<PyGrid<'py>>>,
         keeps_opacity: bool,
     ) -> Result<usize, Error> {
         let bad = |what: &str| bad_scene(format!("mesh '{name}': {what}"));
-        let positions = vec3s(positions.as_slice().map_err(|_| bad("positions are not contiguous"))?);
-        let indices: Vec<u32> = if let Ok(a) = triangles.cast::<PyArrayDyn<u32>>() {
-            a.readonly().as_slice().map_err(|_| bad("triangles are not contiguous"))?.to_vec()
-        } else if let Ok(a) = triangles.cast::<PyArrayDyn<i32>>() {
-            // A negative index becomes one past every vertex, which the check below names.
-            a.readonly()
-                .as_slice()
-                .map_err(|_| bad("triangles are not contiguous"))?
-                .iter()
-                .map(|&i| i as u32)
-                .collect()
-        } else {
-            return Err(bad("give its triangles as an int32 or uint32 array"));
-        };
-        let corner_normals = match &corner_normals {
-            Some(a) => Some(triples(&vec3s(a.as_slice().map_err(|_| bad("corner normals are not contiguous"))?))),
-            None => None,
-        };
-        let mut maps = Vec::new();
-        if let Some(dict) = uv_maps {
-            for (key, value) in dict {
-                let key: String = key.extract()?;
-                let array: PyReadonlyArray3<'_, f32> = value.extract()?;
-                let values = array.as_slice().map_err(|_| bad("a UV map is not contiguous"))?;
-                let uvs: Vec<Vec2> = values.chunks_exact(2).map(Vec2::from_slice).collect();
-                maps.push((key, triples(&uvs)));
-            }
-        }
-        let mut values_by_name = Vec::new();
-        for (key, value) in attributes.into_iter().flatten() {
-            let array: PyReadonlyArray3<'_, f32> = value.extract()?;
-            let values = array.as_slice().map_err(|_| bad("an attribute is not contiguous"))?;
-            let values: Vec<Vec4> = values.chunks_exact(4).map(Vec4::from_slice).collect();
-            values_by_name.push((key.extract()?, triples(&values)));
-        }
-        let material_slots = match &material_slots {
-            Some(a) => {
-                let list = a.as_slice().map_err(|_| bad("material slots are not contiguous"))?;
-                Some(list.iter().map(|&s| s.max(0) as u32).collect())
-            }
-            None => None,
-        };
-        let moved_positions = match &moved_positions {
-            Some(both) => {
-                let read = |a: &PyReadonlyArray2<'_, f32>| {
-                    a.as_slice().map(vec3s).map_err(|_| bad("moved positions are not contiguous"))
-                };
-                Some([read(&both[0])?, read(&both[1])?])
-            }
-            None => None,
-        };
-        let poses = match &poses {
-            Some(keys) => Some(read_poses(keys).map_err(|_| bad("its shapes over time are not contiguous"))?),
-            None => None,
-        };
         let description = MeshDescription {
             name: name.to_owned(),
-            positions,
-            triangles: indices.chunks_exact(3).map(|t| [t[0], t[1], t[2]]).collect(),
-            corner_normals,
-            uv_maps: maps,
-            attributes: values_by_name,
-            material_slots,
-            moved_positions,
-            poses,
+            positions: vectors(&positions).ok_or_else(|| bad("positions are not contiguous (vertices, 3)"))?,
+            triangles: indices(triangles).map_err(|why| bad(&format!("its triangles: {why}")))?,
+            loops: match loops {
+                Some(loops) => indices(loops).map_err(|why| bad(&format!("the corners of its faces: {why}")))?,
+                None => Vec::new(),
+            },
+            corner_normals: match &corner_normals {
+                Some(values) => Some(corners(values).map_err(|why| bad(&format!("corner normals: {why}")))?),
+                None => None,
+            },
+            uv_maps: named(uv_maps).map_err(|why| bad(&format!("UV map {why}")))?,
+            attributes: named(attributes).map_err(|why| bad(&format!("attribute {why}")))?,
+            material_slots: match &material_slots {
+                Some(a) => {
+                    let list = a.as_slice().map_err(|_| bad("material slots are not contiguous"))?;
+                    Some(list.iter().map(|&s| s.max(0) as u32).collect())
+                }
+                None => None,
+            },
+            moved_positions: match &moved_positions {
+                Some([before, after]) => {
+                    let read = |a| vectors(a).ok_or_else(|| bad("moved positions are not contiguous"));
+                    Some([read(before)?, read(after)?])
+                }
+                None => None,
+            },
+            poses: match &poses {
+                Some(keys) => Some(read_poses(keys).map_err(|why| bad(&format!("its shapes over time: {why}")))?),
+                None => None,
+            },
             grids: grids.into_iter().flatten().map(|grid| read_grid(grid, name)).collect::<Result<_, _>>()?,
             keeps_opacity,
         };
@@ -327,32 +291,4 @@ impl Scene {
     fn bvh_seconds(&self) -> f64 {
         self.stage.build_seconds
     }
-}
-
-fn read_poses(keys: &[PyPose<'_>]) -> Result<Poses, numpy::AsSliceError> {
-    let positions = keys.iter().map(|(positions, _)| positions.as_slice().map(vec3s)).collect::<Result<_, _>>()?;
-    let normals = |(_, normals): &PyPose<'_>| Some(normals.as_ref()?.as_slice().map(|list| triples(&vec3s(list))));
-    let corner_normals = keys.iter().map(normals).collect::<Option<Result<_, _>>>().transpose()?;
-    Ok(Poses { positions, corner_normals })
-}
-
-fn read_grid((grid, values, to_object): PyGrid<'_>, mesh: &str) -> Result<Grid, Error> {
-    let bad = |what: &str| bad_scene(format!("mesh '{mesh}': grid '{grid}': {what}"));
-    let to_object: DMat4 = to_object.into();
-    let to_voxels = to_object.inverse();
-    if !to_voxels.is_finite() {
-        return Err(bad("its matrix is not finite or has no inverse"));
-    }
-    let &[z, y, x, channels] = values.shape() else { return Err(bad("give four axes: z, y, x and channel")) };
-    let values = values.as_slice().map_err(|_| bad("its values are not contiguous"))?.to_vec();
-    let to_voxels = Affine3A::from_mat4(to_voxels.as_mat4());
-    Ok(Grid { name: grid.clone(), size: [x, y, z], channels, values, to_voxels })
-}
-
-fn vec3s(values: &[f32]) -> Vec<Vec3> {
-    values.chunks_exact(3).map(Vec3::from_slice).collect()
-}
-
-fn triples<T: Copy>(list: &[T]) -> Vec<[T; 3]> {
-    list.chunks_exact(3).map(|t| [t[0], t[1], t[2]]).collect()
 }

@@ -45,8 +45,8 @@ impl SurfacePoint {
         if mesh.is_special {
             return Self::on_special(instance, mesh, hit, direction);
         }
-        let normals = mesh.corner_normals.as_ref().map(|normals| &normals[hit.triangle as usize]);
-        Self::on_triangle(instance, mesh, hit, direction, mesh.corners(hit.triangle), normals)
+        let normals = mesh.normals(hit.triangle);
+        Self::on_triangle(instance, mesh, hit, direction, mesh.corners(hit.triangle), normals.as_ref())
     }
 
     /// On hair, or a mesh that changes its shape.
@@ -178,7 +178,7 @@ pub fn tangent_about_z(scene: &Scene, point: &SurfacePoint) -> Vec3A {
     }
     let part = match mesh.attribute(GENERATED) {
         Some(values) => {
-            let [a, b, c] = values[point.triangle as usize];
+            let [a, b, c] = values.at(mesh.numbers(), point.triangle);
             let [wa, wb, wc] = weights(point.barycentric);
             (a * wa + b * wb + c * wc).truncate() - 0.5
         }
@@ -262,7 +262,7 @@ pub fn uv(mesh: &Mesh, triangle: u32, barycentric: [f32; 2], map: Option<&str>) 
         return curves.uv_map(map).map_or(Vec2::ZERO, |index| curves.uv(index, triangle));
     }
     let Some(index) = mesh.uv_map(map) else { return Vec2::ZERO };
-    let c = mesh.uv_maps[index].1[triangle as usize];
+    let c = mesh.uv_maps[index].1.at(mesh.numbers(), triangle);
     let [w0, w1, w2] = weights(barycentric);
     c[0] * w0 + c[1] * w1 + c[2] * w2
 }

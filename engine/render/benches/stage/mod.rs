@@ -8,6 +8,7 @@ use petzval_render::Rgb;
 use petzval_render::camera::{Camera, CameraDescription, Model};
 use petzval_render::integrator::Stage;
 use petzval_render::sampler::mix;
+use petzval_render::scene::corners::Corners;
 use petzval_render::scene::material::{Input, Material};
 use petzval_render::scene::mesh::MeshDescription;
 use petzval_render::scene::texture::Texture;
@@ -60,8 +61,9 @@ fn grid(n: u32, place: impl Fn(f32, f32) -> Vec3) -> MeshDescription {
         let n = (b - a).cross(c - a);
         t.iter().for_each(|&k| normals[k as usize] += n);
     }
-    let corner_normals = triangles.iter().map(|t| t.map(|k| normals[k as usize].normalize_or(Vec3::Z))).collect();
-    MeshDescription { positions, triangles, corner_normals: Some(corner_normals), ..Default::default() }
+    let normals = normals.into_iter().map(|n| n.normalize_or(Vec3::Z)).collect();
+    let corner_normals = Some(Corners::Vertices(normals));
+    MeshDescription { positions, triangles, corner_normals, ..Default::default() }
 }
 
 fn bumpy_ball(n: u32, dice: &mut Dice) -> MeshDescription {

@@ -4,6 +4,7 @@
 use super::point::{Images, Point, UNDISPLACED_NORMAL, View};
 use crate::nodes::Way;
 use crate::scene::Scene;
+use crate::scene::corners::Corners;
 use crate::scene::graph::{Displacement, Graph};
 use crate::scene::mesh::{Mesh, MeshDescription};
 use crate::scene::motion::{MIDDLE, Poses};
@@ -105,18 +106,19 @@ fn moved(mesh: &Mesh, offsets: &[Vec3], bends: bool) -> MeshDescription {
     let shape = Mesh { positions, ..mesh.clone() };
     let new = vertex_normals(&shape);
     let corner_normals = mesh.corner_normals.as_ref().map(|old| {
-        let of = |(i, old): (usize, &[Vec3; 3])| {
-            let before = face_normal(mesh.corners(i as u32));
-            let is_flat = old.iter().all(|normal| normal.distance_squared(before) < 1e-8);
-            let flat = face_normal(shape.corners(i as u32));
-            shape.triangles[i].map(|vertex| if is_flat { flat } else { new[vertex as usize] })
+        let of = |i: u32| {
+            let before = face_normal(mesh.corners(i));
+            let is_flat = old.at(mesh.numbers(), i).iter().all(|normal| normal.distance_squared(before) < 1e-8);
+            let flat = face_normal(shape.corners(i));
+            shape.triangles[i as usize].map(|vertex| if is_flat { flat } else { new[vertex as usize] })
         };
-        old.iter().enumerate().map(of).collect()
+        Corners::Each((0..mesh.triangles.len() as u32).map(of).collect())
     });
     let Mesh {
         name,
         positions,
         triangles,
+        loops,
         uv_maps,
         mut attributes,
         material_slots,
@@ -127,18 +129,16 @@ fn moved(mesh: &Mesh, offsets: &[Vec3], bends: bool) -> MeshDescription {
         ..
     } = shape;
     if bends {
-        let old = |i: usize| match &mesh.corner_normals {
-            Some(normals) => normals[i],
-            None => [face_normal(mesh.corners(i as u32)); 3],
-        };
-        let old = (0..triangles.len()).map(|i| old(i).map(|normal| normal.extend(0.0))).collect();
-        attributes.push((UNDISPLACED_NORMAL.to_owned(), old));
+        let old = |i: u32| mesh.normals(i).unwrap_or_else(|| [face_normal(mesh.corners(i)); 3]);
+        let old = (0..triangles.len() as u32).map(|i| old(i).map(|normal| normal.extend(0.0))).collect();
+        attributes.push((UNDISPLACED_NORMAL.to_owned(), Corners::Each(old)));
     }
     let moved_positions = moved_positions.map(|moved| moved.map(|positions| shift(&positions)));
     MeshDescription {
         name,
         positions,
         triangles,
+        loops,
         corner_normals,
         uv_maps,
         attributes,

@@ -4,6 +4,7 @@ use super::around::Around;
 use super::strand;
 use super::way::Way;
 use crate::accel::{Hit, Ray};
+use crate::scene::corners::Corners;
 use crate::scene::mesh::{GENERATED, Mesh};
 use crate::scene::{Instance, Scene};
 use crate::surface::{SurfacePoint, mesh_of};
@@ -153,10 +154,10 @@ impl<'a> Point<'a> {
 
     fn interpolated<T: Copy + std::ops::Mul<f32, Output = T> + std::ops::Add<Output = T>>(
         &self,
-        corners: &[[T; 3]],
+        corners: &Corners<T>,
         shift: Shift,
     ) -> T {
-        let [a, b, c] = corners[self.surface.triangle as usize];
+        let [a, b, c] = corners.at(self.mesh.numbers(), self.surface.triangle);
         let [wa, wb, wc] = self.barycentric(shift);
         a * wa + b * wb + c * wc
     }
@@ -250,7 +251,7 @@ impl<'a> Point<'a> {
     fn tangent(&self, map: Option<usize>) -> Vec4 {
         let Some(map) = map else { return Vec4::ZERO };
         let [a, b, c] = self.instance.corners(self.mesh, self.surface.triangle);
-        let [ua, ub, uc] = self.mesh.uv_maps[map].1[self.surface.triangle as usize];
+        let [ua, ub, uc] = self.mesh.uv_maps[map].1.at(self.mesh.numbers(), self.surface.triangle);
         let (e, f, p, q) = (b - a, c - a, ub - ua, uc - ua);
         let area = p.perp_dot(q);
         let (along_u, along_v) = ((e * q.y - f * p.y) * area.signum(), (f * p.x - e * q.x) * area.signum());

@@ -1,6 +1,7 @@
 //! Triangle meshes, checked once so that nothing later needs to.
 
 use super::SceneError;
+use super::corners::{self, Corners, Named, Numbers};
 use super::curves::Curves;
 use super::grid::Grid;
 use super::motion::Poses;
@@ -18,12 +19,14 @@ pub struct MeshDescription {
     pub positions: Vec<Vec3>,
     /// Three indices into `positions`, anticlockwise seen from the front.
     pub triangles: Vec<[u32; 3]>,
+    /// By triangle, which corners of faces its own are: numbers for [`Corners::Loops`]; empty where there are none.
+    pub loops: Vec<[u32; 3]>,
     /// Normals at the corners, object space; `None` is flat.
-    pub corner_normals: Option<Vec<[Vec3; 3]>>,
+    pub corner_normals: Option<Corners<Vec3>>,
     /// UV maps by name, in Blender's order.
-    pub uv_maps: Vec<(String, Vec<[Vec2; 3]>)>,
+    pub uv_maps: Vec<Named<Vec2>>,
     /// What else is known at the corners, by name: what shader graphs ask for.
-    pub attributes: Vec<(String, Vec<[Vec4; 3]>)>,
+    pub attributes: Vec<Named<Vec4>>,
     /// Material slot by triangle; `None` is slot 0.
     pub material_slots: Option<Vec<u32>>,
     /// `positions` a frame before and a frame after; `None` where the mesh keeps its shape.
@@ -45,12 +48,14 @@ pub struct Mesh {
     pub positions: Vec<Vec3>,
     /// Three indices into `positions`, anticlockwise seen from the front.
     pub triangles: Vec<[u32; 3]>,
+    /// By triangle, which corners of faces its own are; empty where nothing is kept by these.
+    pub loops: Vec<[u32; 3]>,
     /// Unit normals at the corners, object space.
-    pub corner_normals: Option<Vec<[Vec3; 3]>>,
+    pub corner_normals: Option<Corners<Vec3>>,
     /// UV maps by name.
-    pub uv_maps: Vec<(String, Vec<[Vec2; 3]>)>,
+    pub uv_maps: Vec<Named<Vec2>>,
     /// What else is known at the corners, by name.
-    pub attributes: Vec<(String, Vec<[Vec4; 3]>)>,
+    pub attributes: Vec<Named<Vec4>>,
     /// Material slot by triangle.
     pub material_slots: Option<Vec<u32>>,
     /// `positions` a frame before and a frame after.
@@ -80,14 +85,19 @@ impl Mesh {
         let fits = |len: usize, what: &str| {
             if len == n { Ok(()) } else { Err(bad(format!("{what} for {len} triangles, but there are {n}"))) }
         };
+        let (numbers, vertices) = (Numbers { triangles: &d.triangles, loops: &d.loops }, d.positions.len());
+        let of_corners = |misfit: Option<String>, what: &str| match misfit {
+            None => Ok(()),
+            Some(why) => Err(bad(format!("{what}: {why}"))),
+        };
         if let Some(normals) = &d.corner_normals {
-            fits(normals.len(), "corner normals")?;
+            of_corners(normals.misfit(numbers, vertices), "corner normals")?;
         }
         for (name, uvs) in &d.uv_maps {
-            fits(uvs.len(), &format!("UV map '{name}'"))?;
+            of_corners(uvs.misfit(numbers, vertices), &format!("UV map '{name}'"))?;
         }
         for (name, values) in &d.attributes {
-            fits(values.len(), &format!("attribute '{name}'"))?;
+            of_corners(values.misfit(numbers, vertices), &format!("attribute '{name}'"))?;
         }
         if let Some(slots) = &d.material_slots {
             fits(slots.len(), "material slots")?;
@@ -98,7 +108,7 @@ impl Mesh {
         if let Some(poses) = &d.poses {
             let (keys, vertices) = (poses.key_count(), d.positions.len());
             let fit = poses.positions.iter().all(|key| key.len() == vertices);
-            let normals_fit = poses.corner_normals.iter().flatten().all(|key| key.len() == n)
+            let normals_fit = poses.corner_normals.iter().flatten().all(|key| key.misfit(numbers, vertices).is_none())
                 && poses.corner_normals.as_ref().is_none_or(|normals| normals.len() == keys);
             if keys < 2 || !fit || !normals_fit {
                 return Err(bad(format!("its {keys} shapes over time do not fit its {vertices} vertices")));
@@ -134,6 +144,7 @@ impl Mesh {
             name: d.name,
             positions: d.positions,
             triangles: d.triangles,
+            loops: d.loops,
             corner_normals: d.corner_normals,
             uv_maps: d.uv_maps,
             attributes: d.attributes,
@@ -148,7 +159,7 @@ impl Mesh {
         if dropped > 0 {
             mesh.keep_only(&keep);
         }
-        mesh.normalise_normals();
+        mesh.mend();
         Ok((mesh, warning))
     }
 
@@ -173,47 +184,49 @@ impl Mesh {
     }
 
     /// The values of an attribute at the corners.
-    pub fn attribute(&self, name: &str) -> Option<&[[Vec4; 3]]> {
-        self.attributes.iter().find(|(own, _)| own == name).map(|(_, values)| values.as_slice())
+    pub fn attribute(&self, name: &str) -> Option<&Corners<Vec4>> {
+        corners::named(&self.attributes, name)
+    }
+
+    /// For [`Corners::at`].
+    #[inline]
+    pub fn numbers(&self) -> Numbers<'_> {
+        Numbers { triangles: &self.triangles, loops: &self.loops }
+    }
+
+    /// The normals at a triangle's corners, object space; `None` of a mesh that has none.
+    #[inline]
+    pub fn normals(&self, triangle: u32) -> Option<[Vec3; 3]> {
+        Some(self.corner_normals.as_ref()?.at(self.numbers(), triangle))
     }
 
     fn keep_only(&mut self, keep: &[bool]) {
-        fn filter<T: Copy>(list: &mut Vec<T>, keep: &[bool]) {
-            let mut flags = keep.iter();
-            list.retain(|_| *flags.next().expect("lengths were checked"));
+        corners::keep_only(&mut self.triangles, keep);
+        if !self.loops.is_empty() {
+            corners::keep_only(&mut self.loops, keep);
         }
-        filter(&mut self.triangles, keep);
         if let Some(normals) = &mut self.corner_normals {
-            filter(normals, keep);
+            normals.keep_only(keep);
         }
         let posed = self.poses.as_mut().and_then(|poses| poses.corner_normals.as_mut());
-        posed.into_iter().flatten().for_each(|normals| filter(normals, keep));
-        for (_, uvs) in &mut self.uv_maps {
-            filter(uvs, keep);
-        }
-        for (_, values) in &mut self.attributes {
-            filter(values, keep);
-        }
+        posed.into_iter().flatten().for_each(|normals| normals.keep_only(keep));
+        self.uv_maps.iter_mut().for_each(|(_, uvs)| uvs.keep_only(keep));
+        self.attributes.iter_mut().for_each(|(_, values)| values.keep_only(keep));
         if let Some(slots) = &mut self.material_slots {
-            filter(slots, keep);
+            corners::keep_only(slots, keep);
         }
     }
 
-    /// Corner normals that are not finite or have no length become the face's own; the rest get length one.
-    fn normalise_normals(&mut self) {
-        let Some(normals) = &mut self.corner_normals else { return };
-        for (corner, t) in normals.iter_mut().zip(&self.triangles) {
-            let [a, b, c] = t.map(|i| self.positions[i as usize]);
-            for n in corner {
-                *n = n.try_normalize().unwrap_or_else(|| (b - a).cross(c - a).normalize_or(Vec3::Z));
-            }
+    /// Normals of length one, and UVs that are finite.
+    fn mend(&mut self) {
+        if let Some(mut normals) = self.corner_normals.take() {
+            corners::normalise(&mut normals, self.numbers(), |triangle| {
+                let [a, b, c] = self.corners(triangle);
+                (b - a).cross(c - a).normalize_or(Vec3::Z)
+            });
+            self.corner_normals = Some(normals);
         }
-        // A UV that is not finite would poison a texture lookup.
-        for (_, uvs) in &mut self.uv_maps {
-            for uv in uvs.iter_mut().flatten().filter(|uv| !uv.is_finite()) {
-                *uv = Vec2::ZERO;
-            }
-        }
+        self.uv_maps.iter_mut().for_each(|(_, uvs)| corners::finish(uvs));
     }
 }
 
@@ -258,7 +271,7 @@ mod tests {
     #[test]
     fn arrays_that_do_not_fit_are_named() {
         let mut d = quad();
-        d.uv_maps = vec![("UVMap".into(), vec![[Vec2::ZERO; 3]])];
+        d.uv_maps = vec![("UVMap".into(), Corners::Each(vec![[Vec2::ZERO; 3]]))];
         assert!(Mesh::new(d).unwrap_err().to_string().contains("UV map 'UVMap'"));
         let mut d = quad();
         d.triangles[0][2] = 9;
@@ -271,10 +284,12 @@ mod tests {
     #[test]
     fn normals_are_made_usable() {
         let mut d = quad();
-        d.corner_normals = Some(vec![[Vec3::new(0.0, 0.0, 3.0), Vec3::ZERO, Vec3::NAN]; 2]);
+        d.corner_normals = Some(Corners::Each(vec![[Vec3::new(0.0, 0.0, 3.0), Vec3::ZERO, Vec3::NAN]; 2]));
+        d.uv_maps = vec![("UVMap".into(), Corners::Vertices(vec![Vec2::NAN; 4]))];
         let (mesh, _) = Mesh::new(d).unwrap();
-        for n in mesh.corner_normals.unwrap().iter().flatten() {
+        for n in [0, 1].map(|triangle| mesh.normals(triangle).unwrap()).iter().flatten() {
             assert!((n.length() - 1.0).abs() < 1e-6);
         }
+        assert_eq!(mesh.uv_maps[0].1.at(mesh.numbers(), 1), [Vec2::ZERO; 3]);
     }
 }

@@ -2,6 +2,7 @@
 //! becomes an immutable [`Scene`] in render space. Nothing here knows how light moves or what a camera is.
 
 pub mod closure;
+pub mod corners;
 pub mod curves;
 pub mod edges;
 pub mod graph;
@@ -160,8 +161,8 @@ impl Instance {
     /// The normals at a triangle's corners, object space; `None` of a mesh that has none.
     #[inline]
     pub fn corner_normals(&self, mesh: &Mesh, triangle: u32) -> Option<[glam::Vec3; 3]> {
-        let posed = mesh.poses.as_ref().and_then(|poses| poses.normals(triangle, self.pose));
-        posed.or_else(|| Some(mesh.corner_normals.as_ref()?[triangle as usize]))
+        let posed = mesh.poses.as_ref().and_then(|poses| poses.normals(mesh.numbers(), triangle, self.pose));
+        posed.or_else(|| mesh.normals(triangle))
     }
 
     /// The material of a mesh's slot; slots past the end take the last, as Blender does.

@@ -5,6 +5,7 @@
 //! moment meets one of these, and whatever asks for that instance afterwards finds it where the ray met it. How many moments an
 //! instance has goes by how far it moves over the picture.
 
+use super::corners::{Corners, Numbers};
 use super::mesh::Mesh;
 use super::{Instance, Scene};
 use glam::{DAffine3, DMat3, DMat4, DQuat, DVec3, Vec3};
@@ -100,8 +101,8 @@ fn key_at(count: usize, part: f64) -> (usize, f64) {
 pub struct Poses {
     /// By key, its vertices, object space.
     pub positions: Vec<Vec<Vec3>>,
-    /// By key, unit normals at the triangles' corners, object space; `None` as in the mesh.
-    pub corner_normals: Option<Vec<Vec<[Vec3; 3]>>>,
+    /// By key, normals at the triangles' corners, object space; `None` as in the mesh.
+    pub corner_normals: Option<Vec<Corners<Vec3>>>,
 }
 
 /// Between which shapes of its mesh an instance is.
@@ -136,9 +137,9 @@ impl Poses {
     }
 
     /// The normals at the corners of a triangle, by its number; of no certain length.
-    pub fn normals(&self, triangle: u32, pose: Pose) -> Option<[Vec3; 3]> {
+    pub fn normals(&self, numbers: Numbers<'_>, triangle: u32, pose: Pose) -> Option<[Vec3; 3]> {
         let keys = self.corner_normals.as_ref()?;
-        let [from, to] = [0, 1].map(|next| keys[pose.key as usize + next][triangle as usize]);
+        let [from, to] = [0, 1].map(|next| keys[pose.key as usize + next].at(numbers, triangle));
         Some([0, 1, 2].map(|corner: usize| from[corner].lerp(to[corner], pose.part)))
     }
 }

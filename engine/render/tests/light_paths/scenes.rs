@@ -3,6 +3,7 @@
 use glam::{DMat4, DVec3, Vec2, Vec3};
 use petzval_render::Rgb;
 use petzval_render::integrator::Stage;
+use petzval_render::scene::corners::Corners;
 use petzval_render::scene::lamp::{Lamp, LampKind};
 use petzval_render::scene::material::{Channel, ImageInput, Input, Material};
 use petzval_render::scene::mesh::MeshDescription;
@@ -39,12 +40,11 @@ pub(crate) fn square() -> MeshDescription {
         Vec3::new(-1.0, 1.0, 0.0),
     ];
     let triangles = vec![[0, 1, 2], [0, 2, 3]];
-    let uv = |i: u32| (positions[i as usize].truncate() + Vec2::ONE) * 0.5;
-    let uvs = triangles.iter().map(|t: &[u32; 3]| t.map(uv)).collect();
+    let uvs = positions.iter().map(|p| (p.truncate() + Vec2::ONE) * 0.5).collect();
     MeshDescription {
         name: "square".into(),
         triangles,
-        uv_maps: vec![("UVMap".into(), uvs)],
+        uv_maps: vec![("UVMap".into(), Corners::Vertices(uvs))],
         positions,
         ..Default::default()
     }
@@ -75,7 +75,7 @@ pub(crate) fn ball(rings: u32) -> MeshDescription {
             }
         }
     }
-    d.corner_normals = Some(normals);
+    d.corner_normals = Some(Corners::Each(normals));
     d
 }
 

@@ -100,6 +100,7 @@ mod tests {
     use crate::Rgb;
     use crate::accel::Hit;
     use crate::scene::SceneBuilder;
+    use crate::scene::corners::Corners;
     use crate::scene::mesh::MeshDescription;
     use crate::scene::softening::Softening;
     use crate::scene::visibility::{Rays, Sets};
@@ -109,7 +110,7 @@ mod tests {
     fn scene(lift_below: f32) -> Scene {
         let corner = |turn: f32| Vec3::new(0.6 * turn.cos(), 0.6 * turn.sin(), 0.8);
         let positions: Vec<Vec3> = [0.0, 2.1, 4.2].map(corner).into();
-        let corner_normals = Some(vec![[positions[0], positions[1], positions[2]]]);
+        let corner_normals = Some(Corners::Vertices(positions.clone()));
         let triangles = vec![[0, 1, 2]];
         let mut builder = SceneBuilder::new();
         let mesh = MeshDescription { name: "cap".into(), positions, triangles, corner_normals, ..Default::default() };
