@@ -15,6 +15,7 @@ import numpy as np
 from . import checkpoints, effects, loop, passes, persistent, planning, render_settings, staging, statistics, tiles
 from .description import CameraDescription, Report, focused
 from .export import camera as camera_export
+from .export import world as world_export
 from .export.errors import ExportError
 from .export.motion import Frame, Motion
 from .native import EngineMissing, engine
@@ -50,7 +51,9 @@ class PetzvalRenderEngine(bpy.types.RenderEngine):
         mattes = (one for layer in passes.wanted_mattes(renderlayer) for one in passes.of_matte(layer, levels))
         groups = passes.of_light_groups(renderlayer)
         merging = passes.for_merging(renderlayer, scene.petzval)
-        for one in (passes.COMBINED, *passes.wanted(renderlayer), *mattes, *groups, *merging):
+        parts = passes.wanted_parts(renderlayer, bpy.app.version)
+        parts += passes.wanted_indices(renderlayer, bpy.app.version)
+        for one in (passes.COMBINED, *passes.wanted(renderlayer), *parts, *mattes, *groups, *merging):
             self.register_pass(scene, renderlayer, one.name, one.channels, one.channel_names, one.kind)
 
     def render(self, depsgraph):
@@ -122,6 +125,8 @@ class _Photograph:
         self.merging = passes.for_merging(layer, self.scene.petzval)
         self.mattes, self.matte_levels = passes.wanted_mattes(layer), passes.matte_levels(layer)
         self.light_groups = passes.of_light_groups(layer)
+        self.parts = passes.wanted_parts(layer, bpy.app.version)
+        self.indices = passes.wanted_indices(layer, bpy.app.version)
         self.focus: dict | None = None
         self.plan = None
         # What the plan tells, and the same in a line for the status.
@@ -164,9 +169,11 @@ class _Photograph:
             _deliver_black(self.host, self.depsgraph)
             return
         self._plan(native, scene, camera, settings, moving)
-        mattes = [one.engine_name for one in self.mattes]
+        mattes = [one.engine_name for one in (*self.mattes, *self.indices)]
         beside = {"plan": self.plan, "mattes": mattes, "matte_levels": self.matte_levels, "neighbours": neighbours}
         beside["light_groups"] = len(self.light_groups)
+        beside["parts"] = [one.engine_name for one in self.parts]
+        beside["mist"] = world_export.mist(self.scene.world)
         if checkpoint:
             decided = [(row["effect"], row["decision"]) for row in self.told["effects"]]
             others = {name: value for name, value in beside.items() if name != "plan"}
@@ -249,6 +256,8 @@ class _Photograph:
         pictures = {passes.COMBINED.name: job.image()}
         pictures |= {one.name: job.data(one.engine_name) for one in (*self.data_passes, *self.merging)}
         pictures |= {one.name: job.light_group(i)[..., :3] for i, one in enumerate(self.light_groups, 1)}
+        pictures |= {one.name: job.index(one.engine_name) for one in self.indices}
+        pictures |= {one.name: passes.channels_of(one, job.part(one.engine_name)) for one in self.parts}
         for layer in self.mattes:
             channels = job.matte(layer.engine_name)
             for i, one in enumerate(passes.of_matte(layer, self.matte_levels)):

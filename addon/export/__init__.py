@@ -13,6 +13,7 @@ import bpy
 
 from ..description import Report
 from . import world
+from .aovs import Aovs
 from .image import Images
 from .instances import Stage
 from .light_groups import LightGroups
@@ -29,7 +30,7 @@ def send_scene(
 ) -> None:
     """Fills a `SceneBuilder`. `check_stop` is called between objects and may raise."""
     images = Images(builder, report)
-    materials = Materials(builder, images, report)
+    materials = Materials(builder, images, Aovs(depsgraph.view_layer_eval), report)
     scene = depsgraph.scene_eval
     groups = LightGroups(depsgraph.view_layer_eval)
     sky = world.describe(scene.world, images, report)
@@ -37,6 +38,8 @@ def send_scene(
     builder.set_world(sky)
     stage = Stage(builder, materials, images, groups, report, check_stop, motion)
     stage.send(depsgraph)
+    if stage.holds_out and scene.petzval.integrator == "BIDIRECTIONAL":
+        report.warn(f"Scene '{scene.name}': bidirectional paths know of no holdout, what holds out is seen")
     if stage.is_selective and scene.petzval.integrator == "BIDIRECTIONAL":
         report.warn(
             f"Scene '{scene.name}': bidirectional paths know of no ray visibility but the camera's and shadows', and of no "

@@ -46,6 +46,12 @@ def _softening(holder: bpy.types.Object) -> tuple[float, float]:
     return geometry, shading
 
 
+def _stands_for(place: bpy.types.DepsgraphObjectInstance) -> bpy.types.Object:
+    """The object whose collections an instance belongs to: the one that is instanced by another belongs to that one's."""
+    found = place.parent if place.is_instance and place.parent is not None else place.object
+    return found.original
+
+
 class Stage:
     """Sends the instances of a dependency graph to the engine's builder."""
 
@@ -72,6 +78,9 @@ class Stage:
         self._meshes: dict[tuple[int, frozenset[str]], int | None] = {}
         # By the object and its particle system.
         self._hair: dict[tuple[str, str], int] = {}
+        #: The camera sees a hole somewhere.
+        self.holds_out = False
+        self._view_layer: bpy.types.ViewLayer | None = None
         self._drawn: dict[str, Any] = {}
         self._is_render = True
 
@@ -80,12 +89,15 @@ class Stage:
         links = Links(depsgraph, self._report)
         lights = Lights(self._images, links, self._groups)
         self._drawn = curves.shape(depsgraph.scene_eval)
+        self._view_layer = depsgraph.view_layer
         self._is_render = depsgraph.mode == "RENDER"
         shows_hair = depsgraph.view_layer_eval.use_strand
         for place in depsgraph.object_instances:
             self._check_stop()
             holder = place.object
             hidden = hidden_from(holder)
+            if _stands_for(place).indirect_only_get(view_layer=self._view_layer):
+                hidden = (*hidden, "CAMERA")
             if shows_hair and holder.particle_systems:
                 self._particles(holder, place, links, hidden)
             if not place.show_self or (holder.type == "CURVES" and not shows_hair):
@@ -144,9 +156,10 @@ class Stage:
         index: int,
         materials: list[int],
     ) -> None:
-        for flag, words in (("is_holdout", "holdout"), ("is_shadow_catcher", "shadow catcher")):
-            if getattr(holder, flag):
-                self._report.warn(f"Object '{holder.name}': {words} is not supported yet, it is shown as it is")
+        if holder.is_shadow_catcher:
+            self._report.warn(f"Object '{holder.name}': shadow catcher is not supported yet, it is shown as it is")
+        is_holdout = holder.is_holdout or _stands_for(place).holdout_get(view_layer=self._view_layer)
+        self.holds_out |= is_holdout
         if _is_diced(holder):
             self._report.warn(
                 f"Object '{holder.name}': adaptive subdivision is not supported yet, it is divided as often as its "
@@ -164,6 +177,7 @@ class Stage:
             info=(tuple(holder.color), holder.pass_index, object_info.random(holder, place)),
             light_group=self._groups.number(holder),
             softening=_softening(holder),
+            is_holdout=is_holdout,
         )
 
     def _mesh(self, holder: bpy.types.Object, place: bpy.types.DepsgraphObjectInstance) -> int | None:

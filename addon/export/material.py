@@ -10,6 +10,7 @@ import bpy
 
 from ..description import MaterialDescription, Report
 from . import attributes, nodes, shaders
+from .aovs import Aovs
 from .graph import describe as describe_graph
 from .image import Images
 from .texture import Inputs
@@ -21,8 +22,9 @@ _SMOKE = -1
 class Materials:
     """The materials of one scene, by the engine's index."""
 
-    def __init__(self, builder: Any, images: Images, report: Report) -> None:
+    def __init__(self, builder: Any, images: Images, aovs: Aovs, report: Report) -> None:
         self._builder = builder
+        self._aovs = aovs
         self._images = images
         self._report = report
         self._known: dict[int, int] = {}
@@ -59,6 +61,18 @@ class Materials:
 
     def describe(self, material: bpy.types.Material) -> MaterialDescription:
         """What the engine is told of a material: by the short way, where that says all; else all of its nodes."""
+        described = self._surface(material)
+        described.pass_index = material.pass_index
+        if uses_nodes(material):
+            owner = f"Material '{material.name}'"
+            found = self._aovs.describe(material.node_tree, lambda node: self._images.of_node(node, owner))
+            if found is not None:
+                described.aovs = json.dumps(found[0]), found[1]
+                key = material.original.as_pointer()
+                self._wanted[key] = self._wanted.get(key, frozenset()) | attributes.wanted(found[0])
+        return described
+
+    def _surface(self, material: bpy.types.Material) -> MaterialDescription:
         report = Report()
         described = self._by_the_short_way(material, report)
         if not report.warnings:
@@ -79,7 +93,6 @@ class Materials:
         return MaterialDescription(
             material.name,
             graph=json.dumps(graph),
-            pass_index=material.pass_index,
             displacement_method=material.displacement_method,
         )
 

@@ -198,6 +198,7 @@ class SceneBuilder:
         info: tuple[tuple[float, float, float, float], int, float] | None = None,  # colour, pass index, random
         light_group: int = 0,  # its number; 0 is none
         softening: tuple[float, float] = (0.0, 0.0),  # Blender's geometry and shading offsets of shadow terminators
+        is_holdout: bool = False,  # the camera sees a hole instead
     ) -> None:
         """`materials[slot]` is a material index; slots past its end take the last; empty: the default grey.
 
@@ -287,10 +288,12 @@ class Job:
         over_the_shutter: Sequence[CameraDescription] = (),
         *,
         plan: Plan | None = None,  # without one, the camera as it is described
-        mattes: Sequence[str] = (),  # OBJECT | MATERIAL | ASSET
+        mattes: Sequence[str] = (),  # OBJECT | MATERIAL | ASSET | OBJECT_INDEX | MATERIAL_INDEX
         matte_levels: int = 6,
         neighbours: tuple[CameraDescription, CameraDescription] | None = None,
         light_groups: int = 0,
+        parts: Sequence[str] = (),  # of light, for `part`
+        mist: tuple[float, float, float] = (0.0, 1.0, 1.0),  # start, depth, power of the falloff
         checkpoint: tuple[str, str, float] | None = None,  # file, fingerprint of the picture, seconds between two
     ) -> None:
         """`over_the_shutter`: the camera at the middles of equal parts of the exposure, where it changes meanwhile.
@@ -305,6 +308,13 @@ class Job:
     def matte(self, layer: str) -> npt.NDArray[np.float32]:
         """The channels (id, coverage, id, coverage) of all passes of a layer of Cryptomatte, (height, width, 4 passes),
         first row at the bottom."""
+    def index(self, layer: str) -> npt.NDArray[np.float32]:
+        """The pass index that most of a pixel's rays met, of OBJECT_INDEX or MATERIAL_INDEX, (height, width, 1), first row at the
+        bottom."""
+    def part(self, name: str) -> npt.NDArray[np.float32]:
+        """DIFFUSE_DIRECT, _INDIRECT, _COLOR, the same of GLOSSY and TRANSMISSION, VOLUME_DIRECT, VOLUME_INDIRECT, EMISSION,
+        ENVIRONMENT, DENOISING_ALBEDO, DENOISING_NORMAL, DENOISING_DEPTH, UV, MIST (how much is clear), AOV_0 and so on: (height,
+        width, 3), first row at the bottom. Light of a kind of lobe is divided by its colour."""
     def matte_metadata(self, layer: str, name: str) -> list[tuple[str, str]]:
         """What a file has to say of a layer that is called `name` in it: keys and values."""
     def wait(self, timeout_s: float) -> bool:

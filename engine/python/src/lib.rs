@@ -14,6 +14,7 @@ mod layer;
 mod lens;
 mod material;
 mod pictures;
+mod parts;
 mod plan;
 mod scene;
 mod surface;

@@ -188,7 +188,7 @@ impl SceneBuilder {
 
     #[pyo3(signature = (
         object_name, mesh, matrix_world, materials, *, hidden_from = Vec::new(), links = None, asset_name = None,
-        moved = None, info = None, light_group = 0, softening = (0.0, 0.0)
+        moved = None, info = None, light_group = 0, softening = (0.0, 0.0), is_holdout = false
     ))]
     #[allow(clippy::too_many_arguments)]
     fn add_instance(
@@ -204,6 +204,7 @@ impl SceneBuilder {
         info: Option<PyObjectInfo>,
         light_group: u16,
         softening: (f32, f32),
+        is_holdout: bool,
     ) -> Result<(), Error> {
         let instance = self.builder.add_instance(object_name, mesh, matrix_world.into(), &materials, true, true)?;
         let Some(instance) = instance else { return Ok(()) };
@@ -213,6 +214,9 @@ impl SceneBuilder {
             self.builder.set_links(instance, Links { receives, blocks, sets });
         }
         self.builder.set_light_group(instance, light_group);
+        if is_holdout {
+            self.builder.hold_out(instance);
+        }
         self.builder.set_softening(instance, Softening::new(softening.0, softening.1));
         if let Some((color, pass_index, random)) = info {
             self.builder.set_info(instance, ObjectInfo { color: color.into(), pass_index, random });

@@ -45,6 +45,7 @@ fn bench(c: &mut Criterion) {
                 limits,
                 pattern: Pattern::independent(1),
                 motion: None,
+                parts: &Default::default(),
             };
             let film = Film::new(SIZE[0], SIZE[1], pipeline != Pipeline::FilmFirst, false);
             // Tiles from all over the picture, near its centre first.

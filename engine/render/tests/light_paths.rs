@@ -86,6 +86,7 @@ fn light_alone(stage: &Stage, d: &CameraDescription, samples: u32, seed: u32, ma
         limits,
         pattern: Pattern::independent(seed),
         motion: None,
+        parts: &Default::default(),
     };
     let film = Film::new(WIDTH, HEIGHT, true, false);
     for tile in 0..film.tile_count() {

@@ -16,6 +16,7 @@ use crate::camera::real_lens::RealLens;
 use crate::film::{Patch, TileRect};
 use crate::integrator::Stage;
 use crate::integrator::bidirectional::{LightPath, Techniques};
+use crate::integrator::path::parts::Parts;
 use crate::integrator::path::{self, Limits, PathResult};
 use crate::sampler::{PathSampler, pattern::Pattern, raster::Raster};
 use film_first::FilmFirst;
@@ -89,6 +90,8 @@ pub struct Shot<'a> {
     pub pattern: Pattern,
     /// Where it is asked how things move over the picture.
     pub motion: Option<&'a Motion>,
+    /// What is kept of paths beside light as a whole and by groups.
+    pub parts: &'a Parts,
 }
 
 impl Shot<'_> {
@@ -237,7 +240,8 @@ impl Sample<'_> {
     }
 
     fn note_alpha(&mut self, found: &PathResult) {
-        let alpha = if self.shot.limits.hide_sky && !found.hit { 0.0 } else { 1.0 };
+        let seen = f32::from(u8::from(found.hit)) - found.hole;
+        let alpha = if self.shot.limits.hide_sky { seen } else { 1.0 };
         self.light.add_alpha(self.x, self.y, alpha);
     }
 

@@ -331,6 +331,20 @@ impl SceneBuilder {
         self.instances[instance].links = links;
     }
 
+    /// Lets the camera see a hole instead of an instance; all else sees it as it is.
+    pub fn hold_out(&mut self, instance: usize) {
+        for place in 0..self.instances[instance].materials.len() {
+            let material = self.instances[instance].materials[place];
+            let holding = Material { holds_out: true, speaks: true, ..self.materials[material as usize].clone() };
+            let known = self.materials.iter().position(|other| *other == holding);
+            let index = known.unwrap_or_else(|| {
+                self.materials.push(holding);
+                self.materials.len() - 1
+            });
+            self.instances[instance].materials[place] = index as u32;
+        }
+    }
+
     /// Says which light group what an instance emits is in; 0 is none.
     pub fn set_light_group(&mut self, instance: usize, group: u16) {
         self.instances[instance].light_group = group;

@@ -65,7 +65,7 @@ impl Path {
                     return;
                 }
                 let light = self.throughput * radiance * self.chosen.weight(pdf);
-                let of = found.groups.of(|| lights.group(scene, source));
+                let of = found.groups.met(found.path, self.way, false, || lights.group(scene, source));
                 found.add(of, limits.clamp(light, u32::from(self.way.depth)));
                 found.result.hit = true;
             },
@@ -83,12 +83,13 @@ impl Path {
                 return;
             }
             let light = self.throughput * radiance * self.chosen.weight(pdf);
-            let of = found.groups.of(|| stage.lights.group(&stage.scene, source));
+            let group = || stage.lights.group(&stage.scene, source);
+            let of = found.groups.met(found.path, self.way, stage.lights.is_world(source), group);
             found.add(of, limits.clamp(light, u32::from(self.way.depth)));
         });
     }
 
-    /// Adds the light of the surface that the ray meets.
+    /// Adds the light of the surface that the ray meets; true where the path ends, in a hole.
     pub(super) fn emission<G: Groups>(
         &self,
         stage: &Stage,
@@ -97,10 +98,22 @@ impl Path {
         point: &SurfacePoint,
         kept: f32,
         found: &mut Found<'_, G>,
-    ) {
+    ) -> bool {
         let material = &stage.scene.materials[point.material as usize];
+        if !material.speaks {
+            return false;
+        }
+        if self.way.is_camera() && material.may_hold_out() {
+            let view = self.view(self.travelled + hit.t);
+            let place = [hit.instance, hit.triangle];
+            let hole = nodes::hole(material, stage.around(), place, point.barycentric, &view) * kept;
+            found.result.hole += hole * self.throughput.element_sum() / 3.0;
+            if hole >= 1.0 {
+                return true;
+            }
+        }
         if !material.emits() || !self.finds(stage, || stage.scene.instances[hit.instance as usize].links.sets) {
-            return;
+            return false;
         }
         let view = self.view(self.travelled + hit.t);
         let place = [hit.instance, hit.triangle];
@@ -111,7 +124,9 @@ impl Path {
             .receiver()
             .map_or(0.0, |to| stage.lights.triangle_pdf(to, (hit.instance, hit.triangle), self.travelled + hit.t, cos));
         let light = self.throughput * radiance * self.chosen.weight(pdf);
-        let of = found.groups.of(|| stage.scene.instances[hit.instance as usize].light_group);
+        let group = || stage.scene.instances[hit.instance as usize].light_group;
+        let of = found.groups.met(found.path, self.way, false, group);
         found.add(of, limits.clamp(light, u32::from(self.way.depth)));
+        false
     }
 }
