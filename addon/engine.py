@@ -172,7 +172,7 @@ class _Photograph:
         mattes = [one.engine_name for one in (*self.mattes, *self.indices)]
         beside = {"plan": self.plan, "mattes": mattes, "matte_levels": self.matte_levels, "neighbours": neighbours}
         beside["light_groups"] = len(self.light_groups)
-        beside["parts"] = [one.engine_name for one in self.parts]
+        beside["parts"] = [name for one in self.parts for name in passes.engine_names(one)]
         beside["mist"] = world_export.mist(self.scene.world)
         if checkpoint:
             decided = [(row["effect"], row["decision"]) for row in self.told["effects"]]
@@ -257,7 +257,7 @@ class _Photograph:
         pictures |= {one.name: job.data(one.engine_name) for one in (*self.data_passes, *self.merging)}
         pictures |= {one.name: job.light_group(i)[..., :3] for i, one in enumerate(self.light_groups, 1)}
         pictures |= {one.name: job.index(one.engine_name) for one in self.indices}
-        pictures |= {one.name: passes.channels_of(one, job.part(one.engine_name)) for one in self.parts}
+        pictures |= {one.name: passes.channels_of(one, job) for one in self.parts}
         for layer in self.mattes:
             channels = job.matte(layer.engine_name)
             for i, one in enumerate(passes.of_matte(layer, self.matte_levels)):

@@ -112,13 +112,18 @@ def wanted_parts(view_layer: object, version: tuple[int, ...]) -> tuple[Pass, ..
     return (*_asked(view_layer, (*SURFACE, *LIGHT, *DENOISING), version), *of_aovs(view_layer))
 
 
-def channels_of(one: Pass, pixels: np.ndarray) -> np.ndarray:
-    """What of a part's three numbers the pass holds; a fourth is 1 where there is anything."""
+def engine_names(one: Pass) -> tuple[str, ...]:
+    """The engine's parts that a pass is made of: three numbers each, a fourth channel is a part of its own."""
+    alpha = one.engine_name.replace("AOV_", "AOV_ALPHA_")
+    return (one.engine_name, alpha) if one.channels == 4 else (one.engine_name,)
+
+
+def channels_of(one: Pass, job: object) -> np.ndarray:
+    """A pass of a finished job, by its parts."""
+    pixels, *alpha = (job.part(name) for name in engine_names(one))
     if one.engine_name == "MIST":
         pixels = 1.0 - pixels
-    if one.channels < 4:
-        return np.ascontiguousarray(pixels[..., : one.channels])
-    return np.concatenate([pixels, np.ones_like(pixels[..., :1])], axis=-1)
+    return np.concatenate([pixels, *alpha], axis=-1)[..., : one.channels]
 
 
 def wanted_indices(view_layer: object, version: tuple[int, ...]) -> tuple[Pass, ...]:

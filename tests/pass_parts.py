@@ -132,4 +132,33 @@ def room() -> bpy.types.Scene:
     holder.location, holder.rotation_euler = (0.5, 2.0, 3.0), (0.2, 0.0, 0.0)
     scene.collection.objects.link(holder)
     scene.world = parts.grey_world(0.3)
+    # Noise of caustics would hide all else.
+    scene.cycles.caustics_reflective = scene.cycles.caustics_refractive = False
     return scene
+
+
+def mixed(name: str, share: float, first: bpy.types.ShaderNode | str, second: str, **inputs) -> bpy.types.Material:
+    """A material of two shader nodes; the inputs are those of the first."""
+    made, tree, output = parts.material(name)
+    mix = tree.nodes.new("ShaderNodeMixShader")
+    mix.inputs["Fac"].default_value = share
+    for place, kind in enumerate((first, second), 1):
+        node = tree.nodes.new(f"ShaderNode{kind}")
+        for key, value in inputs.items() if place == 1 else ():
+            node.inputs[key.replace("_", " ")].default_value = value
+        tree.links.new(node.outputs[0], mix.inputs[place])
+    tree.links.new(mix.outputs[0], output)
+    return made
+
+
+def fog(place, size: float, density: float) -> bpy.types.Object:
+    """A cube of it."""
+    made, tree, _ = parts.material("Fog")
+    node = tree.nodes.new("ShaderNodeVolumeScatter")
+    node.inputs["Density"].default_value = density
+    tree.links.new(node.outputs[0], tree.nodes["Material Output"].inputs["Volume"])
+    bpy.ops.mesh.primitive_cube_add(size=size, location=place)
+    one = bpy.context.object
+    one.name = "Fog"
+    one.data.materials.append(made)
+    return one

@@ -7,10 +7,13 @@ const LOBES: [(&str, LobeKind); 3] =
     [("DIFFUSE", LobeKind::Diffuse), ("GLOSSY", LobeKind::Glossy), ("TRANSMISSION", LobeKind::Transmission)];
 
 /// The part of that name: a kind of lobe or VOLUME with _DIRECT or _INDIRECT, a kind of lobe with _COLOR, EMISSION, ENVIRONMENT,
-/// DENOISING_ALBEDO, DENOISING_NORMAL, DENOISING_DEPTH, UV, MIST, or AOV_ with a number.
+/// DENOISING_ALBEDO, DENOISING_NORMAL, DENOISING_DEPTH, UV, MIST, or AOV_ and AOV_ALPHA_ with a number.
 pub(crate) fn part(name: &str) -> Result<Part, Error> {
     if let Some(number) = name.strip_prefix("AOV_").and_then(|number| number.parse().ok()) {
         return Ok(Part::Aov(number));
+    }
+    if let Some(number) = name.strip_prefix("AOV_ALPHA_").and_then(|number| number.parse().ok()) {
+        return Ok(Part::AovAlpha(number));
     }
     for (lobe, kind) in LOBES {
         match name.strip_prefix(lobe) {

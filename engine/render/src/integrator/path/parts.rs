@@ -35,6 +35,8 @@ pub enum Part {
     DenoisingDepth,
     /// Output number so many of the shaders.
     Aov(u16),
+    /// 1 where that is given out, three times.
+    AovAlpha(u16),
     /// Texture coordinates and 1, of the first surface.
     Uv,
     /// 1 less what mist leaves, three times.
@@ -57,8 +59,8 @@ pub enum LobeKind {
 impl Part {
     /// Whether it counts as data do: each ray alike, for the pixel that it was started for. Else as light, where it lands.
     pub fn is_data(self) -> bool {
-        use Part::{Aov, DenoisingAlbedo, DenoisingDepth, DenoisingNormal, Mist, Ray, Uv};
-        matches!(self, DenoisingAlbedo | DenoisingNormal | DenoisingDepth | Aov(_) | Uv | Mist | Ray)
+        use Part::{Aov, AovAlpha, DenoisingAlbedo, DenoisingDepth, DenoisingNormal, Mist, Ray, Uv};
+        matches!(self, DenoisingAlbedo | DenoisingNormal | DenoisingDepth | Aov(_) | AovAlpha(_) | Uv | Mist | Ray)
     }
 
     /// What it is divided by: light by the colour that scattered it, what is a mean by what it is of.
@@ -66,7 +68,7 @@ impl Part {
         match self {
             Self::Light(lobe, _) => Some(Self::Colour(lobe)),
             Self::Colour(_) => Some(Self::White),
-            part if part.is_data() => Some(Self::Ray),
+            part if part.is_data() && part != Self::Ray => Some(Self::Ray),
             _ => None,
         }
     }
@@ -345,6 +347,9 @@ impl ByPart {
             crate::nodes::aovs(stage.around(), point, view, |number, value| {
                 if let Some(place) = self.parts.place(Part::Aov(number)).filter(|_| value.is_finite()) {
                     sums[place] = value;
+                }
+                if let Some(place) = self.parts.place(Part::AovAlpha(number)) {
+                    sums[place] = Rgb::ONE;
                 }
             });
         }
