@@ -29,7 +29,7 @@ pub enum Part {
     White,
     /// For a denoiser, of the first surface that is no mirror: what it scatters in all.
     DenoisingAlbedo,
-    /// Its normal, camera space.
+    /// Its normal; right, up and away from the camera.
     DenoisingNormal,
     /// The way to it along the rays, Blender units; it stands in all three numbers.
     DenoisingDepth,
@@ -323,7 +323,8 @@ impl ByPart {
             return;
         }
         self.add_to(sums, Part::DenoisingAlbedo, left * seen.albedo);
-        let normal = self.parts.seen.to_camera * seen.normal;
+        // As in Cycles, whose camera looks along its z.
+        let normal = self.parts.seen.to_camera * seen.normal * Vec3A::new(1.0, 1.0, -1.0);
         self.add_to(sums, Part::DenoisingNormal, Rgb::from(normal) * average);
         self.paths[path as usize].features = None;
     }
