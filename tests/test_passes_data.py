@@ -38,7 +38,7 @@ def name_outputs(room, layer):
     own.aov_name = "Tint"
     tree.links.new(coordinates.outputs["UV"], own.inputs["Color"])
     inner = bpy.data.node_groups.new("Inner", "ShaderNodeTree")
-    inner.interface.new_socket("In", in_out="INPUT", socket_type="NodeSocketColor")
+    inner.interface.new_socket("In", in_out="INPUT", socket_type="NodeSocketVector")
     start, end = inner.nodes.new("NodeGroupInput"), inner.nodes.new("ShaderNodeOutputAOV")
     end.aov_name = "Height"
     inner.links.new(start.outputs[0], end.inputs["Value"])

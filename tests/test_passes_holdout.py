@@ -101,12 +101,12 @@ def test_holes_are_as_cycles_has_them(room, tmp_path, hold_out):
     assert not scene_parts.part("statistics").last("Scene").warnings
 
 
-def test_without_a_transparent_film_holes_are_black(room, tmp_path):
+def test_without_a_transparent_film_holes_are_there_all_the_same(room, tmp_path):
     import bpy
 
     bpy.context.scene.render.film_transparent = False
     by_object(room)
     ours = room.photograph(tmp_path / "petzval.exr", samples=64)["Combined"]
     theirs = room.photograph(tmp_path / "cycles.exr", "CYCLES", samples=64)["Combined"]
-    assert np.all(ours[..., 3] == 1.0) and np.all(theirs[..., 3] == 1.0)
+    assert 0.8 < theirs[..., 3].mean() < 0.97
     assert np.abs(room.blocks(ours) - room.blocks(theirs)).max() < 0.02

@@ -6,9 +6,11 @@ from __future__ import annotations
 import numpy as np
 import pytest
 
-#: Light through rough glass has the most noise, 3 per cent of a block's then. The colour of metals differs by 2 per cent: Cycles
-#: counts what goes on from facet to facet otherwise there.
-SAMPLES, MEAN, BLOCKS = 256, 0.03, 0.08
+#: Noise is less then than these limits of the mean and of a block; with 4096 samples all but the next two agree to 0.003.
+SAMPLES, LIMITS = 256, (0.015, 0.04)
+#: Rough glass has sparks, whose mean is found late. The colour of metals differs by 2 per cent: Cycles counts what goes on from
+#: facet to facet otherwise there.
+WIDER = {"Transmission Indirect": (0.06, 0.12), "Glossy Color": (0.03, 0.03)}
 NAMES = (
     "Diffuse Direct", "Diffuse Indirect", "Diffuse Color", "Glossy Direct", "Glossy Indirect", "Glossy Color",
     "Transmission Direct", "Transmission Indirect", "Transmission Color", "Volume Direct", "Volume Indirect", "Emission",
@@ -52,12 +54,15 @@ def of_skin(room):
 
 
 @pytest.mark.parametrize("add", [nothing, in_fog, behind_panes, of_skin])
-def test_each_is_as_cycles_has_it(room, tmp_path, add):
+def test_each_is_as_cycles_has_it(room, blender, tmp_path, add):
+    if add is of_skin and blender.app.version < (5, 0, 0):
+        pytest.skip("light walks otherwise through bodies there: tests/test_closures_against_cycles.py")
     add(room)
     ours = room.photograph(tmp_path / "petzval.exr", samples=SAMPLES)
     theirs = room.photograph(tmp_path / "cycles.exr", "CYCLES", samples=SAMPLES)
     assert ours.keys() == theirs.keys()
-    room.same(ours, theirs, NAMES, mean=MEAN, block=BLOCKS)
+    for name in NAMES:
+        room.same(ours, theirs, [name], *WIDER.get(name, LIMITS))
     sums_up(room, ours)
 
 

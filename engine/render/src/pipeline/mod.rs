@@ -240,8 +240,8 @@ impl Sample<'_> {
     }
 
     fn note_alpha(&mut self, found: &PathResult) {
-        let seen = f32::from(u8::from(found.hit)) - found.hole;
-        let alpha = if self.shot.limits.hide_sky { seen } else { 1.0 };
+        let seen = f32::from(u8::from(found.hit || !self.shot.limits.hide_sky));
+        let alpha = seen - found.hole;
         self.light.add_alpha(self.x, self.y, alpha);
     }
 

@@ -333,16 +333,23 @@ impl SceneBuilder {
 
     /// Lets the camera see a hole instead of an instance; all else sees it as it is.
     pub fn hold_out(&mut self, instance: usize) {
-        for place in 0..self.instances[instance].materials.len() {
-            let material = self.instances[instance].materials[place];
-            let holding = Material { holds_out: true, speaks: true, ..self.materials[material as usize].clone() };
-            let known = self.materials.iter().position(|other| *other == holding);
-            let index = known.unwrap_or_else(|| {
-                self.materials.push(holding);
-                self.materials.len() - 1
-            });
-            self.instances[instance].materials[place] = index as u32;
-        }
+        let of_slots = std::mem::take(&mut self.instances[instance].materials);
+        // Counted from 1; 0 is what an empty slot has.
+        let slots = if of_slots.is_empty() { vec![0] } else { of_slots };
+        self.instances[instance].materials = slots.into_iter().map(|slot| self.holding(slot)).collect();
+    }
+
+    /// A material of a slot, made to hold out.
+    fn holding(&mut self, slot: u32) -> u32 {
+        let grey = Material::default_grey();
+        let own = slot.checked_sub(1).map_or(&grey, |index| &self.materials[index as usize]);
+        let holding = Material { holds_out: true, speaks: true, ..own.clone() };
+        let known = self.materials.iter().position(|other| *other == holding);
+        let index = known.unwrap_or_else(|| {
+            self.materials.push(holding);
+            self.materials.len() - 1
+        });
+        index as u32 + 1
     }
 
     /// Says which light group what an instance emits is in; 0 is none.
