@@ -12,7 +12,7 @@ import traceback
 import bpy
 import numpy as np
 
-from . import checkpoints, effects, loop, passes, persistent, planning, render_settings, staging, statistics, tiles
+from . import checkpoints, effects, loop, passes, persistent, planning, render_settings, shadow_catcher, staging, statistics, tiles
 from .description import CameraDescription, Report, focused
 from .export import camera as camera_export
 from .export import world as world_export
@@ -53,6 +53,7 @@ class PetzvalRenderEngine(bpy.types.RenderEngine):
         merging = passes.for_merging(renderlayer, scene.petzval)
         parts = passes.wanted_parts(renderlayer, bpy.app.version)
         parts += passes.wanted_indices(renderlayer, bpy.app.version)
+        parts += (passes.SHADOW,) * passes.wants_shadow(renderlayer)
         for one in (passes.COMBINED, *passes.wanted(renderlayer), *parts, *mattes, *groups, *merging):
             self.register_pass(scene, renderlayer, one.name, one.channels, one.channel_names, one.kind)
 
@@ -127,6 +128,7 @@ class _Photograph:
         self.light_groups = passes.of_light_groups(layer)
         self.parts = passes.wanted_parts(layer, bpy.app.version)
         self.indices = passes.wanted_indices(layer, bpy.app.version)
+        self.has_shadow = passes.wants_shadow(layer)
         self.focus: dict | None = None
         self.plan = None
         # What the plan tells, and the same in a line for the status.
@@ -145,7 +147,10 @@ class _Photograph:
         builder, size = native.SceneBuilder(), (width, height)
         checkpoint = checkpoints.of(self.depsgraph)
         told = checkpoint.watched(builder) if checkpoint else builder
-        staging.fill(told, self.depsgraph, camera, size, self.report, self._check_stop, motion)
+        catches = staging.fill(told, self.depsgraph, camera, size, self.report, self._check_stop, motion)
+        if catches and self.scene.petzval.integrator == "BIDIRECTIONAL":
+            self.report.warn(f"Scene '{self.scene.name}': bidirectional paths know of no shadow catchers, these are shown")
+            catches = False
         self.report.warnings += builder.warnings()
         sync_seconds = time.perf_counter() - began
 
@@ -173,6 +178,8 @@ class _Photograph:
         beside = {"plan": self.plan, "mattes": mattes, "matte_levels": self.matte_levels, "neighbours": neighbours}
         beside["light_groups"] = len(self.light_groups)
         beside["parts"] = [name for one in self.parts for name in passes.engine_names(one)]
+        if catches:
+            beside["parts"] += shadow_catcher.PARTS
         beside["mist"] = world_export.mist(self.scene.world)
         if checkpoint:
             decided = [(row["effect"], row["decision"]) for row in self.told["effects"]]
@@ -181,7 +188,10 @@ class _Photograph:
         job = loop.stoppable(lambda: native.Job(scene, camera, settings, moving, **beside), self._stop_asked)
         stopped = loop.follow(job, stop_asked=self._stop_asked, show=self._show, tell=self._progress)
         self._progress(job.progress() if stopped else 1.0, job.samples_done())
-        self._show_all(job)
+        caught = None
+        if catches and not stopped:
+            caught = self._catchers_alone(native, camera, settings, moving, size, place)
+        self._show_all(job, caught)
         for warning in scene.warnings():
             if warning not in self.report.warnings:
                 self.report.warn(warning)
@@ -191,6 +201,19 @@ class _Photograph:
             self._tell("Keeping the render", 1.0)
             is_done_with = not stopped and loop.WATCH.checkpoint is None
             loop.stoppable(lambda: job.end_checkpoints(is_done_with), lambda: False)
+
+    def _catchers_alone(self, native, camera, settings, moving, size, place):
+        """The finished render of what catches shadows without anything that throws them."""
+        builder = native.SceneBuilder()
+        staging.fill(builder, self.depsgraph, camera, size, Report(), self._check_stop, only_catchers=True)
+        # A sky that the camera sees is none of the light on them.
+        settings = dataclasses.replace(settings, transparent_film=True)
+        scene = loop.stoppable(lambda: builder.build(place, settings.threads, None), self._stop_asked)
+        make = lambda: native.Job(scene, camera, settings, moving, plan=self.plan)  # noqa: E731
+        job = loop.stoppable(make, self._stop_asked)
+        tell = lambda part, _: self._tell("Shadows without what throws them", part)  # noqa: E731
+        loop.follow(job, stop_asked=self._stop_asked, show=lambda _: None, tell=tell)
+        return job
 
     def _plan(self, native, scene, camera, settings, moving) -> None:
         """Decides what is simulated."""
@@ -251,9 +274,16 @@ class _Photograph:
         self.host.frame_set(frame, subframe)
         self.scene = self.depsgraph.scene_eval
 
-    def _show_all(self, job) -> None:
+    def _show_all(self, job, caught=None) -> None:
         """The finished picture with its passes of data, at once: a result without a pass would blacken it."""
         pictures = {passes.COMBINED.name: job.image()}
+        if caught is not None:
+            pictures[passes.COMBINED.name] = shadow_catcher.picture(
+                job, caught, is_opaque=not self.scene.render.film_transparent, has_pass=self.has_shadow
+            )
+            pictures[shadow_catcher.NAME] = shadow_catcher.shadow(job, caught)
+        elif self.has_shadow:
+            pictures[shadow_catcher.NAME] = np.ones_like(pictures[passes.COMBINED.name][..., :3])
         pictures |= {one.name: job.data(one.engine_name) for one in (*self.data_passes, *self.merging)}
         pictures |= {one.name: job.light_group(i)[..., :3] for i, one in enumerate(self.light_groups, 1)}
         pictures |= {one.name: job.index(one.engine_name) for one in self.indices}

@@ -79,6 +79,15 @@ DENOISING = (
     Light("Denoising Depth", "", "Z", "VALUE", "denoising_store_passes", "DENOISING_DEPTH", True),
 )
 
+#: What of the light is left on what catches shadows.
+SHADOW = Pass("Shadow Catcher", 3, "RGB", "COLOR", "use_pass_shadow_catcher")
+
+
+def wants_shadow(view_layer: object) -> bool:
+    """Whether a view layer asks for it."""
+    return getattr(getattr(view_layer, "cycles", None), SHADOW.switch, False)
+
+
 #: Pass indices, for masks.
 INDICES = (
     Light("Object Index", "IndexOB", "X", "VALUE", "use_pass_object_index", "OBJECT_INDEX"),

@@ -31,10 +31,14 @@ def fill(
     report: Report,
     check_stop: Callable[[], None] = lambda: None,
     motion: Motion | None = None,
-) -> None:
-    """Tells the engine's `SceneBuilder` all that the camera may see."""
-    export.send_scene(depsgraph, builder, report, check_stop, motion)
+    *,
+    only_catchers: bool = False,
+) -> bool:
+    """Tells the engine's `SceneBuilder` all that the camera may see; whether something catches shadows. `only_catchers`: what
+    does not is a hole for the camera, and nothing to all else."""
+    catches = export.send_scene(depsgraph, builder, report, check_stop, motion, only_catchers=only_catchers)
     viewport.send(builder, seen_by, *size)
+    return catches
 
 
 def place(of: CameraDescription) -> tuple[float, float, float]:

@@ -39,7 +39,12 @@ def photograph(path, engine: str = "PETZVAL", samples: int = 64) -> dict[str, np
         bpy.ops.render.render(write_still=True)
     finally:
         scene.render.engine = "PETZVAL"
-    first = scene.view_layers[0].name
+    return read(path)
+
+
+def read(path) -> dict[str, np.ndarray]:
+    """What `photograph` gives, of a file."""
+    first = bpy.context.scene.view_layers[0].name
     found: dict[str, dict[str, np.ndarray]] = {}
     for name, pixels in exr_channels(path).items():
         layer, _, rest = name.partition(".")

@@ -11,7 +11,8 @@ from typing import Any
 
 import bpy
 
-from ..description import Report
+from .. import passes
+from ..description import Report, WorldDescription
 from . import world
 from .aovs import Aovs
 from .image import Images
@@ -27,17 +28,23 @@ def send_scene(
     report: Report,
     check_stop: Callable[[], None],
     motion: Motion | None = None,
-) -> None:
-    """Fills a `SceneBuilder`. `check_stop` is called between objects and may raise."""
-    images = Images(builder, report)
-    materials = Materials(builder, images, Aovs(depsgraph.view_layer_eval), report)
+    *,
+    only_catchers: bool = False,
+) -> bool:
+    """Fills a `SceneBuilder`. `check_stop` is called between objects and may raise. With `only_catchers` what
+    does not catch shadows holds out, and is not there for anything but the camera. True where something catches shadows."""
+    images, layer = Images(builder, report), depsgraph.view_layer_eval
+    materials = Materials(builder, images, Aovs(layer), report, layer.material_override)
     scene = depsgraph.scene_eval
-    groups = LightGroups(depsgraph.view_layer_eval)
-    sky = world.describe(scene.world, images, report)
-    sky.light_group = groups.number(scene.world)
-    builder.set_world(sky)
-    stage = Stage(builder, materials, images, groups, report, check_stop, motion)
+    groups = LightGroups(layer)
+    own = sky_of(depsgraph)
+    builder.set_world(_sky(depsgraph, images, groups, report))
+    stage = Stage(builder, materials, images, groups, report, check_stop, motion, only_catchers=only_catchers)
     stage.send(depsgraph)
+    if passes.wanted_parts(layer, bpy.app.version) and scene.petzval.integrator == "BIDIRECTIONAL":
+        report.warn(
+            f"Scene '{scene.name}': bidirectional paths know of no passes of light, of mist, UV and shaders' outputs: these are black"
+        )
     if stage.holds_out and scene.petzval.integrator == "BIDIRECTIONAL":
         report.warn(f"Scene '{scene.name}': bidirectional paths know of no holdout, what holds out is seen")
     if stage.is_selective and scene.petzval.integrator == "BIDIRECTIONAL":
@@ -47,7 +54,7 @@ def send_scene(
         )
     if groups.names and scene.petzval.integrator == "BIDIRECTIONAL":
         report.warn(f"Scene '{scene.name}': bidirectional paths know of no light groups, their passes are black")
-    if (materials.fills_space or world.fills_space(scene.world)) and scene.petzval.integrator == "BIDIRECTIONAL":
+    if (materials.fills_space or world.fills_space(own)) and scene.petzval.integrator == "BIDIRECTIONAL":
         report.warn(f"Scene '{scene.name}': bidirectional paths know of no volumes, space is empty")
     if scene.render.use_motion_blur:
         report.warn(
@@ -55,3 +62,19 @@ def send_scene(
         )
     if scene.render.use_freestyle:
         report.warn(f"Scene '{scene.name}': Freestyle lines are not supported yet, they are left out")
+    return stage.catches_shadows
+
+
+def sky_of(depsgraph: bpy.types.Depsgraph) -> bpy.types.World | None:
+    """The world of a view layer."""
+    layer = depsgraph.view_layer_eval
+    # Blender 5 lets a layer have another.
+    own = getattr(layer, "world_override", None) or depsgraph.scene_eval.world
+    return own if layer.use_sky else None
+
+
+def _sky(depsgraph: bpy.types.Depsgraph, images: Images, groups: LightGroups, report: Report) -> WorldDescription:
+    own = sky_of(depsgraph)
+    sky = world.describe(own, images, report)
+    sky.light_group = groups.number(own)
+    return sky

@@ -8,7 +8,7 @@ from typing import Any
 
 import bpy
 
-from ..description import Report
+from ..description import RAYS, Report
 from . import curves, grids, hair, mesh, object_info
 from .camera import rows
 from .image import Images
@@ -64,6 +64,8 @@ class Stage:
         report: Report,
         check_stop: Callable[[], None],
         motion: Motion | None = None,
+        *,
+        only_catchers: bool = False,
     ) -> None:
         self._builder = builder
         self._motion = motion
@@ -80,6 +82,9 @@ class Stage:
         self._hair: dict[tuple[str, str], int] = {}
         #: The camera sees a hole somewhere.
         self.holds_out = False
+        #: Shadows are caught somewhere.
+        self.catches_shadows = False
+        self._only_catchers = only_catchers
         self._view_layer: bpy.types.ViewLayer | None = None
         self._drawn: dict[str, Any] = {}
         self._is_render = True
@@ -91,7 +96,8 @@ class Stage:
         self._drawn = curves.shape(depsgraph.scene_eval)
         self._view_layer = depsgraph.view_layer
         self._is_render = depsgraph.mode == "RENDER"
-        shows_hair = depsgraph.view_layer_eval.use_strand
+        layer = depsgraph.view_layer_eval
+        shows_hair = layer.use_strand
         for place in depsgraph.object_instances:
             self._check_stop()
             holder = place.object
@@ -103,6 +109,12 @@ class Stage:
             if not place.show_self or (holder.type == "CURVES" and not shows_hair):
                 continue
             self.is_selective |= links.any or not BOUNCES.isdisjoint(hidden)
+            is_left_out = (
+                (holder.type == "VOLUME" and not layer.use_volumes)
+                or (holder.type in WITH_SURFACE - {"CURVES"} and not layer.use_solid)
+            )
+            if is_left_out:
+                continue
             if holder.type in WITH_SURFACE:
                 self._surface(holder, place, links, hidden)
             elif holder.type == "VOLUME":
@@ -122,7 +134,8 @@ class Stage:
         index = self._mesh(holder, place)
         if index is None:
             return
-        materials = [self._materials.index(slot.material) for slot in holder.material_slots]
+        slots = holder.material_slots or ([None] if self._materials.override else [])
+        materials = [self._materials.index(slot and slot.material) for slot in slots]
         # All strands have the first.
         self._place(holder, place, links, hidden, index, materials[:1] if holder.type == "CURVES" else materials)
 
@@ -156,9 +169,12 @@ class Stage:
         index: int,
         materials: list[int],
     ) -> None:
-        if holder.is_shadow_catcher:
-            self._report.warn(f"Object '{holder.name}': shadow catcher is not supported yet, it is shown as it is")
-        is_holdout = holder.is_holdout or _stands_for(place).holdout_get(view_layer=self._view_layer)
+        is_catcher = holder.is_shadow_catcher
+        self.catches_shadows |= is_catcher
+        if self._only_catchers and not is_catcher:
+            # In the way of the camera, and of nothing else.
+            hidden = tuple(kind for kind in RAYS if kind != "CAMERA" or kind in hidden)
+        is_holdout = (self._only_catchers and not is_catcher) or holder.is_holdout or _stands_for(place).holdout_get(view_layer=self._view_layer)
         self.holds_out |= is_holdout
         if _is_diced(holder):
             self._report.warn(
@@ -178,6 +194,7 @@ class Stage:
             light_group=self._groups.number(holder),
             softening=_softening(holder),
             is_holdout=is_holdout,
+            is_catcher=is_catcher,
         )
 
     def _mesh(self, holder: bpy.types.Object, place: bpy.types.DepsgraphObjectInstance) -> int | None:

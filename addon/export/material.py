@@ -22,8 +22,12 @@ _SMOKE = -1
 class Materials:
     """The materials of one scene, by the engine's index."""
 
-    def __init__(self, builder: Any, images: Images, aovs: Aovs, report: Report) -> None:
+    def __init__(
+        self, builder: Any, images: Images, aovs: Aovs, report: Report, override: bpy.types.Material | None = None
+    ) -> None:
         self._builder = builder
+        #: What everything is made of instead.
+        self.override = override
         self._aovs = aovs
         self._images = images
         self._report = report
@@ -35,6 +39,7 @@ class Materials:
 
     def index(self, material: bpy.types.Material | None) -> int:
         """The engine's index of a material; an empty slot gets Blender's default grey."""
+        material = self.override or material
         key = 0 if material is None else material.original.as_pointer()
         if key not in self._known:
             described = MaterialDescription("(none)") if material is None else self.describe(material)
@@ -43,6 +48,7 @@ class Materials:
 
     def volume_index(self, material: bpy.types.Material | None) -> int:
         """The same for a volume object, which without one is smoke."""
+        material = self.override or material
         if material is not None:
             return self.index(material)
         self.fills_space = True
@@ -56,6 +62,7 @@ class Materials:
 
     def wanted(self, material: bpy.types.Material | None) -> frozenset[str]:
         """The attributes that a material asks of meshes."""
+        material = self.override or material
         self.index(material)
         return frozenset() if material is None else self._wanted.get(material.original.as_pointer(), frozenset())
 

@@ -199,6 +199,7 @@ class SceneBuilder:
         light_group: int = 0,  # its number; 0 is none
         softening: tuple[float, float] = (0.0, 0.0),  # Blender's geometry and shading offsets of shadow terminators
         is_holdout: bool = False,  # the camera sees a hole instead
+        is_catcher: bool = False,  # its shadows alone are wanted: for CAUGHT and CATCHES
     ) -> None:
         """`materials[slot]` is a material index; slots past its end take the last; empty: the default grey.
 
@@ -313,7 +314,8 @@ class Job:
         bottom."""
     def part(self, name: str) -> npt.NDArray[np.float32]:
         """DIFFUSE_DIRECT, _INDIRECT, _COLOR, the same of GLOSSY and TRANSMISSION, VOLUME_DIRECT, VOLUME_INDIRECT, EMISSION,
-        ENVIRONMENT, DENOISING_ALBEDO, DENOISING_NORMAL, DENOISING_DEPTH, UV, MIST (how much is clear), AOV_0 and so on: (height,
+        ENVIRONMENT, DENOISING_ALBEDO, DENOISING_NORMAL, DENOISING_DEPTH, CAUGHT (light of
+        what catches shadows), CATCHES (how much of a pixel does, and how much is anything), UV, MIST (how much is clear), AOV_0 and so on: (height,
         width, 3), first row at the bottom. Light of a kind of lobe is divided by its colour."""
     def matte_metadata(self, layer: str, name: str) -> list[tuple[str, str]]:
         """What a file has to say of a layer that is called `name` in it: keys and values."""

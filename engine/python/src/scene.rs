@@ -188,7 +188,8 @@ impl SceneBuilder {
 
     #[pyo3(signature = (
         object_name, mesh, matrix_world, materials, *, hidden_from = Vec::new(), links = None, asset_name = None,
-        moved = None, info = None, light_group = 0, softening = (0.0, 0.0), is_holdout = false
+        moved = None, info = None, light_group = 0, softening = (0.0, 0.0), is_holdout = false,
+        is_catcher = false
     ))]
     #[allow(clippy::too_many_arguments)]
     fn add_instance(
@@ -205,6 +206,7 @@ impl SceneBuilder {
         light_group: u16,
         softening: (f32, f32),
         is_holdout: bool,
+        is_catcher: bool,
     ) -> Result<(), Error> {
         let instance = self.builder.add_instance(object_name, mesh, matrix_world.into(), &materials, true, true)?;
         let Some(instance) = instance else { return Ok(()) };
@@ -214,6 +216,9 @@ impl SceneBuilder {
             self.builder.set_links(instance, Links { receives, blocks, sets });
         }
         self.builder.set_light_group(instance, light_group);
+        if is_catcher {
+            self.builder.catch_shadows(instance);
+        }
         if is_holdout {
             self.builder.hold_out(instance);
         }

@@ -111,6 +111,8 @@ pub struct Instance {
     pub moved: Option<Box<[DAffine3; 2]>>,
     /// What shader graphs may ask of the object.
     pub info: ObjectInfo,
+    /// It stands for what the picture is to be laid over: its shadows alone are wanted.
+    pub is_catcher: bool,
 }
 
 /// What Blender's Object Info node tells.
@@ -186,6 +188,7 @@ struct RawInstance {
     links: Links,
     light_group: u16,
     softening: Softening,
+    is_catcher: bool,
 }
 
 /// Collects a scene's pieces in any order in which each piece comes after those that it names.
@@ -312,6 +315,7 @@ impl SceneBuilder {
             links: Links::default(),
             light_group: 0,
             softening: Softening::default(),
+            is_catcher: false,
         });
         Ok(Some(self.instances.len() - 1))
     }
@@ -329,6 +333,11 @@ impl SceneBuilder {
     /// Says which lights light an instance, and in which it throws shadows.
     pub fn set_links(&mut self, instance: usize, links: Links) {
         self.instances[instance].links = links;
+    }
+
+    /// Says that the shadows on an instance alone are wanted.
+    pub fn catch_shadows(&mut self, instance: usize) {
+        self.instances[instance].is_catcher = true;
     }
 
     /// Lets the camera see a hole instead of an instance; all else sees it as it is.
@@ -462,6 +471,7 @@ impl SceneBuilder {
                     links: raw.links,
                     light_group: raw.light_group,
                     softening,
+                    is_catcher: raw.is_catcher,
                 }
             })
             .collect();

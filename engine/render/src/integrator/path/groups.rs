@@ -168,7 +168,7 @@ impl Groups for ByGroup {
 
     fn finds(&mut self, path: u32, stage: &Stage, point: &SurfacePoint, view: &View) {
         let (count, groups) = (self.count(), usize::from(self.groups));
-        self.parts.finds(of_parts(&mut self.sums, path as usize, groups, count), stage, point, view);
+        self.parts.finds(of_parts(&mut self.sums, path as usize, groups, count), path, stage, point, view);
     }
 
     fn looks_at(&mut self, path: u32, way: Way, throughput: Rgb, bsdf: &impl Parted, distance: f32) {

@@ -7,7 +7,7 @@
 
 use crate::Rgb;
 use crate::integrator::Stage;
-use crate::nodes::Way;
+use crate::nodes::{View, Way};
 use crate::shading::{LobeShares, Parted};
 use crate::surface::SurfacePoint;
 use glam::{DMat4, Mat3A, Vec3A};
@@ -37,6 +37,10 @@ pub enum Part {
     Aov(u16),
     /// 1 where that is given out, three times.
     AovAlpha(u16),
+    /// Light that the first surface scatters where it is to catch shadows.
+    Caught,
+    /// 1 for every path that found such a surface first, and for every one that found any, and once more.
+    Catches,
     /// Texture coordinates and 1, of the first surface.
     Uv,
     /// 1 less what mist leaves, three times.
@@ -59,8 +63,8 @@ pub enum LobeKind {
 impl Part {
     /// Whether it counts as data do: each ray alike, for the pixel that it was started for. Else as light, where it lands.
     pub fn is_data(self) -> bool {
-        use Part::{Aov, AovAlpha, DenoisingAlbedo, DenoisingDepth, DenoisingNormal, Mist, Ray, Uv};
-        matches!(self, DenoisingAlbedo | DenoisingNormal | DenoisingDepth | Aov(_) | AovAlpha(_) | Uv | Mist | Ray)
+        use Part::{Aov, AovAlpha, Catches, DenoisingAlbedo, DenoisingDepth, DenoisingNormal, Mist, Ray, Uv};
+        matches!(self, DenoisingAlbedo | DenoisingNormal | DenoisingDepth | Aov(_) | AovAlpha(_) | Catches | Uv | Mist | Ray)
     }
 
     /// What it is divided by: light by the colour that scattered it, what is a mean by what it is of.
@@ -179,6 +183,7 @@ struct Path {
     first: First,
     /// What mirrors before the surface of the denoiser's passes left; `None` behind it.
     features: Option<Rgb>,
+    is_caught: bool,
 }
 
 /// Notes parts of paths.
@@ -214,7 +219,7 @@ impl ByPart {
         if self.parts.list.is_empty() {
             return;
         }
-        self.paths.push(Path { first: First::None, features: Some(Rgb::ONE) });
+        self.paths.push(Path { first: First::None, features: Some(Rgb::ONE), is_caught: false });
         for one in [Part::White, Part::Ray] {
             self.add_to(sums, one, Rgb::ONE);
         }
@@ -279,6 +284,9 @@ impl ByPart {
             return;
         }
         let Belongs { first, is_near, is_met } = of;
+        if self.paths[path as usize].is_caught {
+            self.add_to(sums, Part::Caught, light);
+        }
         if let Some(left) = self.paths[path as usize].features.filter(|_| self.has_features && is_met) {
             self.add_to(sums, Part::DenoisingAlbedo, light * left);
         }
@@ -330,8 +338,13 @@ impl ByPart {
     }
 
     /// The first surface that the path did not pass.
-    pub(super) fn finds(&self, sums: &mut [Rgb], stage: &Stage, point: &SurfacePoint, view: &crate::nodes::View) {
+    pub(super) fn finds(&mut self, sums: &mut [Rgb], path: u32, stage: &Stage, point: &SurfacePoint, view: &View) {
         let scene = &stage.scene;
+        if let Some(place) = self.parts.place(Part::Catches) {
+            let is_caught = scene.instances[point.instance as usize].is_catcher;
+            self.paths[path as usize].is_caught = is_caught;
+            sums[place] = Rgb::new(f32::from(u8::from(is_caught)), 1.0, 1.0);
+        }
         if let Some(place) = self.parts.place(Part::Uv) {
             let uv = crate::surface::uv(
                 crate::surface::mesh_of(scene, point.instance),
