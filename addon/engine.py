@@ -4,6 +4,7 @@
 from __future__ import annotations
 
 import dataclasses
+import functools
 import json
 import math
 import time
@@ -190,7 +191,9 @@ class _Photograph:
         self._progress(job.progress() if stopped else 1.0, job.samples_done())
         caught = None
         if catches and not stopped:
-            caught = self._catchers_alone(native, camera, settings, moving, size, place)
+            others = functools.partial(self._beside_all, native, camera, settings, moving, size, place)
+            is_over_sky = not (self.has_shadow or self.scene.render.film_transparent)
+            caught = others(is_sky=False), others(is_sky=True) if is_over_sky else None
         self._show_all(job, caught)
         for warning in scene.warnings():
             if warning not in self.report.warnings:
@@ -202,12 +205,15 @@ class _Photograph:
             is_done_with = not stopped and loop.WATCH.checkpoint is None
             loop.stoppable(lambda: job.end_checkpoints(is_done_with), lambda: False)
 
-    def _catchers_alone(self, native, camera, settings, moving, size, place):
-        """The finished render of what catches shadows without anything that throws them."""
+    def _beside_all(self, native, camera, settings, moving, size, place, *, is_sky: bool):
+        """The finished render of what catches shadows without anything that throws them, or of the sky alone."""
         builder = native.SceneBuilder()
-        staging.fill(builder, self.depsgraph, camera, size, Report(), self._check_stop, only_catchers=True)
-        # A sky that the camera sees is none of the light on them.
-        settings = dataclasses.replace(settings, transparent_film=True)
+        if is_sky:
+            staging.fill_sky(builder, self.depsgraph, camera, size, Report())
+        else:
+            staging.fill(builder, self.depsgraph, camera, size, Report(), self._check_stop, only_catchers=True)
+        # A sky that the camera sees is none of the light on what catches shadows.
+        settings = dataclasses.replace(settings, transparent_film=not is_sky)
         scene = loop.stoppable(lambda: builder.build(place, settings.threads, None), self._stop_asked)
         make = lambda: native.Job(scene, camera, settings, moving, plan=self.plan)  # noqa: E731
         job = loop.stoppable(make, self._stop_asked)
@@ -278,10 +284,11 @@ class _Photograph:
         """The finished picture with its passes of data, at once: a result without a pass would blacken it."""
         pictures = {passes.COMBINED.name: job.image()}
         if caught is not None:
+            is_opaque = not self.scene.render.film_transparent
             pictures[passes.COMBINED.name] = shadow_catcher.picture(
-                job, caught, is_opaque=not self.scene.render.film_transparent, has_pass=self.has_shadow
+                job, *caught, is_opaque=is_opaque, has_pass=self.has_shadow
             )
-            pictures[shadow_catcher.NAME] = shadow_catcher.shadow(job, caught)
+            pictures[shadow_catcher.NAME] = shadow_catcher.shadow(job, caught[0])
         elif self.has_shadow:
             pictures[shadow_catcher.NAME] = np.ones_like(pictures[passes.COMBINED.name][..., :3])
         pictures |= {one.name: job.data(one.engine_name) for one in (*self.data_passes, *self.merging)}

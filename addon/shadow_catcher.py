@@ -28,15 +28,17 @@ def shadow(everything: Any, alone: Any) -> np.ndarray:
     return (1.0 - covered) + covered * left
 
 
-def picture(everything: Any, alone: Any, *, is_opaque: bool, has_pass: bool) -> np.ndarray:
+def picture(everything: Any, alone: Any, sky: Any, *, is_opaque: bool, has_pass: bool) -> np.ndarray:
     """The picture to be laid over a photograph, (height, width, 4): what catches shadows is gone, and the mean of its shadow
-    is alpha; with a pass for it (`has_pass`) it is there alone. With an opaque film the sky is in the picture where nothing else
-    is."""
+    is alpha; with a pass for it (`has_pass`) it is there alone. With an opaque film it is laid over the finished render of the
+    `sky`, if there is one."""
     whole, catches = everything.image(), everything.part("CATCHES")
     seen = np.ones_like(catches[..., 1:2]) if is_opaque else catches[..., 1:2]
     others = 1.0 - np.divide(catches[..., :1], seen, out=np.zeros_like(seen), where=seen != 0.0)
     light, alpha = whole[..., :3] - everything.part("CAUGHT"), whole[..., 3:] * others
-    if has_pass:
-        return np.concatenate([light, alpha], axis=-1)
-    dark = 1.0 - np.clip(shadow(everything, alone).mean(-1, keepdims=True), 0.0, 1.0)
-    return np.concatenate([light, (1.0 - alpha) * dark + alpha], axis=-1)
+    if not has_pass:
+        dark = 1.0 - np.clip(shadow(everything, alone).mean(-1, keepdims=True), 0.0, 1.0)
+        alpha = (1.0 - alpha) * dark + alpha
+    if sky is not None:
+        light, alpha = light + sky.image()[..., :3] * (1.0 - alpha), np.ones_like(alpha)
+    return np.concatenate([light, alpha], axis=-1)

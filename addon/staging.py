@@ -41,6 +41,14 @@ def fill(
     return catches
 
 
+def fill_sky(
+    builder: Any, depsgraph: bpy.types.Depsgraph, seen_by: CameraDescription, size: tuple[int, int], report: Report
+) -> None:
+    """Tells a `SceneBuilder` of the sky alone."""
+    export.send_sky(depsgraph, builder, report)
+    viewport.send(builder, seen_by, *size)
+
+
 def place(of: CameraDescription) -> tuple[float, float, float]:
     """Where a camera stands in the world."""
     return tuple(row[3] for row in of.matrix_world[:3])

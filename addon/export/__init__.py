@@ -73,6 +73,12 @@ def sky_of(depsgraph: bpy.types.Depsgraph) -> bpy.types.World | None:
     return own if layer.use_sky else None
 
 
+def send_sky(depsgraph: bpy.types.Depsgraph, builder: Any, report: Report) -> None:
+    """Fills a `SceneBuilder` with the world alone."""
+    groups = LightGroups(depsgraph.view_layer_eval)
+    builder.set_world(_sky(depsgraph, Images(builder, report), groups, report))
+
+
 def _sky(depsgraph: bpy.types.Depsgraph, images: Images, groups: LightGroups, report: Report) -> WorldDescription:
     own = sky_of(depsgraph)
     sky = world.describe(own, images, report)
