@@ -13,7 +13,19 @@ import traceback
 import bpy
 import numpy as np
 
-from . import checkpoints, effects, loop, passes, persistent, planning, render_settings, shadow_catcher, staging, statistics, tiles
+from . import (
+    checkpoints,
+    effects,
+    loop,
+    passes,
+    persistent,
+    planning,
+    render_settings,
+    shadow_catcher,
+    staging,
+    statistics,
+    tiles,
+)
 from .description import CameraDescription, Report, focused
 from .export import camera as camera_export
 from .export import world as world_export
@@ -143,6 +155,7 @@ class _Photograph:
         width, height = camera_export.resolution(self.scene.render)
         camera = staging.camera(self.scene, width, height, self.report)
         settings = render_settings.describe(self.scene, width, height, bool(self.data_passes))
+        settings = render_settings.of_layer(settings, self.scene, self.depsgraph.view_layer_eval)
         moving = self._over_the_shutter(camera, width, height)
         neighbours, motion = self._beside(camera, width, height)
         builder, size = native.SceneBuilder(), (width, height)
@@ -150,7 +163,9 @@ class _Photograph:
         told = checkpoint.watched(builder) if checkpoint else builder
         catches = staging.fill(told, self.depsgraph, camera, size, self.report, self._check_stop, motion)
         if catches and self.scene.petzval.integrator == "BIDIRECTIONAL":
-            self.report.warn(f"Scene '{self.scene.name}': bidirectional paths know of no shadow catchers, these are shown")
+            self.report.warn(
+                f"Scene '{self.scene.name}': bidirectional paths know of no shadow catchers, these are shown"
+            )
             catches = False
         self.report.warnings += builder.warnings()
         sync_seconds = time.perf_counter() - began
@@ -174,6 +189,7 @@ class _Photograph:
             loop.WATCH.study(loop.Subject(scene, camera, settings, moving, wishes, sync_seconds))
             _deliver_black(self.host, self.depsgraph)
             return
+        self._tell_of_denoising()
         self._plan(native, scene, camera, settings, moving)
         mattes = [one.engine_name for one in (*self.mattes, *self.indices)]
         beside = {"plan": self.plan, "mattes": mattes, "matte_levels": self.matte_levels, "neighbours": neighbours}
@@ -204,6 +220,16 @@ class _Photograph:
             self._tell("Keeping the render", 1.0)
             is_done_with = not stopped and loop.WATCH.checkpoint is None
             loop.stoppable(lambda: job.end_checkpoints(is_done_with), lambda: False)
+
+    def _tell_of_denoising(self) -> None:
+        """Cycles's switch is on unless it is turned off: who turned it on wants to know that it is for Cycles."""
+        cycles = getattr(self.scene, "cycles", None)
+        if cycles is not None and cycles.is_property_set("use_denoising") and cycles.use_denoising:
+            self.host.report(
+                {"INFO"},
+                "Petzval does not denoise by itself: turn on View Layer > Passes > Data for Denoise Node, and use the Denoise node "
+                "of the compositor with Denoising Albedo and Denoising Normal",
+            )
 
     def _beside_all(self, native, camera, settings, moving, size, place, *, is_sky: bool):
         """The finished render of what catches shadows without anything that throws them, or of the sky alone."""

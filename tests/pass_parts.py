@@ -74,7 +74,11 @@ def summed(passes) -> np.ndarray:
 def lit_by(passes, name: str) -> np.ndarray:
     """Light of a lobe, with its colour: where the colour is dim, the quotient is noise."""
     lobe, _, what = name.partition(" ")
-    return passes[name] * passes[f"{lobe} Color"] if what in {"Direct", "Indirect"} and lobe.lower() in LOBES else passes[name]
+    return (
+        passes[name] * passes[f"{lobe} Color"]
+        if what in {"Direct", "Indirect"} and lobe.lower() in LOBES
+        else passes[name]
+    )
 
 
 def blocks(pixels: np.ndarray) -> np.ndarray:
@@ -126,7 +130,9 @@ def room() -> bpy.types.Scene:
     floor(surface("Matte", "BsdfDiffuse", Color=(0.7, 0.5, 0.3, 1.0)))
     metal = surface("Metal", "BsdfPrincipled", Base_Color=(0.9, 0.6, 0.3, 1.0), Metallic=1.0, Roughness=0.4)
     ball("Metal", (-1.1, 3.0, 0.0), metal)
-    ball("Plastic", (0.0, 3.0, 0.0), surface("Plastic", "BsdfPrincipled", Base_Color=(0.1, 0.4, 0.7, 1.0), Roughness=0.4))
+    ball(
+        "Plastic", (0.0, 3.0, 0.0), surface("Plastic", "BsdfPrincipled", Base_Color=(0.1, 0.4, 0.7, 1.0), Roughness=0.4)
+    )
     ball("Glass", (1.1, 3.0, 0.0), surface("Glass", "BsdfGlass", Roughness=0.3))
     leaf = surface("Leaf", "BsdfTranslucent", Color=(0.3, 0.7, 0.2, 1.0))
     parts.square("Leaf", (0.5, 4.2, 1.0), 0.9, leaf).rotation_euler.z = 0.3

@@ -42,7 +42,9 @@ def behind_panes(room):
     half = room.mixed("Half", 0.5, "BsdfGlossy", "BsdfTransparent", Color=(0.9, 0.8, 0.7, 1.0), Roughness=0.5)
     parts.square("Half", (-0.6, 1.4, 0.4), 0.8, half)
     parts.square("Air", (0.6, 1.2, 0.4), 0.8, room.surface("Air", "BsdfTransparent", Color=(0.4, 0.9, 0.6, 1.0)))
-    lobes = room.mixed("Lobes", 0.4, "BsdfPrincipled", "BsdfTranslucent", Base_Color=(0.8, 0.3, 0.2, 1.0), Coat_Weight=1.0)
+    lobes = room.mixed(
+        "Lobes", 0.4, "BsdfPrincipled", "BsdfTranslucent", Base_Color=(0.8, 0.3, 0.2, 1.0), Coat_Weight=1.0
+    )
     parts.square("Lobes", (0.3, 2.2, 0.5), 0.6, lobes)
 
 

@@ -95,7 +95,9 @@ def test_view_layers_have_their_own(room, blender, tmp_path):
     for engine in ("PETZVAL", "CYCLES"):
         room.photograph(tmp_path / f"{engine}.exr", engine, samples=32)
         channels_of[engine] = {
-            name: pixels for name, pixels in exr_channels(tmp_path / f"{engine}.exr").items() if name.startswith("Other")
+            name: pixels
+            for name, pixels in exr_channels(tmp_path / f"{engine}.exr").items()
+            if name.startswith("Other")
         }
     ours, theirs = channels_of.values()
     assert ours.keys() == theirs.keys()
@@ -104,6 +106,45 @@ def test_view_layers_have_their_own(room, blender, tmp_path):
     first = exr_channels(tmp_path / "PETZVAL.exr")
     assert any(name.startswith(scene.view_layers[0].name) and "Gloss" in name for name in first)
     assert not scene_parts.part("statistics").last("Scene").warnings
+
+
+@pytest.mark.parametrize("sent", ["use_solid", "use_sky", "samples"])
+def test_view_layers_leave_out_what_they_say(room, blender, tmp_path, sent):
+    scene = blender.context.scene
+    layer = scene.view_layers[0]
+    if sent == "samples":
+        scene.cycles.use_layer_samples, layer.samples = "USE", 5
+        layer.cycles.pass_debug_sample_count = True
+        found = [room.photograph(tmp_path / "petzval.exr", samples=64)]
+        assert (found[0]["Debug Sample Count"] == 5).all()
+        return
+    setattr(layer, sent, False)
+    ours = room.photograph(tmp_path / "petzval.exr", samples=64)["Combined"]
+    theirs = room.photograph(tmp_path / "cycles.exr", "CYCLES", samples=64)["Combined"]
+    assert np.abs(room.blocks(ours) - room.blocks(theirs)).max() < 0.03
+
+
+def test_out_of_focus_data_are_as_cycles_has_them(room, blender, tmp_path):
+    """Through thin lenses alike. Of depth and place Cycles has one ray a pixel: means of blocks."""
+    import scene_parts
+
+    scene = blender.context.scene
+    scene_parts.square("Wall", (0.0, 8.0, 0.0), 30.0, scene_parts.emitter((0.2, 0.2, 0.2), name="Wall"))
+    layer = scene.view_layers[0]
+    layer.use_pass_position = layer.use_pass_cryptomatte_object = True
+    camera = scene.camera.data
+    camera.petzval.model = "THIN"
+    camera.dof.use_dof, camera.dof.focus_distance, camera.dof.aperture_fstop = True, 8.0, 0.2
+    ours = room.photograph(tmp_path / "petzval.exr", samples=128)
+    theirs = room.photograph(tmp_path / "cycles.exr", "CYCLES", samples=128)
+    sharp = np.abs(np.diff(ours["UV"][..., 0], axis=1)).max()
+    print("sharpest edge", sharp)
+    for name, within in (("Depth", 0.15), ("Position", 0.15), ("UV", 0.01), ("Mist", 0.01), ("Denoising Normal", 0.02)):
+        off = np.abs(room.blocks(ours[name]) - room.blocks(theirs[name])).max()
+        print(name, off)
+        assert off < within, name
+    cover = [one["CryptoObject00"][..., 1].mean() + one["CryptoObject00"][..., 3].mean() for one in (ours, theirs)]
+    assert cover[0] == pytest.approx(cover[1], abs=0.003)
 
 
 def test_joined_renders_still_add_up(room, blender, petzval_cli, tmp_path):
@@ -119,7 +160,16 @@ def test_joined_renders_still_add_up(room, blender, petzval_cli, tmp_path):
     assert joined.keys() == whole.keys()
     combined = whole["Combined"][..., :3]
     assert np.abs(room.summed(joined) - combined).max() < 3e-5 * combined.max()
-    for name in ("Diffuse Direct", "Glossy Indirect", "Transmission Color", "Emission", "Environment", "Mist", "UV", "Tint"):
+    for name in (
+        "Diffuse Direct",
+        "Glossy Indirect",
+        "Transmission Color",
+        "Emission",
+        "Environment",
+        "Mist",
+        "UV",
+        "Tint",
+    ):
         np.testing.assert_allclose(joined[name], whole[name], rtol=1e-4, atol=1e-4, err_msg=name)
     assert (joined["Object Index"] == whole["Object Index"]).mean() > 0.98
 

@@ -43,7 +43,9 @@ class Aovs:
         whole = links[0]
         for link in links[1:]:
             sockets = {"Shader": whole, "Shader_001": link}
-            whole = ends.add({"type": "ShaderNodeAddShader", "name": "AOVs", "options": {}, "inputs": sockets}, "Shader")
+            whole = ends.add(
+                {"type": "ShaderNodeAddShader", "name": "AOVs", "options": {}, "inputs": sockets}, "Shader"
+            )
         return {"nodes": ends.finished(), "surface": whole, "volume": None, "displacement": None}, numbers
 
 

@@ -109,9 +109,8 @@ class Stage:
             if not place.show_self or (holder.type == "CURVES" and not shows_hair):
                 continue
             self.is_selective |= links.any or not BOUNCES.isdisjoint(hidden)
-            is_left_out = (
-                (holder.type == "VOLUME" and not layer.use_volumes)
-                or (holder.type in WITH_SURFACE - {"CURVES"} and not layer.use_solid)
+            is_left_out = (holder.type == "VOLUME" and not layer.use_volumes) or (
+                holder.type in WITH_SURFACE - {"CURVES"} and not layer.use_solid
             )
             if is_left_out:
                 continue
@@ -174,7 +173,11 @@ class Stage:
         if self._only_catchers and not is_catcher:
             # In the way of the camera, and of nothing else.
             hidden = tuple(kind for kind in RAYS if kind != "CAMERA" or kind in hidden)
-        is_holdout = (self._only_catchers and not is_catcher) or holder.is_holdout or _stands_for(place).holdout_get(view_layer=self._view_layer)
+        is_holdout = (
+            (self._only_catchers and not is_catcher)
+            or holder.is_holdout
+            or _stands_for(place).holdout_get(view_layer=self._view_layer)
+        )
         self.holds_out |= is_holdout
         if _is_diced(holder):
             self._report.warn(

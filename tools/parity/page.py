@@ -16,6 +16,7 @@ CHAPTERS = {
     "worlds": "Worlds",
     "shapes": "Shapes",
     "views": "Cameras",
+    "passes": "Holes, caught shadows and view layers",
 }
 
 

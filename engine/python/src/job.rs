@@ -180,7 +180,8 @@ impl Job {
             };
             let clip = Clip::new(&now, &cameras[0]);
             let gains = shade::gains(&now, &cameras[cameras.len() / 2], settings.width, settings.height)?;
-            let seen = Seen::by(now.matrix_world, stage.scene.origin, matches!(cameras[0], Camera::Orthographic(_)), mist);
+            let seen =
+                Seen::by(now.matrix_world, stage.scene.origin, matches!(cameras[0], Camera::Orthographic(_)), mist);
             let parts = Parts::new(&parts, seen);
             let beside = Beside { mattes, matte_levels, motion, clip, gains, light_groups, parts, checkpoints };
             Ok(Self { job: engine::Job::start_with(stage, cameras, settings, beside)?, plan_seconds })

@@ -6,7 +6,9 @@ impl Film {
     /// The films of the groups and parts that are kept.
     pub(super) fn of_groups(width: u32, height: u32, spreads: bool, keep: &Keep) -> Vec<Self> {
         let of_light = Keep { halves: keep.halves, ..Keep::default() };
-        (0..usize::from(keep.groups) + keep.parts).map(|_| Self::keeping(width, height, spreads, of_light.clone())).collect()
+        (0..usize::from(keep.groups) + keep.parts)
+            .map(|_| Self::keeping(width, height, spreads, of_light.clone()))
+            .collect()
     }
 
     /// The films of groups number 1 and on; their alpha is 0.

@@ -2,9 +2,9 @@
 //! order and with the energy bookkeeping that Cycles has, so that scenes look alike in both.
 
 use super::albedo::{AlbedoTable, give_back};
+use super::energy;
 use super::fresnel::{self, F82Tint};
 use super::microfacet::{Ggx, reflect, refract};
-use super::energy;
 use super::{BsdfSample, Caustics, Features, LobeShares, Parted, Scattering, normal};
 use crate::nodes::MaterialValues;
 use crate::sampler::warp;

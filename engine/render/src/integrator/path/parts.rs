@@ -64,7 +64,10 @@ impl Part {
     /// Whether it counts as data do: each ray alike, for the pixel that it was started for. Else as light, where it lands.
     pub fn is_data(self) -> bool {
         use Part::{Aov, AovAlpha, Catches, DenoisingAlbedo, DenoisingDepth, DenoisingNormal, Mist, Ray, Uv};
-        matches!(self, DenoisingAlbedo | DenoisingNormal | DenoisingDepth | Aov(_) | AovAlpha(_) | Catches | Uv | Mist | Ray)
+        matches!(
+            self,
+            DenoisingAlbedo | DenoisingNormal | DenoisingDepth | Aov(_) | AovAlpha(_) | Catches | Uv | Mist | Ray
+        )
     }
 
     /// What it is divided by: light by the colour that scattered it, what is a mean by what it is of.
