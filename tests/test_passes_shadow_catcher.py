@@ -13,7 +13,7 @@ def room(blender):
 
     import pass_parts
 
-    scene = pass_parts.room()
+    pass_parts.room()
     bpy.data.objects["Floor"].is_shadow_catcher = True
     # What glows would light it, too.
     bpy.data.objects.remove(bpy.data.objects["Panel"])
