@@ -47,6 +47,7 @@ impl Path {
 
     /// Adds the light of lamps that the ray meets within `t_max` of where it was scattered: from there a light sample
     /// would have been taken, whatever surfaces it passed since.
+    #[inline(always)]
     pub(super) fn lamps_before<G: Groups>(&self, stage: &Stage, limits: &Limits, t_max: f32, found: &mut Found<'_, G>) {
         if stage.scene.lamps.is_empty() {
             return;
@@ -73,6 +74,7 @@ impl Path {
     }
 
     /// Adds the light of the world and of suns.
+    #[inline(always)]
     pub(super) fn sky<G: Groups>(&self, stage: &Stage, limits: &Limits, found: &mut Found<'_, G>) {
         let to = self.chosen.receiver();
         if self.way.is_camera() && limits.hide_sky {
@@ -89,6 +91,18 @@ impl Path {
         });
     }
 
+    /// Notes how much of what the camera sees there is a hole; whether all of it is.
+    #[cold]
+    #[inline(never)]
+    fn falls_into(&self, stage: &Stage, hit: &Hit, point: &SurfacePoint, kept: f32, result: &mut PathResult) -> bool {
+        let material = &stage.scene.materials[point.material as usize];
+        let view = self.view(self.travelled + hit.t);
+        let place = [hit.instance, hit.triangle];
+        let hole = nodes::hole(material, stage.around(), place, point.barycentric, &view) * kept;
+        result.hole += hole * self.throughput.element_sum() / 3.0;
+        hole >= 1.0
+    }
+
     /// Adds the light of the surface that the ray meets; true where the path ends, in a hole.
     pub(super) fn emission<G: Groups>(
         &self,
@@ -103,14 +117,8 @@ impl Path {
         if !material.speaks {
             return false;
         }
-        if self.way.is_camera() && material.may_hold_out() {
-            let view = self.view(self.travelled + hit.t);
-            let place = [hit.instance, hit.triangle];
-            let hole = nodes::hole(material, stage.around(), place, point.barycentric, &view) * kept;
-            found.result.hole += hole * self.throughput.element_sum() / 3.0;
-            if hole >= 1.0 {
-                return true;
-            }
+        if self.way.is_camera() && material.may_hold_out() && self.falls_into(stage, hit, point, kept, found.result) {
+            return true;
         }
         if !material.emits() || !self.finds(stage, || stage.scene.instances[hit.instance as usize].links.sets) {
             return false;
