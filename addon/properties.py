@@ -413,6 +413,15 @@ class PetzvalScene(bpy.types.PropertyGroup):
         ),
         default=True,
     )
+    memory_limit: FloatProperty(
+        name="Memory Limit",
+        description="Most memory, in gigabytes, that the scene's meshes may take; a scene that needs more is not rendered, and says so. "
+        "Zero takes what the machine has free",
+        default=0.0,
+        min=0.0,
+        soft_max=256.0,
+        precision=1,
+    )
     sample_offset: IntProperty(
         name="Sample Offset",
         description="Number of the first sample, so that renders of one seed can be joined later",

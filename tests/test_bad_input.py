@@ -382,3 +382,34 @@ def test_twenty_thousand_lamps(blender, tmp_path):
     many = parts.render(tmp_path, "many.exr")[..., :3].mean()
     # The cloud of lamps is a hundredth of its distance wide.
     assert many == pytest.approx(one, rel=0.02)
+
+
+def test_more_triangles_than_memory(studio, blender):
+    """A mesh that does not fit: the object, what it needs and what there is; and nothing is lost."""
+    from petzval import _native
+
+    rings = 330
+    with Before(studio):
+        blender.ops.mesh.primitive_uv_sphere_add(
+            segments=rings, ring_count=rings, radius=0.1, location=(0.3, 0.0, -2.0)
+        )
+        sphere = blender.context.object
+        sphere.name = "Fine sphere"
+        blender.context.scene.petzval.memory_limit = 0.01
+        said = complaint(studio)
+        # Two fans, and two triangles for each of the other faces.
+        assert f"'Fine sphere': with its {2 * rings * (rings - 1):,} triangles" in said
+        assert "0.065 GB" in said and "Memory Limit is 0.01 GB" in said
+        blender.context.scene.petzval.memory_limit = 0.0
+        assert studio.shoot().max() > 0.05
+        blender.data.objects.remove(sphere)
+    assert _native.free_memory_bytes() > 1e8
+
+
+@pytest.mark.skipif(not Path("/proc/meminfo").exists(), reason="needs /proc/meminfo")
+def test_free_memory_is_no_more_than_the_system_says():
+    from petzval import _native
+
+    (line,) = [line for line in Path("/proc/meminfo").read_text().splitlines() if line.startswith("MemAvailable")]
+    # Others take and give while this is asked.
+    assert 0 < _native.free_memory_bytes() < 1.2 * int(line.split()[1]) * 1024

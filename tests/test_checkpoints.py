@@ -76,9 +76,8 @@ def test_stopped_and_gone_on(blender, cli_scenes, tmp_path):
         time.sleep(0.01)
     process.send_signal(signal.SIGINT)
     _, said = process.communicate(timeout=60)
-    if process.returncode == 0:
-        pytest.skip("it was done before it could be stopped")
-    assert process.returncode == 130
+    # The first checkpoint is written long before the render is done.
+    assert process.returncode == 130, said
     assert str(kept) in said
 
     other = tmp_path / "other.checkpoint"

@@ -16,6 +16,7 @@ from .light import Lights
 from .light_groups import LightGroups
 from .linking import Links
 from .material import Materials
+from .memory import Room
 from .motion import Motion
 from .visibility import hidden_from
 
@@ -88,6 +89,7 @@ class Stage:
         self._view_layer: bpy.types.ViewLayer | None = None
         self._drawn: dict[str, Any] = {}
         self._is_render = True
+        self._room = Room(0.0)
 
     def send(self, depsgraph: bpy.types.Depsgraph) -> None:
         """All objects and their instances, as they are visible in this graph."""
@@ -95,6 +97,7 @@ class Stage:
         lights = Lights(self._images, links, self._groups)
         self._drawn = curves.shape(depsgraph.scene_eval)
         self._view_layer = depsgraph.view_layer
+        self._room = Room(depsgraph.scene_eval.petzval.memory_limit)
         self._is_render = depsgraph.mode == "RENDER"
         layer = depsgraph.view_layer_eval
         shows_hair = layer.use_strand
@@ -214,6 +217,7 @@ class Stage:
             self._meshes[key] = arrays and arrays.send(self._builder, data.name, moved)
         if key not in self._meshes:
             with mesh.shape(holder, data) as shape:
+                self._room.take(holder.name, mesh.triangle_count(shape))
                 self._meshes[key] = self._add(data.name, shape, place, wanted, grids.of_smoke(holder, self._report))
         return self._meshes[key]
 

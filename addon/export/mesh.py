@@ -41,6 +41,11 @@ def shape(holder: bpy.types.Object, data: bpy.types.Mesh) -> Iterator[bpy.types.
         holder.to_mesh_clear()
 
 
+def triangle_count(mesh: bpy.types.Mesh) -> int:
+    """How many triangles its faces are made of."""
+    return max(len(mesh.loops) - 2 * len(mesh.polygons), 0)
+
+
 def extract(mesh: bpy.types.Mesh, wanted: Iterable[str] = ()) -> MeshArrays | None:
     """The arrays of a mesh in object space, and the attributes of these names; None where it has no triangles."""
     mesh.calc_loop_triangles()

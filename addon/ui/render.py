@@ -110,6 +110,7 @@ class PETZVAL_RENDER_PT_threads(_RenderPanel, bpy.types.Panel):
         row.prop(render, "threads", text="Number")
         layout.prop(render, "use_persistent_data", text="Persistent Data")
         layout.prop(context.scene.petzval, "use_checkpoints")
+        layout.prop(context.scene.petzval, "memory_limit", text="Memory Limit (GB)")
 
 
 class PETZVAL_RENDER_PT_last(_RenderPanel, bpy.types.Panel):

@@ -143,6 +143,9 @@ def sharp_points_json(
     """The film that shows three points sharp: the same keys; tilt_rad and swing_rad are found, too, and rms_spot_mm is
     the largest of three."""
 
+def free_memory_bytes() -> int | None:
+    """What this process may still take of the machine's memory, or of its container's; None: the system does not say."""
+
 class SceneBuilder:
     """Takes a scene apart from Python, piece by piece; `build` checks it and builds the trees."""
 

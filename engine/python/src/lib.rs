@@ -13,6 +13,7 @@ mod job;
 mod layer;
 mod lens;
 mod material;
+mod memory;
 mod parts;
 mod pictures;
 mod plan;
@@ -51,6 +52,7 @@ fn _native(m: &Bound<'_, PyModule>) -> PyResult<()> {
     m.add_function(wrap_pyfunction!(focusing::sharp_points_json, m)?)?;
     m.add_function(wrap_pyfunction!(edges::random_per_island, m)?)?;
     m.add_function(wrap_pyfunction!(edges::pointiness, m)?)?;
+    m.add_function(wrap_pyfunction!(memory::free_memory_bytes, m)?)?;
     m.add_function(wrap_pyfunction!(plan::effects_json, m)?)?;
     m.add_function(wrap_pyfunction!(graph::evaluate_graph, m)?)?;
     m.add_function(wrap_pyfunction!(pictures::merge_pictures_json, m)?)?;

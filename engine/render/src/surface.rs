@@ -216,7 +216,7 @@ fn along_strand(instance: &Instance, slope: Vec3, view: Vec3A) -> Vec3A {
 
 /// A bound on what rounding does to a point on its way from object to render space and, as a ray's start, back:
 /// the sum of absolute values (Higham 2002, section 3.1), with room for interpolation and the ray's own transform.
-fn position_error(instance: &Instance, local: Vec3A) -> f32 {
+pub fn position_error(instance: &Instance, local: Vec3A) -> f32 {
     // Roundings on the way; fewer let surfaces shadow themselves, more let light leak under thin ones.
     const ROUNDINGS: f32 = 24.0;
     let m = &instance.to_render;

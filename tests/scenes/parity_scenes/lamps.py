@@ -47,7 +47,8 @@ def sun():
     lamp("SUN", 3.0, (0, 0, 5), (55, -15, -40), (1.0, 0.85, 0.7), angle=np.radians(5.0))
 
 
-@scene("Spots, hard and soft at the edge", noise=0.01)
+# In the corner that no spot reaches, seeds of Cycles differ by 2.6 % with 1500 samples.
+@scene("Spots, hard and soft at the edge", noise=0.03)
 def spot():
     _things(strength=0.03)
     lamp("SPOT", 700.0, (-2.5, -2.5, 4.0), (35, -30, 0), spot_size=np.radians(40), spot_blend=0.1, shadow_soft_size=0.05)  # fmt: skip

@@ -63,7 +63,7 @@ impl Emission {
             .iter()
             .map(|emitter| match emitter {
                 Emitter::Triangle(triangle) => triangle.power,
-                Emitter::Lamp(i) => lights.lamps[*i as usize].emission_power(1.0),
+                Emitter::Lamp(i) => lights.lamps[i as usize].emission_power(1.0),
             })
             .collect();
         let average = scene.world.texture.map_or(Rgb::ONE, |t| scene.textures[t as usize].average());
@@ -190,7 +190,7 @@ impl Lights {
     /// The lamp that a source is, if it is one.
     pub(super) fn lamp(&self, source: Source) -> Option<&super::lamp::PreparedLamp> {
         let index = match self.local.get(source.0) {
-            Some(Emitter::Lamp(i)) => *i,
+            Some(Emitter::Lamp(i)) => i,
             Some(Emitter::Triangle { .. }) => return None,
             None => self.sky.suns()[source.0.checked_sub(self.local.len() + 1)?],
         };

@@ -226,6 +226,7 @@ impl PreparedLamp {
                     cast_shadow: self.cast_shadow,
                     reaches: self.reaches,
                     sets: self.sets,
+                    leaves: None,
                 })
             }
         }
@@ -288,6 +289,7 @@ impl PreparedLamp {
             cast_shadow: self.cast_shadow,
             reaches: self.reaches,
             sets: self.sets,
+            leaves: None,
         };
         if half_angle_rad <= 0.0 {
             return base;
@@ -314,6 +316,7 @@ impl PreparedLamp {
             cast_shadow: self.cast_shadow,
             reaches: self.reaches,
             sets: self.sets,
+            leaves: None,
         };
         if radius <= 0.0 {
             return Some(base);
@@ -374,6 +377,7 @@ impl PreparedLamp {
             cast_shadow: self.cast_shadow,
             reaches: self.reaches,
             sets: self.sets,
+            leaves: None,
         })
     }
 

@@ -8,6 +8,7 @@ mod build;
 pub mod emission;
 pub mod lamp;
 mod lamp_tree;
+mod node;
 pub mod receiver;
 pub mod sky;
 pub mod tree;
@@ -52,6 +53,32 @@ pub struct LightSample {
     pub reaches: Rays,
     /// What it lights, and what throws shadows in its light.
     pub sets: Sets,
+    /// Of the surface that emits; lamps are none, and rays do not meet them.
+    pub leaves: Option<Leaving>,
+}
+
+/// How light leaves a surface.
+#[derive(Clone, Copy, Debug)]
+pub struct Leaving {
+    /// The cosine to its normal, positive.
+    pub cos: f32,
+    /// How far rounding may have put the surface from where it is, Blender units.
+    pub error: f32,
+}
+
+impl LightSample {
+    /// How far a ray goes that asks whether this light arrives, and whose start may be `error` from the place that it arrives at.
+    /// Blender units.
+    #[inline]
+    pub fn reach(&self, error: f32) -> f32 {
+        (self.distance - self.gap(error)).max(0.0)
+    }
+
+    /// How far from its end that is: before the surface that it comes from, which must not shadow itself.
+    #[inline]
+    pub fn gap(&self, error: f32) -> f32 {
+        self.leaves.map_or(0.0, |leaves| (leaves.error + error) / leaves.cos)
+    }
 }
 
 /// One of a scene's sources of light: lamps and emissive triangles, then the world and the suns.
@@ -59,16 +86,40 @@ pub struct LightSample {
 pub struct Source(usize);
 
 #[derive(Clone, Copy, Debug)]
-enum Emitter {
-    Triangle(LitTriangle),
+enum Emitter<'a> {
+    Triangle(&'a LitTriangle),
     Lamp(u32),
+}
+
+/// The emitters within the scene, in the order of their numbers: lamps, then triangles.
+#[derive(Debug, Default)]
+struct Local {
+    lamps: Vec<u32>,
+    triangles: Vec<LitTriangle>,
+}
+
+impl Local {
+    fn len(&self) -> usize {
+        self.lamps.len() + self.triangles.len()
+    }
+
+    #[inline]
+    fn get(&self, index: usize) -> Option<Emitter<'_>> {
+        match self.lamps.get(index) {
+            Some(lamp) => Some(Emitter::Lamp(*lamp)),
+            None => self.triangles.get(index - self.lamps.len()).map(Emitter::Triangle),
+        }
+    }
+
+    fn iter(&self) -> impl Iterator<Item = Emitter<'_>> {
+        self.lamps.iter().map(|lamp| Emitter::Lamp(*lamp)).chain(self.triangles.iter().map(Emitter::Triangle))
+    }
 }
 
 /// Every emitter of a scene, ready to be sampled.
 pub struct Lights {
-    // Lamps and emissive triangles within the scene, and their choice by what they may send to a place.
-    local: Vec<Emitter>,
-    // First that over all of them; then one for each way in which objects take part in links.
+    local: Local,
+    // The choice of local emitters by what they may send to a place. First that over all of them; then one for each way in which objects take part in links.
     trees: Vec<Option<LightTree>>,
     // By instance, which of these is for it; empty where there are no links.
     tree_of: Vec<u32>,
@@ -90,19 +141,15 @@ impl Lights {
     pub fn new(scene: &Scene) -> Self {
         let lamps: Vec<PreparedLamp> =
             scene.lamps.iter().map(|lamp| PreparedLamp::new(lamp, scene.origin.as_vec3a())).collect();
-        let mut local = Vec::new();
+        let mut local = Local::default();
         let mut bounds = Vec::new();
         for (i, lamp) in lamps.iter().enumerate() {
             if !matches!(lamp.kind(), LampKind::Sun { .. }) {
-                local.push(Emitter::Lamp(i as u32));
+                local.lamps.push(i as u32);
                 bounds.push(lamp.bounds());
             }
         }
-        // So far all are lamps.
-        let met = LampTree::new(local.iter().enumerate().filter_map(|(place, emitter)| match emitter {
-            Emitter::Lamp(i) => Some((place as u32, &lamps[*i as usize])),
-            Emitter::Triangle(_) => None,
-        }));
+        let met = LampTree::new((0..).zip(local.lamps.iter().map(|&i| &lamps[i as usize])));
         let emitter_of = emissive_triangles(scene, &mut local, &mut bounds);
         let sky = Sky::new(scene, &lamps);
         let sets = lamps.iter().map(PreparedLamp::sets).chain(scene.instances.iter().map(|one| one.links.sets));
@@ -120,7 +167,7 @@ impl Lights {
 
     /// Whether anything shines from within the scene.
     pub fn has_local(&self) -> bool {
-        !self.local.is_empty()
+        self.local.len() > 0
     }
 
     /// The middle of something that shines from within the scene, and likely on a place there; `None` where nothing does.
@@ -129,8 +176,8 @@ impl Lights {
         let count = self.local.len();
         // What shines past the place may still shine beside it.
         let index = chosen.unwrap_or(((u * count as f32) as usize).min(count.checked_sub(1)?));
-        Some(match &self.local[index] {
-            Emitter::Lamp(i) => self.lamps[*i as usize].bounds().center(),
+        Some(match self.local.get(index)? {
+            Emitter::Lamp(i) => self.lamps[i as usize].bounds().center(),
             Emitter::Triangle(triangle) => triangle.bounds().center(),
         })
     }
@@ -148,7 +195,7 @@ impl Lights {
         let of_lamp = |lamp: u32| scene.lamps[lamp as usize].light_group;
         match self.local.get(source.0) {
             Some(Emitter::Triangle(triangle)) => scene.instances[triangle.instance as usize].light_group,
-            Some(Emitter::Lamp(lamp)) => of_lamp(*lamp),
+            Some(Emitter::Lamp(lamp)) => of_lamp(lamp),
             None => match source.0 - self.local.len() {
                 0 => scene.world.light_group,
                 sun => of_lamp(self.sky.suns()[sun - 1]),
@@ -220,8 +267,8 @@ impl Lights {
         }
         let rest = ((u_choice - chance) / (1.0 - chance)).min(1.0 - f32::EPSILON);
         let (index, probability) = self.tree(to)?.sample(to, rest)?;
-        let mut sample = match &self.local[index] {
-            Emitter::Lamp(i) => self.lamps[*i as usize].light(scene, from, u, way)?,
+        let mut sample = match self.local.get(index)? {
+            Emitter::Lamp(i) => self.lamps[i as usize].light(scene, from, u, way)?,
             Emitter::Triangle(triangle) => triangle.sample(scene, from, u, way)?,
         };
         sample.pdf *= probability * (1.0 - chance);
@@ -232,7 +279,7 @@ impl Lights {
     /// `distance` away, met at `cos` to its normal.
     pub fn triangle_pdf(&self, to: &Receiver, hit: (u32, u32), distance: f32, cos: f32) -> f32 {
         let (Some(Source(index)), Some(tree)) = (self.triangle_source(hit.0, hit.1), self.tree(to)) else { return 0.0 };
-        let Emitter::Triangle(triangle) = &self.local[index] else { return 0.0 };
+        let Some(Emitter::Triangle(triangle)) = self.local.get(index) else { return 0.0 };
         let chance = tree.probability(to, index) * (1.0 - to.sky_chance);
         chance / triangle.area * distance * distance / cos.max(1e-6)
     }
@@ -284,8 +331,7 @@ impl Lights {
     ) {
         self.met.along(from, d, t_max, |place| {
             let index = place as usize;
-            let Emitter::Lamp(i) = self.local[index] else { return };
-            let lamp = &self.lamps[i as usize];
+            let lamp = &self.lamps[self.local.lamps[index] as usize];
             if !lamp.is_found_by(way) {
                 return;
             }
@@ -340,15 +386,15 @@ impl Lights {
 /// is for it.
 fn linked_trees(
     scene: &Scene,
-    local: &[Emitter],
+    local: &Local,
     lamps: &[PreparedLamp],
     bounds: &[LightBounds],
     trees: &mut Vec<Option<LightTree>>,
 ) -> Vec<u32> {
     let mut known = HashMap::new();
-    let sets = |emitter: &Emitter| match emitter {
+    let sets = |emitter: Emitter<'_>| match emitter {
         Emitter::Triangle(triangle) => triangle.sets(),
-        Emitter::Lamp(lamp) => lamps[*lamp as usize].sets(),
+        Emitter::Lamp(lamp) => lamps[lamp as usize].sets(),
     };
     let tree_for = |links: &Links| {
         *known.entry(links.receives).or_insert_with(|| {
@@ -364,7 +410,7 @@ fn linked_trees(
 }
 
 /// Appends every triangle that may emit, with its bounds.
-fn emissive_triangles(scene: &Scene, local: &mut Vec<Emitter>, bounds: &mut Vec<LightBounds>) -> Vec<Vec<u32>> {
+fn emissive_triangles(scene: &Scene, local: &mut Local, bounds: &mut Vec<LightBounds>) -> Vec<Vec<u32>> {
     let brightness: Vec<f32> = scene.materials.iter().map(|m| average_emission(scene, m)).collect();
     // By mesh, found when first needed.
     let mut closed: Vec<Option<bool>> = vec![None; scene.meshes.len()];
@@ -381,7 +427,7 @@ fn emissive_triangles(scene: &Scene, local: &mut Vec<Emitter>, bounds: &mut Vec<
             let b = brightness[instance.material(mesh.slot(t as u32)) as usize];
             let lit = LitTriangle::new(scene, i as u32, t as u32, b, two_sided);
             if lit.power > 0.0 {
-                local.push(Emitter::Triangle(lit));
+                local.triangles.push(lit);
                 bounds.push(lit.bounds());
                 *entry = local.len() as u32;
             }

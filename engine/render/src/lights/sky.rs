@@ -135,6 +135,7 @@ impl Sky {
             cast_shadow: true,
             reaches: scene.world.visible,
             sets: Sets::EVERYTHING,
+            leaves: None,
         })
     }
 

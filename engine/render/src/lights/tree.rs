@@ -3,129 +3,24 @@
 //! Splitting", without the splitting), eight children a node, weighed at once in the lanes of a register.
 
 use super::bounds::LightBounds;
-use super::build::Half;
+use super::build::{Filling, Half};
+use super::node::{Child, NONE, Node, PackedChild};
 use super::receiver::{Receiver, WIDTH};
 use glam::Vec3A;
-use wide::f32x8;
 
-/// No node, no emitter.
-const NONE: u32 = u32::MAX;
-
-/// A child of a node.
-#[derive(Clone, Copy, Debug)]
-enum Child {
-    Nothing,
-    Node(u32),
-    Emitter(u32),
-}
-
-/// Up to eight parts of the scene's light, lane by lane.
-#[derive(Clone, Debug)]
-struct Node {
-    center: [f32x8; 3],
-    half_diagonal2: f32x8,
-    power: f32x8,
-    axis: [f32x8; 3],
-    cos_normal_spread: f32x8,
-    sin_normal_spread: f32x8,
-    /// A little less than it, so that rounding takes no light away.
-    cos_emission_spread: f32x8,
-    /// All bits where light also leaves backwards.
-    two_sided: f32x8,
-    children: [Child; WIDTH],
-    /// The node above, and which of its children this is.
-    parent: (u32, u32),
-}
-
-impl Node {
-    fn new(parts: &[LightBounds], parent: (u32, u32)) -> Self {
-        let lanes = |of: &dyn Fn(&LightBounds) -> f32| {
-            let mut values = [0.0; WIDTH];
-            values.iter_mut().zip(parts).for_each(|(v, b)| *v = of(b));
-            f32x8::from(values)
-        };
-        Self {
-            center: [0, 1, 2].map(|i| lanes(&|b| b.center()[i])),
-            half_diagonal2: lanes(&|b| 0.25 * (b.max - b.min).length_squared()),
-            power: lanes(&|b| b.power),
-            axis: [0, 1, 2].map(|i| lanes(&|b| b.axis[i])),
-            cos_normal_spread: lanes(&|b| b.normal_spread_rad.cos()),
-            sin_normal_spread: lanes(&|b| b.normal_spread_rad.sin()),
-            cos_emission_spread: lanes(&|b| b.emission_spread_rad.cos() - 1e-6),
-            two_sided: lanes(&|b| if b.two_sided { 1.0 } else { 0.0 }).simd_gt(f32x8::splat(0.5)),
-            children: [Child::Nothing; WIDTH],
-            parent,
-        }
-    }
-
-    /// For each child a bound, nearly, of the light that it may send to a place.
-    #[inline]
-    fn importances(&self, p: Vec3A, normal: Option<Vec3A>) -> [f32; WIDTH] {
-        let zero = f32x8::splat(0.0);
-        let one = f32x8::splat(1.0);
-        let offset = [
-            f32x8::splat(p.x) - self.center[0],
-            f32x8::splat(p.y) - self.center[1],
-            f32x8::splat(p.z) - self.center[2],
-        ];
-        let d2 = dot(&offset, &offset);
-        let base = self.power / d2.fast_max(self.half_diagonal2).fast_max(f32x8::splat(1e-20));
-        // 1 from outside the sphere about the box on.
-        let outside = (d2 / self.half_diagonal2.fast_max(f32x8::splat(1e-20))).fast_min(one);
-        let inverse = one / d2.fast_max(f32x8::splat(1e-30)).sqrt();
-        let away = [offset[0] * inverse, offset[1] * inverse, offset[2] * inverse];
-        // The angle that the box fills, seen from the place.
-        let sin2_box = (self.half_diagonal2 * inverse * inverse).fast_min(one);
-        let (sin_box, cos_box) = (sin2_box.sqrt(), (one - sin2_box).sqrt());
-        // The least angle between any normal and any direction to the place.
-        let cos_axis = dot(&self.axis, &away).fast_max(-one).fast_min(one);
-        let cos_axis = self.two_sided.select(cos_axis.abs(), cos_axis);
-        let cos_x = cos_of_difference(sine(cos_axis), cos_axis, self.sin_normal_spread, self.cos_normal_spread);
-        let cos_least = cos_of_difference(sine(cos_x), cos_x, sin_box, cos_box);
-        let mut cosines = cos_least.simd_gt(self.cos_emission_spread).select(mean_cosine(cos_x, sin_box), zero);
-        if let Some(n) = normal {
-            let n = [f32x8::splat(-n.x), f32x8::splat(-n.y), f32x8::splat(-n.z)];
-            let cos_i = dot(&away, &n).fast_max(-one).fast_min(one);
-            cosines *= mean_cosine(cos_i, sin_box);
-        }
-        // From the middle of the box light may come from anywhere, at any slant.
-        let far = outside * outside;
-        (base * (one - far + cosines * far)).to_array()
-    }
-}
-
-#[inline]
-fn dot(a: &[f32x8; 3], b: &[f32x8; 3]) -> f32x8 {
-    a[0] * b[0] + a[1] * b[1] + a[2] * b[2]
-}
-
-/// Of an angle up to pi.
-#[inline]
-fn sine(cosine: f32x8) -> f32x8 {
-    (f32x8::splat(1.0) - cosine * cosine).fast_max(f32x8::splat(0.0)).sqrt()
-}
-
-/// cos(max(0, a - b)) from sines and cosines.
-#[inline]
-fn cos_of_difference(sin_a: f32x8, cos_a: f32x8, sin_b: f32x8, cos_b: f32x8) -> f32x8 {
-    cos_a.simd_gt(cos_b).select(f32x8::splat(1.0), cos_a * cos_b + sin_a * sin_b)
-}
-
-/// About the mean of the cosines, where they are not negative, of directions in a cone of that sine about one of that cosine:
-/// its own as long as all are above the horizon; 0 where none is.
-#[inline]
-fn mean_cosine(cos: f32x8, sin_cone: f32x8) -> f32x8 {
-    let above = (cos + sin_cone).fast_max(f32x8::splat(0.0));
-    let partly = above * above / (sin_cone * 4.0).fast_max(f32x8::splat(1e-20));
-    cos.simd_gt(sin_cone).select(cos, partly)
-}
+/// Emitters up to which a tree is as good as it gets, and no larger than a cache.
+const FEW: usize = 1024;
 
 /// The tree over all emitters of a scene.
 #[derive(Clone, Debug)]
 pub struct LightTree {
     nodes: Vec<Node>,
+    // By node, the one above and which of its children it is.
+    parents: Vec<(u32, u32)>,
     // By emitter, its node and which child it is; `NONE` where it emits nothing.
     place_of: Vec<(u32, u32)>,
+    // Of the root's children those that are near are weighed by what is in them.
+    looks_ahead: bool,
 }
 
 impl LightTree {
@@ -135,25 +30,33 @@ impl LightTree {
         if order.is_empty() {
             return None;
         }
-        let (bounds, halves) = Half::new(emitters, &mut order);
-        let mut tree = Self { nodes: Vec::new(), place_of: vec![(NONE, 0); emitters.len()] };
-        tree.add(halves, bounds, (NONE, 0));
+        let is_many = order.len() > FEW;
+        let filling = if is_many { Filling::Full } else { Filling::Loose };
+        let (bounds, halves) = Half::new(emitters, &mut order, filling);
+        let mut tree = Self {
+            nodes: Vec::new(),
+            parents: Vec::new(),
+            place_of: vec![(NONE, 0); emitters.len()],
+            looks_ahead: is_many,
+        };
+        tree.add(halves, bounds, (NONE, 0), filling);
         Some(tree)
     }
 
     /// Adds a part of the tree; gives the number of its root.
-    fn add(&mut self, part: Half, bounds: LightBounds, parent: (u32, u32)) -> u32 {
+    fn add(&mut self, part: Half, bounds: LightBounds, parent: (u32, u32), filling: Filling) -> u32 {
         let here = self.nodes.len() as u32;
-        let (bounds, parts): (Vec<LightBounds>, Vec<Half>) = part.open(bounds, WIDTH).into_iter().unzip();
-        self.nodes.push(Node::new(&bounds, parent));
+        let (bounds, parts): (Vec<LightBounds>, Vec<Half>) = part.open(bounds, filling).into_iter().unzip();
+        self.nodes.push(Node::new(&bounds));
+        self.parents.push(parent);
         for (lane, (part, bounds)) in parts.into_iter().zip(bounds).enumerate() {
             let place = (here, lane as u32);
             self.nodes[here as usize].children[lane] = match part {
                 Half::Leaf(emitter) => {
                     self.place_of[emitter as usize] = place;
-                    Child::Emitter(emitter)
+                    PackedChild::emitter(emitter)
                 }
-                inner => Child::Node(self.add(inner, bounds, place)),
+                inner => PackedChild::node(self.add(inner, bounds, place, filling)),
             };
         }
         here
@@ -161,8 +64,26 @@ impl LightTree {
 
     /// A place, and what the parts under the root may send there. The sky has no chance yet.
     pub(super) fn receiver(&self, position: Vec3A, normal: Option<Vec3A>) -> Receiver {
-        let weights = self.nodes[0].importances(position, normal);
+        let weights =
+            if self.looks_ahead { self.ahead(position, normal) } else { self.nodes[0].importances(position, normal) };
         Receiver { position, normal, tree: 0, total: sum(&weights), weights, sky_chance: 0.0 }
+    }
+
+    /// What the root's children may send somewhere, by what is in them where they are near: of many emitters nearly all of what
+    /// is not known is there.
+    #[inline]
+    fn ahead(&self, position: Vec3A, normal: Option<Vec3A>) -> [f32; WIDTH] {
+        let root = &self.nodes[0];
+        let mut weights = root.importances(position, normal);
+        let mut near = root.near(position);
+        while near != 0 {
+            let lane = near.trailing_zeros() as usize;
+            near &= near - 1;
+            if let Child::Node(node) = root.children[lane].open() {
+                weights[lane] = sum(&self.nodes[node as usize].importances(position, normal));
+            }
+        }
+        weights
     }
 
     /// An emitter and the probability of its choice; `None` where none may send light.
@@ -187,7 +108,7 @@ impl LightTree {
             }
             probability *= weights[lane] / total;
             u = (left / weights[lane]).clamp(0.0, 1.0 - f32::EPSILON);
-            match self.nodes[node].children[lane] {
+            match self.nodes[node].children[lane].open() {
                 Child::Nothing => return None,
                 Child::Node(next) => node = next as usize,
                 Child::Emitter(emitter) => return (probability > 0.0).then_some((emitter as usize, probability)),
@@ -206,7 +127,7 @@ impl LightTree {
         let mut probability = 1.0;
         loop {
             let node = &self.nodes[place.0 as usize];
-            let is_root = node.parent.0 == NONE;
+            let is_root = place.0 == 0;
             let weights = if is_root { to.weights } else { node.importances(to.position, to.normal) };
             let total = if is_root { to.total } else { sum(&weights) };
             if !(total > 0.0 && total.is_finite()) {
@@ -216,7 +137,7 @@ impl LightTree {
             if is_root {
                 return probability;
             }
-            place = node.parent;
+            place = self.parents[place.0 as usize];
         }
     }
 }
@@ -266,7 +187,7 @@ mod tests {
     /// Probabilities add to one, and choices follow them.
     #[test]
     fn choices_follow_their_probabilities() {
-        for n in [1, 2, 3, 100] {
+        for n in [1, 2, 3, 100, 3000] {
             let list = emitters(n);
             let Some(tree) = LightTree::new(&list) else { continue };
             for to in receivers(&tree) {
@@ -297,22 +218,61 @@ mod tests {
     /// Whatever can send light has a chance: no bound may rule out what its emitters can do.
     #[test]
     fn nothing_that_shines_is_ruled_out() {
-        let list = emitters(100);
-        let tree = LightTree::new(&list).unwrap();
-        for to in receivers(&tree) {
-            for (i, e) in list.iter().enumerate().filter(|(_, e)| e.power > 0.0) {
-                let d = (to.position - e.center()).normalize();
-                let mut cos = e.axis.dot(d);
-                if e.two_sided {
-                    cos = cos.abs();
-                }
-                let reaches = e.normal_spread_rad >= PI || cos > 0.0;
-                let seen = to.normal.is_none_or(|n| n.dot(-d) > 0.0);
-                if reaches && seen {
-                    assert!(tree.probability(&to, i) > 0.0, "{i} from {to:?}");
+        for list in [emitters(100), emitters(3000)] {
+            let tree = LightTree::new(&list).unwrap();
+            for to in receivers(&tree) {
+                for (i, e) in list.iter().enumerate().filter(|(_, e)| e.power > 0.0) {
+                    let d = (to.position - e.center()).normalize();
+                    let mut cos = e.axis.dot(d);
+                    if e.two_sided {
+                        cos = cos.abs();
+                    }
+                    let reaches = e.normal_spread_rad >= PI || cos > 0.0;
+                    let seen = to.normal.is_none_or(|n| n.dot(-d) > 0.0);
+                    if reaches && seen {
+                        assert!(tree.probability(&to, i) > 0.0, "{i} from {to:?}");
+                    }
                 }
             }
         }
+    }
+
+    /// Lamps that shine down narrowly are found from all within their cones, and many of them from few places.
+    #[test]
+    fn narrow_cones_rule_out_what_is_beside_them() {
+        let mut list = emitters(3000);
+        for e in &mut list {
+            (e.power, e.axis, e.normal_spread_rad, e.emission_spread_rad) = (1.0, Vec3A::NEG_Z, 0.0, 0.3);
+            (e.max, e.two_sided) = (e.min, false);
+        }
+        let tree = LightTree::new(&list).unwrap();
+        let floor = |u: f32, v: f32| Vec3A::new(u * 8.0 - 4.0, v * 8.0 - 4.0, -5.5);
+        for k in 0..20 {
+            let u = sobol_burley::sample_4d(k, 0, 5);
+            let to = tree.receiver(floor(u[0], u[1]), Some(Vec3A::Z));
+            let mut chance_of_dark = 0.0;
+            for (i, e) in list.iter().enumerate() {
+                let d = (to.position - e.min).normalize();
+                let chance = tree.probability(&to, i);
+                if d.dot(e.axis) > 0.3f32.cos() {
+                    assert!(chance > 0.0);
+                } else {
+                    chance_of_dark += chance;
+                }
+            }
+            // Without cones nine tenths of them were dark.
+            assert!(chance_of_dark < 0.3, "{chance_of_dark}");
+        }
+    }
+
+    /// Of many emitters few nodes are made, and those over emitters are nearly full.
+    #[test]
+    fn nodes_over_many_are_full() {
+        let tree = LightTree::new(&emitters(10_000)).unwrap();
+        let shining = tree.place_of.iter().filter(|place| place.0 != NONE).count();
+        // At the least a seventh: each node but the root takes a lane of another.
+        assert!(tree.nodes.len() < shining / 4, "{} over {shining}", tree.nodes.len());
+        assert_eq!(tree.nodes.len(), tree.parents.len());
     }
 
     #[test]

@@ -1,11 +1,11 @@
 //! A triangle that emits, placed: what choosing a point of it needs, worked out once.
 
-use super::LightSample;
 use super::bounds::LightBounds;
+use super::{Leaving, LightSample};
 use crate::nodes::{View, Way};
 use crate::scene::Scene;
 use crate::scene::visibility::{Rays, Sets};
-use crate::surface::{area_vector, geometric_normal, mesh_of};
+use crate::surface::{area_vector, geometric_normal, mesh_of, position_error};
 use crate::{Rgb, nodes, sampler::warp};
 use glam::{Vec3, Vec3A};
 use std::f32::consts::{FRAC_PI_2, PI};
@@ -33,6 +33,8 @@ pub(super) struct LitTriangle {
     normal: Vec3,
     corner: Vec3,
     edges: [Vec3; 2],
+    /// How far rounding may put it from where it is, Blender units.
+    error: f32,
     /// Where it is the same everywhere.
     radiance: Option<Vec3>,
 }
@@ -57,6 +59,7 @@ impl LitTriangle {
             normal: geometric_normal(placed, &mesh.corners(triangle)).into(),
             corner: a.into(),
             edges: [(b - a).into(), (c - a).into()],
+            error: mesh.corners(triangle).map(|p| position_error(placed, p.into())).into_iter().fold(0.0, f32::max),
             radiance: is_even
                 .then(|| nodes::emission(material, scene.into(), [instance, triangle], [0.0; 2], &FROM_LIGHTS)),
         }
@@ -116,14 +119,14 @@ impl LitTriangle {
         }
         Some(LightSample {
             wi,
-            // Just short of the triangle, which must not shadow itself.
-            distance: distance * (1.0 - 1e-4),
+            distance,
             radiance: self.radiance(scene, [v, w], &View { direction: wi, distance, way: way.light() }),
             pdf: distance2 / (cos * self.area),
             point_like: false,
             cast_shadow: true,
             reaches: self.reaches,
             sets: self.sets,
+            leaves: Some(Leaving { cos, error: self.error }),
         })
     }
 }

@@ -58,7 +58,7 @@ impl Arriving {
                 return None;
             }
             let mut ray = Ray::new(Vec3A::ZERO, sample.wi);
-            ray.t_max = sample.distance * (1.0 - 1e-3);
+            ray.t_max = sample.reach(0.0);
             let is_seen = stage.accel.transmittance_of(&ray, Rays::CAMERA, |_| 1.0) > 0.0;
             let sky_pdf = if sample.distance.is_infinite() && !sample.point_like { sample.pdf } else { 0.0 };
             is_seen.then_some(Arrival { towards: sample.wi, light, sky_pdf })

@@ -169,7 +169,7 @@ fn direct(stage: &Stage, vertex: &Vertex, u_choice: f32, u: [f32; 2], rays: &mut
     }
     *rays += 1;
     let mut ray = vertex.ray(light.wi);
-    ray.t_max = light.distance;
+    ray.t_max = light.reach(vertex.point.position_error);
     let through = |hit: &Hit| opening(scene, hit, &View::along(&ray, hit.t, Way::CAMERA.shadow())).light;
     found * stage.accel.light_through(&ray, Rays::SHADOW, through)
 }

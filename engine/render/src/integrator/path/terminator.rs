@@ -5,6 +5,7 @@
 //! grazing angle may be dimmed.
 
 use crate::accel::{Ray, offset_origin};
+use crate::lights::LightSample;
 use crate::scene::Scene;
 use crate::surface::{SurfacePoint, mesh_of};
 use glam::Vec3A;
@@ -51,9 +52,10 @@ pub(super) fn grazing(scene: &Scene, point: &SurfacePoint, d: Vec3A) -> Option<G
 }
 
 impl Grazing {
-    /// A ray along `d` to what is so far away, but from above the triangle.
+    /// A ray that asks whether light arrives, from above the triangle.
     #[cold]
-    pub(super) fn ray(self, scene: &Scene, point: &SurfacePoint, d: Vec3A, distance: f32) -> Ray {
+    pub(super) fn ray(self, scene: &Scene, point: &SurfacePoint, light: &LightSample) -> Ray {
+        let LightSample { wi: d, distance, .. } = *light;
         let start = offset_origin(point.position, point.geometric_normal * self.side, point.position_error);
         let lift = height(scene, point, self.side) * self.amount;
         let plain = Ray { t_max: distance, ..point.leaving(start + lift, d) };
@@ -61,8 +63,8 @@ impl Grazing {
             return plain;
         }
         let way = d * distance - lift;
-        let t_max = way.length();
-        if t_max > 0.0 { Ray { direction: way / t_max, t_max, ..plain } } else { plain }
+        let (length, gap) = (way.length(), light.gap(point.position_error));
+        if length > 0.0 { Ray { direction: way / length, t_max: (length - gap).max(0.0), ..plain } } else { plain }
     }
 }
 
@@ -96,10 +98,12 @@ fn height(scene: &Scene, point: &SurfacePoint, side: f32) -> Vec3A {
 #[cfg(test)]
 mod tests {
     use super::*;
+    use crate::Rgb;
     use crate::accel::Hit;
     use crate::scene::SceneBuilder;
     use crate::scene::mesh::MeshDescription;
     use crate::scene::softening::Softening;
+    use crate::scene::visibility::{Rays, Sets};
     use glam::{DMat4, DVec3, Vec3};
 
     /// A triangle within the unit sphere, with the sphere's normals.
@@ -147,7 +151,18 @@ mod tests {
         assert!(n.dot(beyond) > 0.0);
         let found = grazing(&scene, &point, beyond).unwrap();
         assert!(found.is_beyond);
-        let ray = found.ray(&scene, &point, beyond, 10.0);
+        let light = LightSample {
+            wi: beyond,
+            distance: 10.0,
+            radiance: Rgb::ONE,
+            pdf: 1.0,
+            point_like: true,
+            cast_shadow: true,
+            reaches: Rays::ALL,
+            sets: Sets::EVERYTHING,
+            leaves: None,
+        };
+        let ray = found.ray(&scene, &point, &light);
         assert!(g.dot(ray.origin - point.position) > 1e-3);
         // To the same place.
         let end = point.position + beyond * 10.0;

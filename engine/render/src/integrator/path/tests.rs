@@ -7,6 +7,7 @@ use crate::scene::material::{Input, Material};
 use crate::scene::mesh::MeshDescription;
 use crate::scene::{SceneBuilder, world::World};
 use glam::{DMat4, DVec3, Vec3, Vec3A};
+use std::f64::consts::PI;
 
 fn limits(max_bounces: u32) -> Limits {
     Limits {
@@ -68,6 +69,41 @@ fn a_glowing_box_sums_its_series() {
             // 8192 stratified paths of a smooth integrand.
             assert!((found - Rgb::splat(expected)).abs().max_element() < 0.01, "{size} {bounces}: {found}");
         }
+    }
+}
+
+/// A small square that glows close to a floor, far from where numbers are fine: it must not shadow its own light.
+#[test]
+fn what_glows_nearby_lights_fully() {
+    let square = |half: f32, z: f32| MeshDescription {
+        name: "square".into(),
+        positions: [[-1, -1], [1, -1], [1, 1], [-1, 1]]
+            .map(|[x, y]| Vec3::new(x as f32 * half, y as f32 * half, z))
+            .into(),
+        triangles: vec![[0, 1, 2], [0, 2, 3]],
+        ..Default::default()
+    };
+    // What a square sends to a place under its middle that is half a side away, of all that it could (Howell, A Catalog of Radiation
+    // Heat Transfer Configuration Factors, B-4).
+    let expected = 4.0 / PI * 0.5f64.sqrt() * 0.5f64.sqrt().atan();
+    for distance in [3e-3, 0.03, 1.0] {
+        let mut builder = SceneBuilder::new();
+        let [floor, glow] = [plain(1.0, 0.0), plain(0.0, 1.0)].map(|m| builder.add_material(m).unwrap());
+        let place = DMat4::from_translation(DVec3::new(3.1, -2.3, 1.7));
+        for (half, z, material) in [(9.0, 0.0, floor), (distance, distance, glow)] {
+            let mesh = builder.add_mesh(square(half, z)).unwrap();
+            builder.add_instance("square", mesh, place, &[material], true, true).unwrap();
+        }
+        let stage = Stage::new(builder.build(DVec3::ZERO));
+        let (n, mut sum) = (4096, 0.0);
+        for i in 0..n {
+            let mut sampler = PathSampler::new(0, 0, i, 1);
+            let from = Vec3A::new(3.1, -2.3, 1.7 + 0.5 * distance);
+            sum += f64::from(trace(&stage, Ray::new(from, Vec3A::NEG_Z), &limits(0), &mut sampler).radiance.x);
+        }
+        let found = sum / f64::from(n);
+        // A ray's start is moved by a two hundredth of the least distance; and noise.
+        assert!((found / expected - 1.0).abs() < 0.01, "{distance}: {found} for {expected}");
     }
 }
 

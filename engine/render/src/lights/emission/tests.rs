@@ -200,14 +200,14 @@ fn densities_agree_from_both_ends() {
             lights.lamp_sources_along(&scene, p, wi, f32::INFINITY, Way::BOUNCE, Some(&to), |s, r, pdf| {
                 met = Some((s, r, pdf))
             });
-            if met.is_none() && lights.local.is_empty() || name.contains("sun") {
+            if met.is_none() && lights.local.len() == 0 || name.contains("sun") {
                 lights.sky_sources_along(&scene, wi, Way::BOUNCE, Some(&to), |s, r, pdf| {
                     if s == e.source {
                         met = Some((s, r, pdf));
                     }
                 });
             }
-            if let Some(&Emitter::Triangle(LitTriangle { instance, triangle, .. })) = lights.local.get(e.source.0) {
+            if let Some(Emitter::Triangle(&LitTriangle { instance, triangle, .. })) = lights.local.get(e.source.0) {
                 let pdf = lights.triangle_pdf(&to, (instance, triangle), t, e.cos);
                 met = Some((lights.triangle_source(instance, triangle).unwrap(), e.strength, pdf));
             }

@@ -61,8 +61,11 @@ impl Place<'_> {
                 found.add(of, limits.clamp(arrives, u32::from(path.way.depth)));
             } else if arrives != Rgb::ZERO {
                 let ray = match grazing {
-                    None => Ray { t_max: light.distance, ..point.leaving(leave(point, light.wi), light.wi) },
-                    Some(grazing) => grazing.ray(&stage.scene, point, light.wi, light.distance),
+                    None => {
+                        let t_max = light.reach(point.position_error);
+                        Ray { t_max, ..point.leaving(leave(point, light.wi), light.wi) }
+                    }
+                    Some(grazing) => grazing.ray(&stage.scene, point, &light),
                 };
                 let (way, sets) = (path.way, light.sets);
                 shadows.push(Shadow { path: found.path, ray, light: arrives, way, sets, of });

@@ -180,7 +180,8 @@ impl Inside {
         }
         let of = found.groups.sampled_in_volume(found.path, path.way, || stage.lights.group(&stage.scene, source));
         if light.cast_shadow {
-            let ray = Ray { t_max: light.distance, ..Ray::new(position, light.wi) };
+            // Where it starts is not on a surface: no rounding moved it off one.
+            let ray = Ray { t_max: light.reach(0.0), ..Ray::new(position, light.wi) };
             shadows.push(Shadow { path: found.path, ray, light: arrives, way: path.way, sets: light.sets, of });
             veils.push(Veil { stack: self.stack.clone(), seed: seed([u_seed, u_light, u0]) });
         } else {
