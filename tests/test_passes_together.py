@@ -205,3 +205,17 @@ def test_the_compositor_takes_noise_out(room, blender, tmp_path):
     before, after = (np.abs(one - clean).mean() for one in (noisy, found))
     print(before, after)
     assert after < 0.7 * before
+
+
+def test_the_command_line_writes_them(room, petzval_cli, blender, tmp_path):
+    blender.context.scene.view_layers[0].name = "Of light"
+    blender.ops.wm.save_as_mainfile(filepath=str(tmp_path / "room.blend"))
+    options = ("--camera", "pinhole", "--samples", 2, "--passes", "-o", tmp_path / "room.exr")
+    done = petzval_cli("render", tmp_path / "room.blend", *options)
+    assert done.returncode == 0, done.stderr
+    said = (tmp_path / "room.exr").read_bytes()
+    for name in ("Combined", "Diffuse Direct", "Emission", "Mist", "UV", "Object Index", "Denoising Albedo", "Tint"):
+        old = next((old for old, new in room.OLD.items() if new == name), name)
+        assert any(f"Of light.{one}.".encode() in said for one in (name, old)), name
+    done = petzval_cli("render", tmp_path / "room.blend", "--passes", "-o", tmp_path / "room.png")
+    assert done.returncode == 2 or "needs an EXR" in done.stderr

@@ -62,6 +62,9 @@ class PETZVAL_VIEW_LAYER_PT_light(_Passes, bpy.types.Panel):
             some = tuple(one for one in passes.LIGHT if one.name.partition(" ")[0] == first)
             heading = first if len(some) > 1 else "Other" if first == "Emission" else ""
             _switches(layout.column(heading=heading, align=True), context.view_layer, some)
+        cycles = getattr(context.view_layer, "cycles", None)
+        if cycles is not None:
+            layout.column().prop(cycles, passes.SHADOW.switch, text=passes.SHADOW.name)
 
 
 class PETZVAL_VIEW_LAYER_PT_cryptomatte(_Passes, bpy.types.Panel):
@@ -124,6 +127,23 @@ class PETZVAL_OBJECT_PT_light_group(_Membership, bpy.types.Panel):
     bl_context = "object"
 
 
+class PETZVAL_OBJECT_PT_mask(PetzvalPanel, bpy.types.Panel):
+    """What Cycles has in its own panel of visibility, which is not shared."""
+
+    bl_label = "Mask"
+    bl_context = "object"
+    bl_options = {"DEFAULT_CLOSED"}
+
+    @classmethod
+    def poll(cls, context):
+        return super().poll(context) and context.object is not None and context.object.type not in {"CAMERA", "LIGHT"}
+
+    def draw(self, context):
+        column = columns(self).column()
+        column.prop(context.object, "is_shadow_catcher")
+        column.prop(context.object, "is_holdout")
+
+
 class PETZVAL_WORLD_PT_light_group(_Membership, bpy.types.Panel):
     bl_context = "world"
 
@@ -137,6 +157,7 @@ CLASSES = (
     PETZVAL_VIEW_LAYER_PT_light_groups,
     PETZVAL_OBJECT_PT_light_group,
     PETZVAL_WORLD_PT_light_group,
+    PETZVAL_OBJECT_PT_mask,
 )
 
 

@@ -284,6 +284,22 @@ mod tests {
         assert_eq!(of_pixel(&mattes, &sums, 1), [(1007, 0.375), (1002, 0.25), (1005, 0.125), (0, 0.0)]);
     }
 
+    /// The index that most rays met; what met nothing, or what has index 0, counts as 0.
+    #[test]
+    fn an_index_is_that_of_most_rays() {
+        let table = Table { ids: vec![0, 7, 300], names: BTreeMap::new() };
+        let mattes = Mattes { layers: vec![(MatteLayer::ObjectIndex, table)], levels: 6 };
+        let mut sums = MatteSums::default();
+        let mut notes = MatteNotes::new(2);
+        for met in [Some([1, 0]), Some([1, 0]), Some([2, 0]), Some([0, 0])] {
+            notes.add(0, met);
+            notes.add(1, met);
+        }
+        (0..2).for_each(|_| notes.add(1, None));
+        sums.join(&mattes, &notes);
+        assert_eq!([0, 1].map(|pixel| sums.most_seen(&mattes, MatteLayer::ObjectIndex, pixel)), [7, 0]);
+    }
+
     /// More names than fit: memory stays bounded, and those that cover most are still right.
     #[test]
     fn the_weakest_are_forgotten() {

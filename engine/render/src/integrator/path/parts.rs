@@ -372,3 +372,60 @@ impl ByPart {
         }
     }
 }
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    /// What is asked for comes once, with all that it is divided by.
+    #[test]
+    fn what_parts_are_relative_to_is_kept() {
+        let direct = Part::Light(LobeKind::Glossy, true);
+        let parts = Parts::new(&[direct, Part::Light(LobeKind::Glossy, false), Part::Mist], Seen::default());
+        let colour = Part::Colour(LobeKind::Glossy);
+        let expected = [direct, colour, Part::White, Part::Light(LobeKind::Glossy, false), Part::Mist, Part::Ray];
+        assert_eq!(parts.list(), expected);
+        assert_eq!(parts.place(Part::Emission), None);
+    }
+
+    /// Of light the shares are all of it, whichever way it comes.
+    #[test]
+    fn all_light_is_shared_out() {
+        let lobes = [LobeKind::Diffuse, LobeKind::Glossy, LobeKind::Transmission];
+        let light = lobes.iter().flat_map(|&lobe| [Part::Light(lobe, true), Part::Light(lobe, false)]);
+        let rest = [Part::Volume(true), Part::Volume(false), Part::Emission, Part::Environment];
+        let wanted: Vec<Part> = light.chain(rest).collect();
+        let mut by_part = ByPart::new(Parts::new(&wanted, Seen::default()));
+        let mut sums = vec![Rgb::ZERO; by_part.count()];
+        by_part.start(&mut sums);
+        let shares =
+            || LobeShares { diffuse: Rgb::new(1.0, 0.0, 2.0), glossy: Rgb::splat(1.0), transmission: Rgb::splat(2.0) };
+        let light = Rgb::new(1.0, 2.0, 3.0);
+        let seen = by_part.met(0, Way::CAMERA, true);
+        by_part.add(&mut sums, 0, seen, light);
+        let sampled = by_part.sampled(0, Way::CAMERA, shares);
+        by_part.add(&mut sums, 0, sampled, light);
+        by_part.turned(0, Way::CAMERA, shares);
+        let after = Way::CAMERA.scattered(true, false, false);
+        for way in [after, after.scattered(false, true, false)] {
+            let met = by_part.met(0, way, false);
+            by_part.add(&mut sums, 0, met, light);
+        }
+        let of = |part| sums[by_part.parts.place(part).unwrap()];
+        assert_eq!(of(Part::Environment), light);
+        // By a light sample and by the path.
+        assert!((of(Part::Light(LobeKind::Diffuse, true)) - 2.0 * light * Rgb::new(0.25, 0.0, 0.4)).length() < 1e-6);
+        assert!((of(Part::Light(LobeKind::Glossy, false)) - light * Rgb::new(0.25, 1.0 / 3.0, 0.2)).length() < 1e-6);
+        let all: Rgb = wanted.iter().map(|&part| of(part)).sum();
+        assert!((all - 4.0 * light).length() < 1e-5, "{all}");
+    }
+
+    /// Between its ends mist grows by its power; before and behind them it does not.
+    #[test]
+    fn mist_grows_with_distance() {
+        let seen = Seen::by(DMat4::IDENTITY, glam::DVec3::ZERO, false, [1.0, 2.0, 2.0]);
+        for (z, clear) in [(0.5, 1.0), (2.0, 0.75), (3.0, 0.0), (9.0, 0.0)] {
+            assert!((seen.clear(Vec3A::new(0.0, 0.0, -z)) - clear).abs() < 1e-6);
+        }
+    }
+}
