@@ -53,8 +53,15 @@ impl Shot {
         Plan::new(&self.stage, &self.d, &self.moving, self.size, wishes, false)
     }
 
+    /// By its own measure: the other error of colour is left out.
     fn decision(&self, effect: Effect) -> Decision {
-        self.plan(&Wishes::default()).unwrap().decision(effect).clone()
+        let mut own = Wishes::default();
+        match effect {
+            Effect::LateralColour => own.say(Effect::AxialColour, Word::Off),
+            Effect::AxialColour => own.say(Effect::LateralColour, Word::Off),
+            _ => {}
+        }
+        self.plan(&own).unwrap().decision(effect).clone()
     }
 }
 
@@ -146,6 +153,31 @@ fn what_is_left_out_is_not_made() {
     assert!((round.f_number.unwrap() / 5.6 - (std::f64::consts::PI / (3.0 * 3f64.sqrt() / 2.0)).sqrt()).abs() < 1e-3);
     assert_eq!(limit(Effect::Diaphragm, 1.0).2.blades, 6);
     assert!(!limit(Effect::MotionBlur, 0.0).1.camera.is_moving && limit(Effect::MotionBlur, 1.0).1.camera.is_moving);
+}
+
+/// Two errors of colour, each too small to be seen, are simulated where both together are not; not where one is left out by the
+/// user's word, or both together are small, too.
+#[test]
+fn errors_of_colour_add_up() {
+    let colours = [Effect::LateralColour, Effect::AxialColour];
+    let small = || shot(CameraDescription { f_number: Some(8.0), ..triplet() }, 3.0, 100);
+    let plan = small().plan(&Wishes::default()).unwrap();
+    let [lateral, axial] = colours.map(|effect| plan.decision(effect).measure.unwrap());
+    let (larger, smaller) = if lateral >= axial { (colours[0], colours[1]) } else { (colours[1], colours[0]) };
+    let (one, both) = (lateral.max(axial), lateral + axial);
+    assert!(lateral.min(axial) > 0.1 * one, "{lateral} and {axial}");
+    // Of the tolerance at quality 1, half a pixel; an effect counts a quarter more than what was measured of it.
+    let limited = |size: f64| at_quality(0.5 / (1.25 * size));
+    let mut alone = limited(1.02 * one);
+    alone.say(smaller, Word::Off);
+    for (wishes, is_on) in
+        [(limited(0.98 * both), true), (limited(1.02 * one), true), (limited(1.02 * both), false), (alone, false)]
+    {
+        let plan = small().plan(&wishes).unwrap();
+        assert_eq!(plan.camera.wavelengths() > 1, is_on, "{:?}", plan.decision(larger));
+        let word = smaller.name().replace('_', " ");
+        assert_eq!(plan.decision(larger).why.contains(&word), is_on, "{:?}", plan.decision(larger));
+    }
 }
 
 /// More wavelengths where colours are farther apart, so that neighbours' images touch.

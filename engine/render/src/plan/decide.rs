@@ -123,12 +123,29 @@ fn tolerance(effect: Effect, wishes: &Wishes) -> f64 {
 
 /// Whether an effect is called for.
 fn is_wanted(effect: Effect, known: &Known<'_>, wishes: &Wishes) -> bool {
-    let is_large = || measure(known, effect).value.is_some_and(|m| m * MARGIN > tolerance(effect, wishes));
+    let is_large = || {
+        let with = beside(effect, known, wishes).map_or(0.0, |(_, value)| value);
+        measure(known, effect).value.is_some_and(|m| (m + with) * MARGIN > tolerance(effect, wishes))
+    };
     match wishes.word(effect) {
         Word::On => true,
         Word::Off => false,
         Word::Auto => effect.is_available() && is_large(),
     }
+}
+
+/// What adds to an effect that is left out with it: to the larger of both errors of colour the other, for they part the same light,
+/// and one film that tells wavelengths apart shows both.
+fn beside(effect: Effect, known: &Known<'_>, wishes: &Wishes) -> Option<(Effect, f64)> {
+    let other = match effect {
+        Effect::LateralColour => Effect::AxialColour,
+        Effect::AxialColour => Effect::LateralColour,
+        _ => return None,
+    };
+    let (own, others) = (measure(known, effect).value?, measure(known, other).value?);
+    // Of equal ones that which comes first.
+    let is_larger = own > others || (own == others && effect == Effect::LateralColour);
+    (is_larger && others > 0.0 && wishes.word(other) != Word::Off).then_some((other, others))
 }
 
 /// The cheapest camera that has what is called for.
@@ -198,7 +215,9 @@ fn choose(known: &Known<'_>, wishes: &Wishes) -> Result<(CameraChoice, Price), P
 fn decision(effect: Effect, known: &Known<'_>, wishes: &Wishes, choice: &CameraChoice, price: Price) -> Decision {
     let (word, tolerance, found) = (wishes.word(effect), tolerance(effect, wishes), measure(known, effect));
     let measure = found.value;
-    let is_large = measure.is_some_and(|value| value * MARGIN > tolerance);
+    let beside = beside(effect, known, wishes);
+    let with = beside.map_or(0.0, |(_, value)| value);
+    let is_large = measure.is_some_and(|value| (value + with) * MARGIN > tolerance);
     let is_on = is_simulated(effect, choice, known, word);
     let limit = size(tolerance, effect.unit());
     let why = if measure == Some(0.0) && word == Word::Auto && !is_on {
@@ -206,7 +225,12 @@ fn decision(effect: Effect, known: &Known<'_>, wishes: &Wishes, choice: &CameraC
     } else {
         let sized = match measure {
             Some(value) if value > tolerance => format!("{}, more than {limit}", found.text),
-            Some(_) if is_large => format!("{}, too near to {limit}", found.text),
+            Some(value) if value * MARGIN > tolerance => format!("{}, too near to {limit}", found.text),
+            Some(value) if is_large => {
+                let than = if value + with > tolerance { "more than" } else { "too near to" };
+                let other = beside.map_or("", |(other, _)| other.name()).replace('_', " ");
+                format!("{}, with {} of {other} {than} {limit}", found.text, size(with, effect.unit()))
+            }
             Some(_) => format!("{}, less than {limit}", found.text),
             None => found.text,
         };
