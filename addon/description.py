@@ -76,6 +76,8 @@ class MaterialDescription:
     pass_index: int = 0
     # Of those nodes: BUMP | DISPLACEMENT | BOTH.
     displacement_method: str = "BUMP"
+    # What its nodes give out beside: a graph likewise, whose layers glow with them, and the numbers of these.
+    aovs: tuple[str, list[int]] | None = None
 
 
 @dataclass

@@ -4,6 +4,7 @@
 from __future__ import annotations
 
 import dataclasses
+import functools
 import json
 import time
 import traceback
@@ -11,10 +12,23 @@ import traceback
 import bpy
 import numpy as np
 
-from . import checkpoints, effects, loop, passes, persistent, planning, render_settings, staging, statistics, tiles
+from . import (
+    checkpoints,
+    effects,
+    loop,
+    passes,
+    persistent,
+    planning,
+    render_settings,
+    shadow_catcher,
+    staging,
+    statistics,
+    tiles,
+)
 from .description import CameraDescription, Report, ShutterDescription, focused
 from .export import camera as camera_export
 from .export import shutter as shutters
+from .export import world as world_export
 from .export.errors import ExportError
 from .export.motion import Frame, Motion
 from .native import EngineMissing, engine
@@ -48,7 +62,10 @@ class PetzvalRenderEngine(bpy.types.RenderEngine):
         mattes = (one for layer in passes.wanted_mattes(renderlayer) for one in passes.of_matte(layer, levels))
         groups = passes.of_light_groups(renderlayer)
         merging = passes.for_merging(renderlayer, scene.petzval)
-        for one in (passes.COMBINED, *passes.wanted(renderlayer), *mattes, *groups, *merging):
+        parts = passes.wanted_parts(renderlayer, bpy.app.version)
+        parts += passes.wanted_indices(renderlayer, bpy.app.version)
+        parts += (passes.SHADOW,) * passes.wants_shadow(renderlayer)
+        for one in (passes.COMBINED, *passes.wanted(renderlayer), *parts, *mattes, *groups, *merging):
             self.register_pass(scene, renderlayer, one.name, one.channels, one.channel_names, one.kind)
 
     def render(self, depsgraph):
@@ -120,6 +137,9 @@ class _Photograph:
         self.merging = passes.for_merging(layer, self.scene.petzval)
         self.mattes, self.matte_levels = passes.wanted_mattes(layer), passes.matte_levels(layer)
         self.light_groups = passes.of_light_groups(layer)
+        self.parts = passes.wanted_parts(layer, bpy.app.version)
+        self.indices = passes.wanted_indices(layer, bpy.app.version)
+        self.has_shadow = passes.wants_shadow(layer)
         self.focus: dict | None = None
         self.plan = None
         # What the plan tells, and the same in a line for the status.
@@ -145,12 +165,18 @@ class _Photograph:
         width, height = camera_export.resolution(self.scene.render)
         camera = staging.camera(self.scene, width, height, self.report)
         settings = render_settings.describe(self.scene, width, height, bool(self.data_passes))
+        settings = render_settings.of_layer(settings, self.scene, self.depsgraph.view_layer_eval)
         blur, opened, moving = self._over_the_shutter(shutter, camera, width, height)
         neighbours, motion = self._beside(camera, width, height)
         builder, size = native.SceneBuilder(), (width, height)
         checkpoint = checkpoints.of(self.depsgraph)
         told = checkpoint.watched(builder) if checkpoint else builder
-        staging.fill(told, self.depsgraph, camera, size, self.report, self._check_stop, motion, blur)
+        catches = staging.fill(told, self.depsgraph, camera, size, self.report, self._check_stop, motion, blur)
+        if catches and self.scene.petzval.integrator == "BIDIRECTIONAL":
+            self.report.warn(
+                f"Scene '{self.scene.name}': bidirectional paths know of no shadow catchers, these are shown"
+            )
+            catches = False
         self.report.warnings += builder.warnings()
         sync_seconds = time.perf_counter() - began
 
@@ -176,11 +202,16 @@ class _Photograph:
             loop.WATCH.study(loop.Subject(scene, camera, settings, moving, wishes, opened, sync_seconds))
             _deliver_black(self.host, self.depsgraph)
             return
+        self._tell_of_denoising()
         self._plan(native, scene, camera, settings, moving, opened)
-        mattes = [one.engine_name for one in self.mattes]
+        mattes = [one.engine_name for one in (*self.mattes, *self.indices)]
         beside = {"plan": self.plan, "mattes": mattes, "matte_levels": self.matte_levels, "neighbours": neighbours}
         beside["light_groups"] = len(self.light_groups)
+        beside["parts"] = [name for one in self.parts for name in passes.engine_names(one)]
+        if catches:
+            beside["parts"] += shadow_catcher.PARTS
         beside["shutter"] = opened
+        beside["mist"] = world_export.mist(self.scene.world)
         if checkpoint:
             decided = [(row["effect"], row["decision"]) for row in self.told["effects"]]
             others = {name: value for name, value in beside.items() if name != "plan"}
@@ -188,7 +219,12 @@ class _Photograph:
         job = loop.stoppable(lambda: native.Job(scene, camera, settings, moving, **beside), self._stop_asked)
         stopped = loop.follow(job, stop_asked=self._stop_asked, show=self._show, tell=self._progress)
         self._progress(job.progress() if stopped else 1.0, job.samples_done())
-        self._show_all(job)
+        caught = None
+        if catches and not stopped:
+            others = functools.partial(self._beside_all, native, camera, settings, moving, size, place, blur, opened)
+            is_over_sky = not (self.has_shadow or self.scene.render.film_transparent)
+            caught = others(is_sky=False), others(is_sky=True) if is_over_sky else None
+        self._show_all(job, caught)
         for warning in scene.warnings():
             if warning not in self.report.warnings:
                 self.report.warn(warning)
@@ -198,6 +234,34 @@ class _Photograph:
             self._tell("Keeping the render", 1.0)
             is_done_with = not stopped and loop.WATCH.checkpoint is None
             loop.stoppable(lambda: job.end_checkpoints(is_done_with), lambda: False)
+
+    def _tell_of_denoising(self) -> None:
+        """Cycles's switch is on unless it is turned off: who turned it on wants to know that it is for Cycles."""
+        cycles = getattr(self.scene, "cycles", None)
+        if cycles is not None and cycles.is_property_set("use_denoising") and cycles.use_denoising:
+            self.host.report(
+                {"INFO"},
+                "Petzval does not denoise by itself: turn on View Layer > Passes > Data for Denoise Node, and use the Denoise node "
+                "of the compositor with Denoising Albedo and Denoising Normal",
+            )
+
+    def _beside_all(self, native, camera, settings, moving, size, place, blur, opened, *, is_sky: bool):
+        """The finished render of what catches shadows without anything that throws them, or of the sky alone."""
+        builder = native.SceneBuilder()
+        if is_sky:
+            staging.fill_sky(builder, self.depsgraph, camera, size, Report())
+        else:
+            staging.fill(
+                builder, self.depsgraph, camera, size, Report(), self._check_stop, blur=blur, only_catchers=True
+            )
+        # A sky that the camera sees is none of the light on what catches shadows.
+        settings = dataclasses.replace(settings, transparent_film=not is_sky)
+        scene = loop.stoppable(lambda: builder.build(place, settings.threads, None), self._stop_asked)
+        make = lambda: native.Job(scene, camera, settings, moving, plan=self.plan, shutter=opened)  # noqa: E731
+        job = loop.stoppable(make, self._stop_asked)
+        tell = lambda part, _: self._tell("Shadows without what throws them", part)  # noqa: E731
+        loop.follow(job, stop_asked=self._stop_asked, show=lambda _: None, tell=tell)
+        return job
 
     def _plan(self, native, scene, camera, settings, moving, opened) -> None:
         """Decides what is simulated."""
@@ -284,11 +348,21 @@ class _Photograph:
         self.host.frame_set(frame, subframe)
         self.scene = self.depsgraph.scene_eval
 
-    def _show_all(self, job) -> None:
+    def _show_all(self, job, caught=None) -> None:
         """The finished picture with its passes of data, at once: a result without a pass would blacken it."""
         pictures = {passes.COMBINED.name: job.image()}
+        if caught is not None:
+            is_opaque = not self.scene.render.film_transparent
+            pictures[passes.COMBINED.name] = shadow_catcher.picture(
+                job, *caught, is_opaque=is_opaque, has_pass=self.has_shadow
+            )
+            pictures[shadow_catcher.NAME] = shadow_catcher.shadow(job, caught[0])
+        elif self.has_shadow:
+            pictures[shadow_catcher.NAME] = np.ones_like(pictures[passes.COMBINED.name][..., :3])
         pictures |= {one.name: job.data(one.engine_name) for one in (*self.data_passes, *self.merging)}
         pictures |= {one.name: job.light_group(i)[..., :3] for i, one in enumerate(self.light_groups, 1)}
+        pictures |= {one.name: job.index(one.engine_name) for one in self.indices}
+        pictures |= {one.name: passes.channels_of(one, job) for one in self.parts}
         for layer in self.mattes:
             channels = job.matte(layer.engine_name)
             for i, one in enumerate(passes.of_matte(layer, self.matte_levels)):

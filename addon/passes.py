@@ -3,7 +3,10 @@
 
 from __future__ import annotations
 
+from collections.abc import Iterator
 from typing import NamedTuple
+
+import numpy as np
 
 
 class Pass(NamedTuple):
@@ -27,6 +30,114 @@ DATA = (
     Pass("Normal", 3, "XYZ", "VECTOR", "use_pass_normal", "NORMAL"),
     Pass("Vector", 4, "XYZW", "VECTOR", "use_pass_vector", "VECTOR"),
 )
+
+
+class Light(NamedTuple):
+    """A pass of light or colour, or of what else the engine keeps by parts (`Job.part`)."""
+
+    #: As Blender 5 names it, and as it did before.
+    name: str
+    old_name: str
+    channel_names: str
+    kind: str
+    switch: str
+    engine_name: str
+    #: The switch is one of the layer's settings for Cycles.
+    is_of_cycles: bool = False
+
+
+_LOBES = (("Diffuse", "Diff"), ("Glossy", "Gloss"), ("Transmission", "Trans"))
+_LIGHTS = (("Direct", "Dir"), ("Indirect", "Ind"), ("Color", "Col"))
+
+
+def _of_light() -> Iterator[Light]:
+    for lobe, short in _LOBES:
+        for what, end in _LIGHTS:
+            switch = f"use_pass_{lobe}_{what}".lower()
+            yield Light(f"{lobe} {what}", short + end, "RGB", "COLOR", switch, f"{lobe}_{what}".upper())
+    for what, end in _LIGHTS[:2]:
+        switch = f"use_pass_volume_{what}".lower()
+        yield Light(f"Volume {what}", f"Volume{end}", "RGB", "COLOR", switch, f"VOLUME_{what}".upper(), True)
+    yield Light("Emission", "Emit", "RGB", "COLOR", "use_pass_emit", "EMISSION")
+    yield Light("Environment", "Env", "RGB", "COLOR", "use_pass_environment", "ENVIRONMENT")
+
+
+#: Passes of light, which add up: each kind of lobe's direct and indirect light times its colour, volumes, emission and
+#: environment are the picture.
+LIGHT = tuple(_of_light())
+
+#: Of the first surface.
+SURFACE = (
+    Light("Mist", "Mist", "Z", "VALUE", "use_pass_mist", "MIST"),
+    Light("UV", "UV", "UVA", "VECTOR", "use_pass_uv", "UV"),
+)
+
+#: What the Denoise node of the compositor wants, all by one switch.
+DENOISING = (
+    Light("Denoising Albedo", "", "RGB", "COLOR", "denoising_store_passes", "DENOISING_ALBEDO", True),
+    Light("Denoising Normal", "", "XYZ", "VECTOR", "denoising_store_passes", "DENOISING_NORMAL", True),
+    Light("Denoising Depth", "", "Z", "VALUE", "denoising_store_passes", "DENOISING_DEPTH", True),
+)
+
+#: What of the light is left on what catches shadows.
+SHADOW = Pass("Shadow Catcher", 3, "RGB", "COLOR", "use_pass_shadow_catcher")
+
+
+def wants_shadow(view_layer: object) -> bool:
+    """Whether a view layer asks for it."""
+    return getattr(getattr(view_layer, "cycles", None), SHADOW.switch, False)
+
+
+#: Pass indices, for masks.
+INDICES = (
+    Light("Object Index", "IndexOB", "X", "VALUE", "use_pass_object_index", "OBJECT_INDEX"),
+    Light("Material Index", "IndexMA", "X", "VALUE", "use_pass_material_index", "MATERIAL_INDEX"),
+)
+
+
+def _named(one: Light, version: tuple[int, ...]) -> Pass:
+    name = one.name if version >= (5, 0, 0) or not one.old_name else one.old_name
+    return Pass(name, len(one.channel_names), one.channel_names, one.kind, one.switch, one.engine_name)
+
+
+def _asked(view_layer: object, list_of: tuple[Light, ...], version: tuple[int, ...]) -> tuple[Pass, ...]:
+    cycles = getattr(view_layer, "cycles", None)
+    asked = (one for one in list_of if getattr(cycles if one.is_of_cycles else view_layer, one.switch, False))
+    return tuple(_named(one, version) for one in asked)
+
+
+def of_aovs(view_layer: object) -> tuple[Pass, ...]:
+    """The outputs of shaders that a view layer names, numbered in its order; those whose name is taken are left out."""
+    found = []
+    for number, one in enumerate(view_layer.aovs):
+        channels, kind = ("X", "VALUE") if one.type == "VALUE" else ("RGBA", "COLOR")
+        if one.is_valid:
+            found.append(Pass(one.name, len(channels), channels, kind, "", f"AOV_{number}"))
+    return tuple(found)
+
+
+def wanted_parts(view_layer: object, version: tuple[int, ...]) -> tuple[Pass, ...]:
+    """The passes that the engine keeps by parts of light."""
+    return (*_asked(view_layer, (*SURFACE, *LIGHT, *DENOISING), version), *of_aovs(view_layer))
+
+
+def engine_names(one: Pass) -> tuple[str, ...]:
+    """The engine's parts that a pass is made of: three numbers each, a fourth channel is a part of its own."""
+    alpha = one.engine_name.replace("AOV_", "AOV_ALPHA_")
+    return (one.engine_name, alpha) if one.channels == 4 else (one.engine_name,)
+
+
+def channels_of(one: Pass, job: object) -> np.ndarray:
+    """A pass of a finished job, by its parts."""
+    pixels, *alpha = (job.part(name) for name in engine_names(one))
+    if one.engine_name == "MIST":
+        pixels = 1.0 - pixels
+    return np.concatenate([pixels, *alpha], axis=-1)[..., : one.channels]
+
+
+def wanted_indices(view_layer: object, version: tuple[int, ...]) -> tuple[Pass, ...]:
+    """The passes of indices that a view layer asks for."""
+    return _asked(view_layer, INDICES, version)
 
 
 #: Layers of Cryptomatte; each fills one pass for two levels.

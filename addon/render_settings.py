@@ -3,6 +3,8 @@
 
 from __future__ import annotations
 
+import dataclasses
+
 import bpy
 
 from .description import SettingsDescription
@@ -33,3 +35,14 @@ def describe(scene: bpy.types.Scene, width: int, height: int, with_data: bool = 
         integrator=own.integrator,
         transparent_film=render.film_transparent,
     )
+
+
+def of_layer(
+    settings: SettingsDescription, scene: bpy.types.Scene, view_layer: bpy.types.ViewLayer
+) -> SettingsDescription:
+    """The same with a view layer's own number of samples, as Cycles's setting for that has it."""
+    use = getattr(getattr(scene, "cycles", None), "use_layer_samples", "IGNORE")
+    if use == "IGNORE" or view_layer.samples <= 0:
+        return settings
+    own = min(settings.samples, view_layer.samples) if use == "BOUNDED" else view_layer.samples
+    return dataclasses.replace(settings, samples=own)

@@ -33,9 +33,21 @@ def fill(
     check_stop: Callable[[], None] = lambda: None,
     motion: Motion | None = None,
     blur: Blur | None = None,
+    *,
+    only_catchers: bool = False,
+) -> bool:
+    """Tells the engine's `SceneBuilder` all that the camera may see; whether something catches shadows. `only_catchers`: what
+    does not is a hole for the camera, and nothing to all else."""
+    catches = export.send_scene(depsgraph, builder, report, check_stop, motion, blur, only_catchers=only_catchers)
+    viewport.send(builder, seen_by, *size)
+    return catches
+
+
+def fill_sky(
+    builder: Any, depsgraph: bpy.types.Depsgraph, seen_by: CameraDescription, size: tuple[int, int], report: Report
 ) -> None:
-    """Tells the engine's `SceneBuilder` all that the camera may see."""
-    export.send_scene(depsgraph, builder, report, check_stop, motion, blur)
+    """Tells a `SceneBuilder` of the sky alone."""
+    export.send_sky(depsgraph, builder, report)
     viewport.send(builder, seen_by, *size)
 
 

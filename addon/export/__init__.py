@@ -11,8 +11,10 @@ from typing import Any
 
 import bpy
 
-from ..description import Report
+from .. import passes
+from ..description import Report, WorldDescription
 from . import world
+from .aovs import Aovs
 from .image import Images
 from .instances import Stage
 from .light_groups import LightGroups
@@ -28,17 +30,25 @@ def send_scene(
     check_stop: Callable[[], None],
     motion: Motion | None = None,
     blur: Blur | None = None,
-) -> None:
-    """Fills a `SceneBuilder`. `check_stop` is called between objects and may raise."""
-    images = Images(builder, report)
-    materials = Materials(builder, images, report)
+    *,
+    only_catchers: bool = False,
+) -> bool:
+    """Fills a `SceneBuilder`. `check_stop` is called between objects and may raise. With `only_catchers` what
+    does not catch shadows holds out, and is not there for anything but the camera. True where something catches shadows."""
+    images, layer = Images(builder, report), depsgraph.view_layer_eval
+    materials = Materials(builder, images, Aovs(layer), report, layer.material_override)
     scene = depsgraph.scene_eval
-    groups = LightGroups(depsgraph.view_layer_eval)
-    sky = world.describe(scene.world, images, report)
-    sky.light_group = groups.number(scene.world)
-    builder.set_world(sky)
-    stage = Stage(builder, materials, images, groups, report, check_stop, motion, blur)
+    groups = LightGroups(layer)
+    own = sky_of(depsgraph)
+    builder.set_world(_sky(depsgraph, images, groups, report))
+    stage = Stage(builder, materials, images, groups, report, check_stop, motion, blur, only_catchers=only_catchers)
     stage.send(depsgraph)
+    if passes.wanted_parts(layer, bpy.app.version) and scene.petzval.integrator == "BIDIRECTIONAL":
+        report.warn(
+            f"Scene '{scene.name}': bidirectional paths know of no passes of light, of mist, UV and shaders' outputs: these are black"
+        )
+    if stage.holds_out and scene.petzval.integrator == "BIDIRECTIONAL":
+        report.warn(f"Scene '{scene.name}': bidirectional paths know of no holdout, what holds out is seen")
     if stage.is_selective and scene.petzval.integrator == "BIDIRECTIONAL":
         report.warn(
             f"Scene '{scene.name}': bidirectional paths know of no ray visibility but the camera's and shadows', and of no "
@@ -46,7 +56,29 @@ def send_scene(
         )
     if groups.names and scene.petzval.integrator == "BIDIRECTIONAL":
         report.warn(f"Scene '{scene.name}': bidirectional paths know of no light groups, their passes are black")
-    if (materials.fills_space or world.fills_space(scene.world)) and scene.petzval.integrator == "BIDIRECTIONAL":
+    if (materials.fills_space or world.fills_space(own)) and scene.petzval.integrator == "BIDIRECTIONAL":
         report.warn(f"Scene '{scene.name}': bidirectional paths know of no volumes, space is empty")
     if scene.render.use_freestyle:
         report.warn(f"Scene '{scene.name}': Freestyle lines are not supported yet, they are left out")
+    return stage.catches_shadows
+
+
+def sky_of(depsgraph: bpy.types.Depsgraph) -> bpy.types.World | None:
+    """The world of a view layer."""
+    layer = depsgraph.view_layer_eval
+    # Blender 5 lets a layer have another.
+    own = getattr(layer, "world_override", None) or depsgraph.scene_eval.world
+    return own if layer.use_sky else None
+
+
+def send_sky(depsgraph: bpy.types.Depsgraph, builder: Any, report: Report) -> None:
+    """Fills a `SceneBuilder` with the world alone."""
+    groups = LightGroups(depsgraph.view_layer_eval)
+    builder.set_world(_sky(depsgraph, Images(builder, report), groups, report))
+
+
+def _sky(depsgraph: bpy.types.Depsgraph, images: Images, groups: LightGroups, report: Report) -> WorldDescription:
+    own = sky_of(depsgraph)
+    sky = world.describe(own, images, report)
+    sky.light_group = groups.number(own)
+    return sky

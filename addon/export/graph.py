@@ -47,6 +47,29 @@ def describe(tree: bpy.types.NodeTree, image_index: ImageIndex) -> dict[str, Any
     return {"nodes": walk.nodes, **ends}
 
 
+class Ends:
+    """A description whose ends are given one by one."""
+
+    def __init__(self, image_index: ImageIndex) -> None:
+        self._walk = _Walk(image_index)
+
+    def input(self, socket: bpy.types.NodeSocket, groups: tuple[bpy.types.Node, ...] = ()) -> Any:
+        """What an input socket gets: a link, or its value."""
+        found = nodes.trace(nodes.Input(socket, groups))
+        if isinstance(found, nodes.Source):
+            return self._walk.link(found)
+        return _constant(socket, found)
+
+    def add(self, described: dict[str, Any], socket: str = "Emission") -> dict[str, Any]:
+        """A link to an output of a node that the tree does not have."""
+        return self._walk.add(described, socket)
+
+    def finished(self) -> list[dict[str, Any]]:
+        """All nodes."""
+        self._walk.finish()
+        return self._walk.nodes
+
+
 class _Walk:
     """Gathers nodes from the ends up, each once."""
 
@@ -91,16 +114,16 @@ class _Walk:
         given = described["inputs"].get("Vector")
         if given is None:
             kind, socket = _COORDINATES.get(node.type, ("ShaderNodeTexCoord", "Generated"))
-            given = self._add({"type": kind, "name": node.name, "options": {}, "inputs": {}}, socket)
+            given = self.add({"type": kind, "name": node.name, "options": {}, "inputs": {}}, socket)
         mapper = {
             "type": "ShaderNodeMapping",
             "name": node.name,
             "options": {"vector_type": mapping.vector_type},
             "inputs": {"Vector": given, **parts},
         }
-        described["inputs"]["Vector"] = self._add(mapper, "Vector")
+        described["inputs"]["Vector"] = self.add(mapper, "Vector")
 
-    def _add(self, described: dict[str, Any], socket: str) -> dict[str, Any]:
+    def add(self, described: dict[str, Any], socket: str) -> dict[str, Any]:
         """A link to a node that the tree does not have."""
         self.nodes.append(described)
         return {"node": len(self.nodes) - 1, "socket": socket}

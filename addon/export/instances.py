@@ -8,7 +8,7 @@ from typing import Any
 
 import bpy
 
-from ..description import Report
+from ..description import RAYS, Report
 from . import curves, grids, hair, mesh, object_info
 from .camera import rows
 from .image import Images
@@ -48,6 +48,12 @@ def _softening(holder: bpy.types.Object) -> tuple[float, float]:
     return geometry, shading
 
 
+def _stands_for(place: bpy.types.DepsgraphObjectInstance) -> bpy.types.Object:
+    """The object whose collections an instance belongs to: the one that is instanced by another belongs to that one's."""
+    found = place.parent if place.is_instance and place.parent is not None else place.object
+    return found.original
+
+
 class Stage:
     """Sends the instances of a dependency graph to the engine's builder."""
 
@@ -61,6 +67,8 @@ class Stage:
         check_stop: Callable[[], None],
         motion: Motion | None = None,
         blur: Blur | None = None,
+        *,
+        only_catchers: bool = False,
     ) -> None:
         self._builder = builder
         self._motion = motion
@@ -76,6 +84,12 @@ class Stage:
         self._meshes: dict[tuple[int, frozenset[str]], int | None] = {}
         # By the object and its particle system.
         self._hair: dict[tuple[str, str], int] = {}
+        #: The camera sees a hole somewhere.
+        self.holds_out = False
+        #: Shadows are caught somewhere.
+        self.catches_shadows = False
+        self._only_catchers = only_catchers
+        self._view_layer: bpy.types.ViewLayer | None = None
         self._drawn: dict[str, Any] = {}
         self._is_render = True
         self._room = Room(0.0)
@@ -85,18 +99,27 @@ class Stage:
         links = Links(depsgraph, self._report)
         lights = Lights(self._images, links, self._groups)
         self._drawn = curves.shape(depsgraph.scene_eval)
+        self._view_layer = depsgraph.view_layer
         self._room = Room(depsgraph.scene_eval.petzval.memory_limit)
         self._is_render = depsgraph.mode == "RENDER"
-        shows_hair = depsgraph.view_layer_eval.use_strand
+        layer = depsgraph.view_layer_eval
+        shows_hair = layer.use_strand
         for place in depsgraph.object_instances:
             self._check_stop()
             holder = place.object
             hidden = hidden_from(holder)
+            if _stands_for(place).indirect_only_get(view_layer=self._view_layer):
+                hidden = (*hidden, "CAMERA")
             if shows_hair and holder.particle_systems:
                 self._particles(holder, place, links, hidden)
             if not place.show_self or (holder.type == "CURVES" and not shows_hair):
                 continue
             self.is_selective |= links.any or not BOUNCES.isdisjoint(hidden)
+            is_left_out = (holder.type == "VOLUME" and not layer.use_volumes) or (
+                holder.type in WITH_SURFACE - {"CURVES"} and not layer.use_solid
+            )
+            if is_left_out:
+                continue
             if holder.type in WITH_SURFACE:
                 self._surface(holder, place, links, hidden)
             elif holder.type == "VOLUME":
@@ -118,7 +141,8 @@ class Stage:
         index = self._mesh(holder, place)
         if index is None:
             return
-        materials = [self._materials.index(slot.material) for slot in holder.material_slots]
+        slots = holder.material_slots or ([None] if self._materials.override else [])
+        materials = [self._materials.index(slot and slot.material) for slot in slots]
         # All strands have the first.
         self._place(holder, place, links, hidden, index, materials[:1] if holder.type == "CURVES" else materials)
 
@@ -152,9 +176,17 @@ class Stage:
         index: int,
         materials: list[int],
     ) -> None:
-        for flag, words in (("is_holdout", "holdout"), ("is_shadow_catcher", "shadow catcher")):
-            if getattr(holder, flag):
-                self._report.warn(f"Object '{holder.name}': {words} is not supported yet, it is shown as it is")
+        is_catcher = holder.is_shadow_catcher
+        self.catches_shadows |= is_catcher
+        if self._only_catchers and not is_catcher:
+            # In the way of the camera, and of nothing else.
+            hidden = tuple(kind for kind in RAYS if kind != "CAMERA" or kind in hidden)
+        is_holdout = (
+            (self._only_catchers and not is_catcher)
+            or holder.is_holdout
+            or _stands_for(place).holdout_get(view_layer=self._view_layer)
+        )
+        self.holds_out |= is_holdout
         if _is_diced(holder):
             self._report.warn(
                 f"Object '{holder.name}': adaptive subdivision is not supported yet, it is divided as often as its "
@@ -173,6 +205,8 @@ class Stage:
             info=(tuple(holder.color), holder.pass_index, object_info.random(holder, place)),
             light_group=self._groups.number(holder),
             softening=_softening(holder),
+            is_holdout=is_holdout,
+            is_catcher=is_catcher,
         )
 
     def _mesh(self, holder: bpy.types.Object, place: bpy.types.DepsgraphObjectInstance) -> int | None:

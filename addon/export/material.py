@@ -10,6 +10,7 @@ import bpy
 
 from ..description import MaterialDescription, Report
 from . import attributes, nodes, shaders
+from .aovs import Aovs
 from .graph import describe as describe_graph
 from .image import Images
 from .texture import Inputs
@@ -21,8 +22,13 @@ _SMOKE = -1
 class Materials:
     """The materials of one scene, by the engine's index."""
 
-    def __init__(self, builder: Any, images: Images, report: Report) -> None:
+    def __init__(
+        self, builder: Any, images: Images, aovs: Aovs, report: Report, override: bpy.types.Material | None = None
+    ) -> None:
         self._builder = builder
+        #: What everything is made of instead.
+        self.override = override
+        self._aovs = aovs
         self._images = images
         self._report = report
         self._known: dict[int, int] = {}
@@ -33,6 +39,7 @@ class Materials:
 
     def index(self, material: bpy.types.Material | None) -> int:
         """The engine's index of a material; an empty slot gets Blender's default grey."""
+        material = self.override or material
         key = 0 if material is None else material.original.as_pointer()
         if key not in self._known:
             described = MaterialDescription("(none)") if material is None else self.describe(material)
@@ -41,6 +48,7 @@ class Materials:
 
     def volume_index(self, material: bpy.types.Material | None) -> int:
         """The same for a volume object, which without one is smoke."""
+        material = self.override or material
         if material is not None:
             return self.index(material)
         self.fills_space = True
@@ -54,11 +62,24 @@ class Materials:
 
     def wanted(self, material: bpy.types.Material | None) -> frozenset[str]:
         """The attributes that a material asks of meshes."""
+        material = self.override or material
         self.index(material)
         return frozenset() if material is None else self._wanted.get(material.original.as_pointer(), frozenset())
 
     def describe(self, material: bpy.types.Material) -> MaterialDescription:
         """What the engine is told of a material: by the short way, where that says all; else all of its nodes."""
+        described = self._surface(material)
+        described.pass_index = material.pass_index
+        if uses_nodes(material):
+            owner = f"Material '{material.name}'"
+            found = self._aovs.describe(material.node_tree, lambda node: self._images.of_node(node, owner))
+            if found is not None:
+                described.aovs = json.dumps(found[0]), found[1]
+                key = material.original.as_pointer()
+                self._wanted[key] = self._wanted.get(key, frozenset()) | attributes.wanted(found[0])
+        return described
+
+    def _surface(self, material: bpy.types.Material) -> MaterialDescription:
         report = Report()
         described = self._by_the_short_way(material, report)
         if not report.warnings:
@@ -79,7 +100,6 @@ class Materials:
         return MaterialDescription(
             material.name,
             graph=json.dumps(graph),
-            pass_index=material.pass_index,
             displacement_method=material.displacement_method,
         )
 

@@ -28,6 +28,14 @@ def describe(world: bpy.types.World | None, images: Images, report: Report) -> W
     return description
 
 
+def mist(world: bpy.types.World | None) -> tuple[float, float, float]:
+    """Where mist begins, how deep it is until nothing is seen, and the power by which it grows."""
+    if world is None:
+        return 0.0, 1.0, 1.0
+    own = world.mist_settings
+    return own.start, own.depth, {"QUADRATIC": 2.0, "LINEAR": 1.0, "INVERSE_QUADRATIC": 0.5}[own.falloff]
+
+
 def fills_space(world: bpy.types.World | None) -> bool:
     """Whether it has a volume."""
     if world is None or not uses_nodes(world):

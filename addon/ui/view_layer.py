@@ -14,18 +14,81 @@ class PETZVAL_VIEW_LAYER_PT_passes(PetzvalPanel, bpy.types.Panel):
     bl_context = "view_layer"
 
     def draw(self, context):
-        layout = columns(self)
-        column = layout.column(heading="Data")
+        pass
+
+
+class _Passes(PetzvalPanel):
+    """A group of passes."""
+
+    bl_context = "view_layer"
+    bl_parent_id = "PETZVAL_VIEW_LAYER_PT_passes"
+
+
+def _switches(column, view_layer, some: tuple[passes.Light, ...]) -> None:
+    """A row for each pass that this Blender has a switch for."""
+    cycles = getattr(view_layer, "cycles", None)
+    for one in some:
+        holder = cycles if one.is_of_cycles else view_layer
+        if hasattr(holder, one.switch):
+            column.prop(holder, one.switch, text=one.name.partition(" ")[2] or one.name)
+
+
+class PETZVAL_VIEW_LAYER_PT_data(_Passes, bpy.types.Panel):
+    bl_label = "Data"
+
+    def draw(self, context):
+        layout, layer = columns(self), context.view_layer
+        column = layout.column(heading="Include")
         for one in passes.DATA:
-            column.prop(context.view_layer, one.switch, text=one.name)
+            column.prop(layer, one.switch, text=one.name)
+        for one in passes.SURFACE:
+            column.prop(layer, one.switch, text=one.name)
+        column = layout.column(heading="Indexes")
+        for one in passes.INDICES:
+            column.prop(layer, one.switch, text=one.name.partition(" ")[0])
+        cycles = getattr(layer, "cycles", None)
+        if cycles is not None:
+            layout.column(heading="Denoising").prop(cycles, "denoising_store_passes", text="Data for Denoise Node")
+            layout.column(heading="Debug").prop(cycles, "pass_debug_sample_count", text="Sample Count")
+        layout.column(heading="Files").prop(layer.petzval, "use_pass_mergeable")
+
+
+class PETZVAL_VIEW_LAYER_PT_light(_Passes, bpy.types.Panel):
+    bl_label = "Light"
+
+    def draw(self, context):
+        layout = columns(self)
+        for first in dict.fromkeys(one.name.partition(" ")[0] for one in passes.LIGHT):
+            some = tuple(one for one in passes.LIGHT if one.name.partition(" ")[0] == first)
+            heading = first if len(some) > 1 else "Other" if first == "Emission" else ""
+            _switches(layout.column(heading=heading, align=True), context.view_layer, some)
         cycles = getattr(context.view_layer, "cycles", None)
         if cycles is not None:
-            column.prop(cycles, "pass_debug_sample_count", text="Sample Count")
-        column.prop(context.view_layer.petzval, "use_pass_mergeable")
-        column = layout.column(heading="Cryptomatte")
+            layout.column().prop(cycles, passes.SHADOW.switch, text=passes.SHADOW.name)
+
+
+class PETZVAL_VIEW_LAYER_PT_cryptomatte(_Passes, bpy.types.Panel):
+    bl_label = "Cryptomatte"
+
+    def draw(self, context):
+        layout = columns(self)
+        column = layout.column(heading="Include")
         for one in passes.MATTES:
             column.prop(context.view_layer, one.switch, text=one.name.removeprefix("Crypto"))
-        column.prop(context.view_layer, "pass_cryptomatte_depth", text="Levels")
+        layout.prop(context.view_layer, "pass_cryptomatte_depth", text="Levels")
+
+
+class PETZVAL_VIEW_LAYER_PT_aovs(_Passes, bpy.types.Panel):
+    bl_label = "Shader AOV"
+
+    def draw(self, context):
+        row, layer = self.layout.row(), context.view_layer
+        row.template_list("VIEWLAYER_UL_aov", "aovs", layer, "aovs", layer, "active_aov_index", rows=3)
+        column = row.column(align=True)
+        column.operator("scene.view_layer_add_aov", icon="ADD", text="")
+        column.operator("scene.view_layer_remove_aov", icon="REMOVE", text="")
+        if layer.active_aov is not None and not layer.active_aov.is_valid:
+            self.layout.label(text="Another pass has this name", icon="ERROR")
 
 
 class PETZVAL_VIEW_LAYER_PT_light_groups(PetzvalPanel, bpy.types.Panel):
@@ -64,15 +127,37 @@ class PETZVAL_OBJECT_PT_light_group(_Membership, bpy.types.Panel):
     bl_context = "object"
 
 
+class PETZVAL_OBJECT_PT_mask(PetzvalPanel, bpy.types.Panel):
+    """What Cycles has in its own panel of visibility, which is not shared."""
+
+    bl_label = "Mask"
+    bl_context = "object"
+    bl_options = {"DEFAULT_CLOSED"}
+
+    @classmethod
+    def poll(cls, context):
+        return super().poll(context) and context.object is not None and context.object.type not in {"CAMERA", "LIGHT"}
+
+    def draw(self, context):
+        column = columns(self).column()
+        column.prop(context.object, "is_shadow_catcher")
+        column.prop(context.object, "is_holdout")
+
+
 class PETZVAL_WORLD_PT_light_group(_Membership, bpy.types.Panel):
     bl_context = "world"
 
 
 CLASSES = (
     PETZVAL_VIEW_LAYER_PT_passes,
+    PETZVAL_VIEW_LAYER_PT_data,
+    PETZVAL_VIEW_LAYER_PT_light,
+    PETZVAL_VIEW_LAYER_PT_cryptomatte,
+    PETZVAL_VIEW_LAYER_PT_aovs,
     PETZVAL_VIEW_LAYER_PT_light_groups,
     PETZVAL_OBJECT_PT_light_group,
     PETZVAL_WORLD_PT_light_group,
+    PETZVAL_OBJECT_PT_mask,
 )
 
 

@@ -17,6 +17,7 @@ CHAPTERS = {
     "shapes": "Shapes",
     "views": "Cameras",
     "motion": "Motion",
+    "passes": "Holes, caught shadows and view layers",
 }
 
 

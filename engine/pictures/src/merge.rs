@@ -2,7 +2,9 @@
 //!
 //! A pass is the mean over a pixel's samples, so the whole is the mean of the parts by their counts. Where all parts hold what
 //! their numbers leave out of the sums (the passes "Remainder" and "Remainder Fine") in files without loss, the joined picture is that of one render
-//! with all the samples, to the last bit. Depth, position and normal are means over surfaces; mattes are joined by name.
+//! with all the samples, to the last bit. Depth, position and normal are means over surfaces; mattes are joined by name. Light of
+//! a kind of lobe is divided by its colour: it is joined times that, as far as the colour is there. Pass indices are those of the
+//! most samples.
 
 use crate::error::MergeError;
 use crate::mattes;
@@ -12,6 +14,8 @@ use std::path::{Path, PathBuf};
 
 const COMBINED: &str = "Combined";
 const REMAINDERS: [&str; 2] = ["Remainder", "Remainder Fine"];
+/// As Blender names them, and as it did before its version 5.
+const INDICES: [&str; 4] = ["Object Index", "Material Index", "IndexOB", "IndexMA"];
 /// The depth of what is infinitely far, and less than it.
 const FARTHEST: f32 = 1e10;
 const NEARLY_FARTHEST: f32 = 1e9;
@@ -69,6 +73,19 @@ pub fn merge(files: &[PathBuf], output: &Path) -> Result<Merged, MergeError> {
     parts[0].tell(even, if is_known { &ranges } else { &[] });
     write(&parts[0], output)?;
     Ok(Merged { samples, is_exact })
+}
+
+/// The pass by which a pass of light is divided.
+fn colour_of(pass: &str) -> Option<String> {
+    for (lobe, short) in [("Diffuse", "Diff"), ("Glossy", "Gloss"), ("Transmission", "Trans")] {
+        if [format!("{lobe} Direct"), format!("{lobe} Indirect")].iter().any(|name| name == pass) {
+            return Some(format!("{lobe} Color"));
+        }
+        if [format!("{short}Dir"), format!("{short}Ind")].iter().any(|name| name == pass) {
+            return Some(format!("{short}Col"));
+        }
+    }
+    None
 }
 
 fn write(part: &Part, output: &Path) -> Result<(), MergeError> {
@@ -145,6 +162,17 @@ impl Joining<'_> {
             self.mattes(parts, pass, channels, done);
             return true;
         }
+        if INDICES.contains(&pass) {
+            done.extend(channels.iter().map(|name| (name.clone(), self.most(parts, name))));
+            return true;
+        }
+        if let Some(colour) = colour_of(pass)
+            && let Some(joined) =
+                channels.iter().map(|name| self.over_colour(parts, name, pass, &colour)).collect::<Option<Vec<_>>>()
+        {
+            done.extend(channels.iter().cloned().zip(joined));
+            return true;
+        }
         let is_picture = pass == COMBINED || pass.is_empty();
         let mut is_exact = true;
         let mut plain = Vec::new();
@@ -164,6 +192,36 @@ impl Joining<'_> {
         };
         done.extend(plain.into_iter().cloned().zip(self.means(&values, nothing)));
         is_exact
+    }
+
+    /// Means of light that is divided by a colour, which stay that of the joined colour; `None` where no colour is there.
+    fn over_colour(&self, parts: &[Part], name: &str, pass: &str, colour: &str) -> Option<Vec<f32>> {
+        let (before, channel) = name.rsplit_once(pass)?;
+        let colour = format!("{before}{colour}{channel}");
+        let (mut light, mut weights) = (vec![0.0; self.totals.len()], vec![0.0; self.totals.len()]);
+        for (part, counts) in parts.iter().zip(self.counts) {
+            let (values, colours) = (part.channel(name)?, part.channel(&colour)?);
+            for i in 0..values.len() {
+                let weight = f64::from(colours[i]) * counts[i];
+                light[i] += f64::from(values[i]) * weight;
+                weights[i] += weight;
+            }
+        }
+        let over = |(light, weight): (&f64, &f64)| if *weight == 0.0 { 0.0 } else { (light / weight) as f32 };
+        Some(light.iter().zip(&weights).map(over).collect())
+    }
+
+    /// By pixel the value that most samples have; of two that have as many, the lesser.
+    fn most(&self, parts: &[Part], name: &str) -> Vec<f32> {
+        let values: Vec<Vec<f32>> = parts.iter().filter_map(|part| part.channel(name)).collect();
+        let of_pixel = |i: usize| {
+            let votes = |value: f32| -> f64 {
+                values.iter().zip(self.counts).filter(|(own, _)| own[i] == value).map(|(_, counts)| counts[i]).sum()
+            };
+            let better = |a: f32, b: f32| if (votes(b), -b) > (votes(a), -a) { b } else { a };
+            values.iter().map(|own| own[i]).reduce(better).unwrap_or(0.0)
+        };
+        (0..self.totals.len()).map(of_pixel).collect()
     }
 
     /// Means by counts of channels (by picture, then channel), together. Of what is a mean over surfaces, `nothing` where most

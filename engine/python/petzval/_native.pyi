@@ -208,6 +208,8 @@ class SceneBuilder:
         info: tuple[tuple[float, float, float, float], int, float] | None = None,  # colour, pass index, random
         light_group: int = 0,  # its number; 0 is none
         softening: tuple[float, float] = (0.0, 0.0),  # Blender's geometry and shading offsets of shadow terminators
+        is_holdout: bool = False,  # the camera sees a hole instead
+        is_catcher: bool = False,  # its shadows alone are wanted: for CAUGHT and CATCHES
     ) -> None:
         """`materials[slot]` is a material index; slots past its end take the last; empty: the default grey.
 
@@ -307,10 +309,12 @@ class Job:
         over_the_shutter: Sequence[CameraDescription] = (),
         *,
         plan: Plan | None = None,  # without one, the camera as it is described
-        mattes: Sequence[str] = (),  # OBJECT | MATERIAL | ASSET
+        mattes: Sequence[str] = (),  # OBJECT | MATERIAL | ASSET | OBJECT_INDEX | MATERIAL_INDEX
         matte_levels: int = 6,
         neighbours: tuple[CameraDescription, CameraDescription] | None = None,
         light_groups: int = 0,
+        parts: Sequence[str] = (),  # of light, for `part`
+        mist: tuple[float, float, float] = (0.0, 1.0, 1.0),  # start, depth, power of the falloff
         checkpoint: tuple[str, str, float] | None = None,  # file, fingerprint of the picture, seconds between two
         shutter: ShutterDescription | None = None,  # where anything but the lens moves
     ) -> None:
@@ -326,6 +330,14 @@ class Job:
     def matte(self, layer: str) -> npt.NDArray[np.float32]:
         """The channels (id, coverage, id, coverage) of all passes of a layer of Cryptomatte, (height, width, 4 passes),
         first row at the bottom."""
+    def index(self, layer: str) -> npt.NDArray[np.float32]:
+        """The pass index that most of a pixel's rays met, of OBJECT_INDEX or MATERIAL_INDEX, (height, width, 1), first row at the
+        bottom."""
+    def part(self, name: str) -> npt.NDArray[np.float32]:
+        """DIFFUSE_DIRECT, _INDIRECT, _COLOR, the same of GLOSSY and TRANSMISSION, VOLUME_DIRECT, VOLUME_INDIRECT, EMISSION,
+        ENVIRONMENT, DENOISING_ALBEDO, DENOISING_NORMAL, DENOISING_DEPTH, CAUGHT (light of
+        what catches shadows), CATCHES (how much of a pixel does, and how much is anything), UV, MIST (how much is clear), AOV_0 and so on: (height,
+        width, 3), first row at the bottom. Light of a kind of lobe is divided by its colour."""
     def matte_metadata(self, layer: str, name: str) -> list[tuple[str, str]]:
         """What a file has to say of a layer that is called `name` in it: keys and values."""
     def wait(self, timeout_s: float) -> bool:

@@ -40,6 +40,11 @@ def add_parser(subparsers: argparse._SubParsersAction) -> None:
         help="an EXR with all that `petzval merge` needs to join it with others exactly",
     )
     p.add_argument(
+        "--passes",
+        action="store_true",
+        help="an EXR of many layers: all passes that the scene's view layers ask for, as Blender names them",
+    )
+    p.add_argument(
         "--checkpoint",
         metavar="FILE|off",
         help="where the render is kept while it goes on, to be taken up by the same command; default: OUT.checkpoint",
@@ -73,8 +78,9 @@ def _checked(a: argparse.Namespace) -> dict:
     output = Path(a.output) if a.output else Path(f"{Path(a.scene).stem}.png")
     if output.suffix.lower() not in _SUFFIXES:
         raise CommandError(f"unknown picture format: {output}: end its name in .exr or .png")
-    if a.mergeable and output.suffix.lower() != ".exr":
-        raise CommandError(f"--mergeable needs an EXR: {output}: end its name in .exr")
+    for name in ("mergeable", "passes"):
+        if getattr(a, name) and output.suffix.lower() != ".exr":
+            raise CommandError(f"--{name} needs an EXR: {output}: end its name in .exr")
     checkpoint = None if a.checkpoint == "off" else Path(a.checkpoint or f"{output}.checkpoint")
     for file in (output, Path(a.stats) if a.stats else None, checkpoint):
         if file is not None:
@@ -89,6 +95,7 @@ def _checked(a: argparse.Namespace) -> dict:
         "blue_noise": a.blue_noise,
         "sample_offset": a.sample_offset,
         "mergeable": a.mergeable,
+        "passes": a.passes,
         "checkpoint": str(checkpoint.absolute()) if checkpoint else "",
         "checkpoint_every_s": a.checkpoint_every,
     }

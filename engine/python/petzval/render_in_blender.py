@@ -186,7 +186,7 @@ def _apply(scene: Any, o: dict, addon: Any, found: dict) -> str | None:
     for name, word in o["effects"].items():
         setattr(scene.petzval.effects, name, word.upper())
     if o["output"] is not None:
-        _apply_output(r, o["output"], o["mergeable"])
+        _apply_output(r, o["output"], o["mergeable"] or o["passes"])
     for layer in scene.view_layers if o["mergeable"] else ():
         layer.petzval.use_pass_mergeable = True
     try:
@@ -211,7 +211,7 @@ def _apply_sharp(scene: Any, points: list[list[float]], addon: Any, found: dict)
     return None
 
 
-def _apply_output(r: Any, output: str, mergeable: bool) -> None:
+def _apply_output(r: Any, output: str, of_layers: bool) -> None:
     r.filepath = output
     # The name is taken as it is; a placeholder for the frame's number is for animations.
     r.use_file_extension = False
@@ -222,8 +222,8 @@ def _apply_output(r: Any, output: str, mergeable: bool) -> None:
     r.use_multiview = False
     settings = r.image_settings
     if hasattr(settings, "media_type"):
-        settings.media_type = "MULTI_LAYER_IMAGE" if mergeable else "IMAGE"
-    if mergeable:
+        settings.media_type = "MULTI_LAYER_IMAGE" if of_layers else "IMAGE"
+    if of_layers:
         settings.file_format = "OPEN_EXR_MULTILAYER"
         settings.color_depth = "32"
     elif output.lower().endswith(".exr"):
@@ -235,7 +235,7 @@ def _apply_output(r: Any, output: str, mergeable: bool) -> None:
     if output.lower().endswith(".exr"):
         # Blender's own may lose something, and what the engine found is to be in the file.
         settings.exr_codec = "ZIP"
-    if not mergeable:  # which has all channels of all passes
+    if not of_layers:  # which has all channels of all passes
         settings.color_mode = "RGBA" if r.film_transparent else "RGB"
 
 

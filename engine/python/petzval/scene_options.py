@@ -158,6 +158,7 @@ def checked(a: argparse.Namespace) -> dict:
         "output": None,
         "stats": None,
         "mergeable": False,
+        "passes": False,
         "checkpoint": "",
         "checkpoint_every_s": None,
     }

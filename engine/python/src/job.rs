@@ -3,6 +3,7 @@
 use crate::camera::{Matrix4, PyCamera};
 use crate::doorway::away;
 use crate::error::{Error, refused};
+use crate::parts::part;
 use crate::plan::Plan;
 use crate::scene::Scene;
 use glam::{DMat4, DVec3};
@@ -16,6 +17,7 @@ use petzval_render::film::cryptomatte::{self, MatteLayer};
 use petzval_render::film::data::DataPass;
 use petzval_render::integrator::Integrator;
 use petzval_render::integrator::path::KindLimits;
+use petzval_render::integrator::path::parts::{Part, Parts, Seen};
 use petzval_render::job::checkpoint::Checkpoints;
 use petzval_render::job::{self as engine, Beside, Settings};
 use petzval_render::pipeline::Pipeline;
@@ -136,7 +138,7 @@ impl Job {
     #[new]
     #[pyo3(signature = (
         scene, camera, settings, over_the_shutter=Vec::new(), *, plan=None, mattes=Vec::new(), matte_levels=6,
-        neighbours=None, light_groups=0, checkpoint=None, shutter=None
+        neighbours=None, light_groups=0, parts=Vec::new(), mist=[0.0, 1.0, 1.0], checkpoint=None, shutter=None
     ))]
     #[allow(clippy::too_many_arguments)]
     fn new(
@@ -150,6 +152,8 @@ impl Job {
         matte_levels: u32,
         neighbours: Option<[PyCamera; 2]>,
         light_groups: u16,
+        parts: Vec<String>,
+        mist: [f32; 3],
         checkpoint: Option<(PathBuf, String, f64)>,
         shutter: Option<PyShutter>,
     ) -> Result<Self, Error> {
@@ -175,6 +179,7 @@ impl Job {
             None => None,
         };
         let mattes = mattes.iter().map(|name| matte_layer(name)).collect::<Result<Vec<_>, Error>>()?;
+        let parts = parts.iter().map(|name| part(name)).collect::<Result<Vec<Part>, Error>>()?;
         let mut settings: Settings = settings.try_into()?;
         if let Some(plan) = plan {
             settings.pipeline = plan.plan.pipeline();
@@ -196,7 +201,11 @@ impl Job {
             let clip = Clip::new(&now, &cameras[0]);
             let gains = shade::gains(&now, &cameras[cameras.len() / 2], settings.width, settings.height)?;
             let exposure = shutter.filter(|_| is_moving).map(|shutter| shutter.exposure(stage.scene.origin));
-            let beside = Beside { mattes, matte_levels, motion, clip, gains, light_groups, checkpoints, exposure };
+            let seen =
+                Seen::by(now.matrix_world, stage.scene.origin, matches!(cameras[0], Camera::Orthographic(_)), mist);
+            let parts = Parts::new(&parts, seen);
+            let beside =
+                Beside { mattes, matte_levels, motion, clip, gains, light_groups, parts, checkpoints, exposure };
             Ok(Self { job: engine::Job::start_with(stage, cameras, settings, beside)?, plan_seconds })
         })?
     }
@@ -270,6 +279,23 @@ impl Job {
         let (width, height) = film.size();
         let pixels = away(py, || group.picture())?;
         array(py, pixels, width, height)
+    }
+
+    fn index<'py>(&self, py: Python<'py>, layer: &str) -> Result<Bound<'py, PyArray3<f32>>, Error> {
+        let layer = matte_layer(layer)?;
+        let film = self.job.film();
+        let (width, height) = film.size();
+        let flat = PyArray1::from_vec(py, away(py, || film.most_seen(layer))?);
+        Ok(flat.reshape([height as usize, width as usize, 1])?)
+    }
+
+    fn part<'py>(&self, py: Python<'py>, name: &str) -> Result<Bound<'py, PyArray3<f32>>, Error> {
+        let asked = part(name)?;
+        let pixels = away(py, || self.job.part(asked))?;
+        let pixels = pixels.ok_or_else(|| refused(format!("'{name}' is not kept")))?;
+        let (width, height) = self.job.film().size();
+        let flat = PyArray1::from_vec(py, pixels.into_flattened());
+        Ok(flat.reshape([height as usize, width as usize, 3])?)
     }
 
     fn matte_metadata(&self, layer: &str, name: &str) -> Result<Vec<(String, String)>, Error> {
@@ -354,7 +380,12 @@ fn matte_layer(name: &str) -> Result<MatteLayer, Error> {
         "OBJECT" => Ok(MatteLayer::Object),
         "MATERIAL" => Ok(MatteLayer::Material),
         "ASSET" => Ok(MatteLayer::Asset),
-        other => Err(refused(format!("there are no mattes of '{other}'; use OBJECT, MATERIAL or ASSET"))),
+        "OBJECT_INDEX" => Ok(MatteLayer::ObjectIndex),
+        "MATERIAL_INDEX" => Ok(MatteLayer::MaterialIndex),
+        other => {
+            let names = "OBJECT, MATERIAL, ASSET, OBJECT_INDEX or MATERIAL_INDEX";
+            Err(refused(format!("there are no mattes of '{other}'; use {names}")))
+        }
     }
 }
 

@@ -15,6 +15,7 @@ mod lens;
 mod material;
 mod memory;
 mod mesh;
+mod parts;
 mod pictures;
 mod plan;
 mod scene;

@@ -9,7 +9,7 @@ use petzval_render::Rgb;
 use petzval_render::nodes::lamp;
 use petzval_render::scene::graph::Displacement;
 use petzval_render::scene::lamp::{Lamp, LampKind};
-use petzval_render::scene::material::{Channel, ImageInput, Input, Material};
+use petzval_render::scene::material::{Aovs, Channel, ImageInput, Input, Material};
 use petzval_render::scene::texture::{Extension, Interpolation};
 use petzval_render::scene::visibility::{Rays, Sets};
 use petzval_render::scene::world::World;
@@ -118,6 +118,7 @@ pub(crate) struct PyMaterial {
     graph: Option<String>,
     pass_index: i32,
     displacement_method: String,
+    aovs: Option<(String, Vec<u16>)>,
 }
 
 impl PyMaterial {
@@ -130,7 +131,19 @@ impl PyMaterial {
             "BOTH" => Displacement::Both,
             _ => Displacement::Bump,
         };
-        let (graph, reports) = graphs.read(m.graph, m.pass_index, displacement, &owner)?;
+        let (graph, mut reports) = graphs.read(m.graph, m.pass_index, displacement, &owner)?;
+        let aovs = match m.aovs {
+            None => None,
+            Some((json, numbers)) => {
+                let (graph, told) = graphs.read(Some(json), m.pass_index, Displacement::default(), &owner)?;
+                for what in told {
+                    if !reports.contains(&what) {
+                        reports.push(what);
+                    }
+                }
+                graph.map(|graph| Aovs { graph, numbers })
+            }
+        };
         let material = Material {
             name: m.name,
             base_color: m.base_color.input()?,
@@ -146,6 +159,9 @@ impl PyMaterial {
             specular: m.specular,
             layers: m.layers.into_iter().map(PyLayer::layer).collect::<Result<_, _>>()?,
             graph,
+            pass_index: m.pass_index,
+            aovs,
+            ..Material::default_grey()
         };
         Ok((material, reports))
     }

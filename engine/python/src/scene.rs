@@ -8,10 +8,7 @@ use crate::error::{Error, bad_scene, refused};
 use crate::material::{PyLight, PyMaterial, PyWorld, visible};
 use crate::mesh::{PyCorners, PyGrid, PyPose, corners, indices, named, read_grid, read_poses, vectors};
 use glam::{DMat4, DVec3};
-use numpy::{
-    PyArrayDyn, PyArrayMethods, PyReadonlyArray1, PyReadonlyArray2,
-    PyUntypedArrayMethods,
-};
+use numpy::{PyArrayDyn, PyArrayMethods, PyReadonlyArray1, PyReadonlyArray2, PyUntypedArrayMethods};
 use petzval_render::integrator::Stage;
 use petzval_render::scene::mesh::MeshDescription;
 use petzval_render::scene::softening::Softening;
@@ -162,7 +159,8 @@ impl SceneBuilder {
 
     #[pyo3(signature = (
         object_name, mesh, matrix_world, materials, *, hidden_from = Vec::new(), links = None, asset_name = None,
-        moved = None, keys = None, info = None, light_group = 0, softening = (0.0, 0.0)
+        moved = None, keys = None, info = None, light_group = 0, softening = (0.0, 0.0), is_holdout = false,
+        is_catcher = false
     ))]
     #[allow(clippy::too_many_arguments)]
     fn add_instance(
@@ -179,6 +177,8 @@ impl SceneBuilder {
         info: Option<PyObjectInfo>,
         light_group: u16,
         softening: (f32, f32),
+        is_holdout: bool,
+        is_catcher: bool,
     ) -> Result<(), Error> {
         let instance = self.builder.add_instance(object_name, mesh, matrix_world.into(), &materials, true, true)?;
         let Some(instance) = instance else { return Ok(()) };
@@ -188,6 +188,12 @@ impl SceneBuilder {
             self.builder.set_links(instance, Links { receives, blocks, sets });
         }
         self.builder.set_light_group(instance, light_group);
+        if is_catcher {
+            self.builder.catch_shadows(instance);
+        }
+        if is_holdout {
+            self.builder.hold_out(instance);
+        }
         self.builder.set_softening(instance, Softening::new(softening.0, softening.1));
         if let Some((color, pass_index, random)) = info {
             self.builder.set_info(instance, ObjectInfo { color: color.into(), pass_index, random });

@@ -46,6 +46,7 @@ fn bench(c: &mut Criterion) {
                 pattern: Pattern::independent(1),
                 motion: None,
                 exposure: None,
+                parts: &Default::default(),
             };
             let film = Film::new(SIZE[0], SIZE[1], pipeline != Pipeline::FilmFirst, false);
             // Tiles from all over the picture, near its centre first.

@@ -14,6 +14,7 @@ use crate::camera::real_lens::RealLens;
 use crate::film::cryptomatte::{MatteLayer, Mattes};
 use crate::film::data::{DataPass, DataSums, FARTHEST, VectorSums};
 use crate::film::{Film, Keep, TilePixels};
+use crate::integrator::path::parts::{Part, Parts};
 use crate::integrator::path::{self, Limits};
 use crate::integrator::{Integrator, Stage, bidirectional::Techniques};
 use crate::pipeline::exposure::Exposure;
@@ -48,6 +49,8 @@ pub struct Beside {
     pub gains: Option<Vec<f32>>,
     /// Groups of emitters, from number 1 on, for [`Film::groups`]; bidirectional paths leave them black.
     pub light_groups: u16,
+    /// For [`Job::part`]; black as well.
+    pub parts: Parts,
     /// Where the render is kept while it goes on, and taken up again.
     pub checkpoints: Option<Checkpoints>,
     /// When samples are taken and where the camera is then; `None`: all in the middle of the exposure, but for what the lens
@@ -86,6 +89,7 @@ struct Shared {
     clip: Option<Clip>,
     motion: Option<Motion>,
     exposure: Option<Exposure>,
+    parts: Parts,
     /// Found by the first thread that asks.
     limits: OnceLock<Limits>,
     film: Film,
@@ -220,6 +224,19 @@ impl Job {
         }
     }
 
+    /// Three numbers a pixel of what is kept beside, as they are now, rows from below: light as it is, all else relative to
+    /// what it is to be. Nothing of what was not asked for.
+    pub fn part(&self, part: Part) -> Option<Vec<[f32; 3]>> {
+        let parts = &self.shared.parts;
+        let place = parts.place(part)?;
+        let whole = self.shared.film.parts()[place].picture();
+        let Some(base) = part.relative_to().and_then(|base| self.part(base)) else {
+            return Some(whole.into_iter().map(|[r, g, b, _]| [r, g, b]).collect());
+        };
+        let pixels = whole.iter().zip(&base);
+        Some(pixels.map(|([r, g, b, _], base)| over([*r, *g, *b], *base)).collect())
+    }
+
     /// A layer of mattes as it is now: the channels of all its passes pixel by pixel, rows from below.
     pub fn matte(&self, layer: MatteLayer) -> Vec<f32> {
         self.shared.film.matte(layer)
@@ -300,6 +317,7 @@ impl Shared {
             mattes,
             halves: adapts,
             groups: beside.light_groups,
+            parts: beside.parts.list().len(),
         };
         let film = Film::keeping(width, height, spreads, keep)
             .exposed(settings.film_exposure)
@@ -310,6 +328,7 @@ impl Shared {
             film,
             motion: beside.motion,
             exposure: beside.exposure,
+            parts: beside.parts,
             clip: beside.clip,
             limits: OnceLock::new(),
             pipeline,
@@ -391,6 +410,7 @@ impl Shared {
             pattern: s.pattern(),
             motion: self.motion.as_ref(),
             exposure: self.exposure.as_ref(),
+            parts: &self.parts,
         }
     }
 
@@ -488,6 +508,14 @@ fn passes(samples: u32) -> Vec<(u32, u32)> {
         first += count;
     }
     list
+}
+
+/// One by the other; what is relative to nothing in a channel is there as in the others, as in Cycles.
+fn over(of: [f32; 3], base: [f32; 3]) -> [f32; 3] {
+    let parts: [Option<f32>; 3] = std::array::from_fn(|c| (base[c] != 0.0).then(|| of[c] / base[c]));
+    let count = parts.iter().flatten().count().max(1) as f32;
+    let mean = parts.iter().flatten().sum::<f32>() / count;
+    parts.map(|part| part.unwrap_or(mean))
 }
 
 fn lock<T>(mutex: &Mutex<T>) -> std::sync::MutexGuard<'_, T> {

@@ -87,6 +87,7 @@ fn light_alone(stage: &Stage, d: &CameraDescription, samples: u32, seed: u32, ma
         pattern: Pattern::independent(seed),
         motion: None,
         exposure: None,
+        parts: &Default::default(),
     };
     let film = Film::new(WIDTH, HEIGHT, true, false);
     for tile in 0..film.tile_count() {

@@ -23,6 +23,10 @@ pub enum MatteLayer {
     Material,
     /// Objects by their topmost parent.
     Asset,
+    /// Objects by their pass index, of which a pixel has one: [`super::Film::most_seen`].
+    ObjectIndex,
+    /// Materials likewise.
+    MaterialIndex,
 }
 
 /// Which mattes are kept.
@@ -44,12 +48,22 @@ impl Mattes {
     /// Those of a scene, each with the `levels` names that cover most of a pixel.
     pub fn new(scene: &Scene, layers: &[MatteLayer], levels: u32) -> Self {
         let owners = if layers.is_empty() { Vec::new() } else { scene.owners() };
+        let indices = |layer: &MatteLayer| -> Option<Vec<u32>> {
+            match layer {
+                MatteLayer::ObjectIndex => Some(scene.instances.iter().map(|i| i.info.pass_index as u32).collect()),
+                MatteLayer::MaterialIndex => Some(scene.materials.iter().map(|m| m.pass_index as u32).collect()),
+                _ => None,
+            }
+        };
         let table = |layer: &MatteLayer| {
+            if let Some(ids) = indices(layer) {
+                return (*layer, Table { ids, names: BTreeMap::new() });
+            }
             let names: Vec<&str> = match layer {
                 MatteLayer::Object => scene.placed().iter().map(|i| i.object_name.as_str()).collect(),
                 MatteLayer::Asset => scene.placed().iter().map(|i| i.asset_name.as_str()).collect(),
                 // The first stands for empty slots.
-                MatteLayer::Material => std::iter::once(NO_MATERIAL)
+                _ => std::iter::once(NO_MATERIAL)
                     .chain(scene.materials.iter().skip(1).map(|m| m.name.as_str()))
                     .collect(),
             };
@@ -57,8 +71,8 @@ impl Mattes {
             let names = names.iter().map(|&name| name.to_owned()).zip(ids.iter().copied()).collect();
             // What stands for a moment has its owner's.
             let ids = match layer {
-                MatteLayer::Material => ids,
                 MatteLayer::Object | MatteLayer::Asset => owners.iter().map(|&owner| ids[owner as usize]).collect(),
+                _ => ids,
             };
             (*layer, Table { ids, names })
         };
@@ -153,7 +167,8 @@ impl MatteSums {
         self.counts.resize(mattes.layers.len(), Vec::new());
         for (counts, (layer, table)) in self.counts.iter_mut().zip(&mattes.layers) {
             let id = |&[pixel, instance, material]: &[u32; 3]| {
-                let of = if *layer == MatteLayer::Material { material } else { instance };
+                let is_material = matches!(layer, MatteLayer::Material | MatteLayer::MaterialIndex);
+                let of = if is_material { material } else { instance };
                 Count { pixel, id: table.ids[of as usize], rays: 1 }
             };
             counts.extend(notes.met.iter().map(id));
@@ -166,6 +181,18 @@ impl MatteSums {
             forget_the_weakest(counts, mattes.levels + SPARE);
             counts.shrink_to_fit();
         }
+    }
+
+    /// The id that most of a pixel's rays met; what met nothing counts as 0.
+    pub(super) fn most_seen(&self, mattes: &Mattes, layer: MatteLayer, pixel: usize) -> u32 {
+        let Some((at, _)) = mattes.table(layer) else { return 0 };
+        let (Some(counts), Some(&rays)) = (self.counts.get(at), self.rays.get(pixel)) else { return 0 };
+        let start = counts.partition_point(|c| (c.pixel as usize) < pixel);
+        let of_pixel = counts[start..].iter().take_while(|c| c.pixel as usize == pixel);
+        let met: u32 = of_pixel.clone().map(|c| c.rays).sum();
+        let nothing = rays - met + of_pixel.clone().filter(|c| c.id == 0).map(|c| c.rays).sum::<u32>();
+        let most = of_pixel.filter(|c| c.id != 0).max_by_key(|c| (c.rays, std::cmp::Reverse(c.id)));
+        most.filter(|c| c.rays > nothing).map_or(0, |c| c.id)
     }
 
     /// Ids and coverages of a pixel, strongest first; zero where there are no more.
@@ -261,6 +288,22 @@ mod tests {
         assert_eq!(of_pixel(&mattes, &sums, 0), [(0, 0.0); 4]);
         // The fourth place of the second pass is beyond the levels that were asked for.
         assert_eq!(of_pixel(&mattes, &sums, 1), [(1007, 0.375), (1002, 0.25), (1005, 0.125), (0, 0.0)]);
+    }
+
+    /// The index that most rays met; what met nothing, or what has index 0, counts as 0.
+    #[test]
+    fn an_index_is_that_of_most_rays() {
+        let table = Table { ids: vec![0, 7, 300], names: BTreeMap::new() };
+        let mattes = Mattes { layers: vec![(MatteLayer::ObjectIndex, table)], levels: 6 };
+        let mut sums = MatteSums::default();
+        let mut notes = MatteNotes::new(2);
+        for met in [Some([1, 0]), Some([1, 0]), Some([2, 0]), Some([0, 0])] {
+            notes.add(0, met);
+            notes.add(1, met);
+        }
+        (0..2).for_each(|_| notes.add(1, None));
+        sums.join(&mattes, &notes);
+        assert_eq!([0, 1].map(|pixel| sums.most_seen(&mattes, MatteLayer::ObjectIndex, pixel)), [7, 0]);
     }
 
     /// More names than fit: memory stays bounded, and those that cover most are still right.

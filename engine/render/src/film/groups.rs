@@ -1,32 +1,39 @@
-//! Light by groups of emitters: a film for each, whose samples are those of the whole.
+//! Light by groups of emitters, and parts of it: a film for each, whose samples are those of the whole.
 
 use super::{Film, Keep, Patch};
 
 impl Film {
-    /// The films of the groups that are kept.
+    /// The films of the groups and parts that are kept.
     pub(super) fn of_groups(width: u32, height: u32, spreads: bool, keep: &Keep) -> Vec<Self> {
         let of_light = Keep { halves: keep.halves, ..Keep::default() };
-        (0..keep.groups).map(|_| Self::keeping(width, height, spreads, of_light.clone())).collect()
+        (0..usize::from(keep.groups) + keep.parts)
+            .map(|_| Self::keeping(width, height, spreads, of_light.clone()))
+            .collect()
     }
 
     /// The films of groups number 1 and on; their alpha is 0.
     pub fn groups(&self) -> &[Self] {
-        &self.groups
+        &self.groups[..usize::from(self.keep.groups)]
+    }
+
+    /// The films of parts, by their places; not divided by what they are relative to.
+    pub fn parts(&self) -> &[Self] {
+        &self.groups[usize::from(self.keep.groups)..]
     }
 }
 
-/// What of samples, with how many they are, is the light of group number `place` + 1.
+/// What of samples, with how many they are, is the light of group number `place` + 1; parts come after groups.
 pub(super) fn of_group(part: Option<(&Patch, u32)>, place: usize) -> Option<(&Patch, u32)> {
     part.map(|(light, samples)| (&light.groups[place], samples))
 }
 
 impl Patch {
-    /// How many groups' light is kept for itself.
-    pub fn group_count(&self) -> u16 {
-        self.groups.len() as u16
+    /// How many groups' light is kept for itself, and parts.
+    pub fn group_count(&self) -> usize {
+        self.groups.len()
     }
 
-    /// The light of group number `place` + 1.
+    /// The light of group number `place` + 1; parts come after groups.
     pub fn group(&mut self, place: usize) -> &mut Self {
         &mut self.groups[place]
     }

@@ -88,6 +88,8 @@ pub struct Keep {
     pub halves: bool,
     /// Groups of emitters whose light is kept for itself as well.
     pub groups: u16,
+    /// Parts of paths that are, by their places.
+    pub parts: usize,
 }
 
 /// Light on a part of the picture, while one thread gathers it.
@@ -419,6 +421,15 @@ impl Film {
         let mut out = vec![0.0; channels * self.width as usize * self.height as usize];
         self.each_pixel(|tile, at, pixel| {
             self.keep.mattes.write(layer, &tile.mattes, at, &mut out[channels * pixel..][..channels]);
+        });
+        out
+    }
+
+    /// The pass index that most of each pixel's rays met, rows from below.
+    pub fn most_seen(&self, layer: MatteLayer) -> Vec<f32> {
+        let mut out = vec![0.0; self.width as usize * self.height as usize];
+        self.each_pixel(|tile, at, pixel| {
+            out[pixel] = tile.mattes.most_seen(&self.keep.mattes, layer, at) as i32 as f32;
         });
         out
     }

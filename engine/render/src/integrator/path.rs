@@ -5,6 +5,7 @@
 
 mod choice;
 mod groups;
+pub mod parts;
 mod pilot;
 mod terminator;
 mod wave;
@@ -40,6 +41,8 @@ pub struct PathResult {
     pub radiance: Rgb,
     /// The ray reached something other than the world directly behind transparent surfaces.
     pub hit: bool,
+    /// How much of what it reached first is a hole.
+    pub hole: f32,
     /// Rays traced, shadow rays included.
     pub rays: u32,
     /// The first surface that the ray did not pass.

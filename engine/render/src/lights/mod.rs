@@ -221,6 +221,11 @@ impl Lights {
         }
     }
 
+    /// Whether a source is the sky, as far as it is no sun.
+    pub fn is_world(&self, source: Source) -> bool {
+        source.0 == self.local.len()
+    }
+
     /// A place that light may reach. `openness` is the part of the sky that is seen from places in this picture on
     /// average: the sky is chosen in proportion to what it may bring, so far as nothing stands in its way.
     pub fn receiver(&self, position: Vec3A, normal: Option<Vec3A>, openness: f32) -> Receiver {

@@ -7,7 +7,7 @@ use crate::scene::closure::Closure;
 use crate::scene::graph::{Displacement, Graph, Source};
 use crate::scene::layer::{Layer, MOST_LAYERS, Weight};
 use crate::scene::material::Input;
-use crate::scene::material::Material;
+use crate::scene::material::{Aovs, Material};
 use crate::scene::mesh::Mesh;
 use crate::scene::texture::Texture;
 use crate::surface::{SurfacePoint, mesh_of};
@@ -215,6 +215,43 @@ pub fn opening(
         }
     }
     Opening::of(light, rest)
+}
+
+/// How much of what the camera sees at a point is a hole.
+#[cold]
+pub fn hole(
+    material: &Material,
+    around: Around<'_>,
+    [instance, triangle]: [u32; 2],
+    barycentric: [f32; 2],
+    view: &View,
+) -> f32 {
+    if material.holds_out {
+        return 1.0;
+    }
+    if let Some(graph) = &material.graph {
+        return with_program(graph, around, [instance, triangle], barycentric, view, |value, _| {
+            let holes = graph.layers.iter().filter(|layer| matches!(layer.closure, Closure::Holdout));
+            holes.map(|layer| value(layer.weight).x).sum()
+        });
+    }
+    let scene = around.scene;
+    let place = Place { textures: &scene.textures, mesh: mesh_of(scene, instance), triangle, barycentric };
+    let holes = material.layers.iter().filter(|layer| matches!(layer.closure, Closure::Holdout));
+    holes.map(|layer| place.weight(&layer.weight)).sum()
+}
+
+/// Calls `found(number, value)` with what a material's nodes give out at a point beside its surface.
+pub fn aovs(around: Around<'_>, point: &SurfacePoint, view: &View, mut found: impl FnMut(u16, Rgb)) {
+    let SurfacePoint { instance, triangle, barycentric, material, .. } = *point;
+    let Some(Aovs { graph, numbers }) = &around.scene.materials[material as usize].aovs else { return };
+    with_program(graph, around, [instance, triangle], barycentric, view, |value, _| {
+        for (layer, &number) in graph.layers.iter().zip(numbers) {
+            if let Closure::Emission { color, strength } = &layer.closure {
+                found(number, finite(value(*color) * value(*strength).x));
+            }
+        }
+    });
 }
 
 /// Emitted radiance, what lies over it not taken off.

@@ -17,6 +17,7 @@ use crate::camera::real_lens::RealLens;
 use crate::film::{Patch, TileRect};
 use crate::integrator::Stage;
 use crate::integrator::bidirectional::{LightPath, Techniques};
+use crate::integrator::path::parts::Parts;
 use crate::integrator::path::{self, Limits, PathResult};
 use crate::sampler::{PathSampler, pattern::Pattern, raster::Raster};
 use crate::scene::motion::moment;
@@ -94,6 +95,8 @@ pub struct Shot<'a> {
     pub motion: Option<&'a Motion>,
     /// When samples are taken, where anything but the lens moves, or the shutter is not simply open.
     pub exposure: Option<&'a Exposure>,
+    /// What is kept of paths beside light as a whole and by groups.
+    pub parts: &'a Parts,
 }
 
 impl Shot<'_> {
@@ -253,7 +256,8 @@ impl Sample<'_> {
     }
 
     fn note_alpha(&mut self, found: &PathResult) {
-        let alpha = if self.shot.limits.hide_sky && !found.hit { 0.0 } else { 1.0 };
+        let seen = f32::from(u8::from(found.hit || !self.shot.limits.hide_sky));
+        let alpha = seen - found.hole;
         self.light.add_alpha(self.x, self.y, alpha);
     }
 

@@ -48,7 +48,8 @@ pub(super) fn render<L: Leads>(
     light: &mut Patch,
     stopped: &dyn Fn() -> bool,
 ) -> Option<Counts> {
-    let groups = || ByGroup::new(light.group_count());
+    let count = light.group_count().saturating_sub(shot.parts.list().len());
+    let groups = || ByGroup::new(count as u16, shot.parts.clone());
     match (light.group_count(), shot.stage.media.is_empty()) {
         (0, true) => follow(Wave::<_, false>::noting(NoGroups), pipeline, shot, samples, light, stopped),
         (_, true) => follow(Wave::<_, false>::noting(groups()), pipeline, shot, samples, light, stopped),
@@ -68,6 +69,8 @@ fn follow<L: Leads, G: Groups, const VOLUMES: bool>(
     let mut counts = Counts::default();
     let mut stretch = Stretch::default();
     let mut leads = Vec::with_capacity(STRETCH);
+    let parts = shot.parts.list();
+    let groups = light.group_count().saturating_sub(parts.len());
     loop {
         if stopped() {
             return None;
@@ -108,12 +111,19 @@ fn follow<L: Leads, G: Groups, const VOLUMES: bool>(
             path += 1;
             if s.count_path(&found) {
                 s.note_alpha(&found);
-                if pipeline.sees_its_pixel(request) {
+                let sees_its_pixel = pipeline.sees_its_pixel(request);
+                if sees_its_pixel {
                     s.note_surface(&found, &L::ray(lead), request.u_wavelength);
                 }
                 pipeline.add(stretch.cameras[i], request, lead, found.radiance, light);
-                let groups = wave.found_of_groups(path - 1).iter().enumerate();
-                for (place, &radiance) in groups.filter(|(_, radiance)| **radiance != Rgb::ZERO) {
+                let beside = wave.found_of_groups(path - 1).iter().enumerate();
+                for (place, &radiance) in beside.filter(|(_, radiance)| **radiance != Rgb::ZERO) {
+                    if place >= groups && parts[place - groups].is_data() {
+                        if sees_its_pixel {
+                            light.group(place).add(x, y, radiance);
+                        }
+                        continue;
+                    }
                     pipeline.add(stretch.cameras[i], request, lead, radiance, light.group(place));
                 }
             }

@@ -1,5 +1,6 @@
 //! Materials as described: Blender's Principled BSDF with constant or image-driven inputs.
 
+use super::closure::Closure;
 use super::graph::Graph;
 use super::layer::{Layer, MOST_LAYERS};
 use super::texture::{Extension, Interpolation};
@@ -90,6 +91,23 @@ pub struct Material {
     pub layers: Vec<Layer>,
     /// What it is made of instead of all that, where nodes compute it.
     pub graph: Option<Arc<Graph>>,
+    /// For masks.
+    pub pass_index: i32,
+    /// What its nodes give out beside the surface.
+    pub aovs: Option<Aovs>,
+    /// The camera sees a hole instead, all else the surface.
+    pub holds_out: bool,
+    /// There is more to ask of it where it is met than how it scatters: a scene's builder finds out.
+    pub speaks: bool,
+}
+
+/// Values that nodes give out: a graph with a layer of emission for each, and their numbers.
+#[derive(Clone, Debug, PartialEq)]
+pub struct Aovs {
+    /// What computes them.
+    pub graph: Arc<Graph>,
+    /// By layer.
+    pub numbers: Vec<u16>,
 }
 
 impl Material {
@@ -110,6 +128,10 @@ impl Material {
             specular: true,
             layers: Vec::new(),
             graph: None,
+            pass_index: 0,
+            aovs: None,
+            holds_out: false,
+            speaks: false,
         }
     }
 
@@ -130,6 +152,15 @@ impl Material {
             return self.layers.iter().any(Layer::emits);
         }
         self.emission_strength != 0.0 && self.emission_color != Input::Constant(Rgb::ZERO)
+    }
+
+    /// Whether the camera may see a hole in its place.
+    pub fn may_hold_out(&self) -> bool {
+        self.holds_out
+            || match &self.graph {
+                Some(graph) => graph.layers.iter().any(|layer| matches!(layer.closure, Closure::Holdout)),
+                None => self.layers.iter().any(|layer| matches!(layer.closure, Closure::Holdout)),
+            }
     }
 
     /// Whether any of its surface may let light through unbent.
@@ -189,5 +220,6 @@ impl Material {
             }
         }
         self.specular_tint = if self.specular_tint.is_finite() { self.specular_tint.max(Rgb::ZERO) } else { Rgb::ONE };
+        self.speaks = self.emits() || self.may_hold_out();
     }
 }

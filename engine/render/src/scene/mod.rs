@@ -116,6 +116,8 @@ pub struct Instance {
     pub info: ObjectInfo,
     /// Which of its mesh's shapes it has, where that has several.
     pub pose: Pose,
+    /// It stands for what the picture is to be laid over: its shadows alone are wanted.
+    pub is_catcher: bool,
 }
 
 /// What Blender's Object Info node tells.
@@ -223,6 +225,7 @@ struct RawInstance {
     links: Links,
     light_group: u16,
     softening: Softening,
+    is_catcher: bool,
 }
 
 /// Collects a scene's pieces in any order in which each piece comes after those that it names.
@@ -350,6 +353,7 @@ impl SceneBuilder {
             links: Links::default(),
             light_group: 0,
             softening: Softening::default(),
+            is_catcher: false,
         });
         Ok(Some(self.instances.len() - 1))
     }
@@ -367,6 +371,32 @@ impl SceneBuilder {
     /// Says which lights light an instance, and in which it throws shadows.
     pub fn set_links(&mut self, instance: usize, links: Links) {
         self.instances[instance].links = links;
+    }
+
+    /// Says that the shadows on an instance alone are wanted.
+    pub fn catch_shadows(&mut self, instance: usize) {
+        self.instances[instance].is_catcher = true;
+    }
+
+    /// Lets the camera see a hole instead of an instance; all else sees it as it is.
+    pub fn hold_out(&mut self, instance: usize) {
+        let of_slots = std::mem::take(&mut self.instances[instance].materials);
+        // Counted from 1; 0 is what an empty slot has.
+        let slots = if of_slots.is_empty() { vec![0] } else { of_slots };
+        self.instances[instance].materials = slots.into_iter().map(|slot| self.holding(slot)).collect();
+    }
+
+    /// A material of a slot, made to hold out.
+    fn holding(&mut self, slot: u32) -> u32 {
+        let grey = Material::default_grey();
+        let own = slot.checked_sub(1).map_or(&grey, |index| &self.materials[index as usize]);
+        let holding = Material { holds_out: true, speaks: true, ..own.clone() };
+        let known = self.materials.iter().position(|other| *other == holding);
+        let index = known.unwrap_or_else(|| {
+            self.materials.push(holding);
+            self.materials.len() - 1
+        });
+        index as u32 + 1
     }
 
     /// Says which light group what an instance emits is in; 0 is none.
@@ -490,6 +520,7 @@ impl SceneBuilder {
                     links: raw.links,
                     light_group: raw.light_group,
                     softening,
+                    is_catcher: raw.is_catcher,
                 };
                 instance.stand(&DAffine3::from_mat4(raw.matrix), origin);
                 if raw.way.is_some() || self.meshes[raw.mesh].poses.is_some() {

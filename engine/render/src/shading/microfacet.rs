@@ -21,6 +21,11 @@ impl Ggx {
         Self { alpha: roughness * roughness }
     }
 
+    /// Alpha.
+    pub fn width(&self) -> f32 {
+        self.alpha
+    }
+
     /// So narrow that it is treated as a perfect mirror.
     #[inline]
     pub fn is_mirror(&self) -> bool {

@@ -7,7 +7,7 @@ use super::fresnel::{self, F82Tint};
 use super::lobe::{Fresnel, Lobe, Slopes};
 use super::subsurface::{Body, Entry};
 use super::thin_film::Film;
-use super::{BsdfSample, Caustics, Scattering};
+use super::{BsdfSample, Caustics, Features, LobeShares, Parted, Scattering};
 use crate::Rgb;
 use crate::scene::closure::{Closure, Distribution, MetalKind, ThinFilm};
 use crate::scene::visibility::Rays;
@@ -370,7 +370,45 @@ fn stretched_either_way(roughness: f32, anisotropy: f32) -> [f32; 2] {
 }
 
 pub(super) fn slopes(alpha: [f32; 2], distribution: Distribution) -> Slopes {
-    Slopes::new(alpha, distribution == Distribution::Beckmann)
+    Slopes::new(alpha, distribution)
+}
+
+impl Parted for Mixture {
+    #[cold]
+    #[inline(never)]
+    fn shares(&self, wi: Vec3A, reaches: Rays, is_beyond: bool) -> LobeShares {
+        let Here { geometric_normal, smooth_normal, .. } = self.here;
+        let above = if is_beyond { smooth_normal } else { geometric_normal }.dot(wi) > 0.0;
+        let mut shares = LobeShares::default();
+        for lobe in self.lobes.iter().filter(|lobe| reaches.any_of(lobe.rays())) {
+            shares.add(lobe.evaluate(wi, above, smooth_normal).0, lobe.rays(), lobe.normal().dot(wi) > 0.0);
+        }
+        shares
+    }
+
+    #[cold]
+    #[inline(never)]
+    fn albedos(&self) -> [Rgb; 3] {
+        let mut sum = LobeShares::default();
+        for lobe in &self.lobes {
+            let [above, below] = lobe.albedos();
+            sum.add(above, lobe.rays(), true);
+            sum.add(below, lobe.rays(), false);
+        }
+        [sum.diffuse, sum.glossy, sum.transmission]
+    }
+
+    #[cold]
+    #[inline(never)]
+    fn features(&self) -> Features {
+        let (mut found, mut broad, mut all) = (Features::default(), 0.0, 0.0);
+        for lobe in &self.lobes {
+            let albedo = lobe.albedos().into_iter().sum();
+            found.add(albedo, lobe.chance, lobe.normal(), lobe.width_squared(), &mut broad);
+            all += lobe.chance;
+        }
+        found.finished(broad, all)
+    }
 }
 
 impl Scattering for Mixture {

@@ -13,6 +13,7 @@ mod lobe;
 pub mod microfacet;
 pub mod mixture;
 pub mod normal;
+mod parted;
 pub mod principled;
 pub mod subsurface;
 mod thin_film;
@@ -20,6 +21,7 @@ mod thin_film;
 use crate::Rgb;
 use crate::scene::visibility::Rays;
 use glam::Vec3A;
+pub use parted::{Features, LobeShares, Parted};
 
 /// A direction to go on in.
 #[derive(Clone, Copy, Debug)]

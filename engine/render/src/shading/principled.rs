@@ -2,9 +2,10 @@
 //! order and with the energy bookkeeping that Cycles has, so that scenes look alike in both.
 
 use super::albedo::{AlbedoTable, give_back};
+use super::energy;
 use super::fresnel::{self, F82Tint};
 use super::microfacet::{Ggx, reflect, refract};
-use super::{BsdfSample, Caustics, Scattering, normal};
+use super::{BsdfSample, Caustics, Features, LobeShares, Parted, Scattering, normal};
 use crate::nodes::MaterialValues;
 use crate::sampler::warp;
 use crate::scene::material::{Input, Material};
@@ -222,6 +223,24 @@ impl Bsdf {
         }
     }
 
+    /// What metal, glass, glass on its far side, and coat scatter in all.
+    fn facet_albedos(&self) -> [Rgb; 4] {
+        let Some(f) = &self.facets else { return [Rgb::ZERO; 4] };
+        let (roughness, cos) = (f.ggx.width().sqrt(), f.wo.z.max(0.0));
+        let kept = energy::reflection().at(roughness, cos);
+        let passing = if f.glass_weight == Rgb::ZERO { 1.0 } else { energy::boundary(self.eta, roughness, cos).0 };
+        let rise = |eta: f32| energy::rise(eta, roughness, cos);
+        let f0 = fresnel::f0_from_ior(self.eta);
+        let mirrored = f0 + (1.0 - f0) * if f.glass_weight == Rgb::ZERO { 0.0 } else { rise(self.eta) };
+        let coat = if f.coat_weight > 0.0 { f.coat_f0 + (Rgb::ONE - f.coat_f0) * rise(f.coat_eta) } else { Rgb::ZERO };
+        [
+            f.metal.at(cos) * f.metal_weight * kept,
+            f.glass_reflection_tint * f.glass_weight * (mirrored * passing),
+            f.glass_tint * f.glass_weight * ((1.0 - mirrored) * passing),
+            coat * (f.coat_weight * kept),
+        ]
+    }
+
     fn evaluate_local(&self, wi: Vec3A, above: bool) -> (Rgb, f32) {
         let mut value = Rgb::ZERO;
         let mut pdf = 0.0;
@@ -320,6 +339,43 @@ impl Bsdf {
             transmitted: false,
             matte: true,
         })
+    }
+}
+
+impl Parted for Bsdf {
+    #[cold]
+    #[inline(never)]
+    fn shares(&self, wi: Vec3A, reaches: Rays, is_beyond: bool) -> LobeShares {
+        let on = |rays: Rays| {
+            let (value, _) = if is_beyond { self.evaluate_smooth(wi, rays) } else { self.evaluate_some(wi, rays) };
+            value
+        };
+        let diffuse = if reaches.any_of(Rays::DIFFUSE) { on(Rays::DIFFUSE) } else { Rgb::ZERO };
+        let rest = (on(reaches) - diffuse).max(Rgb::ZERO);
+        let is_above = self.frame[2].dot(wi) > 0.0;
+        let [glossy, transmission] = if is_above { [rest, Rgb::ZERO] } else { [Rgb::ZERO, rest] };
+        LobeShares { diffuse, glossy, transmission }
+    }
+
+    #[cold]
+    #[inline(never)]
+    fn albedos(&self) -> [Rgb; 3] {
+        let [metal, glass, through, coat] = self.facet_albedos();
+        [self.diffuse, metal + glass + coat, through]
+    }
+
+    #[cold]
+    #[inline(never)]
+    fn features(&self) -> Features {
+        let (mut found, mut broad) = (Features::default(), 0.0);
+        let [metal, glass, through, coat] = self.facet_albedos();
+        let width = self.facets.as_ref().map_or(1.0, |f| f.ggx.width());
+        let albedos = [metal, glass + through, coat, self.diffuse];
+        for (lobe, (albedo, chance)) in albedos.into_iter().zip(self.chance).enumerate() {
+            let width_squared = if lobe == 3 { 1.0 } else { width * width };
+            found.add(albedo, chance, self.frame[2], width_squared, &mut broad);
+        }
+        found.finished(broad, self.chance.iter().sum())
     }
 }
 

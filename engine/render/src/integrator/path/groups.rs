@@ -1,16 +1,33 @@
-//! Light by groups of emitters, beside the whole.
+//! Light by groups of emitters and by parts ([`super::parts`]), beside the whole.
 //!
-//! A kind rather than a value: where no group is asked for, nothing of it is left in the code that follows paths.
+//! A kind rather than a value: where nothing of it is asked for, nothing is left in the code that follows paths.
 
+use super::parts::{Belongs, ByPart, Parts};
 use crate::Rgb;
+use crate::integrator::Stage;
+use crate::nodes::{View, Way};
+use crate::shading::{LobeShares, Parted};
+use crate::surface::SurfacePoint;
 
-/// Where paths note the light that they found by its emitters' groups.
+/// Where paths note what they found beside their light as a whole.
 pub trait Groups {
-    /// What is known of an emitter's group.
+    /// What is known of where light comes from.
     type Of: Copy;
 
-    /// The group that an emitter of that number is in; 0 is none.
-    fn of(&self, number: impl FnOnce() -> u16) -> Self::Of;
+    /// Light that a path's ray meets: of the sky, or of anything else; `number` is its emitter's group, 0 is none.
+    fn met(&self, path: u32, way: Way, is_sky: bool, number: impl FnOnce() -> u16) -> Self::Of;
+
+    /// Light that a path's surface scatters, with the shares of its lobes.
+    fn sampled(
+        &self,
+        path: u32,
+        way: Way,
+        shares: impl FnOnce() -> LobeShares,
+        number: impl FnOnce() -> u16,
+    ) -> Self::Of;
+
+    /// The same in a volume.
+    fn sampled_in_volume(&self, path: u32, way: Way, number: impl FnOnce() -> u16) -> Self::Of;
 
     /// Forgets all paths.
     fn clear(&mut self);
@@ -21,7 +38,19 @@ pub trait Groups {
     /// Adds light that a path found.
     fn add(&mut self, path: u32, of: Self::Of, light: Rgb);
 
-    /// What a path found, group by group.
+    /// The first surface that a path did not pass.
+    fn finds(&mut self, path: u32, stage: &Stage, point: &SurfacePoint, view: &View);
+
+    /// A surface that a path is to be scattered by, with what comes to it, so far from where the ray began.
+    fn looks_at(&mut self, path: u32, way: Way, throughput: Rgb, bsdf: &impl Parted, distance: f32);
+
+    /// A path was scattered by a surface, with the shares of its lobes.
+    fn turned(&mut self, path: u32, way: Way, shares: impl FnOnce() -> LobeShares);
+
+    /// The same in a volume.
+    fn turned_in_volume(&mut self, path: u32, way: Way);
+
+    /// What a path found: group by group, then part by part.
     fn found(&self, path: usize) -> &[Rgb];
 }
 
@@ -33,7 +62,13 @@ impl Groups for NoGroups {
     type Of = ();
 
     #[inline(always)]
-    fn of(&self, _: impl FnOnce() -> u16) {}
+    fn met(&self, _: u32, _: Way, _: bool, _: impl FnOnce() -> u16) {}
+
+    #[inline(always)]
+    fn sampled(&self, _: u32, _: Way, _: impl FnOnce() -> LobeShares, _: impl FnOnce() -> u16) {}
+
+    #[inline(always)]
+    fn sampled_in_volume(&self, _: u32, _: Way, _: impl FnOnce() -> u16) {}
 
     #[inline(always)]
     fn clear(&mut self) {}
@@ -45,49 +80,113 @@ impl Groups for NoGroups {
     fn add(&mut self, _: u32, (): (), _: Rgb) {}
 
     #[inline(always)]
+    fn finds(&mut self, _: u32, _: &Stage, _: &SurfacePoint, _: &View) {}
+
+    #[inline(always)]
+    fn looks_at(&mut self, _: u32, _: Way, _: Rgb, _: &impl Parted, _: f32) {}
+
+    #[inline(always)]
+    fn turned(&mut self, _: u32, _: Way, _: impl FnOnce() -> LobeShares) {}
+
+    #[inline(always)]
+    fn turned_in_volume(&mut self, _: u32, _: Way) {}
+
+    #[inline(always)]
     fn found(&self, _: usize) -> &[Rgb] {
         &[]
     }
 }
 
-/// Notes the light of groups number 1 and on.
+/// Notes the light of groups number 1 and on, and parts.
 pub struct ByGroup {
-    count: u16,
+    groups: u16,
+    parts: ByPart,
     /// Path by path.
     sums: Vec<Rgb>,
 }
 
 impl ByGroup {
-    /// For that many groups.
-    pub fn new(count: u16) -> Self {
-        Self { count, sums: Vec::new() }
+    /// For that many groups, and for parts.
+    pub fn new(groups: u16, parts: Parts) -> Self {
+        Self { groups, parts: ByPart::new(parts), sums: Vec::new() }
+    }
+
+    fn count(&self) -> usize {
+        usize::from(self.groups) + self.parts.count()
+    }
+
+    fn group(&self, number: impl FnOnce() -> u16) -> u16 {
+        let number = if self.groups == 0 { 0 } else { number() };
+        if number <= self.groups { number } else { 0 }
     }
 }
 
-impl Groups for ByGroup {
-    type Of = u16;
+/// The sums of a path's parts.
+fn of_parts(sums: &mut [Rgb], path: usize, groups: usize, count: usize) -> &mut [Rgb] {
+    &mut sums[path * count + groups..(path + 1) * count]
+}
 
-    fn of(&self, number: impl FnOnce() -> u16) -> u16 {
-        let number = number();
-        if number <= self.count { number } else { 0 }
+impl Groups for ByGroup {
+    type Of = (u16, Belongs);
+
+    fn met(&self, path: u32, way: Way, is_sky: bool, number: impl FnOnce() -> u16) -> Self::Of {
+        (self.group(number), self.parts.met(path, way, is_sky))
+    }
+
+    fn sampled(
+        &self,
+        path: u32,
+        way: Way,
+        shares: impl FnOnce() -> LobeShares,
+        number: impl FnOnce() -> u16,
+    ) -> Self::Of {
+        (self.group(number), self.parts.sampled(path, way, shares))
+    }
+
+    fn sampled_in_volume(&self, path: u32, way: Way, number: impl FnOnce() -> u16) -> Self::Of {
+        (self.group(number), self.parts.sampled_in_volume(path, way))
     }
 
     fn clear(&mut self) {
         self.sums.clear();
+        self.parts.clear();
     }
 
     fn start(&mut self) {
-        self.sums.resize(self.sums.len() + usize::from(self.count), Rgb::ZERO);
+        let (from, groups) = (self.sums.len(), usize::from(self.groups));
+        self.sums.resize(from + self.count(), Rgb::ZERO);
+        self.parts.start(&mut self.sums[from + groups..]);
     }
 
-    fn add(&mut self, path: u32, of: u16, light: Rgb) {
-        if of != 0 {
-            self.sums[path as usize * usize::from(self.count) + usize::from(of) - 1] += light;
+    fn add(&mut self, path: u32, (group, belongs): Self::Of, light: Rgb) {
+        let (count, groups) = (self.count(), usize::from(self.groups));
+        if group != 0 {
+            self.sums[path as usize * count + usize::from(group) - 1] += light;
         }
+        self.parts.add(of_parts(&mut self.sums, path as usize, groups, count), path, belongs, light);
+    }
+
+    fn finds(&mut self, path: u32, stage: &Stage, point: &SurfacePoint, view: &View) {
+        let (count, groups) = (self.count(), usize::from(self.groups));
+        self.parts.finds(of_parts(&mut self.sums, path as usize, groups, count), path, stage, point, view);
+    }
+
+    fn looks_at(&mut self, path: u32, way: Way, throughput: Rgb, bsdf: &impl Parted, distance: f32) {
+        let (count, groups) = (self.count(), usize::from(self.groups));
+        let sums = of_parts(&mut self.sums, path as usize, groups, count);
+        self.parts.looks_at(sums, path, way, throughput, bsdf, distance);
+    }
+
+    fn turned(&mut self, path: u32, way: Way, shares: impl FnOnce() -> LobeShares) {
+        self.parts.turned(path, way, shares);
+    }
+
+    fn turned_in_volume(&mut self, path: u32, way: Way) {
+        self.parts.turned_in_volume(path, way);
     }
 
     fn found(&self, path: usize) -> &[Rgb] {
-        let count = usize::from(self.count);
+        let count = self.count();
         &self.sums[path * count..][..count]
     }
 }

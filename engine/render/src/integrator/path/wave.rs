@@ -17,9 +17,9 @@ use crate::nodes::{self, Layers, View, Way};
 use crate::sampler::PathSampler;
 use crate::scene::layer::Layer;
 use crate::scene::visibility::Rays;
-use crate::shading::Scattering;
 use crate::shading::mixture::Mixture;
 use crate::shading::principled::Bsdf;
+use crate::shading::{Parted, Scattering};
 use crate::surface::SurfacePoint;
 use found::Found;
 use glam::Vec3A;
@@ -236,10 +236,13 @@ impl<G: Groups, const VOLUMES: bool> Wave<G, VOLUMES> {
                 path.lamps_before(stage, limits, path.travelled + hit.t, &mut found);
             }
             found.result.hit = true;
+            if path.emission(stage, limits, hit, &point, opening.kept, &mut found) {
+                continue;
+            }
             if found.result.first.is_none() && (!VOLUMES || path.way.is_camera()) {
                 found.result.first = Some(FirstSurface::from(&point));
+                found.groups.finds(i, stage, &point, &view);
             }
-            path.emission(stage, limits, hit, &point, opening.kept, &mut found);
             if limits.scatters(path.way) && (!VOLUMES || self.inside[i as usize].may_scatter(limits)) {
                 let kept = opening.kept;
                 self.meetings.push(Meeting { path: i, point, kept, view, u: [u_end, u_light, u_lobe] });
@@ -318,12 +321,13 @@ impl<G: Groups, const VOLUMES: bool> Wave<G, VOLUMES> {
     /// A light sample at a meeting, and a direction; where that leads into a body, the same at the place where it comes
     /// out.
     #[inline(always)]
-    fn go_on(&mut self, stage: &Stage, limits: &Limits, meeting: usize, bsdf: &impl Scattering) {
-        let Meeting { path: i, point, u: [u_end, u_light, u_lobe], .. } = &self.meetings[meeting];
+    fn go_on(&mut self, stage: &Stage, limits: &Limits, meeting: usize, bsdf: &(impl Scattering + Parted)) {
+        let Meeting { path: i, point, view, u: [u_end, u_light, u_lobe], .. } = &self.meetings[meeting];
         let path = &mut self.paths[*i as usize];
         let mut found = Found { path: *i, result: &mut self.results[*i as usize], groups: &mut self.groups };
         let [u0, u1, u2, u3] = path.sampler.next_4d();
         let at = Place { stage, limits, point };
+        found.groups.looks_at(*i, path.way, path.throughput, bsdf, view.distance);
         let to = at.light(path, &mut found, &mut self.shadows, bsdf, [*u_light, u0, u1]);
         if VOLUMES {
             let scene = &stage.scene;
@@ -331,7 +335,7 @@ impl<G: Groups, const VOLUMES: bool> Wave<G, VOLUMES> {
         }
         let is_alive = &mut self.is_alive[*i as usize];
         let Some(entry) = bsdf.enter(*u_lobe, [u2, u3]) else {
-            *is_alive = at.turn(path, bsdf, to, [*u_end, *u_lobe, u2, u3]);
+            *is_alive = at.turn(path, &mut found, bsdf, to, [*u_end, *u_lobe, u2, u3]);
             if VOLUMES && *is_alive {
                 self.inside[*i as usize].leave(&stage.scene, point, path);
             }
@@ -344,7 +348,7 @@ impl<G: Groups, const VOLUMES: bool> Wave<G, VOLUMES> {
         let ([u_light, u0, u1, _], [u_lobe, u2, u3, _]) = (four(), four());
         let (at, bsdf) = (Place { point: &exit, ..at }, Mixture::exit(&exit));
         let to = at.light(path, &mut found, &mut self.shadows, &bsdf, [u_light, u0, u1]);
-        *is_alive = at.turn(path, &bsdf, to, [*u_end, u_lobe, u2, u3]);
+        *is_alive = at.turn(path, &mut found, &bsdf, to, [*u_end, u_lobe, u2, u3]);
         if VOLUMES {
             let inside = &mut self.inside[*i as usize];
             inside.veil(&stage.scene, &exit, &self.shadows, &mut self.veils, [u_light, u0, u1]);

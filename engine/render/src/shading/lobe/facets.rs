@@ -2,11 +2,13 @@
 //!
 //! All directions in the lobe's own frame, +z its normal.
 
+use super::super::energy;
 use super::super::fresnel::{self, F82Tint};
 use super::super::microfacet::{MIRROR_BELOW, reflect, refract};
 use super::super::thin_film::Film;
 use super::Local;
 use crate::Rgb;
+use crate::scene::closure::Distribution;
 use glam::Vec3A;
 use std::f32::consts::{PI, TAU};
 
@@ -14,12 +16,22 @@ use std::f32::consts::{PI, TAU};
 #[derive(Clone, Copy, Debug)]
 pub(in crate::shading) struct Slopes {
     alpha: [f32; 2],
-    is_beckmann: bool,
+    distribution: Distribution,
 }
 
 impl Slopes {
-    pub(in crate::shading) fn new(alpha: [f32; 2], is_beckmann: bool) -> Self {
-        Self { alpha: alpha.map(|a| a.clamp(0.0, 1.0)), is_beckmann }
+    pub(in crate::shading) fn new(alpha: [f32; 2], distribution: Distribution) -> Self {
+        Self { alpha: alpha.map(|a| a.clamp(0.0, 1.0)), distribution }
+    }
+
+    #[inline(always)]
+    fn is_beckmann(&self) -> bool {
+        self.distribution == Distribution::Beckmann
+    }
+
+    /// The perceptual roughness of round facets that are as wide on the whole.
+    fn roughness(&self) -> f32 {
+        (self.alpha[0] * self.alpha[1]).sqrt().sqrt()
     }
 
     fn is_mirror(&self) -> bool {
@@ -31,7 +43,7 @@ impl Slopes {
         let [ax, ay] = self.alpha;
         let (x, y) = (h.x / ax, h.y / ay);
         let slope2 = x * x + y * y;
-        if self.is_beckmann {
+        if self.is_beckmann() {
             let cos2 = h.z * h.z;
             (-slope2 / cos2).exp() / (PI * ax * ay * cos2 * cos2)
         } else {
@@ -45,7 +57,7 @@ impl Slopes {
         let [ax, ay] = self.alpha;
         let (x, y) = (ax * w.x, ay * w.y);
         let slope2 = (x * x + y * y) / (w.z * w.z);
-        if !self.is_beckmann {
+        if !self.is_beckmann() {
             return 0.5 * ((1.0 + slope2).sqrt() - 1.0);
         }
         // Walter's rational fit.
@@ -57,7 +69,7 @@ impl Slopes {
     fn sample(&self, wo: Vec3A, u: [f32; 2]) -> Vec3A {
         let [ax, ay] = self.alpha;
         let (sin, cos) = (TAU * u[0]).sin_cos();
-        if self.is_beckmann {
+        if self.is_beckmann() {
             let slope = (-(1.0 - u[1]).max(1e-12).ln()).sqrt();
             return Vec3A::new(ax * slope * cos, ay * slope * sin, 1.0).normalize();
         }
@@ -71,7 +83,7 @@ impl Slopes {
 
     /// Density of [`Slopes::sample`] per steradian of `h`, for a `wo` of that [`Slopes::lambda`].
     fn pdf(&self, wo: Vec3A, lambda_o: f32, h: Vec3A) -> f32 {
-        if self.is_beckmann {
+        if self.is_beckmann() {
             self.density(h) * h.z
         } else {
             self.density(h) * wo.dot(h).max(0.0) / (wo.z * (1.0 + lambda_o))
@@ -136,6 +148,29 @@ impl Facets {
     pub(super) fn new(slopes: Slopes, fresnel: Fresnel, eta: f32, wo: Vec3A) -> Self {
         let lambda_o = if slopes.is_mirror() { 0.0 } else { slopes.lambda(wo) };
         Self { slopes, fresnel, eta, lambda_o }
+    }
+
+    /// What is mirrored and what is let through in all, seen from `wo`. The weight of those that give back what goes on from
+    /// facet to facet holds that, which here is in the table, too.
+    pub(super) fn albedos(&self, wo: Vec3A) -> [Rgb; 2] {
+        let (cos, roughness) = (wo.z, self.slopes.roughness());
+        let (reflected, through) = match self.fresnel {
+            Fresnel::Dielectric { f0, reflection, transmission } => {
+                let f = f0 + (Rgb::ONE - f0) * energy::rise(self.eta, roughness, cos);
+                (f * reflection, (Rgb::ONE - f) * transmission)
+            }
+            _ => self.fresnel.at(cos, self.eta),
+        };
+        let kept = match self.slopes.distribution {
+            Distribution::MultiscatterGgx if !self.transmits() => energy::reflection().at(roughness, cos),
+            Distribution::MultiscatterGgx => energy::boundary(self.eta, roughness, cos).0,
+            _ => 1.0,
+        };
+        [reflected * kept, through * kept]
+    }
+
+    pub(super) fn width_squared(&self) -> f32 {
+        self.slopes.alpha[0] * self.slopes.alpha[1]
     }
 
     pub(super) fn reflects(&self) -> bool {

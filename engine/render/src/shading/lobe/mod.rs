@@ -210,6 +210,21 @@ impl Lobe {
         }
     }
 
+    /// What it scatters in all, mirrored or not, and what of it is let through where that is told apart.
+    pub(super) fn albedos(&self) -> [Rgb; 2] {
+        let both = match &self.kind {
+            Kind::Facets(facets) => facets.albedos(self.wo),
+            Kind::Chiang(fibre) => [fibre.albedo(), Rgb::ZERO],
+            _ => [Rgb::ONE, Rgb::ZERO],
+        };
+        both.map(|albedo| albedo * self.weight)
+    }
+
+    /// Of facets, the product of their widths; 1 of all that is broad.
+    pub(super) fn width_squared(&self) -> f32 {
+        if let Kind::Facets(facets) = &self.kind { facets.width_squared() } else { 1.0 }
+    }
+
     /// Broad enough for the shadows of a bent normal to show.
     fn is_matte(&self) -> bool {
         use Kind::{Lambert, Microfiber, OrenNayar, Toon, Velvet};

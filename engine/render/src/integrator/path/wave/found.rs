@@ -47,6 +47,7 @@ impl Path {
 
     /// Adds the light of lamps that the ray meets within `t_max` of where it was scattered: from there a light sample
     /// would have been taken, whatever surfaces it passed since.
+    #[inline(always)]
     pub(super) fn lamps_before<G: Groups>(&self, stage: &Stage, limits: &Limits, t_max: f32, found: &mut Found<'_, G>) {
         if stage.scene.lamps.is_empty() {
             return;
@@ -65,7 +66,7 @@ impl Path {
                     return;
                 }
                 let light = self.throughput * radiance * self.chosen.weight(pdf);
-                let of = found.groups.of(|| lights.group(scene, source));
+                let of = found.groups.met(found.path, self.way, false, || lights.group(scene, source));
                 found.add(of, limits.clamp(light, u32::from(self.way.depth)));
                 found.result.hit = true;
             },
@@ -73,6 +74,7 @@ impl Path {
     }
 
     /// Adds the light of the world and of suns.
+    #[inline(always)]
     pub(super) fn sky<G: Groups>(&self, stage: &Stage, limits: &Limits, found: &mut Found<'_, G>) {
         let to = self.chosen.receiver();
         if self.way.is_camera() && limits.hide_sky {
@@ -83,12 +85,25 @@ impl Path {
                 return;
             }
             let light = self.throughput * radiance * self.chosen.weight(pdf);
-            let of = found.groups.of(|| stage.lights.group(&stage.scene, source));
+            let group = || stage.lights.group(&stage.scene, source);
+            let of = found.groups.met(found.path, self.way, stage.lights.is_world(source), group);
             found.add(of, limits.clamp(light, u32::from(self.way.depth)));
         });
     }
 
-    /// Adds the light of the surface that the ray meets.
+    /// Notes how much of what the camera sees there is a hole; whether all of it is.
+    #[cold]
+    #[inline(never)]
+    fn falls_into(&self, stage: &Stage, hit: &Hit, point: &SurfacePoint, kept: f32, result: &mut PathResult) -> bool {
+        let material = &stage.scene.materials[point.material as usize];
+        let view = self.view(self.travelled + hit.t);
+        let place = [hit.instance, hit.triangle];
+        let hole = nodes::hole(material, stage.around(), place, point.barycentric, &view) * kept;
+        result.hole += hole * self.throughput.element_sum() / 3.0;
+        hole >= 1.0
+    }
+
+    /// Adds the light of the surface that the ray meets; true where the path ends, in a hole.
     pub(super) fn emission<G: Groups>(
         &self,
         stage: &Stage,
@@ -97,10 +112,16 @@ impl Path {
         point: &SurfacePoint,
         kept: f32,
         found: &mut Found<'_, G>,
-    ) {
+    ) -> bool {
         let material = &stage.scene.materials[point.material as usize];
+        if !material.speaks {
+            return false;
+        }
+        if self.way.is_camera() && material.may_hold_out() && self.falls_into(stage, hit, point, kept, found.result) {
+            return true;
+        }
         if !material.emits() || !self.finds(stage, || stage.scene.instances[hit.instance as usize].links.sets) {
-            return;
+            return false;
         }
         let view = self.view(self.travelled + hit.t);
         let place = [hit.instance, hit.triangle];
@@ -110,7 +131,9 @@ impl Path {
             stage.lights.triangle_pdf(&stage.scene, to, (hit.instance, hit.triangle), self.travelled + hit.t, cos)
         });
         let light = self.throughput * radiance * self.chosen.weight(pdf);
-        let of = found.groups.of(|| stage.scene.instances[hit.instance as usize].light_group);
+        let group = || stage.scene.instances[hit.instance as usize].light_group;
+        let of = found.groups.met(found.path, self.way, false, group);
         found.add(of, limits.clamp(light, u32::from(self.way.depth)));
+        false
     }
 }

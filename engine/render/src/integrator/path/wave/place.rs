@@ -11,7 +11,7 @@ use crate::integrator::Stage;
 use crate::lights::{LightSample, receiver::Receiver};
 use crate::nodes::Way;
 use crate::scene::visibility::{Rays, Sets};
-use crate::shading::Scattering;
+use crate::shading::{LobeShares, Parted, Scattering};
 use crate::surface::SurfacePoint;
 
 /// Light that arrives unless something stands in its way.
@@ -40,7 +40,7 @@ impl Place<'_> {
         path: &Path,
         found: &mut Found<'_, G>,
         shadows: &mut Vec<Shadow<G::Of>>,
-        bsdf: &impl Scattering,
+        bsdf: &(impl Scattering + Parted),
         [u_light, u0, u1]: [f32; 3],
     ) -> Receiver {
         let Self { stage, limits, point, .. } = self;
@@ -54,7 +54,10 @@ impl Place<'_> {
             let arrives = path.throughput
                 * direct(bsdf, &light, grazing.is_some_and(|grazing| grazing.is_beyond))
                 * terminator::dimmed(&stage.scene, point, light.wi);
-            let of = found.groups.of(|| stage.lights.group(&stage.scene, source));
+            let is_beyond = grazing.is_some_and(|grazing| grazing.is_beyond);
+            let shares = || bsdf.shares(light.wi, light.reaches, is_beyond);
+            let group = || stage.lights.group(&stage.scene, source);
+            let of = found.groups.sampled(found.path, path.way, shares, group);
             if !light.cast_shadow {
                 found.add(of, limits.clamp(arrives, u32::from(path.way.depth)));
             } else if arrives != Rgb::ZERO {
@@ -86,10 +89,11 @@ impl Place<'_> {
 
     /// A direction to go on in; whether there is one.
     #[inline(always)]
-    pub(super) fn turn(
+    pub(super) fn turn<G: Groups>(
         &self,
         path: &mut Path,
-        bsdf: &impl Scattering,
+        found: &mut Found<'_, G>,
+        bsdf: &(impl Scattering + Parted),
         to: Receiver,
         [u_end, u_lobe, u2, u3]: [f32; 4],
     ) -> bool {
@@ -98,6 +102,9 @@ impl Place<'_> {
         if !next.transmitted {
             path.throughput *= terminator::dimmed(&self.stage.scene, self.point, next.wi);
         }
+        found.groups.turned(found.path, path.way, || {
+            if next.mirror { LobeShares::mirror(next.transmitted) } else { bsdf.shares(next.wi, Rays::BOUNCE, false) }
+        });
         path.way = path.way.scattered(next.matte, next.mirror, next.transmitted);
         if !path.goes_on(self.limits, u_end) {
             return false;

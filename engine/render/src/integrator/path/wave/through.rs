@@ -90,7 +90,7 @@ impl Inside {
         let (event, emitted) = stretch.follow(&mut path.throughput, scatters, u_distance);
         if emitted != Rgb::ZERO && emitted.is_finite() {
             let group = || self.stack.innermost().map_or(0, |i| stage.scene.instances[i as usize].light_group);
-            let of = found.groups.of(group);
+            let of = found.groups.met(found.path, path.way, false, group);
             found.add(of, limits.clamp(emitted, u32::from(path.way.depth)));
             found.result.hit = true;
         }
@@ -109,6 +109,7 @@ impl Inside {
                 let at = Place { stage, limits, position, medium: &medium, share };
                 let light = path.throughput * share;
                 let to = self.light(&at, path, light, found, shades, [u_first[0], u_first[1], u_first[2], u_seed]);
+                found.groups.turned_in_volume(found.path, path.way);
                 self.turn(&at, path, to, [u_first[3], u_second[0], u_second[2], u_second[3]])
             }
         }
@@ -177,7 +178,7 @@ impl Inside {
         if arrives == Rgb::ZERO || !arrives.is_finite() {
             return to;
         }
-        let of = found.groups.of(|| stage.lights.group(&stage.scene, source));
+        let of = found.groups.sampled_in_volume(found.path, path.way, || stage.lights.group(&stage.scene, source));
         if light.cast_shadow {
             // Where it starts is not on a surface: no rounding moved it off one.
             let ray = Ray { t_max: light.reach(0.0), ..Ray::new(position, light.wi).at(path.ray.moment) };
@@ -256,7 +257,7 @@ impl Inside {
                 Stretch { stage, stack: &self.stack, ray, way: path.way }.transmittance(numbers)
             };
             let light = path.throughput * left * radiance * path.chosen.weight(pdf);
-            let of = found.groups.of(|| lights.group(scene, source));
+            let of = found.groups.met(found.path, path.way, false, || lights.group(scene, source));
             found.add(of, limits.clamp(light, u32::from(path.way.depth)));
             found.result.hit = true;
         });

@@ -1,0 +1,91 @@
+//! What scatters light, by kinds of lobe: for passes of light and colour, and for what a denoiser is told.
+
+use crate::Rgb;
+use crate::scene::visibility::Rays;
+use glam::Vec3A;
+
+/// What the lobes of each kind scatter in one direction.
+#[derive(Clone, Copy, Debug, Default, PartialEq)]
+pub struct LobeShares {
+    /// Without a peak, on either side.
+    pub diffuse: Rgb,
+    /// About a peak, on the side of the lobe's normal.
+    pub glossy: Rgb,
+    /// All else.
+    pub transmission: Rgb,
+}
+
+impl LobeShares {
+    /// Of a single direction, mirrored or refracted.
+    pub fn mirror(transmitted: bool) -> Self {
+        let [glossy, transmission] = if transmitted { [Rgb::ZERO, Rgb::ONE] } else { [Rgb::ONE, Rgb::ZERO] };
+        Self { glossy, transmission, ..Self::default() }
+    }
+
+    /// Adds what a lobe scatters. `rays`: the kinds that reach it; `is_above`: on the side of its normal.
+    pub(super) fn add(&mut self, value: Rgb, rays: Rays, is_above: bool) {
+        let to = match (rays.any_of(Rays::DIFFUSE), rays.any_of(Rays::GLOSSY), rays.any_of(Rays::TRANSMISSION)) {
+            (true, ..) => &mut self.diffuse,
+            (_, true, false) => &mut self.glossy,
+            (_, true, true) if is_above => &mut self.glossy,
+            _ => &mut self.transmission,
+        };
+        *to += value;
+    }
+
+    /// The diffuse and the glossy part of all, 0 to 1.
+    pub fn parts(&self) -> [Rgb; 2] {
+        let all = self.diffuse + self.glossy + self.transmission;
+        let part = |of: Rgb| Rgb::select(all.cmpgt(Rgb::ZERO), of / all.max(Rgb::splat(f32::MIN_POSITIVE)), Rgb::ZERO);
+        [part(self.diffuse), part(self.glossy)]
+    }
+}
+
+/// What a denoiser is told of a surface.
+#[derive(Clone, Copy, Debug, Default)]
+pub struct Features {
+    /// What its lobes scatter that are no mirrors, or nearly.
+    pub albedo: Rgb,
+    /// What its mirrors do.
+    pub mirrored: Rgb,
+    /// The mean of their normals.
+    pub normal: Vec3A,
+    /// Mirrors are most of it: what is seen in them tells more.
+    pub goes_on: bool,
+}
+
+/// Facets of less than this squared width count as a mirror there, as in Cycles.
+const NARROW: f32 = 0.075 * 0.075;
+
+impl Features {
+    /// Adds a lobe: what it scatters, the chance with which it is chosen, its normal and the square of its width.
+    pub(super) fn add(&mut self, albedo: Rgb, chance: f32, normal: Vec3A, width_squared: f32, broad: &mut f32) {
+        self.normal += normal * chance;
+        if width_squared > NARROW {
+            self.albedo += albedo;
+            *broad += chance;
+        } else {
+            self.mirrored += albedo;
+        }
+    }
+
+    /// Once all are added, `broad` of those that count `all` being no mirrors.
+    pub(super) fn finished(self, broad: f32, all: f32) -> Self {
+        let goes_on = all > 0.0 && broad * 4.0 <= all;
+        Self { normal: if all > 0.0 { self.normal / all } else { Vec3A::ZERO }, goes_on, ..self }
+    }
+}
+
+/// What can tell its lobes apart.
+pub trait Parted {
+    /// What they scatter from `wi`, as [`super::Scattering::evaluate_some`] does, or if it `is_beyond` the triangle's horizon
+    /// [`super::Scattering::evaluate_smooth`]. Mirrors count nothing.
+    fn shares(&self, wi: Vec3A, reaches: Rays, is_beyond: bool) -> LobeShares;
+
+    /// What they scatter of white light from everywhere: diffuse, glossy, transmission. As a surface without roughness
+    /// where no table says better, as Cycles has it.
+    fn albedos(&self) -> [Rgb; 3];
+
+    /// What a denoiser is told.
+    fn features(&self) -> Features;
+}
