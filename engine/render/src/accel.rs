@@ -406,10 +406,13 @@ impl TriangleTree {
         let mut items = source.boxes();
         items.retain(Bounds::is_within_reach);
         let built = build(&mut items, LANES);
+        // The boxes take four times the memory of their names, and blocks are yet to come.
+        let names: Vec<[u32; 2]> = items.iter().map(Bounds::name).collect();
+        drop(items);
         let block = |leaf: Range<usize>| {
             let mut block = Block::EMPTY;
-            for (lane, item) in items[leaf].iter().enumerate() {
-                block.set(lane, &source.corners(item.name()), item.name());
+            for (lane, name) in names[leaf].iter().enumerate() {
+                block.set(lane, &source.corners(*name), *name);
             }
             block
         };
