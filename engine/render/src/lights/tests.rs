@@ -1,8 +1,11 @@
 //! Lamps give the light that Blender's manual and Cycles' source of truth, closed forms, say.
 
 use super::*;
+use crate::Rgb;
 use crate::sampler::warp;
+use crate::scene::material::{Input, Material};
 use crate::scene::mesh::MeshDescription;
+use crate::scene::visibility::Links;
 use crate::scene::{SceneBuilder, lamp::Lamp, texture::Texture, world::World};
 use glam::{DMat4, DVec3, Vec3};
 use std::f32::consts::PI;
@@ -85,12 +88,11 @@ fn densities_of_hits_are_those_of_samples() {
                 .sample(&scene, &at(&lights, from), u[0], [u[1] * 0.98 + 0.01, u[2] * 0.98 + 0.01], Way::CAMERA)
                 .unwrap();
             let mut found = None;
-            lights.lamps_along(&scene, from, s.wi, f32::INFINITY, Way::BOUNCE, Some(&at(&lights, from)), |r, pdf| {
-                found = Some((r, pdf))
-            });
-            lights.sky_along(&scene, s.wi, Way::BOUNCE, Some(&at(&lights, from)), |r, pdf| {
-                if pdf > 0.0 {
-                    found = Some((r, pdf));
+            let (line, to) = (Line { from, towards: s.wi, t_max: f32::INFINITY }, at(&lights, from));
+            lights.lamps_along(&scene, line, Way::BOUNCE, Some(&to), |one| found = Some((one.radiance, one.pdf)));
+            lights.sky_along(&scene, s.wi, Way::BOUNCE, Some(&to), |one| {
+                if one.pdf > 0.0 {
+                    found = Some((one.radiance, one.pdf));
                 }
             });
             let (radiance, pdf) = found.unwrap_or_else(|| panic!("{kind:?}: missed"));

@@ -3,6 +3,7 @@
 
 use crate::accel::Ray;
 use crate::integrator::Stage;
+use crate::lights::Line;
 use crate::luminance;
 use crate::nodes::Way;
 use crate::sampler::evenly::Evenly;
@@ -96,8 +97,8 @@ fn of_rays(stage: &Stage, forwards: Vec3A, luminances: impl Fn(&[Ray]) -> Vec<f3
         let ((sin, cos), cos_front) = ((TAU * v).sin_cos(), (1.0 - u).sqrt());
         let ray = Ray::new(Vec3A::ZERO, u.sqrt() * (right * cos + up * sin) + cos_front * forwards);
         let Some(hit) = stage.accel.closest(&ray, Rays::CAMERA) else {
-            stage.lights.sky_along(&stage.scene, ray.direction, Way::CAMERA, Some(&to), |radiance, pdf| {
-                light += luminance(radiance) * cos_front / (cos_front + PI * pdf);
+            stage.lights.sky_along(&stage.scene, ray.direction, Way::CAMERA, Some(&to), |one| {
+                light += luminance(one.radiance) * cos_front / (cos_front + PI * one.pdf);
             });
             continue;
         };
@@ -105,9 +106,8 @@ fn of_rays(stage: &Stage, forwards: Vec3A, luminances: impl Fn(&[Ray]) -> Vec<f3
             continue;
         }
         let mut lamps = 0.0;
-        stage.lights.lamps_along(&stage.scene, ray.origin, ray.direction, hit.t, Way::CAMERA, None, |radiance, _| {
-            lamps += luminance(radiance);
-        });
+        let line = Line { from: ray.origin, towards: ray.direction, t_max: hit.t };
+        stage.lights.lamps_along(&stage.scene, line, Way::CAMERA, None, |one| lamps += luminance(one.radiance));
         rays.push(ray);
         of_lamps.push(lamps);
     }

@@ -8,6 +8,7 @@ use crate::accel::{Hit, Ray};
 use crate::integrator::Stage;
 use crate::integrator::path::{CAMERA_SETS, FirstSurface, Limits, PathResult, SURE_BOUNCES, opening};
 use crate::lights::receiver::Receiver;
+use crate::lights::{Line, Shining};
 use crate::nodes::{self, View, Way};
 use crate::sampler::PathSampler;
 use crate::scene::visibility::Rays;
@@ -126,7 +127,8 @@ impl Met<'_> {
         let Stage { scene, lights, emission, .. } = self.stage;
         let Ray { origin, direction, .. } = *self.ray;
         let to = self.receiver();
-        lights.lamp_sources_along(scene, origin, direction, t_max, self.way(), to.as_ref(), |source, radiance, pdf| {
+        let line = Line { from: origin, towards: direction, t_max };
+        lights.lamps_along(scene, line, self.way(), to.as_ref(), |Shining { source, radiance, pdf, .. }| {
             // Every lamp that can be met has extent: the distance does not matter.
             found(
                 radiance * self.weight(pdf, emission.density(scene, lights, source, direction, 1.0, self.ray.moment)),
@@ -137,13 +139,21 @@ impl Met<'_> {
     fn sky(&self, mut found: impl FnMut(Rgb)) {
         let Stage { scene, lights, emission, .. } = self.stage;
         let to = self.receiver();
-        lights.sky_sources_along(scene, self.ray.direction, self.way(), to.as_ref(), |source, radiance, pdf| {
-            found(
-                radiance
-                    * self
-                        .weight(pdf, emission.density(scene, lights, source, self.ray.direction, 1.0, self.ray.moment)),
-            );
-        });
+        lights.sky_along(
+            scene,
+            self.ray.direction,
+            self.way(),
+            to.as_ref(),
+            |Shining { source, radiance, pdf, .. }| {
+                found(
+                    radiance
+                        * self.weight(
+                            pdf,
+                            emission.density(scene, lights, source, self.ray.direction, 1.0, self.ray.moment),
+                        ),
+                );
+            },
+        );
     }
 
     fn surface(&self, point: &SurfacePoint, hit: &Hit, distance: f32) -> Rgb {

@@ -1,6 +1,7 @@
 //! Rays that leave lights bring the power that lights have, with the densities that are said of them.
 
 use super::*;
+use crate::lights::Line;
 use crate::scene::lamp::{Lamp, LampKind};
 use crate::scene::material::{Input, Material};
 use crate::scene::mesh::MeshDescription;
@@ -197,13 +198,14 @@ fn densities_agree_from_both_ends() {
             let to = lights.receiver_between(p);
             let wi = -e.ray.direction;
             let mut met = None;
-            lights.lamp_sources_along(&scene, p, wi, f32::INFINITY, Way::BOUNCE, Some(&to), |s, r, pdf| {
-                met = Some((s, r, pdf))
+            let line = Line { from: p, towards: wi, t_max: f32::INFINITY };
+            lights.lamps_along(&scene, line, Way::BOUNCE, Some(&to), |one| {
+                met = Some((one.source, one.radiance, one.pdf))
             });
             if met.is_none() && lights.local.len() == 0 || name.contains("sun") {
-                lights.sky_sources_along(&scene, wi, Way::BOUNCE, Some(&to), |s, r, pdf| {
-                    if s == e.source {
-                        met = Some((s, r, pdf));
+                lights.sky_along(&scene, wi, Way::BOUNCE, Some(&to), |one| {
+                    if one.source == e.source {
+                        met = Some((one.source, one.radiance, one.pdf));
                     }
                 });
             }
@@ -256,10 +258,11 @@ fn densities_integrate_to_one() {
                     sum += f64::from(etendue * emission.density(&scene, &lights, Source(0), wi, t, MIDDLE));
                 }
             } else {
-                lights.lamp_sources_along(&scene, p, wi, f32::INFINITY, Way::BOUNCE, None, |s, radiance, _| {
+                let line = Line { from: p, towards: wi, t_max: f32::INFINITY };
+                lights.lamps_along(&scene, line, Way::BOUNCE, None, |one| {
                     // Beyond its spread a lamp is dark, and no ray is chosen.
-                    if radiance != Rgb::ZERO {
-                        sum += f64::from(etendue * emission.density(&scene, &lights, s, wi, 1.0, MIDDLE));
+                    if one.radiance != Rgb::ZERO {
+                        sum += f64::from(etendue * emission.density(&scene, &lights, one.source, wi, 1.0, MIDDLE));
                     }
                 });
             }

@@ -6,6 +6,7 @@ use super::Path;
 use crate::Rgb;
 use crate::accel::Hit;
 use crate::integrator::Stage;
+use crate::lights::{Line, Shining};
 use crate::nodes::{self, View};
 use crate::scene::visibility::Sets;
 use crate::surface::SurfacePoint;
@@ -54,23 +55,16 @@ impl Path {
         }
         let to = self.chosen.receiver();
         let Stage { scene, lights, .. } = stage;
-        lights.lamp_sources_along(
-            scene,
-            self.start,
-            self.ray.direction,
-            t_max,
-            self.way,
-            to,
-            |source, radiance, pdf| {
-                if !self.finds(stage, || lights.sets(source)) {
-                    return;
-                }
-                let light = self.throughput * radiance * self.chosen.weight(pdf);
-                let of = found.groups.met(found.path, self.way, false, || lights.group(scene, source));
-                found.add(of, limits.clamp(light, u32::from(self.way.depth)));
-                found.result.hit = true;
-            },
-        );
+        let line = Line { from: self.start, towards: self.ray.direction, t_max };
+        lights.lamps_along(scene, line, self.way, to, |Shining { source, radiance, pdf, .. }| {
+            if !self.finds(stage, || lights.sets(source)) {
+                return;
+            }
+            let light = self.throughput * radiance * self.chosen.weight(pdf);
+            let of = found.groups.met(found.path, self.way, false, || lights.group(scene, source));
+            found.add(of, limits.clamp(light, u32::from(self.way.depth)));
+            found.result.hit = true;
+        });
     }
 
     /// Adds the light of the world and of suns.
@@ -80,15 +74,21 @@ impl Path {
         if self.way.is_camera() && limits.hide_sky {
             return;
         }
-        stage.lights.sky_sources_along(&stage.scene, self.ray.direction, self.way, to, |source, radiance, pdf| {
-            if !self.finds(stage, || stage.lights.sets(source)) {
-                return;
-            }
-            let light = self.throughput * radiance * self.chosen.weight(pdf);
-            let group = || stage.lights.group(&stage.scene, source);
-            let of = found.groups.met(found.path, self.way, stage.lights.is_world(source), group);
-            found.add(of, limits.clamp(light, u32::from(self.way.depth)));
-        });
+        stage.lights.sky_along(
+            &stage.scene,
+            self.ray.direction,
+            self.way,
+            to,
+            |Shining { source, radiance, pdf, .. }| {
+                if !self.finds(stage, || stage.lights.sets(source)) {
+                    return;
+                }
+                let light = self.throughput * radiance * self.chosen.weight(pdf);
+                let group = || stage.lights.group(&stage.scene, source);
+                let of = found.groups.met(found.path, self.way, stage.lights.is_world(source), group);
+                found.add(of, limits.clamp(light, u32::from(self.way.depth)));
+            },
+        );
     }
 
     /// Notes how much of what the camera sees there is a hole; whether all of it is.

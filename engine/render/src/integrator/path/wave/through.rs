@@ -12,6 +12,7 @@ use crate::integrator::Stage;
 use crate::integrator::media::{Event, Stack, Stretch};
 use crate::integrator::subsurface::Numbers;
 use crate::lights::receiver::Receiver;
+use crate::lights::{Line, Shining};
 use crate::nodes::View;
 use crate::nodes::volume::Medium;
 use crate::sampler::warp;
@@ -245,12 +246,12 @@ impl Inside {
         }
         let Stage { scene, lights, .. } = stage;
         let (end, to) = (path.travelled + t_max, path.chosen.receiver());
-        let (start, direction) = (path.start, path.ray.direction);
-        lights.lamps_between(scene, start, direction, end, path.way, to, |source, radiance, pdf, t| {
-            if t <= path.travelled || !path.finds(stage, || lights.sets(source)) {
+        let line = Line { from: path.start, towards: path.ray.direction, t_max: end };
+        lights.lamps_along(scene, line, path.way, to, |Shining { source, radiance, pdf, distance }| {
+            if distance <= path.travelled || !path.finds(stage, || lights.sets(source)) {
                 return;
             }
-            let ray = Ray { t_max: t - path.travelled, ..path.ray };
+            let ray = Ray { t_max: distance - path.travelled, ..path.ray };
             let left = if self.stack.is_empty() {
                 Rgb::ONE
             } else {

@@ -1,0 +1,77 @@
+//! What shines along a ray, and how likely a light sample would have found it.
+
+use super::receiver::Receiver;
+use super::{Lights, Source};
+use crate::Rgb;
+use crate::nodes::Way;
+use crate::scene::Scene;
+use glam::Vec3A;
+
+/// A stretch of a ray.
+#[derive(Clone, Copy, Debug)]
+pub struct Line {
+    /// Where it begins, render space.
+    pub from: Vec3A,
+    /// Unit.
+    pub towards: Vec3A,
+    /// Its length, Blender units.
+    pub t_max: f32,
+}
+
+/// Light that a ray meets.
+#[derive(Clone, Copy, Debug)]
+pub struct Shining {
+    /// Where it comes from.
+    pub source: Source,
+    /// Along the ray.
+    pub radiance: Rgb,
+    /// The density per steradian with which a light sample would have found it.
+    pub pdf: f32,
+    /// How far away, Blender units; infinite for suns and the world.
+    pub distance: f32,
+}
+
+impl Lights {
+    /// Tells of each lamp with extent that a ray meets; `to` is where a light sample would have been taken. Lamps do not hide
+    /// what is behind them, as in Cycles.
+    #[inline(always)]
+    pub fn lamps_along(
+        &self,
+        scene: &Scene,
+        line: Line,
+        way: Way,
+        to: Option<&Receiver>,
+        mut found: impl FnMut(Shining),
+    ) {
+        let Line { from, towards, t_max } = line;
+        self.met.along(from, towards, t_max, |place| {
+            let index = place as usize;
+            let lamp = &self.lamps[self.local.lamps[index] as usize];
+            if !lamp.is_found_by(way) {
+                return;
+            }
+            if let Some((radiance, pdf, distance)) = lamp.hit(from, towards, t_max) {
+                let radiance = radiance * lamp.shine(scene, from, towards, distance, way.light());
+                let chance = to.map_or(0.0, |to| {
+                    self.tree(to).map_or(0.0, |tree| tree.probability(to, index) * (1.0 - to.sky_chance))
+                });
+                found(Shining { source: Source(index), radiance, pdf: pdf * chance, distance });
+            }
+        });
+    }
+
+    /// The same of what shines from infinity: the world, and suns with extent.
+    pub fn sky_along(
+        &self,
+        scene: &Scene,
+        towards: Vec3A,
+        way: Way,
+        to: Option<&Receiver>,
+        mut found: impl FnMut(Shining),
+    ) {
+        let chance = to.map_or(0.0, |to| to.sky_chance);
+        self.sky.along(scene, &self.lamps, towards, way, |index, radiance, pdf| {
+            found(Shining { source: self.sky_source(index), radiance, pdf: pdf * chance, distance: f32::INFINITY });
+        });
+    }
+}

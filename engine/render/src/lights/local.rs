@@ -1,0 +1,187 @@
+//! The emitters within a scene: its lamps and the triangles that may emit, with their bounds.
+
+use super::bounds::LightBounds;
+use super::lamp::PreparedLamp;
+use super::tree::LightTree;
+use super::triangle::LitTriangle;
+use crate::luminance;
+use crate::scene::Scene;
+use crate::scene::material::{Input, Material};
+use crate::scene::mesh::Mesh;
+use crate::scene::visibility::Links;
+use std::collections::{HashMap, HashSet};
+use std::f32::consts::PI;
+use std::sync::Arc;
+
+/// One of them.
+#[derive(Clone, Copy, Debug)]
+pub(super) enum Emitter<'a> {
+    Triangle(&'a LitTriangle),
+    Lamp(u32),
+    /// As it is at the instance's own time, and by the number in [`Scene::moving`].
+    Moving(&'a LitTriangle, u32),
+}
+
+impl<'a> Emitter<'a> {
+    fn moving((triangle, number): &'a (LitTriangle, u32)) -> Self {
+        Self::Moving(triangle, *number)
+    }
+}
+
+/// The emitters within the scene, in the order of their numbers: lamps, then triangles, then those that move.
+#[derive(Debug, Default)]
+pub(super) struct Local {
+    pub(super) lamps: Vec<u32>,
+    pub(super) triangles: Vec<LitTriangle>,
+    pub(super) moving: Vec<(LitTriangle, u32)>,
+}
+
+impl Local {
+    pub(super) fn len(&self) -> usize {
+        self.lamps.len() + self.triangles.len() + self.moving.len()
+    }
+
+    #[inline]
+    pub(super) fn get(&self, index: usize) -> Option<Emitter<'_>> {
+        match self.lamps.get(index) {
+            Some(lamp) => Some(Emitter::Lamp(*lamp)),
+            None => match self.triangles.get(index - self.lamps.len()) {
+                Some(triangle) => Some(Emitter::Triangle(triangle)),
+                None => self.moving.get(index - self.lamps.len() - self.triangles.len()).map(Emitter::moving),
+            },
+        }
+    }
+
+    pub(super) fn iter(&self) -> impl Iterator<Item = Emitter<'_>> {
+        let still =
+            self.lamps.iter().map(|lamp| Emitter::Lamp(*lamp)).chain(self.triangles.iter().map(Emitter::Triangle));
+        still.chain(self.moving.iter().map(Emitter::moving))
+    }
+}
+
+/// Appends a tree for each way in which objects take part in links, of the emitters that light these; gives by instance which
+/// is for it.
+pub(super) fn linked_trees(
+    scene: &Scene,
+    local: &Local,
+    lamps: &[PreparedLamp],
+    bounds: &[LightBounds],
+    trees: &mut Vec<Option<LightTree>>,
+) -> Vec<u32> {
+    let mut known = HashMap::new();
+    let sets = |emitter: Emitter<'_>| match emitter {
+        Emitter::Triangle(triangle) | Emitter::Moving(triangle, _) => triangle.sets(),
+        Emitter::Lamp(lamp) => lamps[lamp as usize].sets(),
+    };
+    let tree_for = |links: &Links| {
+        *known.entry(links.receives).or_insert_with(|| {
+            let reaching = local.iter().zip(bounds).map(|(emitter, bounds)| {
+                let power = if links.takes_light_of(sets(emitter)) { bounds.power } else { 0.0 };
+                LightBounds { power, ..*bounds }
+            });
+            trees.push(LightTree::new(&reaching.collect::<Vec<_>>()));
+            trees.len() as u32 - 1
+        })
+    };
+    scene.instances.iter().map(|instance| &instance.links).map(tree_for).collect()
+}
+
+/// Appends every triangle that may emit, with its bounds.
+pub(super) fn emissive_triangles(scene: &Scene, local: &mut Local, bounds: &mut Vec<LightBounds>) -> Vec<Arc<[u32]>> {
+    let brightness: Vec<f32> = scene.materials.iter().map(|m| average_emission(scene, m)).collect();
+    // By mesh, found when first needed.
+    let mut closed: Vec<Option<bool>> = vec![None; scene.meshes.len()];
+    let mut emitter_of = vec![Arc::<[u32]>::default(); scene.instances.len()];
+    let mut moving = vec![None; scene.placed().len()];
+    for (number, one) in scene.moving.iter().enumerate().filter(|(_, one)| one.first > 0) {
+        moving[one.instance as usize] = Some(number as u32);
+    }
+    // What moves comes last.
+    let (still, last): (Vec<usize>, Vec<usize>) = (0..moving.len()).partition(|&i| moving[i].is_none());
+    for i in still.into_iter().chain(last) {
+        let instance = &scene.instances[i];
+        if instance.materials.iter().all(|&m| brightness[m as usize] == 0.0) {
+            continue;
+        }
+        let mesh = &scene.meshes[instance.mesh as usize];
+        // The inside of a closed surface is not seen from outside: only its front is worth a light sample.
+        let two_sided = !*closed[instance.mesh as usize].get_or_insert_with(|| is_closed(mesh));
+        let mut list = vec![0; mesh.triangles.len()];
+        for (t, entry) in list.iter_mut().enumerate() {
+            let b = brightness[instance.material(mesh.slot(t as u32)) as usize];
+            let lit = LitTriangle::new(scene, i as u32, t as u32, b, two_sided);
+            if lit.power > 0.0 {
+                match moving[i] {
+                    None => {
+                        local.triangles.push(lit);
+                        bounds.push(lit.bounds());
+                    }
+                    Some(number) => {
+                        local.moving.push((lit, number));
+                        bounds.push(swept(scene, &lit, number));
+                    }
+                }
+                *entry = local.len() as u32;
+            }
+        }
+        emitter_of[i] = list.into();
+        if let Some(number) = moving[i] {
+            let one = &scene.moving[number as usize];
+            let list = emitter_of[i].clone();
+            emitter_of[one.first as usize..][..one.count() as usize].fill(list);
+        }
+    }
+    emitter_of
+}
+
+/// Around a triangle that moves: where it is and shines to at any of its moments.
+fn swept(scene: &Scene, lit: &LitTriangle, moving: u32) -> LightBounds {
+    /// Moments that are looked at; between them it goes on much as before.
+    const MOST_LOOKS: u32 = 64;
+    let one = &scene.moving[moving as usize];
+    let step = (one.count() / MOST_LOOKS).max(1);
+    let moments = (0..one.count()).step_by(step as usize).chain([one.count() - 1]);
+    let mut all = moments.map(|i| lit.standing(scene, one.first + i).bounds()).reduce(|a, b| a.union(&b));
+    if let Some(all) = &mut all {
+        // What it comes to between two looks.
+        let room = (all.max - all.min) * if step > 1 { 2.0 / MOST_LOOKS as f32 } else { 0.0 };
+        (all.min, all.max, all.power) = (all.min - room, all.max + room, lit.power);
+        all.normal_spread_rad = (all.normal_spread_rad + if step > 1 { 0.2 } else { 0.0 }).min(PI);
+    }
+    all.unwrap_or_else(|| lit.bounds())
+}
+
+/// Brightness of a material, for choosing; 0 only where it cannot emit.
+fn average_emission(scene: &Scene, m: &Material) -> f32 {
+    if !m.emits() {
+        return 0.0;
+    }
+    if let Some(graph) = &m.graph {
+        return graph.brightness();
+    }
+    if m.is_layered() {
+        return m.layers.iter().map(|layer| layer.brightness(&scene.textures)).sum::<f32>().max(1e-6);
+    }
+    let color = match &m.emission_color {
+        Input::Constant(c) => *c,
+        Input::Image(image) => scene.textures[image.texture as usize].average(),
+    };
+    // A texture that is black on average may still glow somewhere.
+    (luminance(color) * m.emission_strength).max(1e-6)
+}
+
+/// Whether every edge of a mesh is walked once each way by its triangles, corners told apart by position.
+fn is_closed(mesh: &Mesh) -> bool {
+    let mut open: HashSet<([u32; 3], [u32; 3])> = HashSet::new();
+    // Plus zero makes -0 and 0 one place.
+    let place = |i: u32| (mesh.positions[i as usize] + glam::Vec3::ZERO).to_array().map(f32::to_bits);
+    for t in &mesh.triangles {
+        for k in 0..3 {
+            let (a, b) = (place(t[k]), place(t[(k + 1) % 3]));
+            if !open.remove(&(b, a)) && !open.insert((a, b)) {
+                return false;
+            }
+        }
+    }
+    open.is_empty()
+}

@@ -1,0 +1,52 @@
+//! A sample of the lights.
+
+use crate::Rgb;
+use crate::scene::visibility::{Rays, Sets};
+use glam::Vec3A;
+
+/// Light that reaches a point from one direction, if nothing stands in between.
+#[derive(Clone, Copy, Debug)]
+pub struct LightSample {
+    /// Unit, towards the light.
+    pub wi: Vec3A,
+    /// Blender units; infinite for suns and the world.
+    pub distance: f32,
+    /// Radiance; for a light without extent, radiance times the solid angle that it has not.
+    pub radiance: Rgb,
+    /// Density per steradian, the choice of the light included; for a light without extent the choice alone.
+    pub pdf: f32,
+    /// Without extent: no ray finds it by chance.
+    pub point_like: bool,
+    /// Objects throw shadows in it.
+    pub cast_shadow: bool,
+    /// The kinds of ray that find it, and so the closures that it lights.
+    pub reaches: Rays,
+    /// What it lights, and what throws shadows in its light.
+    pub sets: Sets,
+    /// Of the surface that emits; lamps are none, and rays do not meet them.
+    pub leaves: Option<Leaving>,
+}
+
+/// How light leaves a surface.
+#[derive(Clone, Copy, Debug)]
+pub struct Leaving {
+    /// The cosine to its normal, positive.
+    pub cos: f32,
+    /// How far rounding may have put the surface from where it is, Blender units.
+    pub error: f32,
+}
+
+impl LightSample {
+    /// How far a ray goes that asks whether this light arrives, and whose start may be `error` from the place that it arrives at.
+    /// Blender units.
+    #[inline]
+    pub fn reach(&self, error: f32) -> f32 {
+        (self.distance - self.gap(error)).max(0.0)
+    }
+
+    /// How far from its end that is: before the surface that it comes from, which must not shadow itself.
+    #[inline]
+    pub fn gap(&self, error: f32) -> f32 {
+        self.leaves.map_or(0.0, |leaves| (leaves.error + error) / leaves.cos)
+    }
+}
