@@ -1,0 +1,98 @@
+//! Where meshes stand, and what is told of each.
+
+use super::mesh::Mesh;
+use super::motion::Pose;
+use super::softening::Softening;
+use super::visibility::{Links, Rays};
+use glam::{Affine3A, DAffine3, DMat4, DVec3, Mat3A, Vec3, Vec4};
+
+/// A mesh placed in the scene.
+#[derive(Clone, Debug)]
+pub struct Instance {
+    /// The Blender object it comes from.
+    pub object_name: String,
+    /// That object's topmost parent.
+    pub asset_name: String,
+    /// Index into [`Scene::meshes`].
+    pub mesh: u32,
+    /// Object space to render space.
+    pub to_render: Affine3A,
+    /// Render space to object space.
+    pub to_object: Affine3A,
+    /// Object-space normals to render space (inverse transpose), unnormalised.
+    pub normal_to_render: Mat3A,
+    /// The matrix mirrors: front and back are exchanged.
+    pub mirrored: bool,
+    /// Material of each slot; never empty.
+    pub materials: Vec<u32>,
+    /// What it shows itself to.
+    pub visible: Rays,
+    /// Which lights light it, and in which it throws shadows.
+    pub links: Links,
+    /// The number of the light group of what it emits; 0 is none.
+    pub light_group: u16,
+    /// How its smooth faces are helped at the edge of light.
+    pub softening: Softening,
+    /// Object space to render space a frame before and a frame after; `None` where it stands still.
+    pub moved: Option<Box<[DAffine3; 2]>>,
+    /// What shader graphs may ask of the object.
+    pub info: ObjectInfo,
+    /// Which of its mesh's shapes it has, where that has several.
+    pub pose: Pose,
+    /// It stands for what the picture is to be laid over: its shadows alone are wanted.
+    pub is_catcher: bool,
+}
+
+/// What Blender's Object Info node tells.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct ObjectInfo {
+    /// In the viewport; with alpha.
+    pub color: Vec4,
+    /// Pass index.
+    pub pass_index: i32,
+    /// 0 to 1, another for each object and instance.
+    pub random: f32,
+}
+
+impl Default for ObjectInfo {
+    fn default() -> Self {
+        Self { color: Vec4::ONE, pass_index: 0, random: 0.0 }
+    }
+}
+
+impl Instance {
+    /// Puts it elsewhere: `to_world` takes object space to world space, `origin` is render space's.
+    pub(super) fn stand(&mut self, to_world: &DAffine3, origin: DVec3) {
+        let moved = DAffine3::from_translation(-origin) * *to_world;
+        let single = |map: DAffine3| Affine3A::from_mat4(DMat4::from(map).as_mat4());
+        let linear = to_world.matrix3;
+        // Scaled by the determinant's size, so that single precision neither overflows nor vanishes.
+        let normal = linear.inverse().transpose() * linear.determinant().abs().cbrt();
+        self.to_render = single(moved);
+        self.to_object = single(moved.inverse());
+        self.normal_to_render = Mat3A::from(normal.as_mat3());
+        self.mirrored = linear.determinant() < 0.0;
+    }
+
+    /// A triangle's corners, object space.
+    #[inline]
+    pub fn corners(&self, mesh: &Mesh, triangle: u32) -> [Vec3; 3] {
+        match &mesh.poses {
+            None => mesh.corners(triangle),
+            Some(poses) => poses.corners(mesh.triangles[triangle as usize], self.pose),
+        }
+    }
+
+    /// The normals at a triangle's corners, object space; `None` of a mesh that has none.
+    #[inline]
+    pub fn corner_normals(&self, mesh: &Mesh, triangle: u32) -> Option<[Vec3; 3]> {
+        let posed = mesh.poses.as_ref().and_then(|poses| poses.normals(mesh.numbers(), triangle, self.pose));
+        posed.or_else(|| mesh.normals(triangle))
+    }
+
+    /// The material of a mesh's slot; slots past the end take the last, as Blender does.
+    #[inline]
+    pub fn material(&self, slot: u32) -> u32 {
+        self.materials[(slot as usize).min(self.materials.len() - 1)]
+    }
+}
