@@ -399,7 +399,7 @@ def test_more_triangles_than_memory(studio, blender):
         said = complaint(studio)
         # Two fans, and two triangles for each of the other faces.
         assert f"'Fine sphere': with its {2 * rings * (rings - 1):,} triangles" in said
-        assert "0.065 GB" in said and "Memory Limit is 0.01 GB" in said
+        assert "0.054 GB" in said and "Memory Limit is 0.01 GB" in said
         blender.context.scene.petzval.memory_limit = 0.0
         assert studio.shoot().max() > 0.05
         blender.data.objects.remove(sphere)
