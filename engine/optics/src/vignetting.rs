@@ -112,11 +112,13 @@ fn follow<S>(
 fn free_field(probe: &Probe, field: impl Fn(f64) -> Field) -> (Option<usize>, Option<f64>) {
     let passes = |rim: &RimOfBeam| rim.reach <= 1.0 + ROUNDING;
     let axial = match probe.rim_of_beam(&field(0.0), &probe.paraxial_rim()) {
-        Ok(rim) if passes(&rim) => rim.rays,
+        Ok(rim) if passes(&rim) => rim.points,
         Ok(RimOfBeam { surface, .. }) | Err(surface) => return (Some(surface), Some(0.0)),
     };
-    let free = follow((0.0, axial), probe.widest_deg(), SHORTEST_STEP_DEG, |degrees, rays| {
-        probe.rim_of_beam(&field(degrees), rays).ok().filter(passes).map(|rim| rim.rays)
+    let free = follow((0.0, axial), probe.widest_deg(), SHORTEST_STEP_DEG, |degrees, points| {
+        let field = field(degrees);
+        let starts: Vec<_> = points.iter().map(|&point| probe.crossing(&field, point)).collect();
+        probe.rim_of_beam(&field, &starts).ok().filter(passes).map(|rim| rim.points)
     });
     (None, free.map(|(degrees, _)| degrees))
 }

@@ -229,6 +229,19 @@ fn two_holes_in_a_row_have_the_fields_of_geometry() {
     assert!((fields.largest_field_deg.unwrap() - at(15.0)).abs() < 1e-3);
 }
 
+/// A mirror that is its own stop keeps its beam until light comes along its rim: there its slope is y / R.
+#[test]
+fn a_mirror_is_free_until_light_grazes_its_rim() {
+    for (radius, diameter) in [(-2000.0f64, 200.0), (-500.0, 200.0)] {
+        let system = lens(&format!("{radius} {} mirror {diameter} -1 1 0", 0.5 * radius));
+        let focus = Focus::at_infinity(&system, line_nm::D);
+        let free = Vignetting::new(&system, line_nm::D, &focus).free_field_deg.unwrap();
+        let expected = 90.0 - (0.5 * diameter / -radius).atan().to_degrees();
+        // Rays are aimed at the rim to a part in 1e9; where they graze it that is the root of it in angle.
+        assert!((free - expected).abs() < 2e-3, "{free} rather than {expected}");
+    }
+}
+
 #[test]
 fn a_lens_without_symmetry_has_the_narrowest_of_its_fields() {
     // The second hole 2 mm higher: less room below.

@@ -52,12 +52,15 @@ pub(super) struct Passage {
     pub(super) reach: f64,
     /// The surface where that is.
     pub(super) surface: usize,
+    /// Where it meets the first surface.
+    first: DVec3,
 }
 
 /// The rays past the rim of the stop.
 pub(super) struct RimOfBeam {
-    /// Where they cross the plane of their field.
-    pub(super) rays: Vec<DVec2>,
+    /// Where they meet the first surface: rays of a neighbouring field through the same places are near its own, however much the
+    /// beam is foreshortened.
+    pub(super) points: Vec<DVec3>,
     /// The largest reach of all.
     pub(super) reach: f64,
     /// The surface where that is.
@@ -106,11 +109,12 @@ impl<'a> Probe<'a> {
         let mut hits = Vec::with_capacity(surfaces.len());
         let result = self.tracer.from_scene_recording(self.ray(field, at), &mut hits);
         let stop = self.system.stop();
-        let mut passage = match result {
+        let (reach, surface) = match result {
             Err(lost) if lost.surface <= stop => return Err(lost.surface),
-            Err(lost) => Passage { stop: DVec2::ZERO, reach: LOST, surface: lost.surface },
-            Ok(_) => Passage { stop: DVec2::ZERO, reach: 0.0, surface: stop },
+            Err(lost) => (LOST, lost.surface),
+            Ok(_) => (0.0, stop),
         };
+        let mut passage = Passage { stop: DVec2::ZERO, reach, surface, first: hits[0] };
         passage.stop = from_axis(&surfaces[stop], hits[stop]) / self.system.stop_semi_diameter_mm();
         for (i, (s, hit)) in surfaces.iter().zip(&hits).enumerate().filter(|(i, _)| *i != stop) {
             let reach = from_axis(s, *hit).length() / s.semi_diameter_mm;
@@ -127,16 +131,24 @@ impl<'a> Probe<'a> {
         rim_targets().map(|target| target * (self.pupil_radius_mm * spread)).collect()
     }
 
+    /// Where the ray of `field` through a place crosses its plane.
+    pub(super) fn crossing(&self, field: &Field, place: DVec3) -> DVec2 {
+        let Ray { origin, direction } = self.ray(field, DVec2::ZERO);
+        let way = if self.object_z_mm.is_some() { place - origin } else { direction };
+        let target = place - way * (place.dot(field.along) / way.dot(field.along));
+        DVec2::new(target.dot(field.across), target.dot(field.up))
+    }
+
     /// The rays of `field` past the rim of the stop, looked for from `starts`; a surface that keeps some from there.
     pub(super) fn rim_of_beam(&self, field: &Field, starts: &[DVec2]) -> Result<RimOfBeam, usize> {
-        let mut rim = RimOfBeam { rays: Vec::with_capacity(starts.len()), reach: 0.0, surface: self.system.stop() };
+        let mut rim = RimOfBeam { points: Vec::with_capacity(starts.len()), reach: 0.0, surface: self.system.stop() };
         for (target, start) in rim_targets().zip(starts) {
             let at = self.aim(field, target, *start)?;
             let passage = self.pass(field, at)?;
             if passage.reach > rim.reach {
                 (rim.reach, rim.surface) = (passage.reach, passage.surface);
             }
-            rim.rays.push(at);
+            rim.points.push(passage.first);
         }
         Ok(rim)
     }
