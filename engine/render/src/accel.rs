@@ -1,11 +1,13 @@
 //! Finding what a ray meets. Meshes that stand in the scene once share one tree in render space; those that stand in
 //! it several times have one each, in object space, below a tree of their instances. docs/design/tree.md says why.
 
+mod beside;
 mod bounds;
 mod build;
 pub(crate) mod curves;
 mod moving;
 mod node;
+mod posed;
 mod refit;
 mod segment;
 mod source;
@@ -14,12 +16,11 @@ mod triangles;
 
 use crate::Rgb;
 use crate::scene::{Scene, curves::Controls, motion::MIDDLE, visibility::Rays};
+use beside::Forests;
 use bounds::Bounds;
 use build::build;
-use curves::CurveForest;
 use fearless_simd::{Level, Simd, dispatch};
 use glam::{Affine3A, Vec3A};
-use moving::MovingForest;
 use node::Node;
 use rayon::prelude::*;
 use refit::Topology;
@@ -139,51 +140,6 @@ pub struct Accel {
     refitted: usize,
 }
 
-/// What most scenes have none of.
-struct Forests {
-    curves: Option<Box<CurveForest>>,
-    moving: Option<MovingForest>,
-}
-
-impl Forests {
-    fn new(scene: &Scene, parts: &Parts) -> Option<Box<Self>> {
-        let (curves, moving) = (CurveForest::new(scene, parts), MovingForest::new(scene));
-        (curves.is_some() || moving.is_some()).then(|| Box::new(Self { curves, moving }))
-    }
-
-    fn bounds(&self) -> Option<Bounds> {
-        let of_curves = self.curves.as_ref().and_then(|curves| curves.bounds());
-        let both = of_curves.into_iter().chain(self.moving.as_ref().and_then(MovingForest::bounds));
-        both.reduce(|a, b| a.union(&b))
-    }
-
-    /// The nearest of theirs that is nearer than `nearest`, else that.
-    fn closest(&self, level: Level, ray: &Ray, mut nearest: Option<Hit>, wanted: impl Fn(u32) -> bool) -> Option<Hit> {
-        if let Some(moving) = &self.moving {
-            nearest = moving.closest(level, ray, nearest, &wanted);
-        }
-        match &self.curves {
-            Some(curves) => curves.closest(level, ray, nearest, wanted),
-            None => nearest,
-        }
-    }
-
-    /// Gives all of theirs between the ray's ends to `pass` until that says no.
-    fn each_between(&self, level: Level, ray: &Ray, wanted: impl Fn(u32) -> bool, pass: &mut dyn FnMut(&Hit) -> bool) {
-        let mut goes_on = true;
-        if let Some(moving) = &self.moving {
-            let mut noted = |hit: &Hit| {
-                goes_on = pass(hit);
-                goes_on
-            };
-            moving.each_between(level, ray, &wanted, &mut noted);
-        }
-        if let (true, Some(curves)) = (goes_on, &self.curves) {
-            curves.each_between(level, ray, wanted, pass);
-        }
-    }
-}
-
 /// What traversal needs of an instance.
 #[derive(Clone, Copy)]
 struct PlacedMesh {
@@ -291,19 +247,10 @@ impl Accel {
 
     /// Gives every surface between the ray's ends to `pass`, in any order, until that says no.
     fn each_between(&self, ray: &Ray, kind: Rays, mut pass: impl FnMut(&Hit) -> bool) {
-        let Some(beside) = &self.beside else {
-            let pass: &mut dyn FnMut(&Hit) -> bool = &mut pass;
-            return dispatch!(self.level, simd => self.each_between_with(simd, ray, kind, pass));
-        };
-        let mut goes_on = true;
-        let mut noted = |hit: &Hit| {
-            goes_on = pass(hit);
-            goes_on
-        };
-        let noting: &mut dyn FnMut(&Hit) -> bool = &mut noted;
-        dispatch!(self.level, simd => self.each_between_with(simd, ray, kind, noting));
-        if goes_on {
-            beside.each_between(self.level, ray, |instance| self.shows(instance, kind), &mut pass);
+        let pass: &mut dyn FnMut(&Hit) -> bool = &mut pass;
+        let end = dispatch!(self.level, simd => self.each_between_with(simd, ray, kind, pass));
+        if let (ControlFlow::Continue(()), Some(beside)) = (end, &self.beside) {
+            let _ = beside.each_between(self.level, ray, |instance| self.shows(instance, kind), pass);
         }
     }
 
@@ -343,10 +290,16 @@ impl Accel {
     }
 
     #[inline(always)]
-    fn each_between_with<S: Simd>(&self, simd: S, ray: &Ray, kind: Rays, pass: &mut dyn FnMut(&Hit) -> bool) {
+    fn each_between_with<S: Simd>(
+        &self,
+        simd: S,
+        ray: &Ray,
+        kind: Rays,
+        pass: &mut dyn FnMut(&Hit) -> bool,
+    ) -> ControlFlow<()> {
         let mut pass = |hit: Hit| if pass(&hit) { ControlFlow::Continue(()) } else { ControlFlow::Break(()) };
         let here = TreeRay::new(ray.origin, ray.direction);
-        let end = self.common.visit(
+        self.common.visit(
             simd,
             &here,
             ray.t_max,
@@ -358,29 +311,30 @@ impl Accel {
                     ControlFlow::Continue(())
                 }
             },
-        );
-        if end.is_continue() && !self.places.is_empty() {
-            let _ = traverse(
-                simd,
-                &self.places,
-                &here.boxes,
-                ray.t_max,
-                #[inline(always)]
-                |leaf, t_max| {
-                    if let Some((placed, there, scale)) = self.enter(leaf, ray, kind) {
-                        let tree = &self.meshes[placed.mesh as usize];
-                        tree.visit(
-                            simd,
-                            &there,
-                            t_max * scale,
-                            #[inline(always)]
-                            |found| pass(hit(found, scale, placed.instance, ray.moment)),
-                        )?;
-                    }
-                    ControlFlow::Continue(t_max)
-                },
-            );
+        )?;
+        if self.places.is_empty() {
+            return ControlFlow::Continue(());
         }
+        traverse(
+            simd,
+            &self.places,
+            &here.boxes,
+            ray.t_max,
+            #[inline(always)]
+            |leaf, t_max| {
+                if let Some((placed, there, scale)) = self.enter(leaf, ray, kind) {
+                    let tree = &self.meshes[placed.mesh as usize];
+                    tree.visit(
+                        simd,
+                        &there,
+                        t_max * scale,
+                        #[inline(always)]
+                        |found| pass(hit(found, scale, placed.instance, ray.moment)),
+                    )?;
+                }
+                ControlFlow::Continue(t_max)
+            },
+        )
     }
 
     /// The ray in the object space of an instance, and how much longer distances are there; `None` where the ray
@@ -388,11 +342,8 @@ impl Accel {
     #[inline(always)]
     fn enter(&self, leaf: usize, ray: &Ray, kind: Rays) -> Option<(&PlacedMesh, TreeRay, f32)> {
         let placed = &self.placed[leaf];
-        let origin = placed.to_object.transform_point3a(ray.origin);
-        let direction = placed.to_object.transform_vector3a(ray.direction);
-        let scale = direction.length();
-        (scale > 0.0 && scale.is_finite() && self.shows(placed.instance, kind))
-            .then(|| (placed, TreeRay::new(origin, direction / scale), scale))
+        let (there, scale) = placed.enter(ray).filter(|_| self.shows(placed.instance, kind))?;
+        Some((placed, there, scale))
     }
 }
 

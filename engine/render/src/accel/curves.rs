@@ -2,6 +2,7 @@
 //!
 //! A leaf is one segment, which keeps the numbers of its keys; keys are shared by neighbours.
 
+use super::beside::Forest;
 use super::bounds::Bounds;
 use super::build::build;
 use super::moving::MovingPlaces;
@@ -13,7 +14,7 @@ use super::{FROM_WITHIN, Hit, PlacedMesh, Ray, Skip};
 use crate::scene::curves::Curves;
 use crate::scene::motion::Moving;
 use crate::scene::{Instance, Scene};
-use fearless_simd::{Level, Simd, dispatch};
+use fearless_simd::Simd;
 use glam::{Vec3A, Vec4};
 use rayon::prelude::*;
 use std::ops::ControlFlow;
@@ -97,31 +98,9 @@ impl CurveForest {
         let moving = self.moving.as_ref().and_then(MovingPlaces::bounds);
         places.into_iter().chain(self.common.bounds()).chain(moving).reduce(|a, b| a.union(&b))
     }
+}
 
-    /// The nearest curve that is nearer than `nearest`, else that; of instances that are wanted.
-    #[inline(never)]
-    pub(super) fn closest(
-        &self,
-        level: Level,
-        ray: &Ray,
-        nearest: Option<Hit>,
-        wanted: impl Fn(u32) -> bool,
-    ) -> Option<Hit> {
-        dispatch!(level, simd => self.closest_with(simd, ray, nearest, &wanted))
-    }
-
-    /// Gives every curve between the ray's ends to `pass` until that says no.
-    #[inline(never)]
-    pub(super) fn each_between(
-        &self,
-        level: Level,
-        ray: &Ray,
-        wanted: impl Fn(u32) -> bool,
-        pass: &mut dyn FnMut(&Hit) -> bool,
-    ) {
-        dispatch!(level, simd => self.each_between_with(simd, ray, &wanted, pass));
-    }
-
+impl Forest for CurveForest {
     #[inline(always)]
     fn closest_with<S: Simd>(
         &self,
@@ -186,11 +165,11 @@ impl CurveForest {
         ray: &Ray,
         wanted: &impl Fn(u32) -> bool,
         pass: &mut dyn FnMut(&Hit) -> bool,
-    ) {
+    ) -> ControlFlow<()> {
         let mut pass = |hit: Hit| if pass(&hit) { ControlFlow::Continue(()) } else { ControlFlow::Break(()) };
         let here = BoxRay::new(ray.origin, ray.direction);
         let gaze = Gaze::new(ray.origin, ray.direction);
-        let end = self.common.follow(
+        self.common.follow(
             simd,
             (&here, &gaze),
             ray.t_max,
@@ -198,42 +177,33 @@ impl CurveForest {
             |segment| wanted(segment.instance) && !ray.skip.is(segment.instance, segment.strand),
             #[inline(always)]
             |segment, both, end| {
-                for (way, met) in both.into_iter().enumerate() {
-                    if let Some(met) = met {
-                        pass(segment.hit(met, way, 1.0, segment.instance, ray.moment))?;
-                    }
-                }
+                segment.pass_hits(both, 1.0, segment.instance, ray.moment, &mut pass)?;
                 ControlFlow::Continue(end)
             },
-        );
-        if end.is_break() {
-            return;
-        }
+        )?;
         if !self.places.is_empty() {
-            let end = traverse(
+            traverse(
                 simd,
                 &self.places,
                 &here,
                 ray.t_max,
                 #[inline(always)]
                 |leaf, t_max| self.pass_placed(simd, &self.placed[leaf], ray, t_max, wanted, &mut pass),
-            );
-            if end.is_break() {
-                return;
-            }
+            )?;
         }
-        if let Some(moving) = &self.moving {
-            let _ = traverse(
-                simd,
-                moving.nodes(ray.moment),
-                &here,
-                ray.t_max,
-                #[inline(always)]
-                |leaf, t_max| self.pass_placed(simd, &moving.placed(leaf, ray.moment).0, ray, t_max, wanted, &mut pass),
-            );
-        }
+        let Some(moving) = &self.moving else { return ControlFlow::Continue(()) };
+        traverse(
+            simd,
+            moving.nodes(ray.moment),
+            &here,
+            ray.t_max,
+            #[inline(always)]
+            |leaf, t_max| self.pass_placed(simd, &moving.placed(leaf, ray.moment).0, ray, t_max, wanted, &mut pass),
+        )
     }
+}
 
+impl CurveForest {
     /// The nearest curve of an instance, as [`Self::closest_with`]; gives the end of the ray from then on.
     #[inline(always)]
     fn try_placed<S: Simd>(
@@ -294,11 +264,7 @@ impl CurveForest {
                 |segment| !ray.skip.is(placed.instance, segment.strand),
                 #[inline(always)]
                 |segment, both, end| {
-                    for (way, met) in both.into_iter().enumerate() {
-                        if let Some(met) = met {
-                            pass(segment.hit(met, way, scale, placed.instance, ray.moment))?;
-                        }
-                    }
+                    segment.pass_hits(both, scale, placed.instance, ray.moment, pass)?;
                     ControlFlow::Continue(end)
                 },
             )?;
@@ -323,6 +289,24 @@ pub(crate) fn radius_scale(instance: &Instance) -> f32 {
 }
 
 impl Segment {
+    /// Gives both of its hits to `pass`.
+    #[inline(always)]
+    fn pass_hits(
+        &self,
+        both: BothMet,
+        scale: f32,
+        instance: u32,
+        moment: u16,
+        pass: &mut impl FnMut(Hit) -> ControlFlow<()>,
+    ) -> ControlFlow<()> {
+        for (way, met) in both.into_iter().enumerate() {
+            if let Some(met) = met {
+                pass(self.hit(met, way, scale, instance, moment))?;
+            }
+        }
+        ControlFlow::Continue(())
+    }
+
     #[inline(always)]
     fn hit(&self, met: CurveMet, way: usize, scale: f32, instance: u32, moment: u16) -> Hit {
         let v = if way == 0 { met.v } else { met.v + FROM_WITHIN };

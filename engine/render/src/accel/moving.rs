@@ -1,23 +1,23 @@
 //! What moves while the shutter is open, beside what stands still: who has nothing that moves pays nothing.
 //!
 //! The shutter's time is parted into slices, each with a tree over what its instances sweep meanwhile; a ray asks the tree of its
-//! moment's slice, and an instance where it stands at that moment. A mesh that changes its shape has a tree for the time
-//! between each two of its keys: boxes hold what triangles sweep, and leaves both ends of it.
+//! moment's slice, and an instance where it stands at that moment.
 
+use super::beside::Forest;
 use super::bounds::Bounds;
 use super::build::build;
 use super::node::Node;
+use super::posed::PosedTree;
 use super::source::TriangleSource;
 use super::traverse::{Found, TreeRay, TriangleTree, traverse};
-use super::triangles::{Block, LANES};
 use super::{Hit, PlacedMesh, Ray, hit};
 use crate::scene::mesh::Mesh;
-use crate::scene::motion::{Moving, Pose, Poses};
+use crate::scene::motion::{Moving, Pose};
 use crate::scene::{Instance, Scene};
-use fearless_simd::{Level, Simd, dispatch};
+use fearless_simd::Simd;
 use glam::Affine3A;
 use rayon::prelude::*;
-use std::ops::{ControlFlow, Range};
+use std::ops::ControlFlow;
 
 /// Slices of the shutter's time, as bits: as many as an instance has moments at least.
 const SLICE_BITS: u32 = 4;
@@ -120,13 +120,6 @@ pub(super) struct MovingForest {
     posed: Vec<Vec<PosedTree>>,
 }
 
-/// Triangles on their way between two keys. The blocks of the tree are where they come from.
-struct PosedTree {
-    tree: TriangleTree,
-    /// Where they go.
-    to: Vec<Block>,
-}
-
 impl MovingForest {
     /// `None` where no mesh moves.
     pub(super) fn new(scene: &Scene) -> Option<Self> {
@@ -157,31 +150,9 @@ impl MovingForest {
     pub(super) fn bounds(&self) -> Option<Bounds> {
         self.places.bounds()
     }
+}
 
-    /// The nearest surface that is nearer than `nearest`, else that; of instances that are wanted.
-    #[inline(never)]
-    pub(super) fn closest(
-        &self,
-        level: Level,
-        ray: &Ray,
-        nearest: Option<Hit>,
-        wanted: impl Fn(u32) -> bool,
-    ) -> Option<Hit> {
-        dispatch!(level, simd => self.closest_with(simd, ray, nearest, &wanted))
-    }
-
-    /// Gives every surface between the ray's ends to `pass` until that says no.
-    #[inline(never)]
-    pub(super) fn each_between(
-        &self,
-        level: Level,
-        ray: &Ray,
-        wanted: impl Fn(u32) -> bool,
-        pass: &mut dyn FnMut(&Hit) -> bool,
-    ) {
-        dispatch!(level, simd => self.each_between_with(simd, ray, &wanted, pass));
-    }
-
+impl Forest for MovingForest {
     #[inline(always)]
     fn closest_with<S: Simd>(
         &self,
@@ -227,10 +198,10 @@ impl MovingForest {
         ray: &Ray,
         wanted: &impl Fn(u32) -> bool,
         pass: &mut dyn FnMut(&Hit) -> bool,
-    ) {
+    ) -> ControlFlow<()> {
         let mut pass = |hit: Hit| if pass(&hit) { ControlFlow::Continue(()) } else { ControlFlow::Break(()) };
         let here = TreeRay::new(ray.origin, ray.direction);
-        let _ = traverse(
+        traverse(
             simd,
             self.places.nodes(ray.moment),
             &here.boxes,
@@ -249,113 +220,12 @@ impl MovingForest {
                 }
                 ControlFlow::Continue(t_max)
             },
-        );
+        )
     }
 }
 
 fn mesh_of(scene: &Scene, instance: u32) -> &Mesh {
     &scene.meshes[scene.instances[instance as usize].mesh as usize]
-}
-
-impl PosedTree {
-    /// Of the time from a key to the next.
-    fn new(mesh: &Mesh, poses: &Poses, key: usize) -> Self {
-        let corners = |triangle: u32, part: f32| {
-            let pose = Pose { key: key as u32, part };
-            poses.corners(mesh.triangles[triangle as usize], pose)
-        };
-        let swept = |triangle: u32| {
-            let [from, to] = [0.0, 1.0].map(|part| Bounds::of(&corners(triangle, part)));
-            from.union(&to).naming([0, triangle])
-        };
-        let mut items: Vec<Bounds> = (0..mesh.triangles.len() as u32).into_par_iter().map(swept).collect();
-        items.retain(Bounds::is_within_reach);
-        let built = build(&mut items, LANES);
-        let block = |leaf: &Range<usize>, part: f32| {
-            let mut block = Block::EMPTY;
-            for (lane, item) in items[leaf.clone()].iter().enumerate() {
-                block.set(lane, &corners(item.name()[1], part), item.name());
-            }
-            block
-        };
-        let blocks = |part: f32| built.leaves.iter().map(|leaf| block(leaf, part)).collect();
-        let tree = TriangleTree { blocks: blocks(0.0), nodes: built.nodes, surface: 0.0 };
-        Self { tree, to: built.leaves.iter().map(|leaf| block(leaf, 1.0)).collect() }
-    }
-
-    /// As [`TriangleTree::closest`], after a part of the time.
-    #[inline(always)]
-    fn closest<S: Simd>(&self, simd: S, ray: &TreeRay, part: f32, t_max: f32) -> Option<Found> {
-        let mut nearest = None;
-        let _ = traverse(
-            simd,
-            &self.tree.nodes,
-            &ray.boxes,
-            t_max,
-            #[inline(always)]
-            |leaf, mut t_max| {
-                for found in self.meet(simd, leaf, ray, part, t_max) {
-                    if found.t < t_max {
-                        t_max = found.t;
-                        nearest = Some(found);
-                    }
-                }
-                ControlFlow::Continue(t_max)
-            },
-        );
-        nearest
-    }
-
-    /// As [`TriangleTree::visit`], after a part of the time.
-    #[inline(always)]
-    fn visit<S: Simd>(
-        &self,
-        simd: S,
-        ray: &TreeRay,
-        part: f32,
-        t_max: f32,
-        mut on_hit: impl FnMut(Found) -> ControlFlow<()>,
-    ) -> ControlFlow<()> {
-        traverse(
-            simd,
-            &self.tree.nodes,
-            &ray.boxes,
-            t_max,
-            #[inline(always)]
-            |leaf, t_max| {
-                for found in self.meet(simd, leaf, ray, part, t_max) {
-                    on_hit(found)?;
-                }
-                ControlFlow::Continue(t_max)
-            },
-        )
-    }
-
-    #[inline(always)]
-    fn meet<S: Simd>(
-        &self,
-        simd: S,
-        leaf: usize,
-        ray: &TreeRay,
-        part: f32,
-        t_max: f32,
-    ) -> impl Iterator<Item = Found> + use<S> {
-        let block = self.tree.blocks[leaf].towards(&self.to[leaf], part);
-        let met = block.meet(simd, &ray.shear, t_max);
-        met.into_iter().flat_map(move |met| {
-            (0..LANES).filter(move |lane| met.lanes >> lane & 1 == 1).map({
-                let (instance, triangle) = (block.instance, block.triangle);
-                let (t, u, v) = (met.t, met.u, met.v);
-                move |lane| Found {
-                    t: t[lane],
-                    u: u[lane],
-                    v: v[lane],
-                    instance: instance[lane],
-                    triangle: triangle[lane],
-                }
-            })
-        })
-    }
 }
 
 #[cfg(test)]
@@ -364,6 +234,7 @@ mod tests {
     use super::*;
     use crate::scene::SceneBuilder;
     use crate::scene::mesh::MeshDescription;
+    use crate::scene::motion::Poses;
     use crate::scene::visibility::Rays;
     use glam::{DMat4, DVec3, Vec3, Vec3A};
 

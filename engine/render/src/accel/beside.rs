@@ -1,0 +1,103 @@
+//! What most scenes have none of: hair, and what moves. Scenes without it pay one question a ray.
+
+use super::bounds::Bounds;
+use super::curves::CurveForest;
+use super::moving::MovingForest;
+use super::source::Parts;
+use super::{Hit, Ray};
+use crate::scene::Scene;
+use fearless_simd::{Level, Simd, dispatch};
+use std::ops::ControlFlow;
+
+/// Trees beside those of still triangles.
+pub(super) trait Forest {
+    /// The nearest that is nearer than `nearest`, else that; of instances that are wanted.
+    fn closest_with<S: Simd>(
+        &self,
+        simd: S,
+        ray: &Ray,
+        nearest: Option<Hit>,
+        wanted: &impl Fn(u32) -> bool,
+    ) -> Option<Hit>;
+
+    /// Gives everything between the ray's ends to `pass` until that says no; whether it did not.
+    fn each_between_with<S: Simd>(
+        &self,
+        simd: S,
+        ray: &Ray,
+        wanted: &impl Fn(u32) -> bool,
+        pass: &mut dyn FnMut(&Hit) -> bool,
+    ) -> ControlFlow<()>;
+
+    /// [`Self::closest_with`] in the lanes that there are.
+    #[inline(never)]
+    fn closest(&self, level: Level, ray: &Ray, nearest: Option<Hit>, wanted: &impl Fn(u32) -> bool) -> Option<Hit> {
+        dispatch!(level, simd => self.closest_with(simd, ray, nearest, wanted))
+    }
+
+    /// [`Self::each_between_with`] likewise.
+    #[inline(never)]
+    fn each_between(
+        &self,
+        level: Level,
+        ray: &Ray,
+        wanted: &impl Fn(u32) -> bool,
+        pass: &mut dyn FnMut(&Hit) -> bool,
+    ) -> ControlFlow<()> {
+        dispatch!(level, simd => self.each_between_with(simd, ray, wanted, pass))
+    }
+}
+
+/// Those of a scene.
+pub(super) struct Forests {
+    curves: Option<Box<CurveForest>>,
+    moving: Option<MovingForest>,
+}
+
+impl Forests {
+    /// `None` where there is nothing of it.
+    pub(super) fn new(scene: &Scene, parts: &Parts) -> Option<Box<Self>> {
+        let (curves, moving) = (CurveForest::new(scene, parts), MovingForest::new(scene));
+        (curves.is_some() || moving.is_some()).then(|| Box::new(Self { curves, moving }))
+    }
+
+    pub(super) fn bounds(&self) -> Option<Bounds> {
+        let of_curves = self.curves.as_ref().and_then(|curves| curves.bounds());
+        let both = of_curves.into_iter().chain(self.moving.as_ref().and_then(MovingForest::bounds));
+        both.reduce(|a, b| a.union(&b))
+    }
+
+    /// As [`Forest::closest_with`], of all.
+    pub(super) fn closest(
+        &self,
+        level: Level,
+        ray: &Ray,
+        mut nearest: Option<Hit>,
+        wanted: impl Fn(u32) -> bool,
+    ) -> Option<Hit> {
+        if let Some(moving) = &self.moving {
+            nearest = moving.closest(level, ray, nearest, &wanted);
+        }
+        match &self.curves {
+            Some(curves) => curves.closest(level, ray, nearest, &wanted),
+            None => nearest,
+        }
+    }
+
+    /// As [`Forest::each_between_with`], of all.
+    pub(super) fn each_between(
+        &self,
+        level: Level,
+        ray: &Ray,
+        wanted: impl Fn(u32) -> bool,
+        pass: &mut dyn FnMut(&Hit) -> bool,
+    ) -> ControlFlow<()> {
+        if let Some(moving) = &self.moving {
+            moving.each_between(level, ray, &wanted, pass)?;
+        }
+        match &self.curves {
+            Some(curves) => curves.each_between(level, ray, &wanted, pass),
+            None => ControlFlow::Continue(()),
+        }
+    }
+}
