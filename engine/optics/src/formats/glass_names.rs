@@ -150,7 +150,7 @@ impl<'a> Glasses<'a> {
                 return Ok(medium);
             }
         }
-        let medium = self.catalogue.medium(alias)?;
+        let medium = self.catalogue.medium(alias).map_err(|error| self.moulded(name, error))?;
         let has = self.catalogue.makers_of(alias);
         if !self.listed.is_empty() {
             let list = self.listed.join(", ");
@@ -160,6 +160,15 @@ impl<'a> Glasses<'a> {
             self.of_several(name, &has, place, remarks);
         }
         Ok(medium)
+    }
+
+    /// Glass that was pressed has another index than its catalogue says; what it is without that is a proposal.
+    fn moulded(&self, name: &str, error: GlassError) -> GlassError {
+        let bare = name.to_uppercase().strip_suffix("_MOLD").map(str::to_owned);
+        match bare.filter(|bare| !self.catalogue.makers_of(bare).is_empty()) {
+            Some(bare) => GlassError::Unknown { name: name.to_owned(), near: vec![bare] },
+            None => error,
+        }
     }
 
     /// The glass of a name in which hyphens may be missing, with its maker or without.

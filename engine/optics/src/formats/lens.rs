@@ -66,7 +66,7 @@ pub use super::problem::{LensFileError, Problem};
 
 use columns::{ElementLine, Misalignment, OBSTRUCTION, POSE, RADIUS_X, power};
 
-pub(super) use write::header_lines;
+pub(super) use write::{header_lines, one_line};
 pub use write::write;
 
 /// A longer file is no lens: it would only cost memory.

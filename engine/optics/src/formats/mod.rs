@@ -3,6 +3,7 @@
 //! [`read`] takes any of them, by ending and content. [`lens`] is the engine's own; it and [`zmx`] are written, too.
 
 pub mod agf;
+mod beams;
 pub mod bench;
 mod draft;
 mod glass_names;

@@ -43,7 +43,6 @@ pub fn write(lens: &Prescription, catalogue: &Catalogue) -> (String, Vec<String>
 
 /// The lines of the header, without their `#`.
 pub(in crate::formats) fn header_lines(lens: &Prescription, catalogue: &Catalogue, lost: &mut Vec<String>) -> Vec<String> {
-    let one_line = |text: &str| text.split_whitespace().collect::<Vec<_>>().join(" ");
     let mut lines = vec![format!("name: {}", one_line(&lens.name))];
     for (key, value) in lens.metadata.all.iter().filter(|(key, _)| !OF_THE_LENS.contains(&key.as_str())) {
         lines.push(format!("{key}: {}", one_line(value)));
@@ -72,6 +71,11 @@ pub(in crate::formats) fn header_lines(lens: &Prescription, catalogue: &Catalogu
         }
     }
     lines
+}
+
+/// A text without line ends.
+pub(in crate::formats) fn one_line(text: &str) -> String {
+    text.replace(char::is_control, " ").trim().to_owned()
 }
 
 /// What to write for a medium: its name in the catalogues, or that of a glass defined in the header.
