@@ -1,8 +1,9 @@
-//! Light by groups of emitters and by parts ([`super::parts`]), beside the whole.
+//! What is noted of a path beside its light as a whole: that of groups of emitters, and parts ([`super::parts`]).
 //!
 //! A kind rather than a value: where nothing of it is asked for, nothing is left in the code that follows paths.
 
-use super::parts::{Belongs, ByPart, Parts};
+use super::by_part::{Belongs, ByPart};
+use super::parts::Parts;
 use crate::Rgb;
 use crate::integrator::Stage;
 use crate::nodes::{View, Way};
@@ -10,7 +11,7 @@ use crate::shading::{LobeShares, Parted};
 use crate::surface::SurfacePoint;
 
 /// Where paths note what they found beside their light as a whole.
-pub trait Groups {
+pub trait Notes {
     /// What is known of where light comes from.
     type Of: Copy;
 
@@ -56,9 +57,9 @@ pub trait Groups {
 
 /// Notes nothing.
 #[derive(Default)]
-pub struct NoGroups;
+pub struct NoNotes;
 
-impl Groups for NoGroups {
+impl Notes for NoNotes {
     type Of = ();
 
     #[inline(always)]
@@ -98,14 +99,14 @@ impl Groups for NoGroups {
 }
 
 /// Notes the light of groups number 1 and on, and parts.
-pub struct ByGroup {
+pub struct Noted {
     groups: u16,
     parts: ByPart,
     /// Path by path.
     sums: Vec<Rgb>,
 }
 
-impl ByGroup {
+impl Noted {
     /// For that many groups, and for parts.
     pub fn new(groups: u16, parts: Parts) -> Self {
         Self { groups, parts: ByPart::new(parts), sums: Vec::new() }
@@ -126,7 +127,7 @@ fn of_parts(sums: &mut [Rgb], path: usize, groups: usize, count: usize) -> &mut 
     &mut sums[path * count + groups..(path + 1) * count]
 }
 
-impl Groups for ByGroup {
+impl Notes for Noted {
     type Of = (u16, Belongs);
 
     fn met(&self, path: u32, way: Way, is_sky: bool, number: impl FnOnce() -> u16) -> Self::Of {
