@@ -1,8 +1,8 @@
 //! How bright a uniform world is from the middle of the film to its corner: closed forms where there are some, else
 //! exact rays counted.
 
-use crate::noise::photographs;
-use crate::studio::{D_LINE_NM, Exposure, in_three, lens, white_world};
+use super::noise::photographs;
+use super::studio::{D_LINE_NM, Exposure, in_three, lens, white_world};
 use glam::{DVec2, Vec2};
 use petzval_optics::focus::FilmPlane;
 use petzval_optics::formats::lens;

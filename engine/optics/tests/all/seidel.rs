@@ -1,8 +1,6 @@
 //! Seidel and chromatic sums against what exact rays do when aperture and field become small.
 
-mod common;
-
-use common::{ASPHERES, lens_names, system};
+use crate::common::{ASPHERES, lens_names, system};
 use glam::DVec3;
 use petzval_optics::focus::Focus;
 use petzval_optics::formats::lens;
@@ -140,7 +138,7 @@ fn a_pupil_at_infinity_has_no_sums() {
 
 #[test]
 fn sums_follow_the_opening_and_the_field() {
-    let prescription = common::prescription("tessar-brendel");
+    let prescription = crate::common::prescription("tessar-brendel");
     let at = |f_number: Option<f64>, field: f64| {
         let settings = SystemSettings { f_number, ..SystemSettings::default() };
         let system = System::new(&prescription, &settings).unwrap();

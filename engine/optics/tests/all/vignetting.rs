@@ -1,9 +1,7 @@
 //! The fields of a lens against counts of rays: many, blindly, through the lens as it is and through the same lens with
 //! no rim but the stop's.
 
-mod common;
-
-use common::prescription;
+use crate::common::prescription;
 use glam::DVec3;
 use petzval_optics::focus::Focus;
 use petzval_optics::formats::lens;

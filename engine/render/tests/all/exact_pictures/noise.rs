@@ -1,7 +1,7 @@
 //! Photographs of several seeds against the truth, pixel by pixel, in units of their own noise.
 
-use crate::exact::Truth;
-use crate::studio::{Exposure, shoot};
+use super::exact::Truth;
+use super::studio::{Exposure, shoot};
 use petzval_render::camera::CameraDescription;
 use petzval_render::integrator::Stage;
 use std::sync::Arc;

@@ -1,8 +1,6 @@
 //! What holds for every ray through every lens.
 
-mod common;
-
-use common::{lens_names, prescription, system};
+use crate::common::{lens_names, prescription, system};
 use glam::DVec3;
 use petzval_optics::glass::line_nm;
 use petzval_optics::interface::{Interface, reflect};

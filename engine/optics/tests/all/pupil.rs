@@ -1,12 +1,10 @@
 //! The pupil map: nothing lost, nothing counted twice, few rays wasted.
 
-mod common;
-
 use std::f64::consts::PI;
 use std::sync::Arc;
 use std::sync::OnceLock;
 
-use common::{prescription, system};
+use crate::common::{prescription, system};
 use glam::DVec3;
 use petzval_optics::diaphragm::ApertureMask;
 use petzval_optics::focus::{FilmPlane, film_z_for_focus_mm};
@@ -112,7 +110,7 @@ fn make_cameras() -> Vec<Camera> {
     let obstructed = parse(text, "obstructed", Catalogue::shipped()).unwrap();
     let obstructed = System::new(&obstructed, &SystemSettings::default()).unwrap();
     let shipped = |name: &str, blades: u32, more: &str| {
-        let text = std::fs::read_to_string(common::repository("lenses").join(format!("{name}.lens"))).unwrap();
+        let text = std::fs::read_to_string(crate::common::repository("lenses").join(format!("{name}.lens"))).unwrap();
         let lens = parse(&format!("{more}\n{text}"), name, Catalogue::shipped()).unwrap();
         let settings = SystemSettings { f_number: Some(4.0), blades, ..Default::default() };
         System::new(&lens, &settings).unwrap()

@@ -1,8 +1,6 @@
 //! Lens files: the good ones read as they stand, every bad one names its place.
 
-mod common;
-
-use common::{prescription, repository};
+use crate::common::{prescription, repository};
 use petzval_optics::diaphragm::DiaphragmError;
 use petzval_optics::formats::lens::{self, parse, parse_bytes};
 use petzval_optics::glass::{Catalogue, line_nm};

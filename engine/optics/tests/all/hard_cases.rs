@@ -3,9 +3,7 @@
 // A comparison that NaN fails.
 #![allow(clippy::neg_cmp_op_on_partial_ord)]
 
-mod common;
-
-use common::{number, reference_json, vector};
+use crate::common::{number, reference_json, vector};
 use petzval_optics::single_surface::SingleSurface;
 use petzval_optics::surface::{Failure, Shape};
 use serde_json::Value;

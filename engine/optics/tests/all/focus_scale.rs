@@ -1,8 +1,6 @@
 //! Focus distances counted from each anchor, against exact rays near the axis; the two relations against each other.
 
-mod common;
-
-use common::{lens_names, system};
+use crate::common::{lens_names, system};
 use glam::DVec3;
 use petzval_optics::focus::{Anchor, FocusError, Focusing, Relation, film_z_for_focus_mm};
 use petzval_optics::glass::line_nm;

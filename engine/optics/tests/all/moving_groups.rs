@@ -1,7 +1,5 @@
 //! Lenses that move inside: zoomed and focused as wholes, held against paraxial conjugates and exact rays.
 
-mod common;
-
 use glam::DVec3;
 use petzval_optics::focus::{Anchor, FocusError, Focusing, GroupsError, focus_distance_for_film_mm};
 use petzval_optics::formats::lens;
@@ -14,7 +12,7 @@ use petzval_optics::trace::Ray;
 const D: f64 = line_nm::D;
 
 fn zoom() -> Prescription {
-    lens::read(&common::repository("lenses").join("zoom-nikon-57-143-f2.8.lens"), Catalogue::shipped()).unwrap()
+    lens::read(&crate::common::repository("lenses").join("zoom-nikon-57-143-f2.8.lens"), Catalogue::shipped()).unwrap()
 }
 
 fn at(mm: f64) -> SystemSettings {

@@ -3,9 +3,7 @@
 // A comparison that NaN fails.
 #![allow(clippy::neg_cmp_op_on_partial_ord)]
 
-mod common;
-
-use common::{ASPHERES, lens_names, number, reference_json, system};
+use crate::common::{ASPHERES, lens_names, number, reference_json, system};
 use petzval_optics::glass::line_nm;
 use petzval_optics::paraxial::Paraxial;
 use petzval_optics::seidel::{Seidel, Sums};

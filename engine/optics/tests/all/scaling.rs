@@ -1,8 +1,6 @@
 //! A lens scaled to another focal length: every length scales, no angle does (Wu et al. 2011, §4).
 
-mod common;
-
-use common::{ASPHERES, lens_names, prescription, repository, system};
+use crate::common::{ASPHERES, lens_names, prescription, repository, system};
 use glam::DVec3;
 use petzval_optics::focus::Focus;
 use petzval_optics::formats::lens;

@@ -1,8 +1,6 @@
 //! Toroids, aspheres, decentred and tilted elements, by what is known of them without tracing.
 
-mod common;
-
-use common::repository;
+use crate::common::repository;
 use glam::DVec3;
 use petzval_optics::focus::film_z_for_focus_mm;
 use petzval_optics::formats::lens::{self, parse};

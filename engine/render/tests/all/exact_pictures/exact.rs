@@ -5,7 +5,7 @@
 //! Light is flux: a ray stands for its part of the lamp's area, times the cosine there, times its solid angle. A
 //! pixel's value is its flux over its area, over what the middle of the film gets from a world of radiance one.
 
-use crate::studio::{D_LINE_NM, Lamp};
+use super::studio::{D_LINE_NM, Lamp};
 use glam::{DVec2, DVec3};
 use petzval_optics::focus::FilmPlane;
 use petzval_optics::formats::lens;

@@ -1,8 +1,8 @@
 //! A film that is tilted and swung photographs a leaning plane sharp, where the hinge rule puts it.
 
-use crate::exact::Exact;
-use crate::noise::photographs;
-use crate::studio::{Exposure, Lamp, lamps, lens};
+use super::exact::Exact;
+use super::noise::photographs;
+use super::studio::{Exposure, Lamp, lamps, lens};
 use glam::{DVec2, DVec3};
 use petzval_optics::focus::Focus;
 use petzval_optics::paraxial::Paraxial;

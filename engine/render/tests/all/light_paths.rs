@@ -1,10 +1,8 @@
 //! Light paths through real lenses: the picture that path tracing makes, made from the other end.
 
-#[path = "light_paths/lenses.rs"]
 mod lenses;
-#[path = "light_paths/scenes.rs"]
-mod scenes;
 
+use crate::scenes;
 use glam::DVec3;
 use petzval_render::camera::clip::Clip;
 use petzval_render::camera::{Camera, CameraDescription, Model};

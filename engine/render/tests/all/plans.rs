@@ -1,9 +1,6 @@
 //! Plans of effects: each effect's trigger from both sides, what users say, and that a picture is the same whatever was left out.
 
-#[path = "light_paths/scenes.rs"]
-#[allow(dead_code)]
-mod scenes;
-
+use crate::scenes;
 use glam::{DMat4, DVec3};
 use petzval_render::Rgb;
 use petzval_render::camera::{Camera, CameraDescription, Model, Spectrum};

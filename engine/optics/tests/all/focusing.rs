@@ -1,10 +1,8 @@
 //! Focus: conjugates against exact rays near the axis; the film plane.
 
-mod common;
-
 use std::f64::consts::FRAC_PI_2;
 
-use common::{lens_names, system};
+use crate::common::{lens_names, system};
 use glam::DVec3;
 use petzval_optics::focus::{
     FilmPlane, Focus, FocusError, film_z_for_focus_mm, focus_distance_for_film_mm, magnification,

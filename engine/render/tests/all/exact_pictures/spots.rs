@@ -1,8 +1,8 @@
 //! What a lens makes of a far point: the shape of its spot, pixel by pixel, by every pipeline.
 
-use crate::exact::{Exact, Truth};
-use crate::noise::photographs;
-use crate::studio::{Exposure, Lamp, in_three, lamps, lens};
+use super::exact::{Exact, Truth};
+use super::noise::photographs;
+use super::studio::{Exposure, Lamp, in_three, lamps, lens};
 use glam::DVec3;
 use petzval_render::camera::CameraDescription;
 use petzval_render::pipeline::Pipeline;

@@ -1,8 +1,6 @@
 //! What f32 loses, on the rays of the reference tables: the bounds that docs/numerics.md states.
 
-mod common;
-
-use common::{ASPHERES, lens_names, number, reference_json, system, vector};
+use crate::common::{ASPHERES, lens_names, number, reference_json, system, vector};
 use glam::DVec3;
 use petzval_optics::glass::line_nm;
 use petzval_optics::trace::{Ray, Tracer};

@@ -3,7 +3,7 @@
 //! Pictures of many seeds are folded: what repeats with the tiles, or with a part of them, stands out of
 //! the noise. The fold's power is tested with a ripple laid over the picture.
 
-use crate::studio::{lens, white_world};
+use super::studio::{lens, white_world};
 use petzval_render::camera::{Camera, CameraDescription};
 use petzval_render::film::TILE_SIZE;
 use petzval_render::integrator::Stage;

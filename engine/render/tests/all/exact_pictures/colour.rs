@@ -1,8 +1,8 @@
 //! Where points lie in the picture, wavelength by wavelength: image heights of the reference data, and the fringes of
 //! colour that hero makes of a point off the axis.
 
-use crate::exact::Exact;
-use crate::studio::{Exposure, Lamp, in_three, lamps, lens, shoot};
+use super::exact::Exact;
+use super::studio::{Exposure, Lamp, in_three, lamps, lens, shoot};
 use glam::{DMat2, DVec2, DVec3};
 use petzval_optics::glass::Catalogue;
 use petzval_optics::paraxial::Paraxial;

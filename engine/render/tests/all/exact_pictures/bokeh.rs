@@ -1,9 +1,9 @@
 //! Points out of focus: round in the middle, cat's eyes towards the corner, rings behind mirrors, before and behind the
 //! plane that is sharp.
 
-use crate::exact::Exact;
-use crate::noise::photographs;
-use crate::studio::{Exposure, Lamp, in_three, lamps, lens};
+use super::exact::Exact;
+use super::noise::photographs;
+use super::studio::{Exposure, Lamp, in_three, lamps, lens};
 use glam::DVec3;
 use petzval_render::camera::{CameraDescription, lens_info};
 use petzval_render::pipeline::Pipeline;

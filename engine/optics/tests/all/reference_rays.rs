@@ -2,9 +2,7 @@
 //!
 //! The tables hold correctly rounded doubles of a 50-digit trace.
 
-mod common;
-
-use common::{ASPHERES, lens_names, number, reference_json, system, vector};
+use crate::common::{ASPHERES, lens_names, number, reference_json, system, vector};
 use glam::DVec3;
 use petzval_optics::glass::line_nm;
 use petzval_optics::trace::{Failure, Ray, Tracer};

@@ -2,9 +2,7 @@
 //! focal plane meets the plane that is parallel to the film and goes through the object principal point. Held against
 //! exact rays near the axis.
 
-mod common;
-
-use common::system;
+use crate::common::system;
 use glam::{DVec2, DVec3};
 use petzval_optics::focus::{FilmPlane, Focus};
 use petzval_optics::glass::line_nm;
