@@ -11,9 +11,9 @@ import bpy
 import numpy as np
 
 from ..description import Matrix4, Report
-from . import curves, hair, mesh
+from . import curves, hair, mesh, points
 from .camera import rows
-from .motion import Key, key, may_deform
+from .motion import WITH_POSITIONS, Key, key, may_deform
 
 #: How much of the shutter's time has gone by at the frame.
 _OPENS = {"START": 0.0, "CENTER": 0.5, "END": 1.0}
@@ -95,7 +95,7 @@ def _deforms(place: bpy.types.DepsgraphObjectInstance) -> bool:
 
 
 class Shape(NamedTuple):
-    """A mesh at one key, or the keys of strands."""
+    """A mesh at one key, the keys of strands, or points with their radii."""
 
     positions: np.ndarray
     #: None where it has none, or all faces are flat.
@@ -131,7 +131,7 @@ def _read(depsgraph: bpy.types.Depsgraph) -> dict[Key, Standing]:
             continue
         data = holder.data
         shape = None
-        if isinstance(data, (bpy.types.Mesh, bpy.types.Curves)) and _deforms(place):
+        if isinstance(data, WITH_POSITIONS) and _deforms(place):
             pointer = data.as_pointer()
             if pointer not in known:
                 known[pointer] = _shape(data)
@@ -140,7 +140,9 @@ def _read(depsgraph: bpy.types.Depsgraph) -> dict[Key, Standing]:
     return found
 
 
-def _shape(data: bpy.types.Mesh | bpy.types.Curves) -> Shape | None:
+def _shape(data: bpy.types.Mesh | bpy.types.Curves | bpy.types.PointCloud) -> Shape | None:
+    if isinstance(data, bpy.types.PointCloud):
+        return Shape(points.balls(data)) if len(data.points) else None
     if isinstance(data, bpy.types.Curves):
         return Shape(curves.positions(data)) if len(data.points) else None
     return None if data.is_editmode else Shape(mesh.positions(data), mesh.normals(data))
@@ -174,16 +176,27 @@ class Blur:
         self, place: bpy.types.DepsgraphObjectInstance, now: mesh.MeshArrays
     ) -> list[tuple[np.ndarray, mesh.Values | None]] | None:
         """The vertices of an instance's mesh and the normals of its corners at its keys; None where it keeps its shape."""
+        shapes = self._shapes(place, now.positions)
+        if shapes is None:
+            return None
+        has_normals = now.corner_normals is not None and all(now.fits(one.normals) for one in shapes)
+        return [(one.positions, one.normals if has_normals else None) for one in shapes]
+
+    def points(self, place: bpy.types.DepsgraphObjectInstance, now: np.ndarray) -> list[np.ndarray] | None:
+        """The points of an instance's cloud and their radii at its keys; None where they keep both."""
+        shapes = self._shapes(place, now)
+        return None if shapes is None else [one.positions for one in shapes]
+
+    def _shapes(self, place: bpy.types.DepsgraphObjectInstance, now: np.ndarray) -> list[Shape] | None:
         shapes = [one.shape for one in self._of(place)]
         if not shapes or any(one is None for one in shapes) or all(one is shapes[0] for one in shapes):
             return None
-        if any(one.positions.shape != now.positions.shape for one in shapes):
+        if any(one.positions.shape != now.shape for one in shapes):
             self._report.warn(
                 f"Object '{place.object.name}': it has other vertices while the shutter is open, how it changes is not blurred"
             )
             return None
-        has_normals = now.corner_normals is not None and all(now.fits(one.normals) for one in shapes)
-        return [(one.positions, one.normals if has_normals else None) for one in shapes]
+        return shapes
 
     def changes_strands(self, place: bpy.types.DepsgraphObjectInstance, system: str | None = None) -> None:
         """Says so where strands change their shape: that is not blurred yet."""
