@@ -9,7 +9,7 @@ import bpy
 import numpy as np
 
 from ..description import Matrix4, Report
-from . import curves, hair, mesh, points
+from . import curves, hair, mesh, points, velocity
 from .camera import rows
 
 Key = tuple
@@ -82,8 +82,9 @@ def may_deform(holder: bpy.types.Object) -> bool:
 class Motion:
     """What moves between two frames, for the builder."""
 
-    def __init__(self, before: Frame, after: Frame, report: Report) -> None:
+    def __init__(self, before: Frame, after: Frame, frame_s: float, report: Report) -> None:
         self._frames = before, after
+        self._frame_s = frame_s
         self._report = report
 
     def matrices(self, place: bpy.types.DepsgraphObjectInstance) -> tuple[Matrix4, Matrix4] | None:
@@ -98,6 +99,9 @@ class Motion:
         self, place: bpy.types.DepsgraphObjectInstance, now: np.ndarray
     ) -> tuple[np.ndarray, np.ndarray] | None:
         """The vertices of an instance's mesh in the neighbouring frames; None where it keeps its shape."""
+        way = velocity.of(place.object.data, self._frame_s)
+        if way is not None and len(way) == len(now):
+            return (now - way, now + way) if way.any() else None
         both = self._placed(place)
         if both is None or any(one.positions is None for one in both):
             return None

@@ -11,7 +11,7 @@ import bpy
 import numpy as np
 
 from ..description import Matrix4, Report
-from . import curves, hair, mesh, points
+from . import curves, hair, mesh, points, velocity
 from .camera import rows
 from .motion import WITH_POSITIONS, Key, key, may_deform
 
@@ -88,10 +88,15 @@ def key_count_of(place: bpy.types.DepsgraphObjectInstance) -> int:
     return key_count(place.object, place.parent if place.is_instance else None)
 
 
-def _deforms(place: bpy.types.DepsgraphObjectInstance) -> bool:
+def _blurs_shape(place: bpy.types.DepsgraphObjectInstance) -> bool:
+    """Whether it is to be blurred by what changes its shape."""
     both = (place.object, place.parent if place.is_instance else None)
     settings = [one.cycles for one in both if one is not None and hasattr(one, "cycles")]
-    return all(one.use_deform_motion for one in settings) and may_deform(place.object)
+    return all(one.use_deform_motion for one in settings)
+
+
+def _deforms(place: bpy.types.DepsgraphObjectInstance) -> bool:
+    return _blurs_shape(place) and may_deform(place.object)
 
 
 class Shape(NamedTuple):
@@ -151,8 +156,10 @@ def _shape(data: bpy.types.Mesh | bpy.types.Curves | bpy.types.PointCloud) -> Sh
 class Blur:
     """Where everything is at keys over the exposure."""
 
-    def __init__(self, report: Report) -> None:
+    def __init__(self, report: Report, seconds: float) -> None:
         self._report = report
+        #: For how long the shutter is open.
+        self._seconds = seconds
         self._keys: list[dict[Key, Standing]] = []
 
     def read(self, depsgraph: bpy.types.Depsgraph) -> None:
@@ -188,6 +195,11 @@ class Blur:
         return None if shapes is None else [one.positions for one in shapes]
 
     def _shapes(self, place: bpy.types.DepsgraphObjectInstance, now: np.ndarray) -> list[Shape] | None:
+        count = key_count_of(place)
+        way = velocity.of(place.object.data, 0.5 * self._seconds) if count and _blurs_shape(place) else None
+        if way is not None and len(way) == len(now):
+            way = np.pad(way, ((0, 0), (0, now.shape[1] - 3)))
+            return [Shape(now - way), Shape(now), Shape(now + way)] if way.any() else None
         shapes = [one.shape for one in self._of(place)]
         if not shapes or any(one is None for one in shapes) or all(one is shapes[0] for one in shapes):
             return None

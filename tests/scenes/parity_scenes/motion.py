@@ -292,3 +292,18 @@ def points_move():
         one.co = 1.6 * own.co
     _animate(apart, "value", lambda t: 0.4 + 0.3 * t)
     _opened()
+
+
+@scene("Points and a mesh that go as their velocity says")
+def flies():
+    """As simulations leave them: no frame beside tells."""
+    empty_studio()
+    flown = points.cloud(14, 0.3, plain(GOLD), (-1.1, 0.0, 0.8), 0.7)
+    thing = monkey(plain(CREAM), (1.2, 0.0, 0.8), 1.4, levels=0)
+    fps = bpy.context.scene.render.fps
+    for one in (flown, thing):
+        places = np.array([vertex.co for vertex in one.data.vertices])
+        way = 0.4 * places[:, (2, 1, 0)] + (0.4, 0.0, 0.2)
+        own = one.data.attributes.new("velocity", "FLOAT_VECTOR", "POINT")
+        own.data.foreach_set("vector", (fps * way).astype(np.float32).ravel())
+    _opened()

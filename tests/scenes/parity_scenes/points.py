@@ -19,7 +19,9 @@ def holder_of(places: np.ndarray, radii: np.ndarray, name: str = "Points") -> bp
     colours = np.ones((len(places), 4), np.float32)
     colours[:, :3] = 0.15 + 0.75 * dice.random((len(places), 3))
     mesh.attributes.new("paint", "FLOAT_COLOR", "POINT").data.foreach_set("color", colours.ravel())
-    mesh.attributes.new("heat", "FLOAT", "POINT").data.foreach_set("value", dice.random(len(places)).astype(np.float32))
+    mesh.attributes.new("warmth", "FLOAT", "POINT").data.foreach_set(
+        "value", dice.random(len(places)).astype(np.float32)
+    )
     return bpy.data.objects.new(name, mesh)
 
 
@@ -28,7 +30,9 @@ def nodes_on(holder: bpy.types.Object, build) -> bpy.types.Object:
     tree = bpy.data.node_groups.new("Nodes", "GeometryNodeTree")
     for way in ("INPUT", "OUTPUT"):
         tree.interface.new_socket("Geometry", in_out=way, socket_type="NodeSocketGeometry")
-    tree.links.new(build(tree, tree.nodes.new("NodeGroupInput").outputs[0]), tree.nodes.new("NodeGroupOutput").inputs[0])
+    tree.links.new(
+        build(tree, tree.nodes.new("NodeGroupInput").outputs[0]), tree.nodes.new("NodeGroupOutput").inputs[0]
+    )
     holder.modifiers.new("Nodes", "NODES").node_group = tree
     return holder
 
@@ -90,13 +94,15 @@ def points_info():
 
     def where(t: Tree) -> None:
         normal = t.node("VectorMath", {"operation": "MULTIPLY_ADD"}, _0=t.coordinates("Normal"), _1=(0.3, 0.3, 0.3), _2=(0.5, 0.5, 0.5))  # fmt: skip
-        heat = t.node("Attribute", {"attribute_name": "heat"}).outputs["Fac"]
+        heat = t.node("Attribute", {"attribute_name": "warmth"}).outputs["Fac"]
         waves = t.node("TexWave", Vector=t.coordinates("Generated"), Scale=2.0).outputs[0]
         t.shows(t.diffuse(t.mixed_colour(heat, normal.outputs[0], waves)))
 
     for i, build in enumerate((own, placed, where)):
         stretched = (0.7, 0.7, 0.7) if i < 2 else (0.7, 0.6, 0.9)
-        cloud(60, 0.3, material(build), (1.9 * i - 1.9, 0.0, 0.8), 0.9, seed=4 + i, rotation=(20, 10, 30), scale=stretched)
+        cloud(
+            60, 0.3, material(build), (1.9 * i - 1.9, 0.0, 0.8), 0.9, seed=4 + i, rotation=(20, 10, 30), scale=stretched
+        )
 
 
 @scene("Points that shine, are seen through, and let light in")
