@@ -43,7 +43,7 @@ def extract(cloud: bpy.types.PointCloud, wanted: Iterable[str]) -> PointArrays |
     if len(cloud.points) == 0:
         return None
     arrays = PointArrays(balls(cloud))
-    for name in wanted:
+    for name in sorted(wanted):
         # As in Cycles, the radius is no attribute.
         attribute = cloud.attributes.get(name) if name and name != "radius" else None
         if attribute is not None and attribute.data_type in attributes.KINDS:
