@@ -14,6 +14,7 @@ from . import checkpoints, effects, loop, persistent, planning, render_settings,
 from .description import CameraDescription, Report, ShutterDescription, focused
 from .export import camera as camera_export
 from .export import shutter as shutters
+from .export import velocity
 from .export import world as world_export
 from .export.motion import Frame, Motion
 from .native import engine
@@ -176,7 +177,7 @@ class Photograph:
         if shutter is None:
             return None, None, []
         count = max(shutters.most_keys(self.depsgraph), 3)
-        blur, keys = shutters.Blur(self.report), []
+        blur, keys = shutters.Blur(self.report, shutter.length * velocity.frame_s(self.scene)), []
 
         def describe() -> CameraDescription:
             then = camera_export.describe(self.scene.camera, self.scene, width, height, self.report)
@@ -234,7 +235,7 @@ class Photograph:
             (first, before), (last, after) = at(now - 1), at(now + 1)
         finally:
             self._frame_set(now, subframe)
-        return (first, last), Motion(before, after, self.report)
+        return (first, last), Motion(before, after, velocity.frame_s(self.scene), self.report)
 
     def _frame_set(self, frame: int, subframe: float) -> None:
         self.host.frame_set(frame, subframe)

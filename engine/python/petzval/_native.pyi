@@ -193,6 +193,16 @@ class SceneBuilder:
     ) -> int:
         """Hair and other curves; `add_instance` takes their index as it takes a mesh's. Strands with a key that is not finite are
         left out and counted in `warnings`."""
+    def add_points(
+        self,
+        name: str,
+        points: npt.NDArray[np.float32],  # (points, 4), object space, and the radius
+        *,
+        attributes: dict[str, npt.NDArray[np.float32]] | None = None,  # name -> (points, 4)
+        moved_points: tuple[npt.NDArray[np.float32], npt.NDArray[np.float32]] | None = None,  # (points, 3), before, after
+        poses: Sequence[npt.NDArray[np.float32]] | None = None,  # as `points`, at even times over the exposure
+    ) -> int:
+        """A point cloud, as `add_curves`. Points that are not finite are left out and counted in `warnings`."""
     def add_instance(
         self,
         object_name: str,
@@ -241,6 +251,8 @@ class Scene:
     def triangle_count(self) -> int: ...
     @property
     def segment_count(self) -> int: ...
+    @property
+    def point_count(self) -> int: ...
     @property
     def instance_count(self) -> int: ...
     @property

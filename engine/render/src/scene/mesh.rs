@@ -5,6 +5,7 @@ use super::corners::{self, Corners, Named, Numbers};
 use super::curves::Curves;
 use super::grid::Grid;
 use super::motion::Poses;
+use super::points::Points;
 use glam::{Vec2, Vec3, Vec4};
 
 /// The name by which a mesh keeps its undeformed coordinates in its box.
@@ -68,9 +69,11 @@ pub struct Mesh {
     pub bounds: [Vec3; 2],
     /// Hair or other curves, instead of triangles.
     pub curves: Option<Box<Curves>>,
+    /// A point cloud, instead of triangles.
+    pub points: Option<Box<Points>>,
     /// Its shapes while the shutter is open.
     pub poses: Option<Box<Poses>>,
-    /// It has curves or several shapes: one question for what most meshes have neither of.
+    /// It has curves, points or several shapes: one question for what most meshes have none of.
     pub is_special: bool,
 }
 
@@ -152,6 +155,7 @@ impl Mesh {
             grids,
             keeps_opacity: d.keeps_opacity,
             curves: None,
+            points: None,
             is_special: d.poses.is_some(),
             poses: d.poses.map(Box::new),
         };
@@ -172,6 +176,11 @@ impl Mesh {
     #[inline]
     pub fn slot(&self, triangle: u32) -> u32 {
         self.material_slots.as_ref().map_or(0, |s| s[triangle as usize])
+    }
+
+    /// Whether it is neither hair nor a point cloud.
+    pub fn is_of_triangles(&self) -> bool {
+        self.curves.is_none() && self.points.is_none()
     }
 
     /// The UV map of that name, or the first where no name is given.
