@@ -22,11 +22,19 @@ PROCESSOR: str
 """What the engine was compiled for: "x86-64-v3", or the kind of processor where there is one engine for all."""
 
 class Lens:
-    """A checked lens prescription."""
+    """A checked lens prescription, of a file of any kind that `petzval lens convert` reads."""
 
     def __init__(self, path: str) -> None: ...
     @property
     def name(self) -> str: ...
+    @property
+    def remarks(self) -> list[str]:
+        """What of the file is not in the lens, or was taken for something else: lines `FILE:LINE:COLUMN: what`."""
+    def media_beyond(self, shortest_nm: float, longest_nm: float) -> list[tuple[str, float, float]]:
+        """Media whose index is not known everywhere between two wavelengths: name, and the range in nm in which it is.
+        Beyond it they keep the index of its end."""
+    def written(self, kind: str) -> tuple[str, list[str]]:
+        """The text of a `lens` or `zmx` file, and what of the lens cannot stand in one."""
     @property
     def surface_count(self) -> int: ...
     def info_json(
