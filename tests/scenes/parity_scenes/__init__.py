@@ -54,4 +54,4 @@ def scene(title: str, tolerance: float = 0.01, why: str = "", noise: float = 0.0
     return added
 
 
-from . import surfaces, textures, coordinates, lamps, worlds, volumes, shapes, hair, views, motion, passes  # noqa: E402, F401, I001 (they add to SCENES, in this order)
+from . import surfaces, textures, coordinates, lamps, worlds, volumes, shapes, hair, points, views, motion, passes  # noqa: E402, F401, I001 (they add to SCENES, in this order)

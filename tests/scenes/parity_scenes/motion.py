@@ -9,7 +9,7 @@ from collections.abc import Callable
 import bpy
 import numpy as np
 
-from . import hair, scene, volumes
+from . import hair, points, scene, volumes
 from .studio import BLUE, CREAM, GOLD, GREEN, RED, ball, cube, empty_studio, lamp, material, monkey, plain, put
 
 FRAME = 10
@@ -274,4 +274,36 @@ def fog_and_glass():
 
     thing = ball(material(rough), (1.5, 0.6, 0.8), 0.8)
     _animate(thing, "rotation_euler", lambda t: (0.0, 0.0, 0.8 * t))
+    _opened()
+
+
+@scene("Points that slide, points that turn, points that part and grow")
+def points_move():
+    """The last by what their nodes make of shape keys: Cycles blurs places and radii."""
+    empty_studio()
+    slides = points.cloud(12, 0.3, plain(GOLD), (-1.6, 0.0, 0.8), 0.6)
+    _animate(slides, "location", lambda t: (-1.6 + 0.5 * t, 0.0, 0.8 + 0.2 * t))
+    turns = points.cloud(12, 0.3, plain(BLUE), (0.1, 0.0, 0.8), 0.6, seed=2)
+    _animate(turns, "rotation_euler", lambda t: (0.0, 0.9 * t, 0.3 * t))
+    parts = points.cloud(12, 0.3, plain(RED), (1.7, 0.0, 0.8), 0.6, seed=3)
+    parts.shape_key_add(name="Basis")
+    apart = parts.shape_key_add(name="Apart")
+    for one, own in zip(apart.data, parts.data.vertices, strict=True):
+        one.co = 1.6 * own.co
+    _animate(apart, "value", lambda t: 0.4 + 0.3 * t)
+    _opened()
+
+
+@scene("Points and a mesh that go as their velocity says")
+def flies():
+    """As simulations leave them: no frame beside tells."""
+    empty_studio()
+    flown = points.cloud(14, 0.3, plain(GOLD), (-1.1, 0.0, 0.8), 0.7)
+    thing = monkey(plain(CREAM), (1.2, 0.0, 0.8), 1.4, levels=0)
+    fps = bpy.context.scene.render.fps
+    for one in (flown, thing):
+        places = np.array([vertex.co for vertex in one.data.vertices])
+        way = 0.4 * places[:, (2, 1, 0)] + (0.4, 0.0, 0.2)
+        own = one.data.attributes.new("velocity", "FLOAT_VECTOR", "POINT")
+        own.data.foreach_set("vector", (fps * way).astype(np.float32).ravel())
     _opened()
