@@ -67,8 +67,12 @@ def test_a_glass_beyond_its_range_is_named(petzval_cli, tmp_path):
 def test_what_cannot_be_written_is_refused(petzval_cli, tmp_path):
     good = tmp_path / "good.lens"
     good.write_text(GOOD_LENS)
-    assert_complains(petzval_cli("lens", "convert", good, tmp_path / "out.seq"), "lenses cannot be written as .seq", ".zmx")
-    assert_complains(petzval_cli("lens", "convert", good, tmp_path / "none" / "out.zmx"), "cannot write", "choose another place")
+    assert_complains(
+        petzval_cli("lens", "convert", good, tmp_path / "out.seq"), "lenses cannot be written as .seq", ".zmx"
+    )
+    assert_complains(
+        petzval_cli("lens", "convert", good, tmp_path / "none" / "out.zmx"), "cannot write", "choose another place"
+    )
     assert_complains(petzval_cli("lens", "convert", tmp_path / "none.zmx", tmp_path / "out.lens"), "no such lens")
 
 

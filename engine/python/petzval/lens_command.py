@@ -27,7 +27,9 @@ def add_parser(subparsers: argparse._SubParsersAction) -> None:
     actions = lens.add_subparsers(dest="action", metavar="ACTION", required=True)
 
     check = actions.add_parser("check", help="read lens files and say what is wrong with them", allow_abbrev=False)
-    check.add_argument("lenses", nargs="+", metavar="FILE", help=f"a lens file ({KINDS}), or the name of a shipped lens")
+    check.add_argument(
+        "lenses", nargs="+", metavar="FILE", help=f"a lens file ({KINDS}), or the name of a shipped lens"
+    )
     check.set_defaults(run=_check)
 
     convert = actions.add_parser(

@@ -178,8 +178,10 @@ impl<'a> Draft<'a> {
             return self.fail(start, Problem::Unsupported("there is no surface between object and film".to_owned()));
         }
         for row in &self.rows {
-            if let Some((power, _)) = row.terms.iter().find(|(power, a)| *a != 0.0 && !(2..=LAST_POWER).contains(power)) {
-                let what = format!("the asphere has a term in r^{power}; terms from r^2 to r^{LAST_POWER} are supported");
+            if let Some((power, _)) = row.terms.iter().find(|(power, a)| *a != 0.0 && !(2..=LAST_POWER).contains(power))
+            {
+                let what =
+                    format!("the asphere has a term in r^{power}; terms from r^2 to r^{LAST_POWER} are supported");
                 return self.fail(row.place, Problem::Unsupported(what));
             }
         }
@@ -189,7 +191,8 @@ impl<'a> Draft<'a> {
             0
         });
         if stop >= self.rows.len() {
-            return self.fail(start, Problem::Unsupported("the stop is the film, or a surface that is not there".to_owned()));
+            return self
+                .fail(start, Problem::Unsupported("the stop is the film, or a surface that is not there".to_owned()));
         }
         self.stop = Some(stop);
         if self.object_mm.abs() > INFINITELY_FAR_MM {
@@ -328,7 +331,9 @@ impl<'a> Draft<'a> {
         }
         if guessed > 0 {
             let count = self.rows.len();
-            let text = format!("{guessed} of {count} surfaces have no clear aperture in the file; they are opened for its beams");
+            let text = format!(
+                "{guessed} of {count} surfaces have no clear aperture in the file; they are opened for its beams"
+            );
             self.remarks.say(self.rows[0].place, text);
         }
     }

@@ -11,6 +11,7 @@ pub mod lens;
 pub mod oslo;
 mod problem;
 mod remarks;
+pub mod rii;
 pub mod seq;
 pub mod table;
 mod text;

@@ -10,10 +10,12 @@ use petzval_optics::glass::Catalogue;
 use petzval_optics::system::{System, SystemSettings};
 use proptest::prelude::*;
 
+use crate::common::repository;
+
 const KINDS: [&str; 7] = ["x.lens", "x.zmx", "x.seq", "x.len", "x.dat", "x.txt", "flare.lens"];
 
 fn foreign() -> PathBuf {
-    Path::new(env!("CARGO_MANIFEST_DIR")).join("../../tests/reference/foreign")
+    repository("tests/reference/foreign")
 }
 
 /// What is asked of every reader; also that what it reads can be set up, and comes back.
@@ -43,9 +45,46 @@ fn judge(bytes: &[u8], name: &str) {
 
 /// Words that readers know, and numbers at the edges.
 const WORDS: [&str; 40] = [
-    "SURF", "CURV", "DISZ", "GLAS", "PARM", "STOP", "TYPE", "EVENASPH", "TOROIDAL", "INFINITY", "MIRROR", "NOTE 0 # position:", "S", "SO", "SI",
-    "ASP", "K", "A", "REFL", "PRV", "END", "NXT", "RD", "TH", "AST", "[lens data]", "AS", "d5\t", "Bf", "surfaces:", "nan", "inf", "1e308",
-    "-1e-308", "0", "1e400", "99999999999999999999", "-0", "\t", ";",
+    "SURF",
+    "CURV",
+    "DISZ",
+    "GLAS",
+    "PARM",
+    "STOP",
+    "TYPE",
+    "EVENASPH",
+    "TOROIDAL",
+    "INFINITY",
+    "MIRROR",
+    "NOTE 0 # position:",
+    "S",
+    "SO",
+    "SI",
+    "ASP",
+    "K",
+    "A",
+    "REFL",
+    "PRV",
+    "END",
+    "NXT",
+    "RD",
+    "TH",
+    "AST",
+    "[lens data]",
+    "AS",
+    "d5\t",
+    "Bf",
+    "surfaces:",
+    "nan",
+    "inf",
+    "1e308",
+    "-1e-308",
+    "0",
+    "1e400",
+    "99999999999999999999",
+    "-0",
+    "\t",
+    ";",
 ];
 
 fn breaks() -> impl Strategy<Value = Vec<(f64, usize, usize)>> {
@@ -121,7 +160,22 @@ proptest! {
 #[test]
 fn long_files_take_no_time() {
     let megabytes = |piece: &str| piece.repeat((8 << 20) / piece.len()).into_bytes();
-    let pieces = ["1 ", "1\t", "(((([[[[", "S 1 1;", "NXT\n", "SURF 1\n", "60 6 1.5 30\n", "PARM 1 1\n", "A 1;", "&", "'", "\n", "# a: b\n", "\u{feff}"];
+    let pieces = [
+        "1 ",
+        "1\t",
+        "(((([[[[",
+        "S 1 1;",
+        "NXT\n",
+        "SURF 1\n",
+        "60 6 1.5 30\n",
+        "PARM 1 1\n",
+        "A 1;",
+        "&",
+        "'",
+        "\n",
+        "# a: b\n",
+        "\u{feff}",
+    ];
     for piece in pieces {
         let bytes = megabytes(piece);
         for kind in KINDS {
