@@ -16,7 +16,6 @@ from .errors import CommandError, complain
 from .places import find_lens
 from .questions import read_list, vector_text
 
-
 #: What is read, by ending; tables of the Optical Bench are known by their sections.
 KINDS = ".lens, .zmx, .seq, .len, .dat or .txt (a table of the Optical Bench)"
 
