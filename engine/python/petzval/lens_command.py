@@ -8,13 +8,13 @@ import json
 import math
 import os
 import sys
+from collections.abc import Sequence
 from pathlib import Path
 from typing import Any
 
 from .errors import CommandError, complain
 from .places import find_lens
 from .questions import read_list, vector_text
-
 
 #: What is read, by ending; tables of the Optical Bench are known by their sections.
 KINDS = ".lens, .zmx, .seq, .len, .dat or .txt (a table of the Optical Bench)"
@@ -26,7 +26,9 @@ def add_parser(subparsers: argparse._SubParsersAction) -> None:
     actions = lens.add_subparsers(dest="action", metavar="ACTION", required=True)
 
     check = actions.add_parser("check", help="read lens files and say what is wrong with them", allow_abbrev=False)
-    check.add_argument("lenses", nargs="+", metavar="FILE", help=f"a lens file ({KINDS}), or the name of a shipped lens")
+    check.add_argument(
+        "lenses", nargs="+", metavar="FILE", help=f"a lens file ({KINDS}), or the name of a shipped lens"
+    )
     check.set_defaults(run=_check)
 
     convert = actions.add_parser(
@@ -147,23 +149,32 @@ _count.__name__ = "number"
 
 
 def _load(name_or_path: str) -> Any:
-    """The lens; what of its file is not in it is said on stderr."""
     from . import _native
 
-    lens = _native.Lens(str(find_lens(name_or_path)))
-    for remark in lens.remarks:
-        complain(f"note: {remark}")
-    return lens
+    return _native.Lens(str(find_lens(name_or_path)))
 
 
 #: What the eye sees, nm: for this the index of a lens's glasses should be known.
 _VISIBLE_NM = (380.0, 780.0)
 
 
-def _note_ranges(lens: Any, shortest_nm: float, longest_nm: float) -> None:
-    """Says which glasses are asked for an index beyond what is known of them."""
-    for name, start, end in lens.media_beyond(shortest_nm, longest_nm):
-        complain(f"note: glass {name}: its index is known from {start:.0f} to {end:.0f} nm, and kept still beyond")
+def _beyond(lens: Any, wavelengths_nm: Sequence[float]) -> list[str]:
+    """The glasses that are asked for an index beyond what is known of them."""
+    known = lens.media_beyond(min(wavelengths_nm), max(wavelengths_nm)) if wavelengths_nm else []
+    return [
+        f"glass {name}: its index is known from {start:.0f} to {end:.0f} nm, beyond it is kept as at the end"
+        for name, start, end in known
+    ]
+
+
+def _say(notes: list[str]) -> None:
+    for note in notes:
+        complain(f"note: {note}")
+
+
+def _with_notes(answer: str, notes: list[str]) -> str:
+    """The JSON object, with what there is to say about it: nothing else than it stands on stdout, and stderr is for errors."""
+    return json.dumps({**json.loads(answer), "notes": notes}) if notes else answer
 
 
 def _check(arguments: argparse.Namespace) -> int:
@@ -177,18 +188,17 @@ def _check(arguments: argparse.Namespace) -> int:
             failures += 1
             complain(str(error))
         else:
-            _note_ranges(lens, *_VISIBLE_NM)
+            _say(lens.remarks)
+            _say([f"{name}: {note}" for note in _beyond(lens, _VISIBLE_NM)])
             print(f"ok: {lens.name}, {lens.surface_count} surfaces")
     return 1 if failures else 0
 
 
 def _convert(arguments: argparse.Namespace) -> int:
     out = Path(arguments.out)
-    kind = out.suffix.lower().removeprefix(".")
     lens = _load(arguments.lens)
-    text, lost = lens.written(kind)
-    for what in lost:
-        complain(f"note: {out}: {what}")
+    text, lost = lens.written(out.suffix.lower().removeprefix("."))
+    _say([*lens.remarks, *(f"{out}: {what}" for what in lost)])
     try:
         out.write_text(text, encoding="utf-8")
     except OSError as error:
@@ -200,10 +210,13 @@ def _convert(arguments: argparse.Namespace) -> int:
 def _info(arguments: argparse.Namespace) -> int:
     options = _given(wavelength_nm=arguments.wavelength, focus_distance_mm=arguments.focus_distance)
     lens = _load(arguments.lens)
-    if arguments.wavelength is not None:
-        _note_ranges(lens, arguments.wavelength, arguments.wavelength)
+    notes = [*lens.remarks, *_beyond(lens, [] if arguments.wavelength is None else [arguments.wavelength])]
     answer = lens.info_json(**options, **_setting(arguments))
-    print(answer if arguments.json else _table(json.loads(answer)))
+    if arguments.json:
+        print(_with_notes(answer, notes))
+    else:
+        print(_table(json.loads(answer)))
+        _say(notes)
     return 0
 
 
@@ -215,7 +228,13 @@ def _trace(arguments: argparse.Namespace) -> int:
     options = _setting(arguments)
     lens = _load(arguments.lens)
     answer = lens.trace_json(text, from_film=side == "film", precision=arguments.precision, **options)
-    print(answer if arguments.json else _ray_lines(json.loads(answer)["rays"]))
+    asked = [ray["wavelength_nm"] for ray in question["rays"] if ray.get("wavelength_nm") is not None]
+    notes = [*lens.remarks, *_beyond(lens, asked)]
+    if arguments.json:
+        print(_with_notes(answer, notes))
+    else:
+        print(_ray_lines(json.loads(answer)["rays"]))
+        _say(notes)
     return 0
 
 

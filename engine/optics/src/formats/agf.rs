@@ -62,7 +62,12 @@ pub fn parse(text: &str, file: &str) -> Result<(Vec<Medium>, Vec<Remark>), LensF
                 media.extend(entry.take().and_then(|entry| finished(entry, file, &mut remarks)));
                 let [name, formula, ..] = rest else {
                     let expected = "name, formula, number, nd and Vd of the glass".to_owned();
-                    return Err(at(file, i + 1, key.column, Problem::Malformed { found: line.trim().to_owned(), expected }));
+                    return Err(at(
+                        file,
+                        i + 1,
+                        key.column,
+                        Problem::Malformed { found: line.trim().to_owned(), expected },
+                    ));
                 };
                 // Some programs write the number of the formula as 2.000000.
                 let formula = number(formula, "number of the formula")?.clamp(0.0, 99.0) as u32;

@@ -206,7 +206,8 @@ impl<'a> Reader<'a> {
                 // Whoever typed the table found the glass by its numbers: one that has others is another.
                 Ok(medium) if (medium.index(crate::glass::line_nm::D) - index).abs() < 1e-3 => return Ok(medium),
                 _ => {
-                    let what = format!("glass '{}' is not known with that index; index and Abbe number are taken", name.text);
+                    let what =
+                        format!("glass '{}' is not known with that index; index and Abbe number are taken", name.text);
                     self.draft.remarks.say(place, what);
                 }
             }
@@ -230,14 +231,19 @@ impl<'a> Reader<'a> {
             let expected = "the number of a surface in [lens data]".to_owned();
             return self.draft.fail(place, Problem::Malformed { found: number.text.to_owned(), expected });
         };
-        let radius_mm = if matches!(radius.text, "Infinity" | "-Infinity" | "") { 0.0 } else { self.number(line, radius, "radius")? };
+        let radius_mm = if matches!(radius.text, "Infinity" | "-Infinity" | "") {
+            0.0
+        } else {
+            self.number(line, radius, "radius")?
+        };
         let curvature = if radius_mm == 0.0 { 0.0 } else { 1.0 / radius_mm };
         let of_surface = self.draft.rows[index].curvature;
         if (curvature - of_surface).abs() > SAME_RADIUS * of_surface.abs() {
             let what = format!("radius {} is not that of the surface in [lens data], which is kept", radius.text);
             self.draft.remarks.say(Place { line, column: radius.column }, what);
         }
-        let value = |cell: &Token<'_>| if cell.text.is_empty() { Ok(0.0) } else { self.number(line, cell, "coefficient") };
+        let value =
+            |cell: &Token<'_>| if cell.text.is_empty() { Ok(0.0) } else { self.number(line, cell, "coefficient") };
         let values: Vec<f64> = rest.iter().map(value).collect::<Result<_, _>>()?;
         let Some((&conic, coefficients)) = values.split_first() else { return Ok(()) };
         let has = |name: &str| self.constants.iter().any(|constant| constant == name);
@@ -274,7 +280,9 @@ impl<'a> Reader<'a> {
             self.draft.metadata.half_field_deg = Some(angle / 2.0);
             self.draft.header("half_field_deg", angle / 2.0);
         }
-        for (name, key) in [("F-Number", "f_number"), ("Focal Length", "focal_length"), ("Image Height", "image_diagonal")] {
+        for (name, key) in
+            [("F-Number", "f_number"), ("Focal Length", "focal_length"), ("Image Height", "image_diagonal")]
+        {
             if let Some(value) = self.value(name, 0).filter(|x| x.is_finite()) {
                 self.draft.header(key, value);
             }
@@ -323,7 +331,8 @@ impl<'a> Reader<'a> {
             // Positions of near objects say no focal length: they repeat the zooms in their order.
             let focal = self.value("Focal Length", i).or_else(|| self.value("Focal Length", i % zooms.max(1)));
             let object = self.value("d0", i).unwrap_or(if i < zooms.max(1) { f64::INFINITY } else { f64::NAN });
-            let gaps: Option<Vec<f64>> = moving.iter().map(|(_, name, _)| self.value(name, i).filter(|x| x.is_finite())).collect();
+            let gaps: Option<Vec<f64>> =
+                moving.iter().map(|(_, name, _)| self.value(name, i).filter(|x| x.is_finite())).collect();
             let is_new = |position: &Position| {
                 !positions.iter().any(|p| p.zoom_mm == position.zoom_mm && p.focus_mm == position.focus_mm)
             };
@@ -338,13 +347,16 @@ impl<'a> Reader<'a> {
             }
         }
         // A zoom that is not known at infinity cannot be counted from there.
-        let at_infinity: Vec<Option<f64>> = positions.iter().filter(|p| p.focus_mm.is_infinite()).map(|p| p.zoom_mm).collect();
+        let at_infinity: Vec<Option<f64>> =
+            positions.iter().filter(|p| p.focus_mm.is_infinite()).map(|p| p.zoom_mm).collect();
         let before = positions.len();
         positions.retain(|p| at_infinity.contains(&p.zoom_mm) && (zooms < 2 || p.zoom_mm.is_some()));
         left_out += before - positions.len();
         let place = self.variables.get("Focal Length").map_or(self.named[0].2, |variable| variable.place);
         if left_out > 0 {
-            let what = format!("{left_out} of {count} positions are left out: their gaps, zoom or distance are not known, or were given");
+            let what = format!(
+                "{left_out} of {count} positions are left out: their gaps, zoom or distance are not known, or were given"
+            );
             self.draft.remarks.say(place, what);
         }
         if positions.len() > 1 {

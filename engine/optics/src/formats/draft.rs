@@ -7,15 +7,17 @@ use crate::prescription::moving::{MovingGaps, Position};
 use crate::prescription::{Behind, Metadata, Place, Prescription, SurfaceRow};
 use crate::surface::{Conic, LAST_POWER, Pose, Shape};
 
+use super::beams::{self, Sheaf};
 use super::problem::{LensFileError, Problem, at};
 use super::remarks::{Reading, Remarks};
 use super::text::stem;
 
 /// A file of more surfaces is none.
 pub(super) const MOST_SURFACES: usize = 1000;
-/// How much wider than its beams at first order a surface is taken to be where the file does not say: exact rays go farther out,
-/// and mounts leave room.
-const ROOM: f64 = 1.03;
+/// How much wider than its beams a surface is taken to be where the file does not say: they are known to about that.
+const ROOM: f64 = 1.02;
+/// Beams of more fields tell nothing new.
+const MOST_FIELDS: usize = 50;
 /// Objects farther away are at infinity, mm: programs write 1e10 and more.
 const INFINITELY_FAR_MM: f64 = 1e8;
 
@@ -176,8 +178,10 @@ impl<'a> Draft<'a> {
             return self.fail(start, Problem::Unsupported("there is no surface between object and film".to_owned()));
         }
         for row in &self.rows {
-            if let Some((power, _)) = row.terms.iter().find(|(power, a)| *a != 0.0 && !(2..=LAST_POWER).contains(power)) {
-                let what = format!("the asphere has a term in r^{power}; terms from r^2 to r^{LAST_POWER} are supported");
+            if let Some((power, _)) = row.terms.iter().find(|(power, a)| *a != 0.0 && !(2..=LAST_POWER).contains(power))
+            {
+                let what =
+                    format!("the asphere has a term in r^{power}; terms from r^2 to r^{LAST_POWER} are supported");
                 return self.fail(row.place, Problem::Unsupported(what));
             }
         }
@@ -186,6 +190,10 @@ impl<'a> Draft<'a> {
             self.remarks.say(place, "no surface is the stop; the first is taken");
             0
         });
+        if stop >= self.rows.len() {
+            return self
+                .fail(start, Problem::Unsupported("the stop is the film, or a surface that is not there".to_owned()));
+        }
         self.stop = Some(stop);
         if self.object_mm.abs() > INFINITELY_FAR_MM {
             self.object_mm = f64::INFINITY;
@@ -301,13 +309,42 @@ impl<'a> Draft<'a> {
         }
     }
 
-    /// How wide the other surfaces are, where the file does not say: as wide as the beams at first order.
+    /// How wide the other surfaces are, where the file does not say: as wide as the beams of its fields.
     fn open_rims(&mut self, stop: usize) {
+        let good = |x: f64| x.is_finite() && x > 0.0;
+        let given = |row: &DraftRow| row.semi_diameter_mm.filter(|x| good(*x));
+        let guessed = self.rows.iter().filter(|row| given(row).is_none()).count();
+        let computed = if guessed > 0 { self.beams(stop) } else { vec![0.0; self.rows.len()] };
+        let largest = self.rows.iter().filter_map(given).fold(0.0, f64::max);
+        let spare = if largest > 0.0 { largest } else { 1.0 };
+        for (i, row) in self.rows.iter_mut().enumerate() {
+            let base = Conic { curvature: row.curvature, conic: row.conic };
+            let reach = Shape::from_numbers(base, &[], row.radius_x_mm).reach_mm();
+            let known = given(row);
+            let semi = known.unwrap_or(if good(computed[i]) { ROOM * computed[i] } else { spare });
+            if semi > reach && known.is_some() {
+                let (wanted, has) = (2.0 * semi, 2.0 * reach);
+                let text = format!("the clear diameter {wanted} mm is more than the surface has; it is cut to {has}");
+                self.remarks.say(row.place, text);
+            }
+            row.semi_diameter_mm = Some(semi.min(reach));
+        }
+        if guessed > 0 {
+            let count = self.rows.len();
+            let text = format!(
+                "{guessed} of {count} surfaces have no clear aperture in the file; they are opened for its beams"
+            );
+            self.remarks.say(self.rows[0].place, text);
+        }
+    }
+
+    /// How far out the beams of the fields reach on the surfaces.
+    fn beams(&self, stop: usize) -> Vec<f64> {
         let thin = self.thin();
         let front = front_of(&thin, stop);
         let stop_semi = self.rows[stop].semi_diameter_mm.unwrap_or(0.0);
-        // (height at the first vertex, slope) of the rays through the stop's rim and its centre.
         let is_far = self.object_mm.is_infinite();
+        // (height at the first vertex, slope) of the ray from the axis through the stop's rim, and of rays through its centre.
         let rim = if is_far {
             (stop_semi / front.a, 0.0)
         } else {
@@ -328,46 +365,25 @@ impl<'a> Draft<'a> {
                 through_centre(y / end)
             }
         };
-        let chiefs: Vec<((f64, f64), [f64; 2])> = self.fields.iter().map(|f| (chief(f.y), f.cut)).collect();
-        let widest = |i: usize| {
-            let matrix = front_of(&thin, i);
-            let height = |ray: (f64, f64)| matrix.apply(ray.0, ray.1)[0];
-            let marginal = height(rim).abs();
-            let edge = |(ray, [below, above]): &((f64, f64), [f64; 2])| {
-                let middle = height(*ray);
-                let side = marginal.copysign(height(rim));
-                (middle + (1.0 - above) * side).abs().max((middle - (1.0 - below) * side).abs())
+        let mut largest = vec![0.0f64; self.rows.len()];
+        let axis = FieldPoint { y: 0.0, cut: [0.0; 2] };
+        for field in self.fields.iter().chain([&axis]).take(MOST_FIELDS) {
+            let (middle, slope) = chief(field.y);
+            let origin = (!is_far).then(|| [-self.object_mm, middle - slope * self.object_mm]);
+            let [below, above] = field.cut.map(|cut| (1.0 - cut).clamp(0.0, 1.0));
+            // A stop that is seen upside down turns below and above.
+            let left = if front.a < 0.0 { [above, below] } else { [below, above] };
+            let sheaf = Sheaf { origin, slope, middle, half_width: rim.0.abs(), left };
+            let exact = beams::heights(&self.rows, stop, self.wavelength_nm, &sheaf);
+            let first_order = |i: usize| {
+                let matrix = front_of(&thin, i);
+                matrix.apply(middle, slope)[0].abs() + matrix.apply(rim.0, rim.1)[0].abs()
             };
-            chiefs.iter().map(edge).fold(marginal, f64::max)
-        };
-        let computed: Vec<f64> = (0..self.rows.len()).map(|i| ROOM * widest(i)).collect();
-        let good = |x: f64| x.is_finite() && x > 0.0;
-        let given = |row: &DraftRow| row.semi_diameter_mm.filter(|x| good(*x));
-        let largest = self.rows.iter().filter_map(given).fold(0.0, f64::max);
-        let spare = if largest > 0.0 { largest } else { 1.0 };
-        let mut guessed = 0;
-        for (i, row) in self.rows.iter_mut().enumerate() {
-            let reach = Shape::from_numbers(Conic { curvature: row.curvature, conic: row.conic }, &[], row.radius_x_mm).reach_mm();
-            let semi = match given(row) {
-                Some(semi) => semi,
-                None => {
-                    guessed += 1;
-                    if good(computed[i]) { computed[i] } else { spare }
-                }
-            };
-            if semi > reach && given(row).is_some() {
-                let text = format!("the clear diameter {} mm is more than the surface has; it is cut to {}", 2.0 * semi, 2.0 * reach);
-                self.remarks.say(row.place, text);
+            for (i, largest) in largest.iter_mut().enumerate() {
+                *largest = largest.max(exact.as_ref().map_or_else(|| first_order(i), |heights| heights[i]));
             }
-            row.semi_diameter_mm = Some(semi.min(reach));
         }
-        if guessed > 0 {
-            let text = format!(
-                "{guessed} of {} surfaces have no clear aperture in the file; they are opened for its beams at first order, and 3 % more",
-                self.rows.len()
-            );
-            self.remarks.say(self.rows[0].place, text);
-        }
+        largest
     }
 
     /// What the design is for, into the header.

@@ -9,6 +9,7 @@ use super::agf;
 use super::lens::header::Header;
 use super::problem::{LensFileError, Problem, at};
 use super::remarks::Remarks;
+use super::rii;
 use super::text;
 use crate::prescription::Place;
 
@@ -103,7 +104,8 @@ impl<'a> Glasses<'a> {
                 continue;
             }
             if !self.beside(&format!("{name}.agf"), place, file, remarks)? {
-                let text = format!("the glass catalogue '{name}' is not known; {name}.agf beside the file would be read");
+                let text =
+                    format!("the glass catalogue '{name}' is not known; {name}.agf beside the file would be read");
                 remarks.say(place, text);
             }
         }
@@ -130,8 +132,15 @@ impl<'a> Glasses<'a> {
         let shown = path.display().to_string();
         let wrong = |why: String| at(file, place.line, place.column, Problem::Beside { name: name.to_owned(), why });
         let bytes = text::bytes(&path, &shown, LARGEST_CATALOGUE).map_err(|error| wrong(error.to_string()))?;
-        let (media, said) = agf::parse_bytes(&bytes, &shown).map_err(|error| wrong(error.to_string()))?;
-        said.into_iter().for_each(|remark| remarks.say(place, remark.to_string()));
+        let media = if name.to_lowercase().ends_with(".yml") {
+            let medium =
+                rii::parse_bytes(&bytes, &shown, &text::stem(name)).map_err(|error| wrong(error.to_string()))?;
+            vec![medium]
+        } else {
+            let (media, said) = agf::parse_bytes(&bytes, &shown).map_err(|error| wrong(error.to_string()))?;
+            said.into_iter().for_each(|remark| remarks.say(place, remark.to_string()));
+            media
+        };
         for medium in media {
             self.own.entry(medium.name().to_lowercase()).or_insert(medium);
         }
@@ -150,16 +159,28 @@ impl<'a> Glasses<'a> {
                 return Ok(medium);
             }
         }
-        let medium = self.catalogue.medium(alias)?;
+        let medium = self.catalogue.medium(alias).map_err(|error| self.moulded(name, error))?;
         let has = self.catalogue.makers_of(alias);
         if !self.listed.is_empty() {
             let list = self.listed.join(", ");
-            let text = format!("'{name}' stands in none of the file's catalogues ({list}); that of {} is taken", has.join(" or "));
+            let text = format!(
+                "'{name}' stands in none of the file's catalogues ({list}); that of {} is taken",
+                has.join(" or ")
+            );
             remarks.once(&format!("glass {name}"), place, text);
         } else {
             self.of_several(name, &has, place, remarks);
         }
         Ok(medium)
+    }
+
+    /// Glass that was pressed has another index than its catalogue says; what it is without that is a proposal.
+    fn moulded(&self, name: &str, error: GlassError) -> GlassError {
+        let bare = name.to_uppercase().strip_suffix("_MOLD").map(str::to_owned);
+        match bare.filter(|bare| !self.catalogue.makers_of(bare).is_empty()) {
+            Some(bare) => GlassError::Unknown { name: name.to_owned(), near: vec![bare] },
+            None => error,
+        }
     }
 
     /// The glass of a name in which hyphens may be missing, with its maker or without.
@@ -197,7 +218,8 @@ impl<'a> Glasses<'a> {
 
     /// Says whose glass is taken, if those of the others differ.
     fn of_several(&self, name: &str, makers: &[&str], place: Place, remarks: &mut Remarks) {
-        let index = |maker: &&str| self.catalogue.medium(&format!("{maker}:{name}")).ok().map(|medium| medium.index(500.0));
+        let index =
+            |maker: &&str| self.catalogue.medium(&format!("{maker}:{name}")).ok().map(|medium| medium.index(500.0));
         let indices: Vec<f64> = makers.iter().filter_map(index).collect();
         if indices.iter().any(|n| (n - indices[0]).abs() > 1e-5) {
             let text = format!("'{name}' is made by {}; that of {} is taken", makers.join(", "), makers[0]);
@@ -207,7 +229,11 @@ impl<'a> Glasses<'a> {
 
     /// A glass that a file states by index and Abbe number; 0 for no dispersion.
     pub(super) fn by_numbers(&self, nd: f64, abbe: f64) -> Result<Medium, GlassError> {
-        if abbe == 0.0 { self.catalogue.medium(&nd.to_string()) } else { self.catalogue.medium(&format!("{nd}/{abbe}")) }
+        if abbe == 0.0 {
+            self.catalogue.medium(&nd.to_string())
+        } else {
+            self.catalogue.medium(&format!("{nd}/{abbe}"))
+        }
     }
 
     /// A glass that a file states by its indices at some wavelengths, (µm, n).

@@ -25,7 +25,8 @@
 //!
 //! A glass that stands in no catalogue is defined before the rows, by the formula's name, the wavelengths in nm that it holds for
 //! and its numbers, as `lenses/glass/README.md` has them; what it lets through may follow as wavelength in nm, part, and the thickness
-//! in mm for that. Or a catalogue of a maker is named that lies beside the lens file. A radius may be written `1/C` by its curvature.
+//! in mm for that. Or a catalogue that lies beside the lens file is named: `.agf` of a maker, or `.yml` of refractiveindex.info, whose medium is then
+//! called as its file. A radius may be written `1/C` by its curvature.
 //!
 //! ```text
 //! # glass: MYCROWN sellmeier 350-2500 0 1.03961212 0.00600069867 0.231792344 0.0200179144 1.01046945 103.560653
@@ -66,8 +67,8 @@ pub use super::problem::{LensFileError, Problem};
 
 use columns::{ElementLine, Misalignment, OBSTRUCTION, POSE, RADIUS_X, power};
 
-pub(super) use write::header_lines;
 pub use write::write;
+pub(super) use write::{header_lines, one_line};
 
 /// A longer file is no lens: it would only cost memory.
 const LARGEST_FILE: usize = 1 << 20;
@@ -224,7 +225,11 @@ impl<'a> Reader<'a> {
             }
         }
         let row = SurfaceRow {
-            shape: Shape::from_numbers(Conic { curvature: self.curvature(line, &words[0])?, conic: number(4)? }, &terms, radius_x),
+            shape: Shape::from_numbers(
+                Conic { curvature: self.curvature(line, &words[0])?, conic: number(4)? },
+                &terms,
+                radius_x,
+            ),
             pose: misalignment.pose(),
             thickness_mm: number(1)?,
             behind: self.behind(line, &words[2])?,
@@ -244,10 +249,10 @@ impl<'a> Reader<'a> {
 
     /// The curvature that a radius of curvature states, or `1/C` itself: not every curvature is one over a number.
     fn curvature(&self, line: usize, word: &Token<'_>) -> Result<f64, LensFileError> {
-        let curvature = word.text.strip_prefix("1/").map_or_else(
-            || finite(word.text).map(|radius| Conic::new(radius, 0.0).curvature),
-            finite,
-        );
+        let curvature = word
+            .text
+            .strip_prefix("1/")
+            .map_or_else(|| finite(word.text).map(|radius| Conic::new(radius, 0.0).curvature), finite);
         curvature.ok_or_else(|| at(self.file, line, word.column, not_a_number(COLUMNS[0], word.text)))
     }
 

@@ -3,6 +3,7 @@
 //! [`read`] takes any of them, by ending and content. [`lens`] is the engine's own; it and [`zmx`] are written, too.
 
 pub mod agf;
+mod beams;
 pub mod bench;
 mod draft;
 mod glass_names;
@@ -10,6 +11,7 @@ pub mod lens;
 pub mod oslo;
 mod problem;
 mod remarks;
+pub mod rii;
 pub mod seq;
 pub mod table;
 mod text;

@@ -15,8 +15,8 @@ use super::text::{Token, finite, not_a_number, tokens};
 
 /// Commands that say nothing of how light goes.
 const SILENT: [&str; 27] = [
-    "LEN", "DES", "DLRS", "WW", "SNO", "NOT", "SNO1", "SNO2", "SNO3", "SNO4", "SNO5", "LNO", "CBK", "EGR", "LME", "DRW", "AMO", "PTZ", "TCE",
-    "DNT", "WVW", "XP", "SDAD", "FNB", "TMP", "PRE", "DRAY",
+    "LEN", "DES", "DLRS", "WW", "SNO", "NOT", "SNO1", "SNO2", "SNO3", "SNO4", "SNO5", "LNO", "CBK", "EGR", "LME",
+    "DRW", "AMO", "PTZ", "TCE", "DNT", "WVW", "XP", "SDAD", "FNB", "TMP", "PRE", "DRAY",
 ];
 
 /// Reads the text of a file.
@@ -84,7 +84,9 @@ impl<'a> Reader<'a> {
                 self.mm_per_unit = first(self)?;
                 if !(self.mm_per_unit > 0.0) {
                     let expected = "millimetres for one unit, larger than 0,".to_owned();
-                    return self.draft.fail(place, Problem::Malformed { found: self.mm_per_unit.to_string(), expected });
+                    return self
+                        .draft
+                        .fail(place, Problem::Malformed { found: self.mm_per_unit.to_string(), expected });
                 }
             }
             "EBR" => self.draft.beam = Some(Beam::EntrancePupil(2.0 * first(self)?)),
@@ -95,7 +97,8 @@ impl<'a> Reader<'a> {
             "OBH" => self.field(FieldKind::ObjectHeight, first(self)?),
             "GIH" => self.field(FieldKind::ImageHeight, first(self)?),
             "WV" => {
-                self.wavelengths_um = (0..rest.len()).map(|i| self.value(line, rest, i, "wavelength")).collect::<Result<_, _>>()?;
+                self.wavelengths_um =
+                    (0..rest.len()).map(|i| self.value(line, rest, i, "wavelength")).collect::<Result<_, _>>()?;
             }
             "NXT" => self.next(place)?,
             "END" => {
@@ -120,7 +123,9 @@ impl<'a> Reader<'a> {
             self.draft.object_mm = row.thickness_mm;
         } else {
             if self.draft.rows.len() >= MOST_SURFACES {
-                return self.draft.fail(place, Problem::Unsupported("a lens has no more than 1000 surfaces".to_owned()));
+                return self
+                    .draft
+                    .fail(place, Problem::Unsupported("a lens has no more than 1000 surfaces".to_owned()));
             }
             self.draft.rows.push(row);
         }
@@ -128,7 +133,13 @@ impl<'a> Reader<'a> {
         Ok(())
     }
 
-    fn of_surface(&mut self, line: usize, command: &str, place: Place, rest: &[Token<'_>]) -> Result<(), LensFileError> {
+    fn of_surface(
+        &mut self,
+        line: usize,
+        command: &str,
+        place: Place,
+        rest: &[Token<'_>],
+    ) -> Result<(), LensFileError> {
         let first = |reader: &Self| reader.value(line, rest, 0, command);
         match command {
             "AIR" | "AIF" => self.row.behind = Behind::Medium(Medium::air()),
@@ -174,10 +185,14 @@ impl<'a> Reader<'a> {
                     self.row.terms.push((power, a));
                 }
             }
-            "PK" | "PFL" | "CVX" | "RDX" | "CVY" | "DCX" | "DCY" | "DCZ" | "TLA" | "TLB" | "TLC" | "DT" | "RCO" | "GC" | "BEN" | "DOE" | "GSP"
-            | "GOR" | "GRZ" | "GIA" | "LMO" | "TDM" | "PU" | "PUC" | "PY" | "PYC" | "EC" | "CHV" | "ASI" | "SPL" | "ZER" | "HOE" | "GRD" => {
+            "PK" | "PFL" | "CVX" | "RDX" | "CVY" | "DCX" | "DCY" | "DCZ" | "TLA" | "TLB" | "TLC" | "DT" | "RCO"
+            | "GC" | "BEN" | "DOE" | "GSP" | "GOR" | "GRZ" | "GIA" | "LMO" | "TDM" | "PU" | "PUC" | "PY" | "PYC"
+            | "EC" | "CHV" | "ASI" | "SPL" | "ZER" | "HOE" | "GRD" => {
                 let words: Vec<&str> = rest.iter().map(|word| word.text).collect();
-                let what = format!("'{command} {}' cannot be read from .len, and without it the lens would be another", words.join(" "));
+                let what = format!(
+                    "'{command} {}' cannot be read from .len, and without it the lens would be another",
+                    words.join(" ")
+                );
                 return self.draft.fail(place, Problem::Unsupported(what));
             }
             other => self.draft.remarks.once(other, place, format!("'{other}' is not understood and left out")),
@@ -237,7 +252,10 @@ impl<'a> Reader<'a> {
     fn finish(mut self) -> Result<Reading, LensFileError> {
         if !self.ended {
             let place = Place { line: 1, column: 1 };
-            return self.draft.fail(place, Problem::Unsupported("there is no line END; the file is cut off, or no lens of OSLO".to_owned()));
+            return self.draft.fail(
+                place,
+                Problem::Unsupported("there is no line END; the file is cut off, or no lens of OSLO".to_owned()),
+            );
         }
         if let Some(um) = self.wavelengths_um.first().filter(|um| (0.1..=20.0).contains(*um)) {
             self.draft.wavelength_nm = um * 1000.0;

@@ -95,10 +95,14 @@ pub enum Problem {
     #[error("'{0}' is no position; write zoom and focus in mm, then the gaps: zoom=35 focus=inf 1.9 36.9")]
     Position(String),
     /// A line about a glass cannot be understood.
-    #[error("'{0}' is no glass; write name, formula, range in nm and the formula's numbers: MYGLASS cauchy 400-700 1.5 0.004 -2")]
+    #[error(
+        "'{0}' is no glass; write name, formula, range in nm and the formula's numbers: MYGLASS cauchy 400-700 1.5 0.004 -2"
+    )]
     GlassLine(String),
     /// A line about what a glass lets through cannot be understood.
-    #[error("'{0}' is no transmittance; write a glass defined above, then nm:part@mm: MYGLASS 400:0.997@10 500:0.998@10")]
+    #[error(
+        "'{0}' is no transmittance; write a glass defined above, then nm:part@mm: MYGLASS 400:0.997@10 500:0.998@10"
+    )]
     TransmittanceLine(String),
     /// Gaps and positions do not fit together.
     #[error(transparent)]

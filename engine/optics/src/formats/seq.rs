@@ -18,14 +18,15 @@ use super::text::{finite, not_a_number};
 
 /// Commands that say nothing of how light goes: weights, variables, derivatives, drawing, numbers for optimization.
 const SILENT: [&str; 51] = [
-    "LEN", "GO", "WTW", "INI", "XAN", "WTF", "CCY", "THC", "GLC", "KC", "AC", "BC", "CC", "DC", "EC", "FC", "GC", "HC", "JC", "SLB", "PIM",
-    "DER", "CLS", "VER", "CUM", "THM", "CA", "POL", "RDY", "VUX", "VLX", "CUF", "CCX", "ADC", "BDC", "CDC", "XDC", "YDC", "ZDC", "TEM",
-    "PRE", "CNT", "WTA", "CRV", "LBL", "DDA", "DDM", "AFC", "PFR", "FFO", "RFO",
+    "LEN", "GO", "WTW", "INI", "XAN", "WTF", "CCY", "THC", "GLC", "KC", "AC", "BC", "CC", "DC", "EC", "FC", "GC", "HC",
+    "JC", "SLB", "PIM", "DER", "CLS", "VER", "CUM", "THM", "CA", "POL", "RDY", "VUX", "VLX", "CUF", "CCX", "ADC",
+    "BDC", "CDC", "XDC", "YDC", "ZDC", "TEM", "PRE", "CNT", "WTA", "CRV", "LBL", "DDA", "DDM", "AFC", "PFR", "FFO",
+    "RFO",
 ];
 /// Commands that turn or move a surface, or make another surface of it.
 const OTHER_SHAPES: [&str; 28] = [
-    "XDE", "YDE", "ZDE", "ADE", "BDE", "CDE", "DAR", "BEN", "REV", "RET", "GLB", "XOD", "YOD", "ZOD", "CYL", "YTO", "XTO", "AAS", "SPS", "DIF",
-    "HOE", "GRT", "FRE", "THI1", "MOD", "SCO", "UDS", "QBF",
+    "XDE", "YDE", "ZDE", "ADE", "BDE", "CDE", "DAR", "BEN", "REV", "RET", "GLB", "XOD", "YOD", "ZOD", "CYL", "YTO",
+    "XTO", "AAS", "SPS", "DIF", "HOE", "GRT", "FRE", "THI1", "MOD", "SCO", "UDS", "QBF",
 ];
 
 /// Reads the text of a file.
@@ -171,7 +172,8 @@ impl<'a> Reader<'a> {
                     Some("I" | "IN") => 25.4,
                     other => {
                         let expected = "M, C or I (millimetres, centimetres, inches)".to_owned();
-                        return self.fail(&words[0], Problem::Malformed { found: other.unwrap_or("").to_owned(), expected });
+                        return self
+                            .fail(&words[0], Problem::Malformed { found: other.unwrap_or("").to_owned(), expected });
                     }
                 };
                 if !self.draft.rows.is_empty() {
@@ -291,7 +293,8 @@ impl<'a> Reader<'a> {
             if word.quoted {
                 return Err(GlassError::Unknown { name: word.text.clone(), near: Vec::new() });
             }
-            let (bare, maker) = name.rsplit_once('_').map_or((name.as_str(), None), |(bare, maker)| (bare, Some(maker)));
+            let (bare, maker) =
+                name.rsplit_once('_').map_or((name.as_str(), None), |(bare, maker)| (bare, Some(maker)));
             self.glasses.squeezed(bare, maker, word.place, &mut self.draft.remarks)
         });
         medium.map(Behind::Medium).or_else(|error| self.fail(word, error.into()))
@@ -315,7 +318,10 @@ impl<'a> Reader<'a> {
             _ => words.to_vec(),
         };
         if OTHER_SHAPES.contains(&key) {
-            let moves = key != "DAR" && key != "REV" && key != "RET" && words.iter().skip(1).all(|word| finite(&word.text) == Some(0.0));
+            let moves = key != "DAR"
+                && key != "REV"
+                && key != "RET"
+                && words.iter().skip(1).all(|word| finite(&word.text) == Some(0.0));
             if film || (moves && words.len() > 1) {
                 let what = format!("'{key}' of the film is left out");
                 if film {
@@ -326,7 +332,8 @@ impl<'a> Reader<'a> {
             let what = format!("'{key}' tilts, moves or reshapes a surface in a way that cannot be read from .seq");
             return self.draft.fail(place, Problem::Unsupported(what));
         }
-        let Some(index) = at_surface.and_then(|number| number.checked_sub(1)).filter(|i| *i < self.draft.rows.len()) else {
+        let Some(index) = at_surface.and_then(|number| number.checked_sub(1)).filter(|i| *i < self.draft.rows.len())
+        else {
             let what = if at_surface == Some(0) || film { "is about object or film" } else { "is not understood" };
             self.draft.remarks.once(key, place, format!("'{key}' {what} and left out"));
             return Ok(());
@@ -395,7 +402,9 @@ impl<'a> Reader<'a> {
     fn finish(mut self) -> Result<Reading, LensFileError> {
         if !self.has_film && !self.draft.rows.is_empty() {
             let place = self.draft.rows[0].place;
-            return self.draft.fail(place, Problem::Unsupported("there is no film; end the surfaces with SI".to_owned()));
+            return self
+                .draft
+                .fail(place, Problem::Unsupported("there is no film; end the surfaces with SI".to_owned()));
         }
         if let Some(last) = self.draft.rows.last_mut() {
             last.thickness_mm += self.defocus_mm;
@@ -405,7 +414,12 @@ impl<'a> Reader<'a> {
         }
         let cut = |list: &Vec<f64>, i: usize| list.get(i).copied().unwrap_or(0.0);
         let [below, above] = &self.cut;
-        self.draft.fields = self.fields.iter().enumerate().map(|(i, y)| FieldPoint { y: *y, cut: [cut(below, i), cut(above, i)] }).collect();
+        self.draft.fields = self
+            .fields
+            .iter()
+            .enumerate()
+            .map(|(i, y)| FieldPoint { y: *y, cut: [cut(below, i), cut(above, i)] })
+            .collect();
         self.draft.scale(self.mm_per_unit);
         self.draft.finish()
     }

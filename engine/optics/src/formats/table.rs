@@ -56,7 +56,8 @@ pub fn parse_flaresim(text: &str, file: &str, catalogue: &Catalogue) -> Result<R
                 "surfaces" => in_rows = true,
                 "name" => table.draft.name = Some(value.to_owned()),
                 "focal_length" => {
-                    let mm = finite(value).ok_or_else(|| at(file, i + 1, first.column, not_a_number("focal_length", value)))?;
+                    let mm = finite(value)
+                        .ok_or_else(|| at(file, i + 1, first.column, not_a_number("focal_length", value)))?;
                     table.draft.metadata.focal_length_mm = Some(mm);
                     table.draft.header("focal_length", mm);
                 }

@@ -27,9 +27,10 @@ pub use write::write;
 
 /// Keywords before the surfaces that say nothing of how light goes.
 const SILENT: [&str; 44] = [
-    "VERS", "PFIL", "LANG", "GFAC", "RAIM", "PUSH", "SDMA", "OMMA", "ROPD", "HYPR", "PICB", "FWGN", "FWGT", "VDXN", "VANN", "VCXN",
-    "XFLN", "XFLD", "WWGT", "POLS", "GLRS", "GSTD", "NSCD", "COFN", "AUTH", "NOTE", "EFFL", "TOTR", "FCOM", "DBDT", "PZUP", "RCMF",
-    "OEMA", "WFNO", "MAZH", "HCLR", "XTRA", "VDSX", "VCXD", "FWGD", "APOD", "SSGX", "GRPX", "MFOB",
+    "VERS", "PFIL", "LANG", "GFAC", "RAIM", "PUSH", "SDMA", "OMMA", "ROPD", "HYPR", "PICB", "FWGN", "FWGT", "VDXN",
+    "VANN", "VCXN", "XFLN", "XFLD", "WWGT", "POLS", "GLRS", "GSTD", "NSCD", "COFN", "AUTH", "NOTE", "EFFL", "TOTR",
+    "FCOM", "DBDT", "PZUP", "RCMF", "OEMA", "WFNO", "MAZH", "HCLR", "XTRA", "VDSX", "VCXD", "FWGD", "APOD", "SSGX",
+    "GRPX", "MFOB",
 ];
 
 /// Reads the text of a file. `folder` is where catalogues beside it are sought.
@@ -96,7 +97,9 @@ impl<'a> Reader<'a> {
         if key.text == "SURF" {
             self.after_surfaces = false;
             if self.blocks.len() > super::draft::MOST_SURFACES {
-                return self.draft.fail(place, Problem::Unsupported("a lens has no more than 1000 surfaces".to_owned()));
+                return self
+                    .draft
+                    .fail(place, Problem::Unsupported("a lens has no more than 1000 surfaces".to_owned()));
             }
             self.blocks.push(Block::new(place));
             return Ok(());
@@ -125,12 +128,21 @@ impl<'a> Reader<'a> {
             "NOTE" => {
                 if let Some(ours) = value.strip_prefix("0 #") {
                     let column = text.chars().count() - ours.trim_start().chars().count() + 1;
-                    header::line(&mut self.header, &mut self.draft.metadata, ours, Place { line, column }, self.draft.file)?;
+                    header::line(
+                        &mut self.header,
+                        &mut self.draft.metadata,
+                        ours,
+                        Place { line, column },
+                        self.draft.file,
+                    )?;
                     self.glasses.define_all(&self.header);
                 }
             }
             "MODE" if value != "SEQ" => {
-                return self.draft.fail(place, Problem::Unsupported(format!("mode {value}: only sequential lenses (SEQ) can be read")));
+                return self.draft.fail(
+                    place,
+                    Problem::Unsupported(format!("mode {value}: only sequential lenses (SEQ) can be read")),
+                );
             }
             "MODE" => {}
             "UNIT" => {
@@ -146,7 +158,9 @@ impl<'a> Reader<'a> {
                 };
             }
             // In lens units, which UNIT says before.
-            "ENPD" => self.draft.beam = Some(Beam::EntrancePupil(self.number(line, rest, 0, "ENPD")? * self.mm_per_unit)),
+            "ENPD" => {
+                self.draft.beam = Some(Beam::EntrancePupil(self.number(line, rest, 0, "ENPD")? * self.mm_per_unit))
+            }
             "FNUM" => self.draft.beam = Some(Beam::FNumber(self.number(line, rest, 0, "FNUM")?)),
             "OBNA" => {
                 let value = self.number(line, rest, 0, "OBNA")?;
@@ -158,7 +172,10 @@ impl<'a> Reader<'a> {
                 let values = self.numbers(line, rest, "ENVD")?;
                 let usual = |i: usize, usual: f64| values.get(i).is_none_or(|x| (x - usual).abs() < 1e-6);
                 if !(usual(0, 20.0) && usual(1, 1.0)) {
-                    self.draft.remarks.say(place, "temperature and pressure are left out: indices are those at 20 degrees and one atmosphere");
+                    self.draft.remarks.say(
+                        place,
+                        "temperature and pressure are left out: indices are those at 20 degrees and one atmosphere",
+                    );
                 }
             }
             "GCAT" => {
@@ -178,7 +195,9 @@ impl<'a> Reader<'a> {
                 let count = if rest.len() > 2 { self.number(line, rest, 2, "FTYP")? } else { 12.0 };
                 self.field_count = count.clamp(0.0, 1000.0) as usize;
                 if rest.get(1).is_some_and(|word| word.text != "0") {
-                    self.draft.remarks.say(place, "the beam is telecentric towards the object; the stop's place is kept instead");
+                    self.draft
+                        .remarks
+                        .say(place, "the beam is telecentric towards the object; the stop's place is kept instead");
                 }
             }
             "YFLN" | "YFLD" => self.fields = self.numbers(line, rest, "YFLN")?,
@@ -205,7 +224,10 @@ impl<'a> Reader<'a> {
     fn configurations(&mut self, line: usize, rest: &[Token<'_>], place: Place) -> Result<(), LensFileError> {
         let count = self.number(line, rest, 0, "MNUM")?;
         if count > 1.0 {
-            self.draft.remarks.say(place, format!("the file has {count} configurations; the lens is read as it stands in the surfaces"));
+            self.draft.remarks.say(
+                place,
+                format!("the file has {count} configurations; the lens is read as it stands in the surfaces"),
+            );
         }
         Ok(())
     }

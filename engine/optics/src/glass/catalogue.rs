@@ -143,7 +143,11 @@ impl Catalogue {
     /// The makers that have a glass of this name, in any case of letters, in the order in which a bare name prefers them.
     pub fn makers_of(&self, name: &str) -> Vec<&'static str> {
         let key = name.to_lowercase();
-        FILES.iter().map(|(maker, _)| *maker).filter(|maker| self.media.contains_key(&format!("{maker}:{key}"))).collect()
+        FILES
+            .iter()
+            .map(|(maker, _)| *maker)
+            .filter(|maker| self.media.contains_key(&format!("{maker}:{key}")))
+            .collect()
     }
 
     /// `maker:name` of the glasses whose names have these letters and digits, whatever stands between them: programs that

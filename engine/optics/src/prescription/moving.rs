@@ -150,10 +150,12 @@ impl MovingGaps {
         let of_zoom = |zoom: &Zoom| {
             let zoom_mm = self.zooms_in.then_some(zoom.mm);
             let focuses = zoom.focus_mm.iter().zip(&zoom.gaps_mm);
-            let position = |(&focus_mm, gaps_mm): (&f64, &Vec<f64>)| Position { zoom_mm, focus_mm, gaps_mm: gaps_mm.clone() };
+            let position =
+                |(&focus_mm, gaps_mm): (&f64, &Vec<f64>)| Position { zoom_mm, focus_mm, gaps_mm: gaps_mm.clone() };
             focuses.map(position).collect::<Vec<_>>()
         };
-        let (first, others): (Vec<&Zoom>, Vec<&Zoom>) = self.zooms.iter().partition(|zoom| zoom.mm == self.first_zoom_mm);
+        let (first, others): (Vec<&Zoom>, Vec<&Zoom>) =
+            self.zooms.iter().partition(|zoom| zoom.mm == self.first_zoom_mm);
         first.into_iter().chain(others).flat_map(of_zoom).collect()
     }
 

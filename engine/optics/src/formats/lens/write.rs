@@ -17,7 +17,11 @@ pub fn write(lens: &Prescription, catalogue: &Catalogue) -> (String, Vec<String>
         let _ = writeln!(text, "# {line}");
     }
     let extra = extra_columns(lens);
-    let _ = writeln!(text, "#radius thickness glass diameter conic isstop{}", extra.iter().map(Extra::name).collect::<String>());
+    let _ = writeln!(
+        text,
+        "#radius thickness glass diameter conic isstop{}",
+        extra.iter().map(Extra::name).collect::<String>()
+    );
     for (i, row) in lens.surfaces.iter().enumerate() {
         let profile = row.shape.profile();
         let glass = match &row.behind {
@@ -42,8 +46,11 @@ pub fn write(lens: &Prescription, catalogue: &Catalogue) -> (String, Vec<String>
 }
 
 /// The lines of the header, without their `#`.
-pub(in crate::formats) fn header_lines(lens: &Prescription, catalogue: &Catalogue, lost: &mut Vec<String>) -> Vec<String> {
-    let one_line = |text: &str| text.split_whitespace().collect::<Vec<_>>().join(" ");
+pub(in crate::formats) fn header_lines(
+    lens: &Prescription,
+    catalogue: &Catalogue,
+    lost: &mut Vec<String>,
+) -> Vec<String> {
     let mut lines = vec![format!("name: {}", one_line(&lens.name))];
     for (key, value) in lens.metadata.all.iter().filter(|(key, _)| !OF_THE_LENS.contains(&key.as_str())) {
         lines.push(format!("{key}: {}", one_line(value)));
@@ -52,7 +59,11 @@ pub(in crate::formats) fn header_lines(lens: &Prescription, catalogue: &Catalogu
         lines.push(format!("film_radius: {radius_mm}"));
     }
     let mut defined: Vec<&Medium> = Vec::new();
-    for medium in lens.surfaces.iter().filter_map(|row| if let Behind::Medium(medium) = &row.behind { Some(medium) } else { None }) {
+    for medium in lens
+        .surfaces
+        .iter()
+        .filter_map(|row| if let Behind::Medium(medium) = &row.behind { Some(medium) } else { None })
+    {
         let is_known = catalogue.token_of(medium).is_some() || defined.contains(&medium);
         if !is_known {
             match glass_lines(medium) {
@@ -72,6 +83,11 @@ pub(in crate::formats) fn header_lines(lens: &Prescription, catalogue: &Catalogu
         }
     }
     lines
+}
+
+/// A text without line ends.
+pub(in crate::formats) fn one_line(text: &str) -> String {
+    text.replace(char::is_control, " ").trim().to_owned()
 }
 
 /// What to write for a medium: its name in the catalogues, or that of a glass defined in the header.

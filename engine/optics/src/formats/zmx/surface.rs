@@ -54,15 +54,15 @@ impl Block {
 
 /// Keywords of surfaces that say nothing of how light goes.
 const SILENT: [&str; 22] = [
-    "FIMP", "HIDE", "MIRR", "SLAB", "VDSZ", "POPS", "COMM", "PPAR", "VPAR", "XPAR", "DRAW", "CONF", "SCOL", "SNAM", "PTYP", "MATR", "TCEM",
-    "GRIN", "RSCE", "OPDX", "MAZH", "CHZN",
+    "FIMP", "HIDE", "MIRR", "SLAB", "VDSZ", "POPS", "COMM", "PPAR", "VPAR", "XPAR", "DRAW", "CONF", "SCOL", "SNAM",
+    "PTYP", "MATR", "TCEM", "GRIN", "RSCE", "OPDX", "MAZH", "CHZN",
 ];
 
 /// True for keywords that stand in surfaces.
 pub(super) fn knows(keyword: &str) -> bool {
     const KNOWN: [&str; 22] = [
-        "TYPE", "CURV", "DISZ", "DIAM", "MEMA", "CONI", "PARM", "XDAT", "GLAS", "STOP", "CLAP", "FLAP", "OBSC", "SQAP", "SQOB", "ELAP",
-        "ELOB", "UDAP", "OBDC", "COAT", "SCBD", "GLCB",
+        "TYPE", "CURV", "DISZ", "DIAM", "MEMA", "CONI", "PARM", "XDAT", "GLAS", "STOP", "CLAP", "FLAP", "OBSC", "SQAP",
+        "SQOB", "ELAP", "ELOB", "UDAP", "OBDC", "COAT", "SCBD", "GLCB",
     ];
     KNOWN.contains(&keyword) || SILENT.contains(&keyword)
 }
@@ -78,7 +78,8 @@ impl Reader<'_> {
     ) -> Result<(), LensFileError> {
         let place = Place { line, column: key.column };
         let first = |reader: &Self| reader.number(line, rest, 0, key.text);
-        let pair = |reader: &Self| Ok([reader.number(line, rest, 0, key.text)?, reader.number(line, rest, 1, key.text)?]);
+        let pair =
+            |reader: &Self| Ok([reader.number(line, rest, 0, key.text)?, reader.number(line, rest, 1, key.text)?]);
         let is_object = self.blocks.len() == 1;
         let Some(index) = self.blocks.len().checked_sub(1) else { return Ok(()) };
         match key.text {
@@ -103,7 +104,9 @@ impl Reader<'_> {
             "OBSC" => {
                 let [inner, outer] = pair(self)?;
                 if inner > 0.0 {
-                    self.draft.remarks.say(place, format!("the obstruction is a ring from {inner}; it is taken as a disc"));
+                    self.draft
+                        .remarks
+                        .say(place, format!("the obstruction is a ring from {inner}; it is taken as a disc"));
                 }
                 self.blocks[index].obstruction = outer;
             }
@@ -121,7 +124,8 @@ impl Reader<'_> {
                 self.draft.remarks.once(key.text, place, what);
             }
             "SCBD" if rest.iter().filter_map(|word| word.text.parse::<f64>().ok()).any(|x| x != 0.0 && x != 1.0) => {
-                let what = "the surface is tilted or decentred (SCBD); only lenses on one axis can be read from .zmx".to_owned();
+                let what = "the surface is tilted or decentred (SCBD); only lenses on one axis can be read from .zmx"
+                    .to_owned();
                 return self.draft.fail(place, Problem::Unsupported(what));
             }
             "SCBD" | "GLCB" => {}
@@ -154,7 +158,8 @@ impl Reader<'_> {
         let blocks = std::mem::take(&mut self.blocks);
         let [object, surfaces @ .., film] = blocks.as_slice() else {
             let place = Place { line: 1, column: 1 };
-            let what = "there is no lens; SURF 0 is the object, the last SURF the film, the lens stands between".to_owned();
+            let what =
+                "there is no lens; SURF 0 is the object, the last SURF the film, the lens stands between".to_owned();
             return self.draft.fail(place, Problem::Unsupported(what));
         };
         self.draft.object_mm = object.thickness * scale;

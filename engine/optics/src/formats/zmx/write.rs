@@ -7,7 +7,7 @@ use crate::glass::{Catalogue, Medium, line_nm};
 use crate::prescription::{Behind, Prescription, SurfaceRow};
 use crate::surface::{Section, Shape};
 
-use super::super::lens::header_lines;
+use super::super::lens::{header_lines, one_line};
 
 /// The catalogues that OpticStudio calls so, by our makers.
 const CATALOGUES: [(&str, &str); 8] = [
@@ -30,7 +30,7 @@ pub fn write(lens: &Prescription, catalogue: &Catalogue) -> (String, Vec<String>
     listed.sort_unstable();
     listed.dedup();
 
-    let _ = writeln!(text, "VERS 161019 0 0\nMODE SEQ\nNAME {}", lens.name.split_whitespace().collect::<Vec<_>>().join(" "));
+    let _ = writeln!(text, "VERS 161019 0 0\nMODE SEQ\nNAME {}", one_line(&lens.name));
     for line in header_lines(lens, catalogue, &mut lost) {
         let _ = writeln!(text, "NOTE 0 # {line}");
     }
