@@ -44,7 +44,7 @@ os._exit(0)
 
 
 #: Several commands in one process, as Blender's start is most of what one takes: each through all of the command, but that the
-#: process goes on. Answers with the exit status of each; what each says on stderr lies in a file.
+#: process goes on. Exit statuses, and what each says on stderr, lie in files.
 MANY = """
 import json, os, sys, tempfile
 from petzval import cli, render_in_blender
@@ -100,11 +100,37 @@ def cli_render(petzval_cli, cli_scenes, tmp_path):
 
 
 @dataclass
-class Render:
-    """What came of one of several renders."""
+class Done:
+    """What came of one of several commands."""
 
     returncode: int
     stderr: str
+
+
+def many(commands: list[list[str]], folder: Path, timeout_s: float = 300.0) -> list[Done]:
+    """Runs commands one after another in one process; another one goes on behind a command that took the process with it."""
+    done: list[Done] = []
+    while len(done) < len(commands):
+        own = Path(tempfile.mkdtemp(dir=folder))
+        # Words, as a shell would hand them over.
+        left = json.dumps([[str(word) for word in command] for command in commands[len(done) :]])
+        ended = subprocess.run(
+            [sys.executable, "-c", MANY.format(folder=str(own)), left], stdin=subprocess.DEVNULL,
+            stdout=subprocess.DEVNULL, stderr=subprocess.DEVNULL, cwd=ROOT, timeout=timeout_s, check=False,
+        )  # fmt: skip
+        told = own / "told.json"
+        statuses = json.loads(told.read_text()) if told.exists() else []
+        if len(done) + len(statuses) < len(commands):
+            statuses.append(ended.returncode or -1)
+        said = [own / f"said-{number}.txt" for number in range(len(statuses))]
+        done += [Done(one, path.read_text() if path.exists() else "") for one, path in zip(statuses, said, strict=True)]
+    return done
+
+
+@dataclass
+class Render(Done):
+    """And of a render."""
+
     out: Path
     stats: dict | None
 
@@ -117,21 +143,14 @@ def cli_renders(cli_scenes, tmp_path):
         folder = Path(tempfile.mkdtemp(dir=tmp_path))
         outs = [folder / f"{number}.exr" for number in range(len(several))]
         commands = [
-            ["render", str(cli_scenes / "scene.blend"), *map(str, options), "-o", str(out), "--stats", f"{out}.json"]
+            ["render", cli_scenes / "scene.blend", *options, "-o", out, "--stats", f"{out}.json"]
             for options, out in zip(several, outs, strict=True)
         ]
-        done = subprocess.run(
-            [sys.executable, "-c", MANY.format(folder=str(folder)), json.dumps(commands)], stdin=subprocess.DEVNULL,
-            capture_output=True, text=True, cwd=ROOT, timeout=300, check=False,
-        )  # fmt: skip
-        told = folder / "told.json"
-        statuses = json.loads(told.read_text()) if told.exists() else []
-        assert done.returncode == 0 and len(statuses) == len(several), done.stdout[-2000:] + done.stderr
         found = []
-        for number, (status, out) in enumerate(zip(statuses, outs, strict=True)):
+        for out, done in zip(outs, many(commands, folder), strict=True):
             stats = Path(f"{out}.json")
-            said = (folder / f"said-{number}.txt").read_text()
-            found.append(Render(status, said, out, json.loads(stats.read_text()) if stats.exists() else None))
+            told = json.loads(stats.read_text()) if stats.exists() else None
+            found.append(Render(done.returncode, done.stderr, out, told))
         return found
 
     return run
