@@ -44,7 +44,7 @@ os._exit(0)
 
 
 #: Several commands in one process, as Blender's start is most of what one takes: each through all of the command, but that the
-#: process goes on. Exit statuses, and what each says on stderr, lie in files.
+#: process goes on. Exit statuses, and what each says, lie in files.
 MANY = """
 import json, os, sys, tempfile
 from petzval import cli, render_in_blender
@@ -58,12 +58,15 @@ def end(status):
 render_in_blender.finish = end
 told = []
 for number, argv in enumerate(json.loads(sys.argv[1])):
-    said = os.open(os.path.join({folder!r}, f"said-{{number}}.txt"), os.O_WRONLY | os.O_CREAT | os.O_TRUNC)
-    os.dup2(said, 2)
+    for stream, name in ((1, "out"), (2, "err")):
+        file = os.open(os.path.join({folder!r}, f"{{number}}.{{name}}"), os.O_WRONLY | os.O_CREAT | os.O_TRUNC)
+        os.dup2(file, stream)
+        os.close(file)
     try:
         status = cli.run_command(argv)
     except Ended as ended:
         status = ended.args[0]
+    sys.stdout.flush()
     told.append(status)
     with open(os.path.join({folder!r}, "told.json"), "w") as out:
         json.dump(told, out)
@@ -104,6 +107,7 @@ class Done:
     """What came of one of several commands."""
 
     returncode: int
+    stdout: str
     stderr: str
 
 
@@ -122,8 +126,9 @@ def many(commands: list[list[str]], folder: Path, timeout_s: float = 300.0) -> l
         statuses = json.loads(told.read_text()) if told.exists() else []
         if len(done) + len(statuses) < len(commands):
             statuses.append(ended.returncode or -1)
-        said = [own / f"said-{number}.txt" for number in range(len(statuses))]
-        done += [Done(one, path.read_text() if path.exists() else "") for one, path in zip(statuses, said, strict=True)]
+        for number, status in enumerate(statuses):
+            said = [own / f"{number}.{name}" for name in ("out", "err")]
+            done.append(Done(status, *(file.read_text(errors="replace") if file.exists() else "" for file in said)))
     return done
 
 
@@ -150,7 +155,7 @@ def cli_renders(cli_scenes, tmp_path):
         for out, done in zip(outs, many(commands, folder), strict=True):
             stats = Path(f"{out}.json")
             told = json.loads(stats.read_text()) if stats.exists() else None
-            found.append(Render(done.returncode, done.stderr, out, told))
+            found.append(Render(done.returncode, done.stdout, done.stderr, out, told))
         return found
 
     return run

@@ -63,8 +63,7 @@ impl Look {
             depths: range,
             open_part: 1.0 - met.iter().flatten().count() as f64 / looking as f64,
             exposure: exposure(stage, &some),
-            front_irradiance: has_front
-                .then(|| arriving.irradiance(stage, forwards, |rays| luminances(stage, rays))),
+            front_irradiance: has_front.then(|| arriving.irradiance(stage, forwards, |rays| luminances(stage, rays))),
             brightest: arriving.brightest(),
         };
         (look, met)
