@@ -7,6 +7,7 @@ from __future__ import annotations
 import bpy
 import numpy as np
 
+import kept_references
 import scene_parts as parts
 from test_addon_engine import exr_channels
 
@@ -36,7 +37,7 @@ def photograph(path, engine: str = "PETZVAL", samples: int = 64) -> dict[str, np
     scene.petzval.filter_width = 0.0
     cycles.pixel_filter_type = "BOX"
     try:
-        bpy.ops.render.render(write_still=True)
+        kept_references.render_still()
     finally:
         scene.render.engine = "PETZVAL"
     return read(path)

@@ -9,6 +9,8 @@ from pathlib import Path
 import bpy
 import numpy as np
 
+import kept_references
+
 
 def addon():
     """The add-on's package, as the `blender` fixture has registered it."""
@@ -124,7 +126,7 @@ def render(folder: Path, name: str = "picture.exr") -> np.ndarray:
     """Renders the scene into a file; its pixels (height, width, 4) as the file has them."""
     path = Path(folder) / name
     bpy.context.scene.render.filepath = str(path)
-    bpy.ops.render.render(write_still=True)
+    kept_references.render_still()
     return read(path)
 
 

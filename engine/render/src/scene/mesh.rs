@@ -139,8 +139,7 @@ impl Mesh {
                 d.name
             )
         });
-        let finite = || d.positions.iter().filter(|p| p.is_finite());
-        let bounds = [finite().fold(Vec3::MAX, |a, b| a.min(*b)), finite().fold(Vec3::MIN, |a, b| a.max(*b))];
+        let bounds = bounds_of(&d.positions);
         let grids = d.grids.into_iter().map(|grid| grid.checked(&d.name)).collect::<Result<_, _>>()?;
         let mut mesh = Self {
             bounds,
@@ -248,6 +247,12 @@ fn within_reach(p: &Vec3) -> bool {
 fn has_area(a: Vec3, b: Vec3, c: Vec3) -> bool {
     let (a, b, c) = (a.as_dvec3(), b.as_dvec3(), c.as_dvec3());
     (b - a).cross(c - a).length_squared() > 0.0
+}
+
+/// The lowest and the highest corner of the box about all points that are finite.
+pub(super) fn bounds_of(points: &[Vec3]) -> [Vec3; 2] {
+    let finite = || points.iter().filter(|p| p.is_finite());
+    [finite().fold(Vec3::MAX, |a, b| a.min(*b)), finite().fold(Vec3::MIN, |a, b| a.max(*b))]
 }
 
 #[cfg(test)]
