@@ -12,12 +12,14 @@ import numpy as np
 import pytest
 
 from photograph.chart import Studio
-from photograph.truth import Camera, spread
+from photograph.truth import Camera
 
 sys.path.insert(0, str(Path(__file__).resolve().parent))
 
 PIXELS, FILM_MM = (24, 16), (12.0, 8.0)
 FOCUS, SAMPLES = 1.6, 576
+#: Places within a pixel.
+INNER = [((i + 0.5) / 4, (j + 0.5) / 4) for i in range(4) for j in range(4)]
 #: Of the wall: a point, and which way it faces; of the box: its corners. Camera space.
 WALL, FACES = np.array([0.0, 0.0, -2.6]), np.array([0.5, -0.2, 1.0])
 LOW, HIGH = np.array([-0.07, -0.05, -1.2]), np.array([0.05, 0.04, -0.85])
@@ -35,8 +37,7 @@ def met(starts: np.ndarray, directions: np.ndarray) -> tuple[np.ndarray, np.ndar
 
 def expected(exact: Camera, column: int, row: int) -> tuple[np.ndarray, float]:
     """The mean place that a pixel sees, and the box's part of it."""
-    found = [met(*exact.seen_from((column + x, row + y), grid=10)) for x, y in spread(16)]
-    places, box = (np.concatenate(part) for part in zip(*found, strict=True))
+    places, box = met(*exact.seen_from([(column + x, row + y) for x, y in INNER], grid=12))
     return places.mean(0), float(box.mean())
 
 
@@ -57,8 +58,9 @@ def build(blender, studio: Studio) -> None:
     layer.use_pass_z = layer.use_pass_position = layer.use_pass_cryptomatte_object = True
 
 
-@pytest.mark.parametrize("pipeline", ["FILM", "SCENE"])
-def test_what_a_turned_film_sees(blender, tmp_path, pipeline):
+# Scene-first counts a ray for the pixel that it was started for: where the lens is sharp (docs/design/passes.md).
+@pytest.mark.parametrize(("pipeline", "stop", "off"), [("FILM", {}, 0.04), ("SCENE", {"f_number": 4.0}, 0.08)])
+def test_what_a_turned_film_sees(blender, tmp_path, pipeline, stop, off):
     import scene_parts
     from test_passes_cryptomatte import mattes, photograph
 
@@ -71,6 +73,7 @@ def test_what_a_turned_film_sees(blender, tmp_path, pipeline):
         tilt_rad=radians(-6.0),
         swing_rad=radians(11.0),
         shift_mm=(2.0, -1.0),
+        **stop,
     )
     build(blender, studio)
     studio.scene.petzval.filter_width = 0.0
@@ -83,15 +86,15 @@ def test_what_a_turned_film_sees(blender, tmp_path, pipeline):
     matte = min(both, key=lambda one: one.mean())
     errors = []
     for column in range(0, PIXELS[0], 4):
-        for row in range(0, PIXELS[1], 2):
+        for row in range(0, PIXELS[1], 3):
             want, box = expected(exact, column, row)
             errors.append([*(place[row, column] - want), depth[row, column] + want[2], matte[row, column] - box, box])
     errors, box = np.array(errors)[:, :5], np.array(errors)[:, 5]
     print(f"{pipeline}: worst {np.abs(errors).max(0).round(4)}, mean {errors.mean(0).round(4)}")
-    assert ((box > 0.02) & (box < 0.98)).sum() > 8, f"{box.round(2)}: nothing is unsharp"
+    assert ((box > 0.02) & (box < 0.98)).sum() > 4, f"{box.round(2)}: nothing is unsharp"
     # The box is 1.6 nearer than the wall: a pixel's noise is that of its part, 1 / sqrt(samples) at most.
-    assert np.abs(errors[:, :2]).max() < 0.02 and np.abs(errors[:, 2:4]).max() < 0.07
-    assert np.abs(errors[:, 4]).max() < 0.04
+    assert np.abs(errors[:, :2]).max() < 0.01 and np.abs(errors[:, 2:4]).max() < 1.75 * off
+    assert np.abs(errors[:, 4]).max() < off
     assert np.abs(errors.mean(0)).max() < 0.006
     # Where all rays meet the wall places lie in it, and depth is the place's.
     whole = (matte == 0.0) & (sum(both) > 0.999)

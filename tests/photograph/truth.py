@@ -213,15 +213,18 @@ class Camera:
             total += self._light(pixel, np.array([at.min(axis=0) - cell, at.max(axis=0) + cell]), fine)[1].sum()
         return float(total) / len(pixels)
 
-    def seen_from(self, pixel: tuple[float, float], grid: int = 16) -> tuple[np.ndarray, np.ndarray]:
-        """Where the rays of a point of the picture start and go, camera space in Blender units: evenly over the pupil, as the
-        renderer has them."""
+    def seen_from(self, pixels: list[tuple[float, float]], grid: int = 16) -> tuple[np.ndarray, np.ndarray]:
+        """Where the rays of neighbouring points of the picture start and go, camera space in Blender units: evenly over the
+        pupil, as the renderer has them."""
         half = 0.5 * self.rear["diameter_mm"]
         coarse = 24
-        at, _seen, _rays = self._through(pixel, np.array([[-half, -half], [half, half]]), coarse)
+        at, _seen, _rays = self._through(pixels[0], np.array([[-half, -half], [half, half]]), coarse)
         assert len(at), "no ray gets through the lens"
-        cell = 2.2 * half / coarse
-        _at, _seen, rays = self._through(pixel, np.array([at.min(axis=0) - cell, at.max(axis=0) + cell]), grid)
+        # The light of a neighbouring point passes the rear glass no further away than that point is.
+        away = np.abs(np.asarray(pixels) - pixels[0]).max(axis=0) / self.pixels * self.picture_mm
+        cell = 2.2 * half / coarse + away
+        box = np.array([at.min(axis=0) - cell, at.max(axis=0) + cell])
+        rays = [ray for pixel in pixels for ray in self._through(pixel, box, grid)[2]]
         start = np.array([ray["origin"] for ray in rays]) - [0.0, 0.0, self.pupil_z_mm]
         return start / self.mm_per_unit, np.array([ray["direction"] for ray in rays])
 
