@@ -207,7 +207,8 @@ class SceneBuilder:
         points: npt.NDArray[np.float32],  # (points, 4), object space, and the radius
         *,
         attributes: dict[str, npt.NDArray[np.float32]] | None = None,  # name -> (points, 4)
-        moved_points: tuple[npt.NDArray[np.float32], npt.NDArray[np.float32]] | None = None,  # (points, 3), before, after
+        moved_points: tuple[npt.NDArray[np.float32], npt.NDArray[np.float32]]
+        | None = None,  # (points, 3), before, after
         poses: Sequence[npt.NDArray[np.float32]] | None = None,  # as `points`, at even times over the exposure
     ) -> int:
         """A point cloud, as `add_curves`. Points that are not finite are left out and counted in `warnings`."""
