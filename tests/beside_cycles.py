@@ -43,22 +43,34 @@ def small_sky_table() -> None:
         world.cycles.sampling_method, world.cycles.sample_map_resolution = "MANUAL", SKY_TABLE
 
 
-def looks(samples: int, take: Callable[[str], np.ndarray]) -> Iterator[tuple[int, float, np.ndarray, np.ndarray]]:
+#: A picture, or several by name.
+Pictures = np.ndarray | dict[str, np.ndarray]
+
+
+def _joined(first: Pictures, first_samples: int, second: Pictures, second_samples: int) -> Pictures:
+    """The mean of all their samples."""
+    if isinstance(first, dict):
+        return {name: _joined(one, first_samples, second[name], second_samples) for name, one in first.items()}
+    return (first_samples * first + second_samples * second) / (first_samples + second_samples)
+
+
+def looks(samples: int, take: Callable[[str], Pictures]) -> Iterator[tuple[int, float, Pictures, Pictures]]:
     """By the `LOOKS`: samples so far, the share of the limits, Petzval's picture and Cycles's. `take` renders with the engine
     of that name. What has been rendered is not rendered again: samples are added to it, the next ones of both sequences."""
     own, cycles = bpy.context.scene.petzval, bpy.context.scene.cycles
-    done, pictures = 0, {"PETZVAL": 0.0, "CYCLES": 0.0}
+    done, pictures = 0, {}
     for part, share in LOOKS:
         more = round(part * samples) - done
         own.samples, own.sample_offset = more, done
         cycles.samples, cycles.sample_offset = more, done
         if hasattr(cycles, "use_sample_subset"):
             cycles.samples, cycles.use_sample_subset, cycles.sample_subset_length = samples, True, more
-        for engine, picture in pictures.items():
-            pictures[engine] = (done * picture + more * take(engine)) / (done + more)
+        for engine in ("PETZVAL", "CYCLES"):
+            taken = take(engine)
+            pictures[engine] = _joined(pictures[engine], done, taken, more) if done else taken
         done += more
         own.samples, own.sample_offset = done, 0
-        yield done, share, *pictures.values()
+        yield done, share, pictures["PETZVAL"], pictures["CYCLES"]
 
 
 def both(folder: Path, samples: int, bounces: int | None = None, **cycles_settings) -> tuple[np.ndarray, np.ndarray]:

@@ -44,7 +44,7 @@ os._exit(0)
 
 
 #: Several commands in one process, as Blender's start is most of what one takes: each through all of the command, but that the
-#: process goes on. Answers with the exit status of each; what each says on stderr lies in a file.
+#: process goes on. Exit statuses, and what each says, lie in files.
 MANY = """
 import json, os, sys, tempfile
 from petzval import cli, render_in_blender
@@ -58,12 +58,15 @@ def end(status):
 render_in_blender.finish = end
 told = []
 for number, argv in enumerate(json.loads(sys.argv[1])):
-    said = os.open(os.path.join({folder!r}, f"said-{{number}}.txt"), os.O_WRONLY | os.O_CREAT | os.O_TRUNC)
-    os.dup2(said, 2)
+    for stream, name in ((1, "out"), (2, "err")):
+        file = os.open(os.path.join({folder!r}, f"{{number}}.{{name}}"), os.O_WRONLY | os.O_CREAT | os.O_TRUNC)
+        os.dup2(file, stream)
+        os.close(file)
     try:
         status = cli.run_command(argv)
     except Ended as ended:
         status = ended.args[0]
+    sys.stdout.flush()
     told.append(status)
     with open(os.path.join({folder!r}, "told.json"), "w") as out:
         json.dump(told, out)
@@ -100,11 +103,39 @@ def cli_render(petzval_cli, cli_scenes, tmp_path):
 
 
 @dataclass
-class Render:
-    """What came of one of several renders."""
+class Done:
+    """What came of one of several commands."""
 
     returncode: int
+    stdout: str
     stderr: str
+
+
+def many(commands: list[list[str]], folder: Path, timeout_s: float = 300.0) -> list[Done]:
+    """Runs commands one after another in one process; another one goes on behind a command that took the process with it."""
+    done: list[Done] = []
+    while len(done) < len(commands):
+        own = Path(tempfile.mkdtemp(dir=folder))
+        # Words, as a shell would hand them over.
+        left = json.dumps([[str(word) for word in command] for command in commands[len(done) :]])
+        ended = subprocess.run(
+            [sys.executable, "-c", MANY.format(folder=str(own)), left], stdin=subprocess.DEVNULL,
+            stdout=subprocess.DEVNULL, stderr=subprocess.DEVNULL, cwd=ROOT, timeout=timeout_s, check=False,
+        )  # fmt: skip
+        told = own / "told.json"
+        statuses = json.loads(told.read_text()) if told.exists() else []
+        if len(done) + len(statuses) < len(commands):
+            statuses.append(ended.returncode or -1)
+        for number, status in enumerate(statuses):
+            said = [own / f"{number}.{name}" for name in ("out", "err")]
+            done.append(Done(status, *(file.read_text(errors="replace") if file.exists() else "" for file in said)))
+    return done
+
+
+@dataclass
+class Render(Done):
+    """And of a render."""
+
     out: Path
     stats: dict | None
 
@@ -117,21 +148,14 @@ def cli_renders(cli_scenes, tmp_path):
         folder = Path(tempfile.mkdtemp(dir=tmp_path))
         outs = [folder / f"{number}.exr" for number in range(len(several))]
         commands = [
-            ["render", str(cli_scenes / "scene.blend"), *map(str, options), "-o", str(out), "--stats", f"{out}.json"]
+            ["render", cli_scenes / "scene.blend", *options, "-o", out, "--stats", f"{out}.json"]
             for options, out in zip(several, outs, strict=True)
         ]
-        done = subprocess.run(
-            [sys.executable, "-c", MANY.format(folder=str(folder)), json.dumps(commands)], stdin=subprocess.DEVNULL,
-            capture_output=True, text=True, cwd=ROOT, timeout=300, check=False,
-        )  # fmt: skip
-        told = folder / "told.json"
-        statuses = json.loads(told.read_text()) if told.exists() else []
-        assert done.returncode == 0 and len(statuses) == len(several), done.stdout[-2000:] + done.stderr
         found = []
-        for number, (status, out) in enumerate(zip(statuses, outs, strict=True)):
+        for out, done in zip(outs, many(commands, folder), strict=True):
             stats = Path(f"{out}.json")
-            said = (folder / f"said-{number}.txt").read_text()
-            found.append(Render(status, said, out, json.loads(stats.read_text()) if stats.exists() else None))
+            told = json.loads(stats.read_text()) if stats.exists() else None
+            found.append(Render(done.returncode, done.stdout, done.stderr, out, told))
         return found
 
     return run

@@ -263,7 +263,8 @@ def test_errors_of_neighbours_cancel_with_blue_noise(parts, blender, tmp_path, m
             found.append(parts.render(tmp_path, "picture.exr")[..., :3])
         return np.stack(found)
 
-    truth = pictures([100], 8192, False)
+    # Its errors are to those of 16 samples as 1 to 128, squared.
+    truth = pictures([100], 2048, False)
     own, shared = pictures(range(8), 16, False) - truth, pictures(range(8), 16, True) - truth
 
     def seen(error):

@@ -21,6 +21,7 @@ SAMPLES = 64
 def photograph(blender, tmp_path):
     """Renders the scene as it is with an engine: `photograph("CYCLES")` gives its pixels, (height, width, 3)."""
     bpy = blender
+    import beside_cycles
     import kept_references
 
     def run(engine: str, samples: int = SAMPLES, bounces: int = 12, seed: int = 0) -> np.ndarray:
@@ -44,6 +45,7 @@ def photograph(blender, tmp_path):
         for kind in ("max", "diffuse", "glossy", "transmission"):
             setattr(cycles, f"{kind}_bounces", bounces)
         cycles.transparent_max_bounces = 64
+        beside_cycles.small_sky_table()
         image = scene.render.image_settings
         if hasattr(image, "media_type"):
             image.media_type = "IMAGE"

@@ -13,6 +13,7 @@ from pathlib import Path
 import pytest
 
 from cli_parts import GOOD_LENS, LENSES, LINES_NM, REFERENCE, RELATIVE, answer, assert_complains
+from cli_render_parts import many
 
 pytestmark = pytest.mark.once
 
@@ -24,6 +25,29 @@ def good_lens(tmp_path):
     return path
 
 
+def near_mm(path: Path) -> float:
+    """A distance of focus at which the lens is near: eight focal lengths before its focus."""
+    exact = json.loads((REFERENCE / "paraxial.json").read_text())[path.stem]["d"]
+    return float(exact["enp"]) - min(float(exact["ffd"]), 0.0) + 8.0 * abs(float(exact["efl"]))
+
+
+@pytest.fixture(scope="module")
+def infos(tmp_path_factory):
+    """`infos(path, *options)` of every reference lens: all in one process, as a command's start takes longer than its work."""
+    asked = [
+        (path, *options)
+        for path in LENSES
+        for options in (
+            (),
+            *(("--wavelength", nm) for nm in LINES_NM.values()),
+            ("--focus-distance", repr(near_mm(path))),
+        )
+    ]
+    done = many([["lens", "info", *one, "--json"] for one in asked], tmp_path_factory.mktemp("infos"))
+    known = dict(zip(asked, done, strict=True))
+    return lambda *one: answer(known[one])
+
+
 def published_rows(path: Path) -> list[list[str]]:
     return [line.split() for line in path.read_text().splitlines() if line.strip() and not line.startswith("#")]
 
@@ -32,12 +56,12 @@ def published_rows(path: Path) -> list[list[str]]:
 
 
 @pytest.mark.parametrize("path", LENSES, ids=lambda path: path.stem)
-def test_info_gives_the_reference_first_order_data(petzval_cli, path):
+def test_info_gives_the_reference_first_order_data(infos, path):
     reference = json.loads((REFERENCE / "paraxial.json").read_text())[path.stem]
     rows = published_rows(path)
     last_vertex = math.fsum(float(row[1]) for row in rows[:-1])
     for line, wavelength_nm in LINES_NM.items():
-        info = answer(petzval_cli("lens", "info", path, "--wavelength", wavelength_nm, "--json"))
+        info = infos(path, "--wavelength", wavelength_nm)
         exact = {name: float(value) for name, value in reference[line].items() if value is not None}
         expected = {
             # Positive if converging, through an odd number of mirrors too.
@@ -69,9 +93,9 @@ def test_info_gives_the_reference_first_order_data(petzval_cli, path):
 
 
 @pytest.mark.parametrize("path", LENSES, ids=lambda path: path.stem)
-def test_info_gives_the_reference_seidel_and_chromatic_sums(petzval_cli, path):
+def test_info_gives_the_reference_seidel_and_chromatic_sums(infos, path):
     reference = json.loads((REFERENCE / "paraxial.json").read_text())[path.stem]["seidel_d"]
-    info = answer(petzval_cli("lens", "info", path, "--json"))
+    info = infos(path)
     assert info["seidel_field_deg"] == reference["field_deg"]
     for key, names in {"seidel": ("SI", "SII", "SIII", "SIV", "SV"), "chromatic": ("CL", "CT")}.items():
         sums = [float(reference[name]) for name in names]
@@ -89,16 +113,15 @@ def test_info_gives_the_reference_seidel_and_chromatic_sums(petzval_cli, path):
 
 
 @pytest.mark.parametrize("path", LENSES, ids=lambda path: path.stem)
-def test_info_gives_near_conjugates(petzval_cli, path):
+def test_info_gives_near_conjugates(infos, path):
     """Newton's relations, from the reference's foci; through mirrors too."""
     reference = json.loads((REFERENCE / "paraxial.json").read_text())[path.stem]["d"]
     exact = {name: float(value) for name, value in reference.items() if value is not None}
     rows = published_rows(path)
     last_vertex = math.fsum(float(row[1]) for row in rows[:-1])
-    far = answer(petzval_cli("lens", "info", path, "--json"))
-    from_focus = 8.0 * abs(exact["efl"])
-    focus_distance = exact["enp"] - min(exact["ffd"], 0.0) + from_focus
-    info = answer(petzval_cli("lens", "info", path, "--focus-distance", repr(focus_distance), "--json"))
+    far = infos(path)
+    focus_distance = near_mm(path)
+    info = infos(path, "--focus-distance", repr(focus_distance))
     object_z = exact["enp"] - focus_distance
     efl = abs(exact["efl"])
     magnification = -efl / (exact["ffd"] - object_z)

@@ -1,5 +1,5 @@
 # SPDX-License-Identifier: GPL-3.0-or-later
-"""Scenes by other people: each opens and renders in a process of its own, and says what it could not show.
+"""Scenes by other people: each opens and renders, and says what it could not show.
 
 None of them is part of the project; PETZVAL_SCENES names a folder of them.
 """
@@ -8,12 +8,13 @@ from __future__ import annotations
 
 import json
 import os
-import subprocess
 from dataclasses import dataclass
 from pathlib import Path
 
 import numpy as np
 import pytest
+
+from cli_render_parts import Done, many
 
 pytestmark = [pytest.mark.once, pytest.mark.slow]
 
@@ -33,7 +34,7 @@ def test_there_are_scenes(other_peoples_scenes):
 class Rendered:
     """What `petzval render` did with a scene."""
 
-    done: subprocess.CompletedProcess[str]
+    done: Done
     out: Path
     stats: Path
     size: tuple[int, int]
@@ -41,21 +42,28 @@ class Rendered:
 
 
 @pytest.fixture(scope="module")
-def rendered(petzval_cli, other_peoples_scenes, tmp_path_factory):
-    """`rendered(scene)`: each is rendered once for all tests that ask."""
-    folder = tmp_path_factory.mktemp("other-peoples-scenes")
+def rendered(other_peoples_scenes, tmp_path_factory):
+    """`rendered(scene)`: each is rendered once for all tests that ask; those of one folder, most of which are parts of one
+    scene, in one process."""
     known: dict[Path, Rendered] = {}
 
-    def one(scene: Path) -> Rendered:
-        if scene not in known:
+    def together(scenes: list[Path]) -> None:
+        folder = tmp_path_factory.mktemp("other-peoples-scenes")
+        asked, commands = [], []
+        for scene in scenes:
             out, stats = folder / f"{scene.stem}.exr", folder / f"{scene.stem}.json"
             # The nebula is a volume that fills the whole picture, and slow.
             (width, height), samples = ((16, 9), 1) if scene.stem == "space_sky_nebula" else ((160, 90), 4)
-            done = petzval_cli(
-                "render", scene, "--camera", "pinhole", "--resolution", f"{width}x{height}", "--samples", samples,
-                "--threads", 2, "-o", out, "--stats", stats, timeout_s=TIMES_OUT_AFTER_S,
-            )  # fmt: skip
-            known[scene] = Rendered(done, out, stats, (width, height), samples)
+            asked.append((out, stats, (width, height), samples))
+            options = ["--camera", "pinhole", "--resolution", f"{width}x{height}", "--samples", samples, "--threads", 2]
+            commands.append(["render", scene, *options, "-o", out, "--stats", stats])
+        for scene, done, one in zip(scenes, many(commands, folder, TIMES_OUT_AFTER_S), asked, strict=True):
+            known[scene] = Rendered(done, *one)
+
+    def one(scene: Path) -> Rendered:
+        if scene not in known:
+            is_alone = scene.parent == other_peoples_scenes
+            together([scene] if is_alone else [one for one in SCENES if one.parent == scene.parent])
         return known[scene]
 
     return one
@@ -69,7 +77,7 @@ def test_a_scene_of_other_people(rendered, scene):
     if one.done.returncode == 1 and "no camera" in one.done.stderr:
         assert one.done.stderr.count("\n") == 1
         pytest.skip(f"{scene.name} is a library of parts: it has no camera")
-    assert one.done.returncode == 0, one.done.stderr + one.done.stdout[-2000:]
+    assert one.done.returncode == 0, one.done.stderr
     assert one.done.stderr == ""
     told = json.loads(one.stats.read_text())
     assert told["non_finite_samples"] == 0

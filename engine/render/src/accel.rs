@@ -60,8 +60,8 @@ impl Ray {
     }
 }
 
-/// A strand of hair, or a point of a cloud, that a ray does not meet, as in Cycles: what leaves it does not come back to it. A ribbon that turns to
-/// every ray would else hide from itself.
+/// A strand of hair, or a point of a cloud, that a ray does not meet, as in Cycles: what leaves it does not come back to it. A
+/// ribbon that turns to every ray would else hide from itself.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub struct Skip {
     /// Index of its instance.

@@ -47,6 +47,23 @@ struct PointTree {
     to: Vec<Balls>,
 }
 
+/// A cloud as a tree holds it.
+struct Cloud<'a> {
+    /// Of no meaning in trees of one cloud.
+    instance: u32,
+    points: &'a Points,
+    /// To render space, and by how much balls are larger there; `None`: in object space.
+    place: Option<(&'a Affine3A, f32)>,
+}
+
+impl Cloud<'_> {
+    fn ball(&self, point: u32) -> Vec4 {
+        let own = self.points.points[point as usize];
+        let Some((to_render, larger)) = self.place else { return own };
+        to_render.transform_point3a(Vec3A::from_vec4(own)).extend(own.w * larger)
+    }
+}
+
 /// A direction as the two numbers of a hit: the octahedron about the sphere, unfolded (Meyer, Suessmuth, Sussner, Stamminger and
 /// Greiner 2010, "On Floating-Point Normal Vectors").
 pub(crate) fn unfolded(direction: Vec3A) -> [f32; 2] {
@@ -92,7 +109,7 @@ impl PointForest {
         for &i in &parts.alone {
             let Some((instance, points)) = of(i) else { continue };
             match even_scale(instance) {
-                Some(larger) => common.push((i, Some((instance, larger)), points)),
+                Some(larger) => common.push(Cloud { instance: i, points, place: Some((&instance.to_render, larger)) }),
                 None => several.push(i),
             }
         }
@@ -103,7 +120,7 @@ impl PointForest {
         let wanted = |points: &Points, is_shared: bool, moves: bool| is_shared && (points.key_count() > 0) == moves;
         let shared: Vec<PointTree> = meshes()
             .map(|(mesh, &is_shared)| match mesh.points.as_deref().filter(|one| wanted(one, is_shared, false)) {
-                Some(points) => PointTree::new(&[(0, None, points)]),
+                Some(points) => PointTree::new(&[Cloud { instance: 0, points, place: None }]),
                 None => PointTree::default(),
             })
             .collect();
@@ -292,25 +309,17 @@ fn tree_of<'a>(shared: &'a [PointTree], posed: &'a [Vec<PointTree>], mesh: u32, 
 }
 
 impl PointTree {
-    /// Of these clouds: of an instance, in render space, so many times as large, or in object space.
-    fn new(of: &[(u32, Option<(&Instance, f32)>, &Points)]) -> Self {
-        let ball = |cloud: usize, point: u32| {
-            let (_, instance, points) = of[cloud];
-            let own = points.points[point as usize];
-            match instance {
-                None => own,
-                Some((Instance { to_render, .. }, larger)) => placed(to_render, own, larger),
-            }
-        };
-        let boxes = of.iter().enumerate().flat_map(|(cloud, (_, _, points))| {
-            (0..points.points.len() as u32)
-                .map(move |point| Bounds::around(&[ball(cloud, point)], 1.0).naming([cloud as u32, point]))
+    fn new(of: &[Cloud<'_>]) -> Self {
+        let boxes = of.iter().enumerate().flat_map(|(number, cloud)| {
+            (0..cloud.points.points.len() as u32)
+                .map(move |point| Bounds::around(&[cloud.ball(point)], 1.0).naming([number as u32, point]))
         });
         let (nodes, names) = built(boxes.collect());
         let leaf = |names: &Vec<[u32; 2]>| {
             let mut leaf = Balls::EMPTY;
-            for (lane, &[cloud, point]) in names.iter().enumerate() {
-                leaf.set(lane, ball(cloud as usize, point), [of[cloud as usize].0, point]);
+            for (lane, &[number, point]) in names.iter().enumerate() {
+                let cloud = &of[number as usize];
+                leaf.set(lane, cloud.ball(point), [cloud.instance, point]);
             }
             leaf
         };
@@ -373,10 +382,6 @@ impl PointTree {
             },
         )
     }
-}
-
-fn placed(to_render: &Affine3A, own: Vec4, larger: f32) -> Vec4 {
-    to_render.transform_point3a(Vec3A::from_vec4(own)).extend(own.w * larger)
 }
 
 /// The nodes above boxes, and by leaf what these name.

@@ -28,20 +28,22 @@ pub struct Look {
     pub open_part: f64,
     /// Mean luminance of the picture, without its brightest spots.
     pub exposure: f32,
-    /// Irradiance on the lens's front, as if all of the front half of the world reached it: luminance times steradians.
-    pub front_irradiance: f32,
+    /// Irradiance on the lens's front, as if all of the front half of the world reached it: luminance times steradians. `None`
+    /// where it was not asked for.
+    pub front_irradiance: Option<f32>,
     /// What sends most light to the camera, the strongest first.
     pub brightest: Vec<Brightest>,
 }
 
 impl Look {
     /// Looks along `rays` (render space) of places all over the picture. `backwards` is the camera's axis, from the scene to
-    /// the film. Also what each ray meets.
+    /// the film; `has_front` where there is a lens for light to arrive at. Also what each ray meets.
     pub(super) fn along(
         stage: &Stage,
         rays: &[Option<Ray>],
         clip: Option<Clip>,
         backwards: DVec3,
+        has_front: bool,
     ) -> (Self, Vec<Option<DVec3>>) {
         let seen = |ray: &Ray| clip.map_or(*ray, |clip| clip.cut(*ray));
         let first = |ray: &Option<Ray>| {
@@ -61,7 +63,7 @@ impl Look {
             depths: range,
             open_part: 1.0 - met.iter().flatten().count() as f64 / looking as f64,
             exposure: exposure(stage, &some),
-            front_irradiance: arriving.irradiance(stage, forwards, |rays| luminances(stage, rays)),
+            front_irradiance: has_front.then(|| arriving.irradiance(stage, forwards, |rays| luminances(stage, rays))),
             brightest: arriving.brightest(),
         };
         (look, met)

@@ -300,7 +300,7 @@ impl Plan {
         let survey = Survey::new(d, width, height)?;
         let fans = survey.fans();
         let clip = Clip::along(d, survey.backwards());
-        let (mut look, seen) = Look::along(stage, &fans.rays(), clip, survey.backwards());
+        let (mut look, seen) = Look::along(stage, &fans.rays(), clip, survey.backwards(), true);
         for one in &mut look.brightest {
             one.place = fans.place_of(one.towards);
         }
@@ -317,7 +317,7 @@ impl Plan {
         let of_exposure = |one: &Brightest| survey.ghost_value() * f64::from(one.irradiance / look.exposure);
         let ghosts = if look.exposure > 0.0 { source.map(of_exposure) } else { None };
         let even = std::f64::consts::PI * f64::from(look.exposure);
-        let front_light = (even > 0.0).then(|| f64::from(look.front_irradiance) / even);
+        let front_light = look.front_irradiance.filter(|_| even > 0.0).map(|front| f64::from(front) / even);
         let scene_motion = scene_motion(&stage.scene, exposure, &fans.rays(), &seen);
         let known = Known { d, survey: &survey, lens, motion, scene_motion, ghosts, front_light, needs_lens };
         let (decisions, camera, camera_ns) = decide(&known, wishes)?;
@@ -365,7 +365,7 @@ impl Plan {
         };
         let rays: Vec<_> = (0..GRID[0] * GRID[1]).map(ray).collect();
         let clip = Clip::new(d, &camera);
-        let (look, seen) = Look::along(stage, &rays, clip, camera.axes().z_axis);
+        let (look, seen) = Look::along(stage, &rays, clip, camera.axes().z_axis, false);
         let motion = scene_motion(&stage.scene, exposure, &rays, &seen);
         let blur = decide::motion_without_lens(motion, moving.len() > 1, wishes);
         let is_moving = blur.is_on;

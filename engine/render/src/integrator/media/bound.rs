@@ -16,6 +16,10 @@ use std::sync::Arc;
 const SIDE: usize = 16;
 /// Points tried in a cell, along each side.
 const TRIED: usize = 3;
+/// The same where a try takes more than [`LONG`] instructions: else bounds alone took half a minute.
+const TRIED_IF_LONG: usize = 2;
+/// Instructions of a program that is long.
+const LONG: usize = 200;
 /// How much denser than what was found a medium may be before weights turn negative.
 const MARGIN: f32 = 1.25;
 /// Of the densest cell's rate, what every cell has: no place is never looked at.
@@ -55,13 +59,14 @@ impl Bound {
             (within_box(scene, entry.instance, [1.0; 3]) - within_box(scene, entry.instance, [0.0; 3])).length();
         let to_box = Affine3A::from_scale(SIDE as f32 / size) * Affine3A::from_translation(-low);
         let ways = ways(volume.program.reads());
+        let tries = if volume.program.instructions() > LONG { TRIED_IF_LONG } else { TRIED };
         let rate = |cell: usize| {
             let corner = [cell % SIDE, cell / SIDE % SIDE, cell / SIDE / SIDE];
-            let tried = (0..TRIED.pow(3)).map(|point| {
-                let within = [point % TRIED, point / TRIED % TRIED, point / TRIED / TRIED];
+            let tried = (0..tries.pow(3)).map(|point| {
+                let within = [point % tries, point / tries % tries, point / tries / tries];
                 let part = std::array::from_fn(|axis| {
                     let jitter = random_of((cell * 97 + point * 3 + axis) as u32);
-                    (corner[axis] as f32 + (within[axis] as f32 + jitter) / TRIED as f32) / SIDE as f32
+                    (corner[axis] as f32 + (within[axis] as f32 + jitter) / tries as f32) / SIDE as f32
                 });
                 let position = within_box(scene, entry.instance, part);
                 most(&ways, |way| entry.medium(scene, position, Vec3A::Z, way), LOOKS / diagonal)
