@@ -285,7 +285,7 @@ mod tests {
                 assert!(
                     error
                         < if count == 20 {
-                            2e-6
+                            5e-6
                         } else if count > 3 {
                             1e-3
                         } else {
