@@ -1,8 +1,10 @@
 # SPDX-License-Identifier: GPL-3.0-or-later
-"""`python -m parity [--samples N] [--only NAME ...] [--scenes FOLDER]`, in the environment .venv-bench, tools/ on the path.
+"""`python -m parity [--samples N] [--most N] [--only NAME ...] [--scenes FOLDER]`, in the environment .venv-bench, tools/ on
+the path.
 
 Renders every parity scene by Petzval and by Cycles, and writes docs/parity.md with its pictures. With --only the page stays
-as it is. What has been rendered with as many samples is not rendered again unless --again says so.
+as it is. With --scenes other people's scenes are rendered after that, into docs/parity-others.md. What has been rendered
+with the same numbers is not rendered again unless --again says so.
 """
 
 from __future__ import annotations
@@ -22,8 +24,9 @@ WORK = TOP / "output" / "parity"
 
 def main() -> int:
     asked = argparse.ArgumentParser(prog="parity", description="Compares Petzval with Cycles, scene by scene.")
-    asked.add_argument("--samples", type=int, default=256, help="a pixel, in each program")
-    asked.add_argument("--size", default="160x120", help="of a picture")
+    asked.add_argument("--samples", type=int, default=64, help="a pixel, in each program, to begin with")
+    asked.add_argument("--most", type=int, default=512, help="samples where blocks are noisy")
+    asked.add_argument("--size", default="128x96", help="of a picture")
     asked.add_argument("--only", nargs="+", metavar="NAME", help="these scenes alone; the page stays as it is")
     asked.add_argument("--scenes", default=os.environ.get("PETZVAL_SCENES"), help="a folder of .blend files to try too")
     asked.add_argument("--again", action="store_true", help="render also what has been rendered")
@@ -33,7 +36,7 @@ def main() -> int:
     if python is None:
         print("petzval: no environment with bpy: make build", file=sys.stderr)
         return 1
-    run = Run(python, size, options.samples, options.again)
+    run = Run(python, [*size, options.samples, options.most], options.again)
     try:
         scenes = run.listed()
     except subprocess.CalledProcessError as error:
@@ -48,27 +51,30 @@ def main() -> int:
     for name in chosen:
         results[name] = run.one(name, WORK / name)
         say(name, results[name])
-    others = {}
+    if not options.only:
+        page.write(TOP / "docs", WORK, scenes, results, size, options.samples, options.most)
     if options.scenes and not options.only:
+        others = {}
         for path in sorted(Path(options.scenes).rglob("*.blend")):
             others[path.stem] = run.one(str(path), WORK / "others" / path.stem)
             say(path.stem, others[path.stem])
-    if not options.only:
-        page.write(TOP / "docs", WORK, scenes, results, others, size, options.samples)
+        page.write_others(TOP / "docs", others, size, options.samples, options.most)
     return int(any("failed" in one for one in results.values()))
 
 
 def say(name: str, found: dict) -> None:
     keys = [key for key in ("skipped", "failed", "black") if key in found]
-    numbers = [f"{key} {found[key]:.4f}" for key in ("flip", "flip_of_halves", "worst_block", "mean") if key in found]
+    numbers = [
+        f"{key} {found[key]:.4f}" for key in ("flip", "flip_of_halves", "worst_block", "noise", "mean") if key in found
+    ]
     print(f"{name:26s}", *(f"{key}: {found[key]}" for key in keys), *numbers, flush=True)
 
 
 class Run:
     """Renders scenes, each in a process of its own."""
 
-    def __init__(self, python: Path, size: tuple[int, int], samples: int, again: bool) -> None:
-        self.python, self.numbers, self.again = python, [*map(str, size), str(samples)], again
+    def __init__(self, python: Path, numbers: list[int], again: bool) -> None:
+        self.python, self.numbers, self.again = python, [*map(str, numbers)], again
         paths = [TOP / "tools", TOP / "tests", TOP / "tests" / "scenes", *filter(None, [os.environ.get("PYTHONPATH")])]
         self.environment = {**os.environ, "PYTHONPATH": os.pathsep.join(map(str, paths))}
 

@@ -1,8 +1,9 @@
 # SPDX-License-Identifier: GPL-3.0-or-later
-"""One scene by both programs, in a process of its own: `python -m parity.job SCENE FOLDER WIDTH HEIGHT SAMPLES`.
+"""One scene by both programs, in a process of its own: `python -m parity.job SCENE FOLDER WIDTH HEIGHT SAMPLES MOST`.
 
-SCENE is the name of a parity scene or a .blend file. Writes FOLDER/petzval.npy and, as two halves of other seeds,
-FOLDER/cycles-0.npy and cycles-1.npy, all linear; and a line of JSON.
+SCENE is the name of a parity scene or a .blend file. Each program takes it in two halves of other seeds, until the halves
+say that the noise of blocks is small, or until MOST samples. Writes FOLDER/looks.npz, linear: petzval/NAME, the halves
+cycles-0/NAME and cycles-1/NAME, for the picture or each pass or frame; and a line of JSON.
 """
 
 from __future__ import annotations
@@ -16,12 +17,41 @@ from pathlib import Path
 import bpy
 import numpy as np
 
+import beside_cycles
 from parity_scenes import SCENES, photograph
 
 from . import MARK
+from .blocks import block_noise, floor_of
+
+#: The noise of a block that is small enough.
+ENOUGH = 0.005
+ENGINES = ("PETZVAL", "CYCLES")
 
 
-def main(name: str, folder: Path, width: int, height: int, samples: int) -> dict:
+class Halves:
+    """What a program has rendered, and the processor time that it took, s."""
+
+    def __init__(self, engine: str, folder: Path, passes: tuple[str, ...], frames: tuple[int, ...]) -> None:
+        self.engine, self.folder, self.passes, self.frames = engine, folder, passes, frames
+        self.samples, self.seeds, self.seconds = 0, 0, 0.0
+        self.looks: list[dict[str, np.ndarray]] = [{}, {}]
+
+    def add(self, samples: int) -> None:
+        """So many more to a pixel of each half."""
+        scene = bpy.context.scene
+        began = time.process_time()
+        for half in self.looks:
+            scene.petzval.samples = scene.cycles.samples = samples
+            scene.petzval.seed = scene.cycles.seed = self.seeds
+            self.seeds += 1
+            for name, pixels in photograph.looks(self.engine, self.folder, self.passes, self.frames).items():
+                before = half.get(name, 0.0)
+                half[name] = (before * self.samples + pixels * samples) / (self.samples + samples)
+        self.samples += samples
+        self.seconds += time.process_time() - began
+
+
+def main(name: str, folder: Path, width: int, height: int, samples: int, most: int) -> dict:
     # bpy has it once it is there.
     import addon_utils
 
@@ -30,8 +60,9 @@ def main(name: str, folder: Path, width: int, height: int, samples: int) -> dict
     addon_utils.enable("cycles")
     addon = load_addon()
     addon.register()
-    if name in SCENES:
-        SCENES[name].open()
+    one = SCENES.get(name)
+    if one:
+        one.open()
     else:
         bpy.ops.wm.open_mainfile(filepath=name, load_ui=False, use_scripts=False)
     scene = bpy.context.scene
@@ -40,19 +71,29 @@ def main(name: str, folder: Path, width: int, height: int, samples: int) -> dict
     if scene.camera.data.type == "PANO":
         return {"skipped": "its camera is panoramic"}
     photograph.prepare(width, height, samples)
-    began = time.perf_counter()
-    np.save(folder / "petzval.npy", photograph.take("PETZVAL", folder))
-    seconds = time.perf_counter() - began
-    told = addon.statistics.last(scene.name)
-    began = time.perf_counter()
-    scene.cycles.samples = samples // 2
-    for half in range(2):
-        scene.cycles.seed = half
-        np.save(folder / f"cycles-{half}.npy", photograph.take("CYCLES", folder))
+    beside_cycles.small_sky_table()
+    wanted = (one.passes, one.frames) if one else ((), ())
+    ours, theirs = (Halves(engine, folder, *wanted) for engine in ENGINES)
+    while True:
+        for halves in (ours, theirs):
+            halves.add(halves.samples or samples // 2)
+            if halves is ours:
+                told = list(addon.statistics.last(scene.name).warnings)
+        noise = {
+            look: block_noise(*([h[look] for h in s.looks] for s in (ours, theirs)), floor_of(look))
+            for look in ours.looks[0]
+        }
+        if max(noise.values()) < ENOUGH or 4 * ours.samples > most:
+            break
+    kept = {f"petzval/{look}": 0.5 * (ours.looks[0][look] + ours.looks[1][look]) for look in noise}
+    kept |= {f"cycles-{i}/{look}": pixels for i, half in enumerate(theirs.looks) for look, pixels in half.items()}
+    np.savez_compressed(folder / "looks.npz", **{look: np.asarray(pixels, np.float32) for look, pixels in kept.items()})
     return {
-        "warnings": list(told.warnings),
-        "petzval_s": seconds,
-        "cycles_s": time.perf_counter() - began,
+        "warnings": told,
+        "samples": 2 * ours.samples,
+        "noise": max(noise.values()),
+        "petzval_s": ours.seconds,
+        "cycles_s": theirs.seconds,
         "blender": bpy.app.version_string,
     }
 

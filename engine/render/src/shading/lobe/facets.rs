@@ -159,6 +159,10 @@ impl Facets {
                 let f = f0 + (Rgb::ONE - f0) * energy::rise(self.eta, roughness, cos);
                 (f * reflection, (Rgb::ONE - f) * transmission)
             }
+            Fresnel::Tinted(metal) => (metal.of(energy::metal_terms(roughness, cos)), Rgb::ZERO),
+            Fresnel::Conductor([n, k]) => {
+                (fresnel::conductor_as_tinted(n, k).of(energy::metal_terms(roughness, cos)), Rgb::ZERO)
+            }
             _ => self.fresnel.at(cos, self.eta),
         };
         let kept = match self.slopes.distribution {
