@@ -1,9 +1,9 @@
 # SPDX-License-Identifier: GPL-3.0-or-later
-"""One scene by both programs, in a process of its own: `python -m parity.job SCENE FOLDER WIDTH HEIGHT SAMPLES MOST`.
+"""Scenes by both programs: `python -m parity.job WIDTH HEIGHT SAMPLES MOST SCENE FOLDER [SCENE FOLDER ...]`.
 
 SCENE is the name of a parity scene or a .blend file. Each program takes it in two halves of other seeds, until the halves
 say that the noise of blocks is small, or until MOST samples. Writes FOLDER/looks.npz, linear: petzval/NAME, the halves
-cycles-0/NAME and cycles-1/NAME, for the picture or each pass or frame; and a line of JSON.
+cycles-0/NAME and cycles-1/NAME, for the picture or each pass or frame; and a line of JSON for each scene when it is done.
 """
 
 from __future__ import annotations
@@ -24,7 +24,7 @@ from . import MARK
 from .blocks import block_noise, floor_of
 
 #: The noise of a block that is small enough.
-ENOUGH = 0.005
+ENOUGH = 0.006
 ENGINES = ("PETZVAL", "CYCLES")
 
 
@@ -51,15 +51,8 @@ class Halves:
         self.seconds += time.process_time() - began
 
 
-def main(name: str, folder: Path, width: int, height: int, samples: int, most: int) -> dict:
-    # bpy has it once it is there.
-    import addon_utils
-
-    from petzval import load_addon
-
-    addon_utils.enable("cycles")
-    addon = load_addon()
-    addon.register()
+def photographed(addon, name: str, folder: Path, width: int, height: int, samples: int, most: int) -> dict:
+    """A scene by both programs; what is said of it."""
     one = SCENES.get(name)
     if one:
         one.open()
@@ -98,8 +91,27 @@ def main(name: str, folder: Path, width: int, height: int, samples: int, most: i
     }
 
 
+def main(numbers: list[str], scenes: list[str]) -> None:
+    # bpy has it once it is there.
+    import addon_utils
+
+    from petzval import load_addon
+
+    addon_utils.enable("cycles")
+    addon = load_addon()
+    addon.register()
+    for name, folder in zip(scenes[::2], scenes[1::2], strict=True):
+        found = photographed(addon, name, Path(folder), *map(int, numbers))
+        # From the start of a line: Blender says things without an end.
+        print("\n" + MARK + json.dumps(found), flush=True)
+
+
 if __name__ == "__main__":
-    name, folder, *numbers = sys.argv[1:]
-    print(MARK + json.dumps(main(name, Path(folder), *map(int, numbers))), flush=True)
+    code = 1
+    try:
+        main(sys.argv[1:5], sys.argv[5:])
+        code = 0
+    except Exception as error:  # noqa: BLE001 (it is the last line that is read)
+        print(f"{type(error).__name__}: {error}", file=sys.stderr, flush=True)
     # bpy with an engine registered may hang or crash at its end.
-    os._exit(0)
+    os._exit(code)
