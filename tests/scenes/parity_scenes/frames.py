@@ -13,7 +13,7 @@ from .studio import BLUE, CREAM, GOLD, GREEN, RED, ball, cube, empty_studio, lam
 FRAMES = (FRAME - 2, FRAME, FRAME + 2)
 
 
-@scene("Things slide, turn and grow", frames=FRAMES)
+@scene("Things slide, turn and grow", frames=FRAMES, noise=0.02)
 def frames_of_things():
     empty_studio()
     slides = ball(plain(RED), (0.0, 0.0, 0.8), 0.6)
@@ -24,7 +24,7 @@ def frames_of_things():
     animate(grows, "scale", lambda t: (1.0 + 0.2 * t, 1.0, 1.0 - 0.2 * t))
 
 
-@scene("Shapes bend, with their blur", frames=FRAMES)
+@scene("Shapes bend, with their blur", frames=FRAMES, noise=0.02)
 def frames_of_shapes():
     empty_studio()
     for x, make in ((-1.3, ball), (1.3, cube)):
@@ -38,7 +38,7 @@ def frames_of_shapes():
     bpy.context.scene.render.use_motion_blur = True
 
 
-@scene("The camera walks, turns and zooms, with its blur", frames=FRAMES)
+@scene("The camera walks, turns and zooms, with its blur", frames=FRAMES, noise=0.02)
 def frames_of_a_camera():
     empty_studio()
     monkey(plain(CREAM), (0.0, 0.0, 0.9), 1.7)
@@ -52,7 +52,7 @@ def frames_of_a_camera():
     bpy.context.scene.render.use_motion_blur = True
 
 
-@scene("A lamp walks and changes its colour, the sky and a glowing thing dim", frames=FRAMES)
+@scene("A lamp walks and changes its colour, the sky and a glowing thing dim", frames=FRAMES, noise=0.02)
 def frames_of_light():
     empty_studio(lit=False)
     monkey(plain(CREAM), (0.3, 0.4, 0.9), 1.7)
@@ -69,7 +69,7 @@ def frames_of_light():
     animate(brightness, "default_value", lambda t: 1.5 + 0.5 * t)
 
 
-@scene("Things appear and vanish, materials change", frames=FRAMES)
+@scene("Things appear and vanish, materials change", frames=FRAMES, noise=0.02)
 def frames_of_appearance():
     empty_studio()
     comes, goes = ball(plain(RED), (-1.4, 0.0, 0.7), 0.7), cube(plain(BLUE), (1.4, 0.2, 0.7), 1.2)

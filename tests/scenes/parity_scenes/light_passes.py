@@ -79,7 +79,7 @@ def emission_and_environment():
     _asks("emit", "environment")
 
 
-@scene("Light by group", passes=("Combined_Key", "Combined_Glow", "Combined_Sky"))
+@scene("Light by group", passes=("Combined_Key", "Combined_Glow", "Combined_Sky"), noise=0.02)
 def groups_of_light():
     empty_studio(lit=False)
     monkey(plain(CREAM), (-0.4, 0.0, 0.9), 1.7)
