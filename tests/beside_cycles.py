@@ -4,6 +4,7 @@ tests: it needs bpy."""
 
 from __future__ import annotations
 
+from collections.abc import Callable, Iterator
 from pathlib import Path
 
 import bpy
@@ -15,10 +16,13 @@ import scene_parts
 #: before each render; what is seen does not depend on it.
 SKY_TABLE = 256
 
-#: Few samples tell most pictures that agree: a look is taken with one part in so many, and where both are not within this share
-#: of the limits, another one with more. What is truly beyond a limit passes an early look less often than the last: a third
+#: Few samples tell most pictures that agree: a look is taken with this part of them, and where both are not within this share
+#: of the limits, more are added. What is truly beyond a limit passes an early look less often than the last: a third
 #: of the limit is more there than the noise that the last one has.
-LOOKS = ((8, 2 / 3), (2, 2 / 3), (1, 1.0))
+LOOKS = ((1 / 8, 2 / 3), (1 / 4, 2 / 3), (1 / 2, 2 / 3), (1, 1.0))
+
+#: A picture, or several by their names.
+Taken = np.ndarray | dict[str, np.ndarray]
 
 
 def without_tricks(samples: int) -> None:
@@ -42,8 +46,40 @@ def small_sky_table() -> None:
         world.cycles.sampling_method, world.cycles.sample_map_resolution = "MANUAL", SKY_TABLE
 
 
+def looks(samples: int, take: Callable[[str], Taken]) -> Iterator[tuple[int, float, Taken, Taken]]:
+    """By the `LOOKS`: samples so far, the share of the limits, Petzval's picture and Cycles's. `take` renders with the engine
+    of that name, a picture or several by their names. What has been rendered is not rendered again: samples are added to it,
+    the next ones of both sequences."""
+    own, cycles = bpy.context.scene.petzval, bpy.context.scene.cycles
+    done, pictures = 0, {"PETZVAL": 0.0, "CYCLES": 0.0}
+    for part, share in LOOKS:
+        more = round(part * samples) - done
+        own.samples, own.sample_offset = more, done
+        cycles.samples, cycles.sample_offset = more, done
+        if hasattr(cycles, "use_sample_subset"):
+            cycles.samples, cycles.use_sample_subset, cycles.sample_subset_length = samples, True, more
+        for engine, picture in pictures.items():
+            pictures[engine] = _added(picture, done, take(engine), more)
+        done += more
+        own.samples, own.sample_offset = done, 0
+        yield done, share, *pictures.values()
+
+
+def _added(before: Taken | float, done: int, now: Taken, more: int) -> Taken:
+    """The mean of what `done` samples have shown and `more` show now."""
+    if isinstance(now, dict):
+        return {name: _added(before[name] if done else 0.0, done, one, more) for name, one in now.items()}
+    return (done * before + more * now) / (done + more)
+
+
 def both(folder: Path, samples: int, bounces: int | None = None, **cycles_settings) -> tuple[np.ndarray, np.ndarray]:
     """Petzval's picture and Cycles's, (height, width, 3). `bounces` of every kind, else as the scene has them."""
+    prepare(samples, bounces, **cycles_settings)
+    return take(folder, "PETZVAL"), take(folder, "CYCLES")
+
+
+def prepare(samples: int, bounces: int | None = None, **cycles_settings) -> None:
+    """Sets both programs to the same."""
     without_tricks(samples)
     small_sky_table()
     scene = bpy.context.scene
@@ -53,15 +89,20 @@ def both(folder: Path, samples: int, bounces: int | None = None, **cycles_settin
             setattr(scene.cycles, f"{kind}_bounces", bounces)
     for name, value in cycles_settings.items():
         setattr(scene.cycles, name, value)
-    ours = scene_parts.render(folder, "petzval.exr")[..., :3]
-    warnings = scene_parts.part("statistics").last(scene.name).warnings
-    assert not warnings, warnings
-    scene.render.engine = "CYCLES"
+
+
+def take(folder: Path, engine: str) -> np.ndarray:
+    """The picture of `PETZVAL`, which warns of nothing, or of `CYCLES`: (height, width, 3)."""
+    scene = bpy.context.scene
+    scene.render.engine = engine
     try:
-        theirs = scene_parts.render(folder, "cycles.exr")[..., :3]
+        picture = scene_parts.render(folder, f"{engine.lower()}.exr")[..., :3]
     finally:
         scene.render.engine = "PETZVAL"
-    return ours, theirs
+    if engine == "PETZVAL":
+        warnings = scene_parts.part("statistics").last(scene.name).warnings
+        assert not warnings, warnings
+    return picture
 
 
 def apart(ours: np.ndarray, theirs: np.ndarray, side: int, floor: float = 0.1) -> tuple[float, float]:
@@ -77,12 +118,12 @@ def apart(ours: np.ndarray, theirs: np.ndarray, side: int, floor: float = 0.1) -
 def alike(
     folder: Path, samples: int, *, side: int, mean: float, block: float, floor: float = 0.1, **more
 ) -> np.ndarray:
-    """Asserts that both show the same within limits of `apart`; gives Petzval's picture. `more` is for `both`."""
-    for part, share in LOOKS:
-        ours, theirs = both(folder, samples // part, **more)
+    """Asserts that both show the same within limits of `apart`; gives Petzval's picture. `more` is for `prepare`."""
+    prepare(samples, **more)
+    for done, share, ours, theirs in looks(samples, lambda engine: take(folder, engine)):
         assert theirs.mean() > 1e-4, "the scene is dark in Cycles"
         found = apart(ours, theirs, side, floor)
-        print(f"{samples // part} samples: mean {found[0]:.4f} (of {mean}), block {found[1]:.4f} (of {block})")
+        print(f"{done} samples: mean {found[0]:.4f} (of {mean}), block {found[1]:.4f} (of {block})")
         if found[0] < share * mean and found[1] < share * block:
             return ours
     raise AssertionError(f"mean {found[0]:.4f} (within {mean}?), worst block {found[1]:.4f} (within {block}?)")

@@ -6,6 +6,8 @@ from __future__ import annotations
 import json
 import subprocess
 import sys
+import tempfile
+from dataclasses import dataclass
 from pathlib import Path
 
 import pytest
@@ -41,6 +43,35 @@ os._exit(0)
 """
 
 
+#: Several commands in one process, as Blender's start is most of what one takes: each through all of the command, but that the
+#: process goes on. Answers with the exit status of each; what each says on stderr lies in a file.
+MANY = """
+import json, os, sys, tempfile
+from petzval import cli, render_in_blender
+
+class Ended(Exception):
+    pass
+
+def end(status):
+    raise Ended(status)
+
+render_in_blender.finish = end
+told = []
+for number, argv in enumerate(json.loads(sys.argv[1])):
+    said = os.open(os.path.join({folder!r}, f"said-{{number}}.txt"), os.O_WRONLY | os.O_CREAT | os.O_TRUNC)
+    os.dup2(said, 2)
+    try:
+        status = cli.run_command(argv)
+    except Ended as ended:
+        status = ended.args[0]
+    told.append(status)
+    with open(os.path.join({folder!r}, "told.json"), "w") as out:
+        json.dump(told, out)
+sys.stdout.flush()
+os._exit(0)
+"""
+
+
 @pytest.fixture(scope="session")
 def cli_scenes(tmp_path_factory):
     """The folder with scene.blend and no-camera.blend; a script in it would write `ran`."""
@@ -64,6 +95,44 @@ def cli_render(petzval_cli, cli_scenes, tmp_path):
         out, stats = tmp_path / name, tmp_path / f"{name}.json"
         done = petzval_cli("render", cli_scenes / scene, *options, "-o", out, "--stats", stats)
         return done, out, json.loads(stats.read_text()) if stats.exists() else None
+
+    return run
+
+
+@dataclass
+class Render:
+    """What came of one of several renders."""
+
+    returncode: int
+    stderr: str
+    out: Path
+    stats: dict | None
+
+
+@pytest.fixture
+def cli_renders(cli_scenes, tmp_path):
+    """`renders([options...], ...)`: each as `cli_render` does it, all in one process, which opens the file anew for each."""
+
+    def run(*several) -> list[Render]:
+        folder = Path(tempfile.mkdtemp(dir=tmp_path))
+        outs = [folder / f"{number}.exr" for number in range(len(several))]
+        commands = [
+            ["render", str(cli_scenes / "scene.blend"), *map(str, options), "-o", str(out), "--stats", f"{out}.json"]
+            for options, out in zip(several, outs, strict=True)
+        ]
+        done = subprocess.run(
+            [sys.executable, "-c", MANY.format(folder=str(folder)), json.dumps(commands)], stdin=subprocess.DEVNULL,
+            capture_output=True, text=True, cwd=ROOT, timeout=300, check=False,
+        )  # fmt: skip
+        told = folder / "told.json"
+        statuses = json.loads(told.read_text()) if told.exists() else []
+        assert done.returncode == 0 and len(statuses) == len(several), done.stdout[-2000:] + done.stderr
+        found = []
+        for number, (status, out) in enumerate(zip(statuses, outs, strict=True)):
+            stats = Path(f"{out}.json")
+            said = (folder / f"said-{number}.txt").read_text()
+            found.append(Render(status, said, out, json.loads(stats.read_text()) if stats.exists() else None))
+        return found
 
     return run
 

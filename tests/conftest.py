@@ -17,7 +17,7 @@ from pathlib import Path
 
 import pytest
 
-from cli_render_parts import cli_render, cli_scenes  # noqa: F401 fixtures
+from cli_render_parts import cli_render, cli_renders, cli_scenes  # noqa: F401 fixtures
 
 ROOT = Path(__file__).resolve().parent.parent
 

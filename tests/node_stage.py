@@ -237,7 +237,9 @@ def _photograph(bpy: Any, path: Path, side: int) -> np.ndarray:
         image.media_type = "IMAGE"
     image.file_format, image.color_depth, image.color_mode = "OPEN_EXR", "32", "RGB"
     scene.render.filepath = str(path)
-    bpy.ops.render.render(write_still=True)
+    import kept_references
+
+    kept_references.render_still()
     loaded = bpy.data.images.load(str(path))
     pixels = np.empty(side * side * loaded.channels, np.float32)
     loaded.pixels.foreach_get(pixels)

@@ -9,6 +9,8 @@ from pathlib import Path
 import bpy
 import numpy as np
 
+import kept_references
+
 
 def addon():
     """The add-on's package, as the `blender` fixture has registered it."""
@@ -124,7 +126,7 @@ def render(folder: Path, name: str = "picture.exr") -> np.ndarray:
     """Renders the scene into a file; its pixels (height, width, 4) as the file has them."""
     path = Path(folder) / name
     bpy.context.scene.render.filepath = str(path)
-    bpy.ops.render.render(write_still=True)
+    kept_references.render_still()
     return read(path)
 
 
@@ -157,6 +159,7 @@ class Recorder:
         self.images, self.materials, self.meshes, self.instances, self.lights, self.world = [], [], [], [], [], None
         # By their index among the meshes, where nothing else stands.
         self.curves: dict[int, dict] = {}
+        self.points: dict[int, dict] = {}
 
     def add_image(self, name, pixels, *, srgb):
         self.images.append((name, pixels.copy(), srgb))
@@ -173,6 +176,12 @@ class Recorder:
     def add_curves(self, name, keys, first_keys, shape, **more):
         index = self._builder.add_curves(name, keys, first_keys, shape, **more)
         self.curves[index] = {"name": name, "keys": keys, "first_keys": first_keys, "shape": shape, **more}
+        self.meshes.append(None)
+        return index
+
+    def add_points(self, name, points, **more):
+        index = self._builder.add_points(name, points, **more)
+        self.points[index] = {"name": name, "points": points, **more}
         self.meshes.append(None)
         return index
 

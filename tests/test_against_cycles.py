@@ -21,6 +21,7 @@ SAMPLES = 64
 def photograph(blender, tmp_path):
     """Renders the scene as it is with an engine: `photograph("CYCLES")` gives its pixels, (height, width, 3)."""
     bpy = blender
+    import kept_references
 
     def run(engine: str, samples: int = SAMPLES, bounces: int = 12, seed: int = 0) -> np.ndarray:
         scene = bpy.context.scene
@@ -50,7 +51,7 @@ def photograph(blender, tmp_path):
         image.color_depth = "32"
         path = tmp_path / f"{engine}-{seed}.exr"
         scene.render.filepath = str(path)
-        bpy.ops.render.render(write_still=True)
+        kept_references.render_still()
         loaded = bpy.data.images.load(str(path))
         width, height = loaded.size
         pixels = np.empty(width * height * 4, np.float32)

@@ -53,43 +53,47 @@ def test_the_frame(blender, cli_render):
 
 
 @pytest.mark.once
-def test_seed_and_offset(blender, cli_render):
+def test_seed_and_offset(blender, cli_render, cli_renders):
     options = ("--lens", "cooke-triplet-50mm", "--samples", 2)
-    same = [picture(cli_render(*options, "--seed", 3)[1]) for _ in range(2)]
-    assert (same[0] == same[1]).all()
-    assert (same[0] != picture(cli_render(*options, "--seed", 4)[1])).any()
     # Two halves make the whole.
-    halves = [picture(cli_render(*options, "--seed", 3, "--sample-offset", offset)[1]) for offset in (0, 2)]
-    whole = picture(cli_render("--lens", "cooke-triplet-50mm", "--samples", 4, "--seed", 3)[1])
+    halves = [(*options, "--seed", 3, "--sample-offset", offset) for offset in (0, 2)]
+    several = cli_renders(
+        (*options, "--seed", 3), (*options, "--seed", 4), *halves, (*options[:2], "--samples", 4, "--seed", 3)
+    )
+    assert all(one.returncode == 0 for one in several), several
+    three, four, *halves, whole = (picture(one.out) for one in several)
+    # In a process of its own.
+    assert (three == picture(cli_render(*options, "--seed", 3)[1])).all()
+    assert (three != four).any()
     assert abs((halves[0] + halves[1]) / 2 - whole).max() < 1e-4 * max(whole.max(), 1.0)
 
 
 @pytest.mark.once
-def test_as_many_samples_as_the_noise_asks_for(blender, cli_render):
+def test_as_many_samples_as_the_noise_asks_for(blender, cli_renders):
     options = ("--lens", "cooke-triplet-50mm", "--samples", 64, "--seed", 3)
-    done, out, stats = cli_render(*options, "--noise-threshold", 0.1, "--min-samples", 4)
-    assert done.returncode == 0, done.stderr
+    asked = (*options, "--noise-threshold", 0.1, "--min-samples", 4)
+    done = cli_renders(asked, asked, (*options, "--noise-threshold", 0), options)
+    assert all(one.returncode == 0 for one in done), done
+    adaptive, again, whole, unasked = (picture(one.out) for one in done)
+    stats = done[0].stats
     least, mean, most = stats["samples"], stats["samples_mean"], stats["samples_most"]
     assert 4 <= least < mean < most <= 64
     # Some samples serve the error alone.
     assert mean * 48 * 32 - 1 <= stats["camera_rays"] < 64 * 48 * 32
-    adaptive = picture(out)
-    assert (adaptive == picture(cli_render(*options, "--noise-threshold", 0.1, "--min-samples", 4)[1])).all()
+    assert (adaptive == again).all()
     # None: as many everywhere, and the same picture to the last bit as if nothing were said.
-    _, out, stats = cli_render(*options, "--noise-threshold", 0)
+    stats = done[2].stats
     assert stats["samples"] == stats["samples_mean"] == stats["samples_most"] == 64
-    whole = picture(out)
-    assert (whole == picture(cli_render(*options)[1])).all()
+    assert (whole == unasked).all()
     # The same light, to what the threshold leaves of noise: a mean over 1536 pixels.
     assert abs(adaptive[..., :3].mean() / whole[..., :3].mean() - 1.0) < 0.02
 
 
 @pytest.mark.once
-def test_blue_noise_is_another_picture_of_the_same_light(blender, cli_render):
+def test_blue_noise_is_another_picture_of_the_same_light(blender, cli_renders):
     options = ("--camera", "pinhole", "--samples", 4)
-    own, same, shared = (
-        picture(cli_render(*options, *more)[1]) for more in ((), ("--blue-noise", "off"), ("--blue-noise", "on"))
-    )
+    done = cli_renders(options, (*options, "--blue-noise", "on"), (*options, "--blue-noise", "off"))
+    own, shared, same = (picture(one.out) for one in done)
     assert (own == same).all() and (own != shared).any()
     assert abs(shared.mean() / own.mean() - 1.0) < 0.01
 

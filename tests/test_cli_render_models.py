@@ -8,55 +8,42 @@ import pytest
 from cli_render_parts import picture
 
 
-@pytest.mark.parametrize("model", ["thick", "paraxial"])
-def test_a_lens_to_first_order(cli_render, model):
-    """Nothing is lost in it, and far from the corners its picture is the lens's own, aberrations apart."""
+def test_lenses_to_first_order(cli_renders):
+    """Nothing is lost in them, and far from the corners their pictures are the lens's own, aberrations apart."""
     lens = ("--lens", "tessar-brendel", "--film", "6x4", "--f-number", 8, "--samples", 64)
-    done, out, stats = cli_render(*lens, "--camera", model)
-    assert done.returncode == 0, done.stderr
-    assert stats["camera_rays_lost"] == 0 and stats["lens"]
-    done, exact, _ = cli_render(*lens, name="exact.exr")
-    assert done.returncode == 0, done.stderr
-    first_order, exact = picture(out)[..., :3], picture(exact)[..., :3]
-    # Noise alone: 64 samples of 48 x 32 pixels.
-    assert abs(first_order.mean() / exact.mean() - 1.0) < 0.02
+    exact, *simpler = cli_renders(lens, (*lens, "--camera", "thick"), (*lens, "--camera", "paraxial"))
+    assert exact.returncode == 0, exact.stderr
+    for one in simpler:
+        assert one.returncode == 0, one.stderr
+        assert one.stats["camera_rays_lost"] == 0 and one.stats["lens"]
+        # Noise alone: 64 samples of 48 x 32 pixels.
+        assert abs(picture(one.out)[..., :3].mean() / picture(exact.out)[..., :3].mean() - 1.0) < 0.02
 
 
-def test_a_lens_as_a_table(cli_render):
+def test_a_lens_as_a_table(cli_renders):
     """Sample by sample the picture of the lens itself, at the table's wavelength."""
-    lens = (
-        "--lens",
-        "tessar-brendel",
-        "--film",
-        "60x40",
-        "--tilt",
-        3,
-        "--samples",
-        16,
-        "--effect",
-        "lateral_colour=off",
-    )
-    done, out, stats = cli_render(*lens, "--camera", "image-based")
-    assert done.returncode == 0, done.stderr
-    assert stats["lens"]
-    done, exact, of_lens = cli_render(*lens, name="exact.exr")
-    assert done.returncode == 0, done.stderr
-    table, exact = picture(out)[..., :3], picture(exact)[..., :3]
+    lens = ("--lens", "tessar-brendel", "--film", "60x40", "--tilt", 3, "--samples", 16)
+    lens = (*lens, "--effect", "lateral_colour=off")
+    of_table, of_lens = cli_renders((*lens, "--camera", "image-based"), lens)
+    for one in (of_table, of_lens):
+        assert one.returncode == 0, one.stderr
+    assert of_table.stats["lens"]
+    table, exact = (picture(one.out)[..., :3] for one in (of_table, of_lens))
     # The same random numbers, rays within hundredths of a pixel: only where one meets an edge a path may part.
     assert abs(table.mean() / exact.mean() - 1.0) < 2e-3
     assert (abs(table - exact) < 0.02 * exact.max()).mean() > 0.99
-    assert abs(stats["camera_rays_lost"] - of_lens["camera_rays_lost"]) < 1e-3 * stats["camera_rays"]
+    lost = of_table.stats["camera_rays_lost"] - of_lens.stats["camera_rays_lost"]
+    assert abs(lost) < 1e-3 * of_table.stats["camera_rays"]
 
 
 @pytest.mark.once
-def test_light_paths(blender, cli_render):
+def test_light_paths(blender, cli_renders):
     lens = ("--lens", "cooke-triplet-50mm", "--samples", 64)
-    done, one, stats = cli_render(*lens)
-    assert done.returncode == 0 and stats["integrator"] == "path"
-    done, two, stats = cli_render(*lens, "--integrator", "bdpt", name="both.exr")
-    assert done.returncode == 0 and stats["integrator"] == "bdpt"
+    one, two = cli_renders(lens, (*lens, "--integrator", "bdpt"))
+    assert one.returncode == 0 and one.stats["integrator"] == "path"
+    assert two.returncode == 0 and two.stats["integrator"] == "bdpt"
     # Two ways to one picture: means of thousands of pixels, with the noise of a few hundredths in each.
-    assert picture(two)[..., :3].mean() == pytest.approx(picture(one)[..., :3].mean(), rel=0.02)
+    assert picture(two.out)[..., :3].mean() == pytest.approx(picture(one.out)[..., :3].mean(), rel=0.02)
 
 
 CHANGES = {
@@ -84,37 +71,38 @@ CHANGES = {
 }
 
 
-@pytest.fixture
-def plain(blender, cli_render):
-    """What the changes are seen against."""
-    return picture(cli_render("--lens", "cooke-triplet-50mm", "--samples", 2, name="plain.exr")[1])
-
-
 @pytest.mark.once
-@pytest.mark.slow
-def test_options_reach_the_lens(plain, cli_render):
-    for what, options in CHANGES.items():
-        lens = () if {"--lens", "--camera"} & set(options) else ("--lens", "cooke-triplet-50mm")
-        done, out, stats = cli_render(*lens, *options, "--samples", 2)
-        assert done.returncode == 0, f"{what}: {done.stderr}"
-        assert abs(picture(out) - plain).mean() > 1e-4, what
-        assert stats["non_finite_samples"] == 0
+def test_options_reach_the_lens(blender, cli_renders):
+    commands = [("--lens", "cooke-triplet-50mm")]
+    for options in CHANGES.values():
+        commands.append(options if {"--lens", "--camera"} & set(options) else (*commands[0], *options))
+    plain, *changed = cli_renders(*((*options, "--samples", 2) for options in commands))
+    assert plain.returncode == 0, plain.stderr
+    for what, one in zip(CHANGES, changed, strict=True):
+        assert one.returncode == 0, f"{what}: {one.stderr}"
+        assert abs(picture(one.out) - picture(plain.out)).mean() > 1e-4, what
+        assert one.stats["non_finite_samples"] == 0
 
 
-def test_a_mask_from_a_file_shapes_the_blur(blender, cli_render, plain, tmp_path):
-    masks = {}
-    for name, column in (("left", 0), ("right", 1), ("open", None)):
+def test_a_mask_from_a_file_shapes_the_blur(blender, cli_renders, tmp_path):
+    names = ("left", "right", "open")
+    for name, column in zip(names, (0, 1, None), strict=True):
         image = blender.data.images.new(name, 2, 2)
         pixels = [[float(column in (None, i % 2))] * 3 + [1.0] for i in range(4)]
         image.pixels.foreach_set([number for pixel in pixels for number in pixel])
         image.filepath_raw, image.file_format = str(tmp_path / f"{name}.png"), "PNG"
         image.save()
-        done, out, _ = cli_render(
-            "--lens", "cooke-triplet-50mm", "--focus-distance", 600, "--samples", 64, "--aperture-mask",
-            tmp_path / f"{name}.png", name=f"{name}.exr",
-        )  # fmt: skip
-        assert done.returncode == 0, done.stderr
-        masks[name] = picture(out)[..., 0]
+    # From the scene the entrance pupil is aimed at, and the mask met on the way back.
+    pipelines = ("film", "scene", "hero")
+    lens = ("--lens", "cooke-triplet-50mm", "--focus-distance", 600, "--samples", 64, "--aperture-mask")
+    done = cli_renders(
+        *((*lens, tmp_path / f"{name}.png") for name in names),
+        *((*lens, tmp_path / "right.png", "--pipeline", pipeline) for pipeline in pipelines),
+    )
+    for one in done:
+        assert one.returncode == 0, one.stderr
+    found = [picture(one.out)[..., 0] for one in done]
+    masks = dict(zip(names, found, strict=False))
 
     def middle(found):
         return (found.sum(axis=0) * range(found.shape[1])).sum() / found.sum()
@@ -124,16 +112,9 @@ def test_a_mask_from_a_file_shapes_the_blur(blender, cli_render, plain, tmp_path
     assert middle(masks["right"]) - middle(masks["left"]) > 0.5
     mean = (masks["left"] + masks["right"]) / 2
     assert abs(mean - masks["open"]).mean() < 0.05 * masks["open"].mean()
-    # From the scene the entrance pupil is aimed at, and the mask met on the way back.
-    for pipeline in ("film", "scene", "hero"):
-        done, out, _ = cli_render(
-            "--lens", "cooke-triplet-50mm", "--focus-distance", 600, "--samples", 64, "--aperture-mask",
-            tmp_path / "right.png", "--pipeline", pipeline, name=f"{pipeline}.exr",
-        )  # fmt: skip
-        assert done.returncode == 0, done.stderr
-        found = picture(out)[..., 0]
-        assert found.sum() == pytest.approx(masks["right"].sum(), rel=0.02), pipeline
-        assert middle(found) == pytest.approx(middle(masks["right"]), abs=0.2), pipeline
+    for pipeline, one in zip(pipelines, found[3:], strict=True):
+        assert one.sum() == pytest.approx(masks["right"].sum(), rel=0.02), pipeline
+        assert middle(one) == pytest.approx(middle(masks["right"]), abs=0.2), pipeline
 
 
 def test_without_lens_or_camera_the_file_decides(blender, cli_render):
@@ -143,22 +124,20 @@ def test_without_lens_or_camera_the_file_decides(blender, cli_render):
 
 
 @pytest.mark.once
-def test_precision(cli_render):
+def test_precision(cli_renders):
     """Chosen by what it changes; the other one is as good as the same picture."""
     lens = ("--lens", "tessar-brendel", "--film", "60x40", "--samples", 16)
-    pictures = {}
-    for asked, chosen in ((), "f32"), (("--precision", "f64"), "f64"), (("--precision", "f32"), "f32"):
-        done, out, stats = cli_render(*lens, *asked, name=f"{len(pictures)}.exr")
-        assert done.returncode == 0, done.stderr
-        precision = stats["precision"]
+    ways = (((), "f32"), (("--precision", "f64"), "f64"), (("--precision", "f32"), "f32"))
+    *done, pinhole = cli_renders(*((*lens, *asked) for asked, _ in ways), ("--camera", "pinhole", "--samples", 1))
+    for one, (asked, chosen) in zip(done, ways, strict=True):
+        assert one.returncode == 0, one.stderr
+        precision = one.stats["precision"]
         assert (precision["asked"], precision["chosen"]) == (asked[1] if asked else "auto", chosen)
         # 48 x 32 pixels: far fewer than single precision tells apart.
         assert 0.0 < precision["f32_error_px"] < 1e-3 and precision["tolerance_px"] == 0.01
-        pictures[asked] = picture(out)[..., :3]
-    auto, double, single = pictures.values()
+    auto, double, single = (picture(one.out)[..., :3] for one in done)
     assert (auto == single).all() and (auto != double).any()
     # The same random numbers, rays within thousandths of a pixel: only where one meets an edge a path may part.
     assert abs(auto.mean() / double.mean() - 1.0) < 1e-3
     assert (abs(auto - double) < 0.01 * double.max()).mean() > 0.99
-    done, _, stats = cli_render("--camera", "pinhole", "--samples", 1)
-    assert done.returncode == 0 and stats["precision"] is None
+    assert pinhole.returncode == 0 and pinhole.stats["precision"] is None

@@ -8,6 +8,8 @@ from __future__ import annotations
 
 import json
 import os
+import subprocess
+from dataclasses import dataclass
 from pathlib import Path
 
 import numpy as np
@@ -27,29 +29,55 @@ def test_there_are_scenes(other_peoples_scenes):
     assert SCENES, f"no .blend in {other_peoples_scenes}"
 
 
+@dataclass
+class Rendered:
+    """What `petzval render` did with a scene."""
+
+    done: subprocess.CompletedProcess[str]
+    out: Path
+    stats: Path
+    size: tuple[int, int]
+    samples: int
+
+
+@pytest.fixture(scope="module")
+def rendered(petzval_cli, other_peoples_scenes, tmp_path_factory):
+    """`rendered(scene)`: each is rendered once for all tests that ask."""
+    folder = tmp_path_factory.mktemp("other-peoples-scenes")
+    known: dict[Path, Rendered] = {}
+
+    def one(scene: Path) -> Rendered:
+        if scene not in known:
+            out, stats = folder / f"{scene.stem}.exr", folder / f"{scene.stem}.json"
+            # The nebula is a volume that fills the whole picture, and slow.
+            (width, height), samples = ((16, 9), 1) if scene.stem == "space_sky_nebula" else ((160, 90), 4)
+            done = petzval_cli(
+                "render", scene, "--camera", "pinhole", "--resolution", f"{width}x{height}", "--samples", samples,
+                "--threads", 2, "-o", out, "--stats", stats, timeout_s=TIMES_OUT_AFTER_S,
+            )  # fmt: skip
+            known[scene] = Rendered(done, out, stats, (width, height), samples)
+        return known[scene]
+
+    return one
+
+
 @pytest.mark.parametrize("scene", SCENES, ids=lambda path: path.stem)
-def test_a_scene_of_other_people(petzval_cli, other_peoples_scenes, tmp_path, scene):
+def test_a_scene_of_other_people(rendered, scene):
     import scene_parts
 
-    out, stats = tmp_path / "out.exr", tmp_path / "stats.json"
-    # The nebula is a volume that fills the whole picture, and slow.
-    width, height = (40, 22) if scene.stem == "space_sky_nebula" else (160, 90)
-    done = petzval_cli(
-        "render", scene, "--camera", "pinhole", "--resolution", f"{width}x{height}", "--samples", 4, "--threads", 2,
-        "-o", out, "--stats", stats, timeout_s=TIMES_OUT_AFTER_S,
-    )  # fmt: skip
-    if done.returncode == 1 and "no camera" in done.stderr:
-        assert done.stderr.count("\n") == 1
+    one = rendered(scene)
+    if one.done.returncode == 1 and "no camera" in one.done.stderr:
+        assert one.done.stderr.count("\n") == 1
         pytest.skip(f"{scene.name} is a library of parts: it has no camera")
-    assert done.returncode == 0, done.stderr + done.stdout[-2000:]
-    assert done.stderr == ""
-    told = json.loads(stats.read_text())
+    assert one.done.returncode == 0, one.done.stderr + one.done.stdout[-2000:]
+    assert one.done.stderr == ""
+    told = json.loads(one.stats.read_text())
     assert told["non_finite_samples"] == 0
-    assert told["samples"] == 4
+    assert told["samples"] == one.samples
     assert len(told["warnings"]) == len(set(told["warnings"]))
     assert all(line and "\n" not in line for line in told["warnings"])
-    pixels = scene_parts.read(out)
-    assert pixels.shape[:2] == (height, width)
+    pixels = scene_parts.read(one.out)
+    assert pixels.shape[1::-1] == one.size
     assert np.isfinite(pixels).all()
     assert pixels[..., :3].mean() > 0.0 or scene.stem in MAY_BE_BLACK, told["warnings"]
 
@@ -79,16 +107,12 @@ WHAT_IS_MISSING = {
 
 
 @pytest.mark.parametrize("name", WHAT_IS_MISSING)
-def test_what_is_missing_is_named(petzval_cli, other_peoples_scenes, tmp_path, name):
+def test_what_is_missing_is_named(rendered, name):
     scene = next((one for one in SCENES if one.stem == name), None)
     if scene is None:
         pytest.skip(f"{name}.blend is not there")
-    stats = tmp_path / "stats.json"
-    done = petzval_cli(
-        "render", scene, "--camera", "pinhole", "--resolution", "16x9", "--samples", 1,
-        "-o", tmp_path / "out.png", "--stats", stats, timeout_s=TIMES_OUT_AFTER_S,
-    )  # fmt: skip
-    assert done.returncode == 0, done.stderr
-    told = "\n".join(json.loads(stats.read_text())["warnings"])
+    one = rendered(scene)
+    assert one.done.returncode == 0, one.done.stderr
+    told = "\n".join(json.loads(one.stats.read_text())["warnings"])
     for word in WHAT_IS_MISSING[name]:
         assert word in told, told

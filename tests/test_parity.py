@@ -34,12 +34,14 @@ def test_parity(blender, tmp_path, name):
 
     one = SCENES[name]
     one.open()
-    for part, share in beside_cycles.LOOKS:
-        photograph.prepare(WIDTH, HEIGHT, SAMPLES // part)
-        beside_cycles.small_sky_table()
-        ours = photograph.looks("PETZVAL", tmp_path, one.passes, one.frames)
+    photograph.prepare(WIDTH, HEIGHT, SAMPLES)
+    beside_cycles.small_sky_table()
+
+    def take(engine):
+        return photograph.looks(engine, tmp_path, one.passes, one.frames)
+
+    for done, share, ours, theirs in beside_cycles.looks(SAMPLES, take):
         told = sys.modules["petzval_addon"].statistics.last(blender.context.scene.name)
-        theirs = photograph.looks("CYCLES", tmp_path, one.passes, one.frames)
         assert all(np.isfinite(look).all() for look in ours.values())
         left = [line for line in told.warnings if not any(word in line for word in one.warns)]
         assert not left, left
@@ -47,7 +49,7 @@ def test_parity(blender, tmp_path, name):
         ratios = {look: block_ratios(ours[look], theirs[look], floor_of(look)) for look in ours}
         worst = max(np.abs(ratio - 1.0).max() for ratio in ratios.values())
         mean = max(abs(ours[look].mean() - theirs[look].mean()) / np.abs(theirs[look]).mean() for look in ours)
-        print(f"{name}, {SAMPLES // part} samples: worst block {worst:.4f}, mean {mean:.4f}")
+        print(f"{name}, {done} samples: worst block {worst:.4f}, mean {mean:.4f}")
         # The mean is of twelve blocks.
         if worst < share * (one.tolerance + one.noise) and mean < share * (one.tolerance + 0.3 * one.noise):
             return

@@ -1,5 +1,5 @@
 # SPDX-License-Identifier: GPL-3.0-or-later
-"""`petzval lens check|info|trace`: reads arguments, asks the engine, prints its answer. Computes nothing."""
+"""`petzval lens check|convert|info|trace`: reads arguments, asks the engine, prints its answer. Computes nothing."""
 
 from __future__ import annotations
 
@@ -16,17 +16,28 @@ from .places import find_lens
 from .questions import read_list, vector_text
 
 
+#: What is read, by ending; tables of the Optical Bench are known by their sections.
+KINDS = ".lens, .zmx, .seq, .len, .dat or .txt (a table of the Optical Bench)"
+
+
 def add_parser(subparsers: argparse._SubParsersAction) -> None:
     """Adds `lens` with its three actions."""
-    lens = subparsers.add_parser("lens", help="check, describe or trace a lens", allow_abbrev=False)
+    lens = subparsers.add_parser("lens", help="check, convert, describe or trace a lens", allow_abbrev=False)
     actions = lens.add_subparsers(dest="action", metavar="ACTION", required=True)
 
     check = actions.add_parser("check", help="read lens files and say what is wrong with them", allow_abbrev=False)
-    check.add_argument("lenses", nargs="+", metavar="FILE", help="a lens file, or the name of a shipped lens")
+    check.add_argument("lenses", nargs="+", metavar="FILE", help=f"a lens file ({KINDS}), or the name of a shipped lens")
     check.set_defaults(run=_check)
 
+    convert = actions.add_parser(
+        "convert", help="read a lens file of any kind, and write it as .lens or .zmx", allow_abbrev=False
+    )
+    convert.add_argument("lens", metavar="IN", help=f"{KINDS}, or the name of a shipped lens")
+    convert.add_argument("out", metavar="OUT", help="a .lens or .zmx file")
+    convert.set_defaults(run=_convert)
+
     info = actions.add_parser("info", help="focal length, planes, pupils, aberrations", allow_abbrev=False)
-    info.add_argument("lens", metavar="FILE", help="a lens file, or the name of a shipped lens")
+    info.add_argument("lens", metavar="FILE", help=f"a lens file ({KINDS}), or the name of a shipped lens")
     info.add_argument("--wavelength", type=_number, metavar="NM", help="nanometres; default: the d line")
     _add_setting(info)
     info.add_argument(
@@ -36,7 +47,7 @@ def add_parser(subparsers: argparse._SubParsersAction) -> None:
     info.set_defaults(run=_info)
 
     trace = actions.add_parser("trace", help="trace given rays through the lens", allow_abbrev=False)
-    trace.add_argument("lens", metavar="FILE", help="a lens file, or the name of a shipped lens")
+    trace.add_argument("lens", metavar="FILE", help=f"a lens file ({KINDS}), or the name of a shipped lens")
     trace.add_argument("--rays", required=True, metavar="RAYS.json|-", help="the rays; - reads them from stdin")
     trace.add_argument("--precision", choices=("f64", "f32"), default="f64", help="default: f64")
     _add_setting(trace)
@@ -136,9 +147,23 @@ _count.__name__ = "number"
 
 
 def _load(name_or_path: str) -> Any:
+    """The lens; what of its file is not in it is said on stderr."""
     from . import _native
 
-    return _native.Lens(str(find_lens(name_or_path)))
+    lens = _native.Lens(str(find_lens(name_or_path)))
+    for remark in lens.remarks:
+        complain(f"note: {remark}")
+    return lens
+
+
+#: What the eye sees, nm: for this the index of a lens's glasses should be known.
+_VISIBLE_NM = (380.0, 780.0)
+
+
+def _note_ranges(lens: Any, shortest_nm: float, longest_nm: float) -> None:
+    """Says which glasses are asked for an index beyond what is known of them."""
+    for name, start, end in lens.media_beyond(shortest_nm, longest_nm):
+        complain(f"note: glass {name}: its index is known from {start:.0f} to {end:.0f} nm, and kept still beyond")
 
 
 def _check(arguments: argparse.Namespace) -> int:
@@ -152,13 +177,32 @@ def _check(arguments: argparse.Namespace) -> int:
             failures += 1
             complain(str(error))
         else:
+            _note_ranges(lens, *_VISIBLE_NM)
             print(f"ok: {lens.name}, {lens.surface_count} surfaces")
     return 1 if failures else 0
 
 
+def _convert(arguments: argparse.Namespace) -> int:
+    out = Path(arguments.out)
+    kind = out.suffix.lower().removeprefix(".")
+    lens = _load(arguments.lens)
+    text, lost = lens.written(kind)
+    for what in lost:
+        complain(f"note: {out}: {what}")
+    try:
+        out.write_text(text, encoding="utf-8")
+    except OSError as error:
+        raise CommandError(f"cannot write {out}: {error.strerror or error}: choose another place") from None
+    print(f"{out}: {lens.name}, {lens.surface_count} surfaces")
+    return 0
+
+
 def _info(arguments: argparse.Namespace) -> int:
     options = _given(wavelength_nm=arguments.wavelength, focus_distance_mm=arguments.focus_distance)
-    answer = _load(arguments.lens).info_json(**options, **_setting(arguments))
+    lens = _load(arguments.lens)
+    if arguments.wavelength is not None:
+        _note_ranges(lens, arguments.wavelength, arguments.wavelength)
+    answer = lens.info_json(**options, **_setting(arguments))
     print(answer if arguments.json else _table(json.loads(answer)))
     return 0
 

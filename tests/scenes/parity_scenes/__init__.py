@@ -68,8 +68,8 @@ def scene(
 
 
 for _chapter in (
-    "surfaces", "textures", "coordinates", "lamps", "worlds", "volumes", "shapes", "hair", "views", "motion", "frames", "passes",
-    "light_passes", "data_passes",
+    "surfaces", "textures", "coordinates", "lamps", "worlds", "volumes", "shapes", "hair", "points", "views", "motion", "frames",
+    "passes", "light_passes", "data_passes",
 ):  # fmt: skip
     # Each adds to SCENES.
     import_module(f".{_chapter}", __name__)

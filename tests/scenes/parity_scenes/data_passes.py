@@ -6,6 +6,7 @@ from __future__ import annotations
 import bpy
 
 from . import scene
+from .motion import FRAME, animate
 from .studio import BLUE, CREAM, RED, ball, cube, empty_studio, material, monkey, plain
 
 
@@ -27,6 +28,20 @@ def _asks(*names: str) -> None:
 def places():
     _group()
     _asks("z", "position", "normal")
+
+
+@scene("How things move over the picture, before a camera that turns and walks", passes=("Vector",))
+def ways():
+    head, one, box = _group()
+    animate(head, "rotation_euler", lambda t: (0.0, 0.0, 0.2 * t))
+    animate(one, "location", lambda t: (-1.5 + 0.3 * t, -1.5, 0.6))
+    animate(box, "scale", lambda t: (1.0, 1.0, 1.0 + 0.2 * t))
+    camera = bpy.context.scene.camera
+    turn, place = camera.rotation_euler.copy(), camera.location.copy()
+    animate(camera, "rotation_euler", lambda t: (turn.x, turn.y, 0.04 * t))
+    animate(camera, "location", lambda t: (place.x, place.y + 0.3 * t, place.z))
+    bpy.context.scene.frame_set(FRAME)
+    _asks("vector")
 
 
 @scene("UV coordinates, and mist", passes=("UV", "Mist"))

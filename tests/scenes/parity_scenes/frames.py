@@ -6,8 +6,7 @@ from __future__ import annotations
 import bpy
 
 from . import scene
-from .motion import FRAME
-from .motion import _animate as animate
+from .motion import FRAME, animate
 from .studio import BLUE, CREAM, GOLD, GREEN, RED, ball, cube, empty_studio, lamp, material, monkey, plain, world
 
 FRAMES = (FRAME - 2, FRAME, FRAME + 2)

@@ -48,22 +48,27 @@ def looks(
     if frames:
         return _animation(engine, folder, frames)
     if passes:
-        found = pass_parts.photograph(folder / f"{engine.lower()}.exr", engine, bpy.context.scene.cycles.samples)
+        found = pass_parts.photograph(folder / f"{engine.lower()}.exr", engine, samples=None)
         return {name: _of_pass(found, name) for name in passes}
     return {"picture": take(engine, folder)[..., :3]}
 
 
 def _animation(engine: str, folder: Path, frames: tuple[int, ...]) -> dict[str, np.ndarray]:
-    """Rendered as an animation is, one after the other."""
+    """By Petzval as an animation, one after the other; by Cycles each for itself."""
     scene = bpy.context.scene
+    if engine == "CYCLES":
+        found = {}
+        for frame in frames:
+            scene.frame_set(frame)
+            found[f"frame {frame}"] = take(engine, folder)[..., :3]
+        return found
     scene.render.engine = engine
     steps = {after - before for before, after in zip(frames, frames[1:], strict=False)}
     assert len(steps) == 1, "frames at even steps"
     scene.frame_start, scene.frame_end, scene.frame_step = frames[0], frames[-1], steps.pop()
-    scene.render.filepath = str(folder / f"{engine.lower()}-####.exr")
+    scene.render.filepath = str(folder / "petzval-####.exr")
     bpy.ops.render.render(animation=True)
-    files = {frame: folder / f"{engine.lower()}-{frame:04}.exr" for frame in frames}
-    return {f"frame {frame}": scene_parts.read(path)[..., :3] for frame, path in files.items()}
+    return {f"frame {frame}": scene_parts.read(folder / f"petzval-{frame:04}.exr")[..., :3] for frame in frames}
 
 
 def _of_pass(found: dict[str, np.ndarray], name: str) -> np.ndarray:

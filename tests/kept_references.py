@@ -1,0 +1,122 @@
+# SPDX-License-Identifier: GPL-3.0-or-later
+"""Cycles' pictures, kept from one run of the tests to the next. Imported inside of tests: it needs bpy.
+
+The same Cycles takes the same picture of the same scene, so that only Petzval's has to be taken again. A picture is kept in
+.cache/cycles under the name of its test, and counts as long as Blender's version, the sources that the test imports of this
+folder, the .blend that is open and the camera are what they were. PETZVAL_CYCLES_AGAIN=1 has all of them taken anew.
+"""
+
+from __future__ import annotations
+
+import ast
+import functools
+import hashlib
+import os
+import re
+import shutil
+from pathlib import Path
+
+import bpy
+
+TESTS = Path(__file__).resolve().parent
+KEPT = TESTS.parent / ".cache" / "cycles"
+#: Where modules of the tests' own lie.
+_FOLDERS = (TESTS, TESTS / "scenes")
+
+#: The test that is running, and how many pictures Cycles has been asked for in it.
+_running, _asked = "", 0
+
+
+def render_still() -> None:
+    """Renders the scene into its file; what Cycles is known to take of it is copied there."""
+    scene = bpy.context.scene
+    kept = _place() if scene.render.engine == "CYCLES" else None
+    if kept is not None and kept.exists() and not os.environ.get("PETZVAL_CYCLES_AGAIN"):
+        shutil.copyfile(kept, scene.render.filepath)
+        return
+    bpy.ops.render.render(write_still=True)
+    if kept is not None:
+        KEPT.mkdir(parents=True, exist_ok=True)
+        for old in KEPT.glob(f"{kept.name.rpartition('-')[0]}-*"):
+            old.unlink(missing_ok=True)
+        # Other runs read it whole or not at all.
+        part = kept.with_suffix(f".{os.getpid()}.part")
+        shutil.copyfile(scene.render.filepath, part)
+        part.replace(kept)
+
+
+def _place() -> Path | None:
+    """Where the next picture of the running test is kept; `None` outside of tests."""
+    global _running, _asked
+    test = os.environ.get("PYTEST_CURRENT_TEST")
+    if test is None:
+        return None
+    if test != _running:
+        _running, _asked = test, 0
+    _asked += 1
+    name = test.rpartition(" ")[0]
+    file = TESTS / Path(name.partition("::")[0]).name
+    digest = hashlib.blake2b(digest_size=12)
+    for part in (*_state(), _digest_of_sources(file)):
+        digest.update(repr(part).encode())
+    digest.update(repr((test, _asked)).encode())
+    # Names of tests may be longer than those of files.
+    told = hashlib.blake2b(f"{test} {_asked}".encode(), digest_size=6).hexdigest()
+    short = re.sub(r"\W+", "-", name.partition("::")[2])[:80]
+    return KEPT / f"{short}-{told}-{'.'.join(map(str, bpy.app.version[:2]))}-{digest.hexdigest()}.exr"
+
+
+def _state() -> tuple:
+    """What a test does not say by its sources."""
+    scene = bpy.context.scene
+    render, holder = scene.render, scene.camera
+    camera = holder.data if holder else None
+    seen = camera and (camera.type, camera.lens, camera.shift_x, camera.shift_y, camera.sensor_width, camera.clip_end)
+    place = holder and tuple(tuple(row) for row in holder.matrix_world)
+    opened = Path(bpy.data.filepath) if bpy.data.filepath else None
+    data = hashlib.blake2b(opened.read_bytes()).hexdigest() if opened and opened.exists() else None
+    numbers = (render.resolution_x, render.resolution_y, render.resolution_percentage, scene.frame_current)
+    return (
+        bpy.app.version_string,
+        bpy.app.build_hash,
+        numbers,
+        scene.cycles.samples,
+        scene.cycles.seed,
+        seen,
+        place,
+        data,
+    )
+
+
+@functools.cache
+def _digest_of_sources(file: Path) -> str:
+    """Of a test's file, and of all that it imports of the tests' own."""
+    digest, known, waiting = hashlib.blake2b(), set(), [file, TESTS / "conftest.py"]
+    while waiting:
+        one = waiting.pop()
+        if one in known:
+            continue
+        known.add(one)
+        waiting += _imported(one)
+    for one in sorted(known):
+        digest.update(one.name.encode() + one.read_bytes())
+    return digest.hexdigest()
+
+
+def _imported(file: Path) -> list[Path]:
+    """The tests' own modules that a file names in imports, wherever in it; packages whole."""
+    names: set[str] = set()
+    for node in ast.walk(ast.parse(file.read_text(encoding="utf-8"))):
+        if isinstance(node, ast.Import):
+            names |= {alias.name for alias in node.names}
+        elif isinstance(node, ast.ImportFrom) and node.module:
+            names |= {node.module} | {f"{node.module}.{alias.name}" for alias in node.names}
+    found = []
+    for folder in _FOLDERS:
+        for name in names:
+            top = name.partition(".")[0]
+            if (folder / f"{top}.py").exists():
+                found.append(folder / f"{top}.py")
+            if (folder / top).is_dir():
+                found += sorted((folder / top).rglob("*.py"))
+    return found
