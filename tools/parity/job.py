@@ -2,7 +2,7 @@
 """Scenes by both programs: `python -m parity.job WIDTH HEIGHT SAMPLES MOST SCENE FOLDER [SCENE FOLDER ...]`.
 
 SCENE is the name of a parity scene or a .blend file. Each program takes it in two halves of other seeds, until the halves
-say that the noise of blocks is small, or until MOST samples. Writes FOLDER/looks.npz, linear: petzval/NAME, the halves
+say that the noise of blocks is small and blocks are alike, or until MOST samples. Writes FOLDER/looks.npz, linear: petzval/NAME, the halves
 cycles-0/NAME and cycles-1/NAME, for the picture or each pass or frame; and a line of JSON for each scene when it is done.
 """
 
@@ -21,10 +21,10 @@ import beside_cycles
 from parity_scenes import SCENES, photograph
 
 from . import MARK
-from .blocks import block_noise, floor_of
+from .blocks import block_noise, block_ratios, floor_of
 
-#: The noise of a block that is small enough.
-ENOUGH = 0.006
+#: The noise of a block that is small enough, where blocks are no farther apart than that.
+ENOUGH, ALIKE = 0.006, 0.01
 ENGINES = ("PETZVAL", "CYCLES")
 
 
@@ -50,6 +50,12 @@ class Halves:
         self.samples += samples
         self.seconds += time.process_time() - began
 
+    def of(self, look: str) -> list[np.ndarray]:
+        return [half[look] for half in self.looks]
+
+    def mean(self, look: str) -> np.ndarray:
+        return 0.5 * sum(self.of(look))
+
 
 def photographed(addon, name: str, folder: Path, width: int, height: int, samples: int, most: int) -> dict:
     """A scene by both programs; what is said of it."""
@@ -72,19 +78,20 @@ def photographed(addon, name: str, folder: Path, width: int, height: int, sample
             halves.add(halves.samples or samples // 2)
             if halves is ours:
                 told = list(addon.statistics.last(scene.name).warnings)
-        noise = {
-            look: block_noise(*([h[look] for h in s.looks] for s in (ours, theirs)), floor_of(look))
+        noise = max(block_noise(ours.of(look), theirs.of(look), floor_of(look)) for look in ours.looks[0])
+        apart = max(
+            np.abs(block_ratios(ours.mean(look), theirs.mean(look), floor_of(look)) - 1.0).max()
             for look in ours.looks[0]
-        }
-        if max(noise.values()) < ENOUGH or 4 * ours.samples > most:
+        )
+        if (noise < ENOUGH and apart < ALIKE) or 4 * ours.samples > most:
             break
-    kept = {f"petzval/{look}": 0.5 * (ours.looks[0][look] + ours.looks[1][look]) for look in noise}
+    kept = {f"petzval/{look}": ours.mean(look) for look in ours.looks[0]}
     kept |= {f"cycles-{i}/{look}": pixels for i, half in enumerate(theirs.looks) for look, pixels in half.items()}
     np.savez_compressed(folder / "looks.npz", **{look: np.asarray(pixels, np.float32) for look, pixels in kept.items()})
     return {
         "warnings": told,
         "samples": 2 * ours.samples,
-        "noise": max(noise.values()),
+        "noise": noise,
         "petzval_s": ours.seconds,
         "cycles_s": theirs.seconds,
         "blender": bpy.app.version_string,

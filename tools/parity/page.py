@@ -67,8 +67,8 @@ def _taken(results: dict, size: tuple[int, int], samples: int, most: int) -> str
     """How the pictures were, after "inside of"."""
     version = next((one["blender"] for one in results.values() if "blender" in one), "?")
     return (
-        f"Blender {version}: a pinhole, {size[0]} x {size[1]} pixels, {samples} samples and up to {most} where blocks are noisy,\n"
-        "16 bounces, nothing clamped or denoised."
+        f"Blender {version}: a pinhole, {size[0]} x {size[1]} pixels, {samples} samples and up to {most} where blocks are noisy or\n"
+        "apart, 16 bounces, nothing clamped or denoised."
     )
 
 
