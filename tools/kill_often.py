@@ -80,11 +80,6 @@ def main() -> int:
         scene, out, whole = (Path(folder) / name for name in ("scene.blend", "out.exr", "whole.exr"))
         kept, stats = Path(f"{out}.checkpoint"), Path(folder) / "stats.json"
         make(scene, width, height, arguments.samples)
-        alone = start(scene, whole, "--checkpoint", "off", "--stats", stats)
-        _, said = alone.communicate()
-        if alone.returncode != 0:
-            sys.exit(said)
-        print(f"left alone: {json.loads(stats.read_text())['seconds']['render']:.1f} s", flush=True)
         worst, lost_work = 0.0, []
         for number in range(arguments.kills):
             held = seconds_in(kept) if kept.exists() else 0.0
@@ -120,6 +115,10 @@ def main() -> int:
         if last.returncode != 0:
             sys.exit(said)
         done = json.loads(stats.read_text())
+        alone = start(scene, whole, "--checkpoint", "off")
+        _, said = alone.communicate()
+        if alone.returncode != 0:
+            sys.exit(said)
         same = same_pixels(out, whole)
         mean = sum(lost_work) / max(len(lost_work), 1)
         print(f"{arguments.kills} kills: {worst:.1f} s lost at most, {mean:.1f} s on average; went on from "
