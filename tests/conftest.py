@@ -36,6 +36,18 @@ _exit_status: int | None = None
 _addon_registered = False
 
 
+@pytest.hookimpl(tryfirst=True)
+def pytest_collection_modifyitems(items):
+    """`first_only("kind")` is `once` for all but the first value of that parameter: where nothing that a version of Blender
+    changes depends on it."""
+    for item in items:
+        for mark in item.iter_markers("first_only"):
+            (name,) = mark.args
+            values = next(m.args[1] for m in item.iter_markers("parametrize") if m.args[0] == name)
+            if item.callspec.params[name] != list(values)[0]:
+                item.add_marker(pytest.mark.once)
+
+
 @pytest.fixture
 def blender():
     """bpy, reset to an empty factory scene, with the add-on registered."""

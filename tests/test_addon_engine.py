@@ -240,6 +240,7 @@ def exr_channels(path) -> dict[str, np.ndarray]:
     return found
 
 
+@pytest.mark.once
 @pytest.mark.parametrize("model", ["PINHOLE", "LENS"])
 def test_errors_of_neighbours_cancel_with_blue_noise(parts, blender, tmp_path, model):
     """A wall in the half shadow of a bar before a large lamp."""

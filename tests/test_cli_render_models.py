@@ -8,6 +8,7 @@ import pytest
 from cli_render_parts import picture
 
 
+@pytest.mark.once
 def test_lenses_to_first_order(cli_renders):
     """Nothing is lost in them, and far from the corners their pictures are the lens's own, aberrations apart."""
     lens = ("--lens", "tessar-brendel", "--film", "6x4", "--f-number", 8, "--samples", 64)
@@ -20,6 +21,7 @@ def test_lenses_to_first_order(cli_renders):
         assert abs(picture(one.out)[..., :3].mean() / picture(exact.out)[..., :3].mean() - 1.0) < 0.02
 
 
+@pytest.mark.once
 def test_a_lens_as_a_table(cli_renders):
     """Sample by sample the picture of the lens itself, at the table's wavelength."""
     lens = ("--lens", "tessar-brendel", "--film", "60x40", "--tilt", 3, "--samples", 16)

@@ -64,6 +64,7 @@ def shows(t: Tree, output, scale: float = 1.0, shift: float = 0.0):
     t.shows(t.node("Emission", Color=scaled.outputs[0], Strength=1.5).outputs[0])
 
 
+@pytest.mark.first_only("kind")
 @pytest.mark.parametrize("kind", KINDS)
 @pytest.mark.parametrize("space", ["Normal", "UV", "Incoming", "Position", "Object", "Parametric", "True Normal"])
 def test_coordinates(studio, blender, tmp_path, kind, space):
@@ -77,6 +78,7 @@ def test_coordinates(studio, blender, tmp_path, kind, space):
     alike(tmp_path)
 
 
+@pytest.mark.first_only("kind")
 @pytest.mark.parametrize("kind", ["POINT", "SPOT", "AREA", "POINT without size"])
 @pytest.mark.parametrize("falloff", ["Quadratic", "Linear", "Constant"])
 def test_falloff(studio, blender, tmp_path, kind, falloff):
@@ -122,6 +124,7 @@ def two(t: Tree):
     t.shows(t.node("MixShader", _0=0.3, _1=one.outputs[0], _2=other.outputs[0]).outputs[0])
 
 
+@pytest.mark.first_only("kind")
 @pytest.mark.parametrize("kind", ["POINT", "SPOT", "SUN", "AREA"])
 @pytest.mark.parametrize(
     "build",

@@ -177,6 +177,7 @@ def test_the_groups_sum_up_to_combined(stage, blender, tmp_path, pipeline, thres
     assert all(np.array_equal(found[0][name], found[1][name]) for name in found[0])
 
 
+@pytest.mark.once
 @pytest.mark.parametrize("pipeline", ["FILM", "HERO", "SCENE"])
 def test_a_group_is_the_picture_with_its_emitters_alone(stage, blender, tmp_path, pipeline):
     """Through a lens, where Cycles has none."""

@@ -33,6 +33,7 @@ def emitter(studio, blender, kind: str):  # noqa: F811
 KINDS = ("POINT", "AREA", "SUN", "MESH")
 
 
+@pytest.mark.first_only("kind")
 @pytest.mark.parametrize("kind", KINDS)
 @pytest.mark.parametrize("state", ["INCLUDE", "EXCLUDE", "EMPTY"])
 @pytest.mark.parametrize("role", ["receiver", "blocker"])

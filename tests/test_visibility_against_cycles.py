@@ -91,6 +91,7 @@ def test_objects_hide(room, blender, tmp_path, kind):
 
 
 @pytest.mark.parametrize("kind", ["camera", "diffuse", "glossy", "transmission"])
+@pytest.mark.first_only("lamp")
 @pytest.mark.parametrize("lamp", ["AREA", "SUN", "POINT"])
 def test_lamps_reach(room, blender, tmp_path, kind, lamp):
     room.lamp.data.type = lamp

@@ -133,8 +133,8 @@ impl<'a> Glasses<'a> {
         let wrong = |why: String| at(file, place.line, place.column, Problem::Beside { name: name.to_owned(), why });
         let bytes = text::bytes(&path, &shown, LARGEST_CATALOGUE).map_err(|error| wrong(error.to_string()))?;
         let media = if name.to_lowercase().ends_with(".yml") {
-            let medium =
-                rii::parse_bytes(&bytes, &shown, &text::stem(name)).map_err(|error| wrong(error.to_string()))?;
+            let medium = rii::parse_bytes(&bytes, &shown, &one_word(&text::stem(name)))
+                .map_err(|error| wrong(error.to_string()))?;
             vec![medium]
         } else {
             let (media, said) = agf::parse_bytes(&bytes, &shown).map_err(|error| wrong(error.to_string()))?;
@@ -244,7 +244,7 @@ impl<'a> Glasses<'a> {
         // Three lines of visible light stand for all of it; a table for what it covers.
         let range_nm = if points.len() > 3 { [low * 1000.0, high * 1000.0] } else { [0.0, f64::INFINITY] };
         let dispersion = Dispersion::through(points).filter(|_| good)?;
-        Some(Medium::new(name, dispersion, range_nm, "the lens file"))
+        Some(Medium::new(&one_word(name), dispersion, range_nm, "the lens file"))
     }
 }
 
@@ -253,6 +253,12 @@ fn makers(name: &str) -> Option<&'static [&'static str]> {
     let name = name.to_lowercase();
     let known = CATALOGUES.iter().find(|(known, _)| name.starts_with(known));
     known.map(|(_, ours)| *ours)
+}
+
+/// A name as it can stand in a lens file: one word, no remark, no number of its own.
+fn one_word(name: &str) -> String {
+    let plain: String = name.chars().map(|c| if c.is_whitespace() || "#=:".contains(c) { '_' } else { c }).collect();
+    if plain.is_empty() || plain.eq_ignore_ascii_case("mirror") { format!("glass_{plain}") } else { plain }
 }
 
 fn alias(name: &str) -> &str {

@@ -115,7 +115,7 @@ impl<'a> Reader<'a> {
             }
             return Ok(());
         }
-        self.surface_line(line, text, key, rest)
+        self.surface_line(line, key, rest)
     }
 
     /// A line before the surfaces.

@@ -122,6 +122,21 @@ impl Dispersion {
         })
     }
 
+    /// The words for the formulas.
+    pub const WORDS: [&str; 11] = [
+        "constant",
+        "sellmeier",
+        "polynomial",
+        "rational",
+        "cauchy",
+        "gas",
+        "buchdahl",
+        "herzberger",
+        "retro",
+        "exotic",
+        "table",
+    ];
+
     /// The formula of a word and its numbers; `None` if there is no such, or their count is wrong.
     pub fn from_words(formula: &str, numbers: &[f64]) -> Option<Self> {
         let (&a, rest) = numbers.split_first()?;

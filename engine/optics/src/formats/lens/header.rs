@@ -64,9 +64,11 @@ impl Header {
                 let (name, token) = value.split_once('=').unwrap_or_default();
                 self.aliases.push((name.trim().to_owned(), token.trim().to_owned()));
             }
+            // A remark about the glasses is none of these.
+            "glass" if !is_formula(value) => {}
             "glass" => self.glasses.push(glass(value).ok_or_else(|| Problem::GlassLine(value.to_owned()))?),
-            "transmittance" => self.transmittance(value)?,
-            "catalogue" => self.catalogues.push((value.to_owned(), place)),
+            "transmittance" if value.contains('@') => self.transmittance(value)?,
+            "catalogue" if is_glass_file(value) => self.catalogues.push((value.to_owned(), place)),
             "film_radius" => self.film_radius_mm = Some(number(value)?),
             "film" => {
                 let (width, height) = value.split_once('x').unwrap_or((value, value));
@@ -105,6 +107,17 @@ impl Header {
         }
         Ok(())
     }
+}
+
+/// True if the second word names a formula.
+fn is_formula(value: &str) -> bool {
+    value.split_whitespace().nth(1).is_some_and(|word| Dispersion::WORDS.contains(&word))
+}
+
+/// True if this is the name of a glass catalogue's file.
+fn is_glass_file(value: &str) -> bool {
+    let lower = value.to_lowercase();
+    lower.ends_with(".agf") || lower.ends_with(".yml")
 }
 
 /// `NAME FORMULA FROM-TO NUMBERS`: the range in nm, the formula and its numbers as glass files have them.

@@ -72,7 +72,6 @@ impl Reader<'_> {
     pub(super) fn surface_line(
         &mut self,
         line: usize,
-        text: &str,
         key: &Token<'_>,
         rest: &[Token<'_>],
     ) -> Result<(), LensFileError> {
@@ -145,7 +144,6 @@ impl Reader<'_> {
             }
             known if SILENT.contains(&known) => {}
             other => {
-                let _ = text;
                 self.draft.remarks.once(other, place, format!("'{other}' is not understood and left out"));
             }
         }

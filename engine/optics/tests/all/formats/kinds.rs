@@ -115,6 +115,9 @@ fn code_v_numbers_are_where_they_belong() {
     assert!((index(0, line_nm::D) - 1.517).abs() < 1e-12);
     assert!((index(1, 656.3) - 1.6).abs() < 1e-12 && (index(1, 486.1) - 1.615).abs() < 1e-12);
     assert_eq!(index(3, 500.0), Catalogue::shipped().medium("hikari:SF11").unwrap().index(500.0));
+    let spaced = text.replace("'MINE'", "'MY #1 GLASS'").replace("'mine'", "'my #1 glass'");
+    let spaced = parse("a.seq", &spaced).unwrap().prescription;
+    assert_same("spaced", &spaced, &again(&spaced, lens::write, "x.lens"));
     let cases = [
         (text.replace("SF11_HIKARI", "NBK7_OHARA"), "a.seq:21:9: unknown glass 'NBK7"),
         (text.replace("STO\n", "STO\nADE 5.0\n"), "a.seq:21:1: 'ADE' tilts, moves or reshapes"),
