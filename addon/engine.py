@@ -3,45 +3,18 @@
 
 from __future__ import annotations
 
-import dataclasses
-import functools
-import json
-import time
 import traceback
 
 import bpy
-import numpy as np
 
-from . import (
-    checkpoints,
-    effects,
-    loop,
-    passes,
-    persistent,
-    planning,
-    render_settings,
-    shadow_catcher,
-    staging,
-    statistics,
-    tiles,
-)
-from .description import CameraDescription, Report, ShutterDescription, focused
-from .export import camera as camera_export
-from .export import shutter as shutters
-from .export import world as world_export
+from . import loop, passes, persistent, planning, statistics
 from .export.errors import ExportError
-from .export.motion import Frame, Motion
 from .native import EngineMissing, engine
+from .photograph import Photograph
+from .results import deliver_black
 
 #: The one name of the engine.
 ENGINE = "PETZVAL"
-
-
-# Samples: with fewer, the time that a forecast takes would be seen.
-_WORTH_A_FORECAST = 1 << 21
-# Pictures of a lens that changes while the shutter is open: enough for changes of a few f-stops, or of a focus pull
-# across a scene, to look smooth.
-_SHUTTER_STEPS = 16
 
 
 class PetzvalRenderEngine(bpy.types.RenderEngine):
@@ -71,14 +44,14 @@ class PetzvalRenderEngine(bpy.types.RenderEngine):
     def render(self, depsgraph):
         """One view layer. An exception would only be printed, so everything ends as a report and a picture."""
         try:
-            _Photograph(self, depsgraph).take()
+            Photograph(self, depsgraph).take()
         except loop.Stopped:
-            _deliver_black(self, depsgraph)
+            deliver_black(self, depsgraph)
         except (ExportError, EngineMissing) as error:
             _fail(self, depsgraph, str(error))
         except KeyboardInterrupt:
             loop.WATCH.stop.set()
-            _deliver_black(self, depsgraph)
+            deliver_black(self, depsgraph)
         except Exception as error:
             if not _is_engine_error(error):
                 traceback.print_exc()
@@ -94,349 +67,8 @@ def _is_engine_error(error: Exception) -> bool:
 
 def _fail(host: PetzvalRenderEngine, depsgraph: bpy.types.Depsgraph, message: str) -> None:
     """An error report, and a black picture: writing a picture without pixels crashes Blender."""
-    _deliver_black(host, depsgraph)
+    deliver_black(host, depsgraph)
     host.report({"ERROR"}, message)
-
-
-def _deliver_black(host: PetzvalRenderEngine, depsgraph: bpy.types.Depsgraph) -> None:
-    window = _region(depsgraph.scene_eval.render)
-    black = np.zeros((window.height, window.width, 4), np.float32)
-    _deliver(host, depsgraph, [tiles.Tile(0, 0, black)])
-
-
-def _deliver(host: PetzvalRenderEngine, depsgraph: bpy.types.Depsgraph, finished: list[tiles.Tile]) -> None:
-    """Hands tiles, placed in the rendered region, to Blender."""
-    layer = depsgraph.view_layer_eval.name
-    for tile in finished:
-        height, width = tile.pixels.shape[:2]
-        result = host.begin_result(tile.x, tile.y, width, height, layer=layer)
-        for one in result.layers[0].passes:
-            if one.name == passes.COMBINED.name:
-                one.rect.foreach_set(tiles.flat(tile))
-        host.end_result(result)
-
-
-def _region(render: bpy.types.RenderSettings) -> tiles.Window:
-    border = None
-    if render.use_border:
-        border = (render.border_min_x, render.border_max_x, render.border_min_y, render.border_max_y)
-    return tiles.region(*camera_export.resolution(render), border)
-
-
-class _Photograph:
-    """One render of one view layer, from the dependency graph to the last tile."""
-
-    def __init__(self, host: PetzvalRenderEngine, depsgraph: bpy.types.Depsgraph) -> None:
-        self.host = host
-        self.depsgraph = depsgraph
-        self.scene = depsgraph.scene_eval
-        self.report = Report()
-        self.window = _region(self.scene.render)
-        layer = depsgraph.view_layer_eval
-        self.data_passes = passes.wanted(layer)
-        self.merging = passes.for_merging(layer, self.scene.petzval)
-        self.mattes, self.matte_levels = passes.wanted_mattes(layer), passes.matte_levels(layer)
-        self.light_groups = passes.of_light_groups(layer)
-        self.parts = passes.wanted_parts(layer, bpy.app.version)
-        self.indices = passes.wanted_indices(layer, bpy.app.version)
-        self.has_shadow = passes.wants_shadow(layer)
-        self.focus: dict | None = None
-        self.plan = None
-        # What the plan tells, and the same in a line for the status.
-        self.told: dict = {}
-        self.planned = ""
-
-    def take(self) -> None:
-        shutter = shutters.of(self.scene)
-        now = self.scene.frame_current + self.scene.frame_subframe
-        if shutter is None or shutter.middle == now:
-            return self._take(shutter)
-        # As in Cycles, everything is taken as it is in the middle of the exposure.
-        try:
-            self._frame_set(*shutters.split(shutter.middle))
-            self._take(shutter)
-        finally:
-            self._frame_set(*shutters.split(now))
-
-    def _take(self, shutter: shutters.Shutter | None) -> None:
-        native = engine()
-        self._tell("Reading the scene", 0.0)
-        began = time.perf_counter()
-        width, height = camera_export.resolution(self.scene.render)
-        camera = staging.camera(self.scene, width, height, self.report)
-        settings = render_settings.describe(self.scene, width, height, bool(self.data_passes))
-        settings = render_settings.of_layer(settings, self.scene, self.depsgraph.view_layer_eval)
-        blur, opened, moving = self._over_the_shutter(shutter, camera, width, height)
-        neighbours, motion = self._beside(camera, width, height)
-        builder, size = native.SceneBuilder(), (width, height)
-        checkpoint = checkpoints.of(self.depsgraph)
-        told = checkpoint.watched(builder) if checkpoint else builder
-        catches = staging.fill(told, self.depsgraph, camera, size, self.report, self._check_stop, motion, blur)
-        if catches and self.scene.petzval.integrator == "BIDIRECTIONAL":
-            self.report.warn(
-                f"Scene '{self.scene.name}': bidirectional paths know of no shadow catchers, these are shown"
-            )
-            catches = False
-        self.report.warnings += builder.warnings()
-        sync_seconds = time.perf_counter() - began
-
-        self._tell("Building trees", 0.0)
-        place, previous = staging.place(camera), persistent.previous(self.depsgraph)
-        scene = loop.stoppable(lambda: builder.build(place, settings.threads, previous), self._stop_asked)
-        persistent.keep(self.depsgraph, scene)
-        self.report.warnings += scene.warnings()
-        for warning in self.report.warnings:
-            self.host.report({"WARNING"}, warning)
-        self._tell("Preparing the lens", 0.0)
-        if camera.autofocus is not None:
-            self.focus = loop.stoppable(lambda: staging.focus(native, scene, camera, width, height), self._stop_asked)
-            moving = [dataclasses.replace(then, **focused(then, self.focus)) for then in moving]
-            neighbours = neighbours and tuple(
-                dataclasses.replace(then, **focused(then, self.focus)) for then in neighbours
-            )
-        if not (scene.moving_count or moving or (opened and opened.camera_keys)):
-            # Nothing moves: samples need no time.
-            opened = None
-        if loop.WATCH.study is not None:
-            wishes = effects.wishes(self.scene.petzval)
-            loop.WATCH.study(loop.Subject(scene, camera, settings, moving, wishes, opened, sync_seconds))
-            _deliver_black(self.host, self.depsgraph)
-            return
-        self._tell_of_denoising()
-        self._plan(native, scene, camera, settings, moving, opened)
-        mattes = [one.engine_name for one in (*self.mattes, *self.indices)]
-        beside = {"plan": self.plan, "mattes": mattes, "matte_levels": self.matte_levels, "neighbours": neighbours}
-        beside["light_groups"] = len(self.light_groups)
-        beside["parts"] = [name for one in self.parts for name in passes.engine_names(one)]
-        if catches:
-            beside["parts"] += shadow_catcher.PARTS
-        beside["shutter"] = opened
-        beside["mist"] = world_export.mist(self.scene.world)
-        if checkpoint:
-            decided = [(row["effect"], row["decision"]) for row in self.told["effects"]]
-            others = {name: value for name, value in beside.items() if name != "plan"}
-            beside["checkpoint"] = checkpoint.arguments(settings, camera, moving, decided, others)
-        job = loop.stoppable(lambda: native.Job(scene, camera, settings, moving, **beside), self._stop_asked)
-        stopped = loop.follow(job, stop_asked=self._stop_asked, show=self._show, tell=self._progress)
-        self._progress(job.progress() if stopped else 1.0, job.samples_done())
-        caught = None
-        if catches and not stopped:
-            others = functools.partial(self._beside_all, native, camera, settings, moving, size, place, blur, opened)
-            is_over_sky = not (self.has_shadow or self.scene.render.film_transparent)
-            caught = others(is_sky=False), others(is_sky=True) if is_over_sky else None
-        self._show_all(job, caught)
-        for warning in scene.warnings():
-            if warning not in self.report.warnings:
-                self.report.warn(warning)
-                self.host.report({"WARNING"}, warning)
-        self._keep(json.loads(job.stats_json()), sync_seconds, stopped)
-        if checkpoint:
-            self._tell("Keeping the render", 1.0)
-            is_done_with = not stopped and loop.WATCH.checkpoint is None
-            loop.stoppable(lambda: job.end_checkpoints(is_done_with), lambda: False)
-
-    def _tell_of_denoising(self) -> None:
-        """Cycles's switch is on unless it is turned off: who turned it on wants to know that it is for Cycles."""
-        cycles = getattr(self.scene, "cycles", None)
-        if cycles is not None and cycles.is_property_set("use_denoising") and cycles.use_denoising:
-            self.host.report(
-                {"INFO"},
-                "Petzval does not denoise by itself: turn on View Layer > Passes > Data for Denoise Node, and use the Denoise node "
-                "of the compositor with Denoising Albedo and Denoising Normal",
-            )
-
-    def _beside_all(self, native, camera, settings, moving, size, place, blur, opened, *, is_sky: bool):
-        """The finished render of what catches shadows without anything that throws them, or of the sky alone."""
-        builder = native.SceneBuilder()
-        if is_sky:
-            staging.fill_sky(builder, self.depsgraph, camera, size, Report())
-        else:
-            staging.fill(
-                builder, self.depsgraph, camera, size, Report(), self._check_stop, blur=blur, only_catchers=True
-            )
-        # A sky that the camera sees is none of the light on what catches shadows.
-        settings = dataclasses.replace(settings, transparent_film=not is_sky)
-        scene = loop.stoppable(lambda: builder.build(place, settings.threads, None), self._stop_asked)
-        make = lambda: native.Job(scene, camera, settings, moving, plan=self.plan, shutter=opened)  # noqa: E731
-        job = loop.stoppable(make, self._stop_asked)
-        tell = lambda part, _: self._tell("Shadows without what throws them", part)  # noqa: E731
-        loop.follow(job, stop_asked=self._stop_asked, show=lambda _: None, tell=tell)
-        return job
-
-    def _plan(self, native, scene, camera, settings, moving, opened) -> None:
-        """Decides what is simulated."""
-        self._tell("Planning the effects", 0.0)
-        wishes = effects.wishes(self.scene.petzval)
-        self.plan = loop.stoppable(
-            lambda: native.Plan(scene, camera, settings, moving, shutter=opened, **wishes), self._stop_asked
-        )
-        planned = json.loads(self.plan.json())
-        if settings.width * settings.height * settings.samples > _WORTH_A_FORECAST:
-            planned = json.loads(loop.stoppable(lambda: self.plan.forecast(scene, camera, settings), self._stop_asked))
-        planning.keep(self.scene.name, planned)
-        self.told, self.planned = planned, effects.summary(planned)
-
-    def _over_the_shutter(
-        self, shutter: shutters.Shutter | None, camera: CameraDescription, width: int, height: int
-    ) -> tuple[shutters.Blur | None, ShutterDescription | None, list[CameraDescription]]:
-        """Everything at its keys, how the shutter opens, and the camera at even times while it is open: none of these where the
-        lens does not change meanwhile."""
-        if shutter is None:
-            return None, None, []
-        count = max(shutters.most_keys(self.depsgraph), 3)
-        blur, keys = shutters.Blur(self.report), []
-
-        def describe() -> CameraDescription:
-            then = camera_export.describe(self.scene.camera, self.scene, width, height, self.report)
-            return dataclasses.replace(then, aperture_mask=camera.aperture_mask)
-
-        def look(_: int) -> None:
-            self._check_stop()
-            keys.append(describe())
-            blur.read(self.depsgraph)
-
-        def look_at_lens(_: int) -> None:
-            moving.append(dataclasses.replace(describe(), matrix_world=camera.matrix_world))
-
-        moving: list[CameraDescription] = []
-        try:
-            shutters.sweep(shutter, count, self._frame_set, look)
-            if any(dataclasses.replace(key, matrix_world=camera.matrix_world) != camera for key in keys):
-                half = 0.5 * shutter.length / _SHUTTER_STEPS
-                between = shutters.Shutter(shutter.begin + half, shutter.length - 2.0 * half)
-                shutters.sweep(between, _SHUTTER_STEPS, self._frame_set, look_at_lens)
-        finally:
-            self._frame_set(*shutters.split(shutter.middle))
-        return blur, self._opened(keys), moving
-
-    def _opened(self, keys: list[CameraDescription]) -> ShutterDescription:
-        """How the shutter opens, and where the camera is at its keys."""
-        own = shutters.key_count(self.scene.camera)
-        matrices = [key.matrix_world for key in keys[:: (len(keys) - 1) // (own - 1)]] if own else []
-        if matrices.count(matrices[0] if matrices else None) == len(matrices):
-            matrices = []
-        rolling = shutters.rolling(self.scene)
-        if rolling is not None and self.scene.petzval.integrator == "BIDIRECTIONAL":
-            self.report.warn(
-                f"Scene '{self.scene.name}': bidirectional paths know of no rolling shutter, all rows are open at once"
-            )
-            rolling = None
-        return ShutterDescription(shutters.openness(self.scene.render), rolling, matrices)
-
-    def _beside(
-        self, camera: CameraDescription, width: int, height: int
-    ) -> tuple[tuple[CameraDescription, CameraDescription] | None, Motion | None]:
-        """The camera and everything else a frame before and a frame after, where the Vector pass asks for it."""
-        # Blender's rule: with motion blur the pass is all zero.
-        if self.scene.render.use_motion_blur or not any(one.engine_name == "VECTOR" for one in self.data_passes):
-            return None, None
-        now, subframe = self.scene.frame_current, self.scene.frame_subframe
-
-        def at(frame: int) -> tuple[CameraDescription, Frame]:
-            self._check_stop()
-            self._frame_set(frame, subframe)
-            then = camera_export.describe(self.scene.camera, self.scene, width, height, self.report)
-            return dataclasses.replace(then, aperture_mask=camera.aperture_mask), Frame.read(self.depsgraph)
-
-        try:
-            (first, before), (last, after) = at(now - 1), at(now + 1)
-        finally:
-            self._frame_set(now, subframe)
-        return (first, last), Motion(before, after, self.report)
-
-    def _frame_set(self, frame: int, subframe: float) -> None:
-        self.host.frame_set(frame, subframe)
-        self.scene = self.depsgraph.scene_eval
-
-    def _show_all(self, job, caught=None) -> None:
-        """The finished picture with its passes of data, at once: a result without a pass would blacken it."""
-        pictures = {passes.COMBINED.name: job.image()}
-        if caught is not None:
-            is_opaque = not self.scene.render.film_transparent
-            pictures[passes.COMBINED.name] = shadow_catcher.picture(
-                job, *caught, is_opaque=is_opaque, has_pass=self.has_shadow
-            )
-            pictures[shadow_catcher.NAME] = shadow_catcher.shadow(job, caught[0])
-        elif self.has_shadow:
-            pictures[shadow_catcher.NAME] = np.ones_like(pictures[passes.COMBINED.name][..., :3])
-        pictures |= {one.name: job.data(one.engine_name) for one in (*self.data_passes, *self.merging)}
-        pictures |= {one.name: job.light_group(i)[..., :3] for i, one in enumerate(self.light_groups, 1)}
-        pictures |= {one.name: job.index(one.engine_name) for one in self.indices}
-        pictures |= {one.name: passes.channels_of(one, job) for one in self.parts}
-        for layer in self.mattes:
-            channels = job.matte(layer.engine_name)
-            for i, one in enumerate(passes.of_matte(layer, self.matte_levels)):
-                pictures[one.name] = channels[..., 4 * i : 4 * i + 4]
-        result = self.host.begin_result(
-            0, 0, self.window.width, self.window.height, layer=self.depsgraph.view_layer_eval.name
-        )
-        for one in result.layers[0].passes:
-            if one.name in pictures:
-                part = tiles.clipped(tiles.Tile(0, 0, pictures[one.name]), self.window)
-                one.rect.foreach_set(tiles.flat(part))
-        self.host.end_result(result)
-        self._name_mattes(job)
-        self._name_effects()
-        self._name_samples(json.loads(job.stats_json()))
-
-    def _name_effects(self) -> None:
-        """Says in the picture's metadata what of the lens was simulated."""
-        whole = self.host.get_result()
-        for row in self.told["effects"]:
-            whole.stamp_data_add_field(f"petzval/effects/{row['effect']}", f"{row['decision']}: {row['why']}")
-        whole.stamp_data_add_field("petzval/camera", json.dumps(self.told["camera"]))
-        whole.stamp_data_add_field("petzval/quality", f"{self.told['quality']:g}")
-
-    def _name_samples(self, stats: dict) -> None:
-        """Says in the picture's metadata which samples it holds: for joining it with others."""
-        whole = self.host.get_result()
-        first, most = self.scene.petzval.sample_offset, stats["samples_most"]
-        whole.stamp_data_add_field("petzval/ranges", f"{stats['seed']}:{first}+{most}")
-        if stats["samples"] == most:
-            whole.stamp_data_add_field("petzval/samples", str(most))
-
-    def _name_mattes(self, job) -> None:
-        """Says in the picture's metadata what the mattes' numbers stand for."""
-        whole = self.host.get_result()
-        for layer in self.mattes:
-            name = f"{self.depsgraph.view_layer_eval.name}.{layer.name}"
-            for key, value in job.matte_metadata(layer.engine_name, name):
-                whole.stamp_data_add_field(key, value)
-
-    def _show(self, finished: list[tiles.Tile]) -> None:
-        inside = (tiles.clipped(tile, self.window) for tile in finished)
-        _deliver(self.host, self.depsgraph, [tile for tile in inside if tile is not None])
-
-    def _progress(self, part: float, samples: int) -> None:
-        self._tell(f"Sample {samples}/{self.scene.petzval.samples} | {self.planned}", part)
-
-    def _tell(self, text: str, part: float) -> None:
-        self.host.update_stats("", text)
-        self.host.update_progress(part)
-        if loop.WATCH.on_progress is not None:
-            loop.WATCH.on_progress(part, text)
-
-    def _stop_asked(self) -> bool:
-        return self.host.test_break() or loop.WATCH.stop.is_set()
-
-    def _check_stop(self) -> None:
-        if self._stop_asked():
-            raise loop.Stopped
-
-    def _keep(self, stats: dict, sync_seconds: float, stopped: bool) -> None:
-        stats["seconds"]["sync"] = sync_seconds
-        # With the forecast, if there was one.
-        stats["planned"], stats["plan"] = self.told, self.told["effects"]
-        if self.focus is not None:
-            stats["autofocus"] = self.focus
-        render = statistics.LastRender(stats, self.report.warnings, stopped)
-        statistics.keep(self.scene.name, render)
-        for line in render.lines():
-            print(f"Petzval: {line}")
-        if problem := (stats["checkpoint"] or {}).get("problem"):
-            self.host.report({"WARNING"}, problem)
-        if stats.get("failure"):
-            self.host.report({"ERROR"}, stats["failure"])
 
 
 def register() -> None:

@@ -129,10 +129,7 @@ def engine_names(one: Pass) -> tuple[str, ...]:
 
 def channels_of(one: Pass, job: object) -> np.ndarray:
     """A pass of a finished job, by its parts."""
-    pixels, *alpha = (job.part(name) for name in engine_names(one))
-    if one.engine_name == "MIST":
-        pixels = 1.0 - pixels
-    return np.concatenate([pixels, *alpha], axis=-1)[..., : one.channels]
+    return np.concatenate([job.part(name) for name in engine_names(one)], axis=-1)[..., : one.channels]
 
 
 def wanted_indices(view_layer: object, version: tuple[int, ...]) -> tuple[Pass, ...]:

@@ -46,7 +46,7 @@ class PetzvalCamera(bpy.types.PropertyGroup):
     model: EnumProperty(name="Model", description="How the camera takes its picture", items=MODELS, update=_changed)
     lens_file: StringProperty(
         name="Lens File",
-        description="A lens file, or the name of a lens that comes with Petzval",
+        description="A lens file (.lens, .zmx, .seq, .len, .dat, a table of the Optical Bench), or the name of a lens that comes with Petzval",
         default="wide-angle-smith-f3.4.lens",
         subtype="FILE_PATH",
         update=_changed,

@@ -45,7 +45,7 @@ def small_sky_table() -> None:
         world.cycles.sampling_method, world.cycles.sample_map_resolution = "MANUAL", SKY_TABLE
 
 
-#: A picture, or several by name.
+#: A picture, or several by their names.
 Pictures = np.ndarray | dict[str, np.ndarray]
 
 
@@ -58,7 +58,8 @@ def _joined(first: Pictures, first_samples: int, second: Pictures, second_sample
 
 def looks(samples: int, take: Callable[[str], Pictures]) -> Iterator[tuple[int, float, Pictures, Pictures]]:
     """By the `LOOKS`: samples so far, the share of the limits, Petzval's picture and Cycles's. `take` renders with the engine
-    of that name. What has been rendered is not rendered again: samples are added to it, the next ones of both sequences."""
+    of that name, a picture or several by their names. What has been rendered is not rendered again: samples are added to it,
+    the next ones of both sequences."""
     own, cycles = bpy.context.scene.petzval, bpy.context.scene.cycles
     done, pictures = 0, {}
     for part, share in LOOKS:

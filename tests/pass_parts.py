@@ -24,13 +24,14 @@ OLD = {
 }  # fmt: skip
 
 
-def photograph(path, engine: str = "PETZVAL", samples: int = 64) -> dict[str, np.ndarray]:
-    """Every pass of the first view layer by Blender 5's name: (height, width, channels)."""
+def photograph(path, engine: str = "PETZVAL", samples: int | None = 64) -> dict[str, np.ndarray]:
+    """Every pass of the first view layer by Blender 5's name: (height, width, channels). `samples` if not as they are set."""
     scene = bpy.context.scene
     parts.exr(scene, "OPEN_EXR_MULTILAYER")
     scene.render.image_settings.exr_codec = "NONE"
     scene.render.engine, scene.render.filepath = engine, str(path)
-    scene.petzval.samples = scene.cycles.samples = samples
+    if samples is not None:
+        scene.petzval.samples = scene.cycles.samples = samples
     cycles = scene.cycles
     cycles.device, cycles.use_denoising, cycles.use_adaptive_sampling = "CPU", False, False
     cycles.sample_clamp_indirect = cycles.blur_glossy = 0.0

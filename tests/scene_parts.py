@@ -159,6 +159,7 @@ class Recorder:
         self.images, self.materials, self.meshes, self.instances, self.lights, self.world = [], [], [], [], [], None
         # By their index among the meshes, where nothing else stands.
         self.curves: dict[int, dict] = {}
+        self.points: dict[int, dict] = {}
 
     def add_image(self, name, pixels, *, srgb):
         self.images.append((name, pixels.copy(), srgb))
@@ -175,6 +176,12 @@ class Recorder:
     def add_curves(self, name, keys, first_keys, shape, **more):
         index = self._builder.add_curves(name, keys, first_keys, shape, **more)
         self.curves[index] = {"name": name, "keys": keys, "first_keys": first_keys, "shape": shape, **more}
+        self.meshes.append(None)
+        return index
+
+    def add_points(self, name, points, **more):
+        index = self._builder.add_points(name, points, **more)
+        self.points[index] = {"name": name, "points": points, **more}
         self.meshes.append(None)
         return index
 

@@ -66,6 +66,31 @@ def test_killed_again_and_again(blender, cli_scenes, tmp_path):
     assert list(tmp_path.glob("*checkpoint*")) == []
 
 
+def test_passes_go_on_too(blender, tmp_path):
+    """Data, light by lobe, a shader's own outputs, mattes and light groups, by programs that hash otherwise: to the last bit."""
+    sys.path.insert(0, str(ROOT / "tools"))
+    import kill_often
+
+    scene, whole, out = (tmp_path / name for name in ("scene.blend", "whole.exr", "out.exr"))
+    kept, stats = tmp_path / "out.exr.checkpoint", tmp_path / "stats.json"
+    kill_often.make(scene, 64, 48, 200)
+    process = kill_often.start(scene, whole, "--checkpoint", "off", PYTHONHASHSEED="1")
+    _, said = process.communicate(timeout=120)
+    assert process.returncode == 0, said
+    process = kill_often.start(scene, out, "--checkpoint-every", 0.1, PYTHONHASHSEED="2")
+    while not kept.exists():
+        assert process.poll() is None, process.communicate()
+        time.sleep(0.01)
+    time.sleep(0.4)
+    process.send_signal(signal.SIGKILL)
+    process.communicate()
+    assert not out.exists(), "it was done before it could be killed"
+    done = finish(kill_often.start(scene, out, "--stats", stats, PYTHONHASHSEED="3"), stats)
+    assert done["checkpoint"]["problem"] is None
+    assert done["checkpoint"]["resumed_samples"] > 0.0
+    assert kill_often.same_pixels(out, whole)
+
+
 def test_stopped_and_gone_on(blender, cli_scenes, tmp_path):
     """Ctrl-C says where the render is kept; another picture begins anew, and says why."""
     scene, out, stats = cli_scenes / "scene.blend", tmp_path / "out.exr", tmp_path / "stats.json"

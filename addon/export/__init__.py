@@ -34,7 +34,7 @@ def send_scene(
     only_catchers: bool = False,
 ) -> bool:
     """Fills a `SceneBuilder`. `check_stop` is called between objects and may raise. With `only_catchers` what
-    does not catch shadows holds out, and is not there for anything but the camera. True where something catches shadows."""
+    does not catch shadows holds out, and is not there for anything but the camera. True where something is to catch shadows."""
     images, layer = Images(builder, report), depsgraph.view_layer_eval
     materials = Materials(builder, images, Aovs(layer), report, layer.material_override)
     scene = depsgraph.scene_eval
@@ -43,24 +43,24 @@ def send_scene(
     builder.set_world(_sky(depsgraph, images, groups, report))
     stage = Stage(builder, materials, images, groups, report, check_stop, motion, blur, only_catchers=only_catchers)
     stage.send(depsgraph)
-    if passes.wanted_parts(layer, bpy.app.version) and scene.petzval.integrator == "BIDIRECTIONAL":
-        report.warn(
-            f"Scene '{scene.name}': bidirectional paths know of no passes of light, of mist, UV and shaders' outputs: these are black"
-        )
-    if stage.holds_out and scene.petzval.integrator == "BIDIRECTIONAL":
-        report.warn(f"Scene '{scene.name}': bidirectional paths know of no holdout, what holds out is seen")
-    if stage.is_selective and scene.petzval.integrator == "BIDIRECTIONAL":
-        report.warn(
-            f"Scene '{scene.name}': bidirectional paths know of no ray visibility but the camera's and shadows', and of no "
-            "light linking"
-        )
-    if groups.names and scene.petzval.integrator == "BIDIRECTIONAL":
-        report.warn(f"Scene '{scene.name}': bidirectional paths know of no light groups, their passes are black")
-    if (materials.fills_space or world.fills_space(own)) and scene.petzval.integrator == "BIDIRECTIONAL":
-        report.warn(f"Scene '{scene.name}': bidirectional paths know of no volumes, space is empty")
+    is_bidirectional = scene.petzval.integrator == "BIDIRECTIONAL"
+    if is_bidirectional:
+        unknown = {
+            "passes of light, of mist, UV and shaders' outputs: these are black": passes.wanted_parts(
+                layer, bpy.app.version
+            ),
+            "holdout, what holds out is seen": stage.holds_out,
+            "ray visibility but the camera's and shadows', and of no light linking": stage.is_selective,
+            "light groups, their passes are black": groups.names,
+            "volumes, space is empty": materials.fills_space or world.fills_space(own),
+            "shadow catchers, these are shown": stage.catches_shadows,
+        }
+        for what, is_there in unknown.items():
+            if is_there:
+                report.warn(f"Scene '{scene.name}': bidirectional paths know of no {what}")
     if scene.render.use_freestyle:
         report.warn(f"Scene '{scene.name}': Freestyle lines are not supported yet, they are left out")
-    return stage.catches_shadows
+    return stage.catches_shadows and not is_bidirectional
 
 
 def sky_of(depsgraph: bpy.types.Depsgraph) -> bpy.types.World | None:

@@ -58,7 +58,7 @@ def _shown(graph: dict[str, Any], kind: str) -> set[str]:
 
 def read(mesh: bpy.types.Mesh, names: Iterable[str], triangles: int) -> dict[str, tuple[str, np.ndarray]]:
     """By name: what they belong to, and four numbers each, as `mesh.Values`. `triangles` is how many the mesh has."""
-    found = {name: _values(mesh, name, triangles) for name in names}
+    found = {name: _values(mesh, name, triangles) for name in sorted(names)}
     return {name: values for name, values in found.items() if values is not None}
 
 

@@ -71,7 +71,7 @@ def extract(curves: bpy.types.Curves, wanted: Iterable[str], drawn: dict[str, An
     for attribute in curves.attributes:
         if attribute.domain == "CURVE" and attribute.data_type == "FLOAT2":
             arrays.uv_maps[attribute.name] = _read(attribute, "vector", 2, np.float32)
-    for name in wanted:
+    for name in sorted(wanted):
         attribute = curves.attributes.get(name) if name else None
         if attribute is not None and attribute.data_type in attributes.KINDS:
             arrays.attributes[name] = (attribute.domain == "POINT", attributes.four(attribute))

@@ -82,7 +82,7 @@ def extract(
     for number, layer in maps:
         arrays.uv_maps[layer.name] = _on_emitter(system, system.hair.uv_on_emitter, 2, uv_no=number)
     colours = [a.name for a in mesh.color_attributes if a.domain == "CORNER" and a.data_type == "BYTE_COLOR"]
-    for name in wanted:
+    for name in sorted(wanted):
         if name == attributes.GENERATED:
             arrays.attributes[name] = (False, attributes.in_box(mesh, at[:, 0]))
         elif name in colours:

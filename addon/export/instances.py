@@ -9,7 +9,7 @@ from typing import Any
 import bpy
 
 from ..description import RAYS, Report
-from . import curves, grids, hair, mesh, object_info
+from . import curves, grids, hair, mesh, object_info, points
 from .camera import rows
 from .image import Images
 from .light import Lights
@@ -21,13 +21,14 @@ from .motion import Motion
 from .shutter import Blur
 from .visibility import hidden_from
 
-#: Objects whose surface Blender can hand over as a mesh, or as strands.
-WITH_SURFACE = {"MESH", "CURVE", "SURFACE", "FONT", "META", "CURVES"}
+#: Objects whose surface Blender can hand over as a mesh, as strands, or as points.
+WITH_SURFACE = {"MESH", "CURVE", "SURFACE", "FONT", "META", "CURVES", "POINTCLOUD"}
+#: Those of which all has the first material; what *Surfaces* of a view layer says is not of them.
+SMALL = {"CURVES", "POINTCLOUD"}
 #: What a surface sends on: rays that only some paths know of.
 BOUNCES = {"DIFFUSE", "GLOSSY", "TRANSMISSION"}
 #: Objects that are seen in a Blender render, but not here yet.
 NOT_YET = {
-    "POINTCLOUD": "point clouds",
     "GPENCIL": "grease pencil",
     "GREASEPENCIL": "grease pencil",
 }
@@ -116,7 +117,7 @@ class Stage:
                 continue
             self.is_selective |= links.any or not BOUNCES.isdisjoint(hidden)
             is_left_out = (holder.type == "VOLUME" and not layer.use_volumes) or (
-                holder.type in WITH_SURFACE - {"CURVES"} and not layer.use_solid
+                holder.type in WITH_SURFACE - SMALL and not layer.use_solid
             )
             if is_left_out:
                 continue
@@ -143,8 +144,7 @@ class Stage:
             return
         slots = holder.material_slots or ([None] if self._materials.override else [])
         materials = [self._materials.index(slot and slot.material) for slot in slots]
-        # All strands have the first.
-        self._place(holder, place, links, hidden, index, materials[:1] if holder.type == "CURVES" else materials)
+        self._place(holder, place, links, hidden, index, materials[:1] if holder.type in SMALL else materials)
 
     def _volume(
         self,
@@ -212,7 +212,7 @@ class Stage:
     def _mesh(self, holder: bpy.types.Object, place: bpy.types.DepsgraphObjectInstance) -> int | None:
         data = holder.data
         # Curves, texts and metaballs come twice: as they are, and as the mesh that Blender has made of them.
-        if not isinstance(data, (bpy.types.Mesh, bpy.types.Curves)):
+        if not isinstance(data, (bpy.types.Mesh, bpy.types.Curves, bpy.types.PointCloud)):
             return None
         # A mesh whose users ask for different attributes is sent with each set.
         wanted = frozenset().union(*(self._materials.wanted(slot.material) for slot in holder.material_slots))
@@ -223,6 +223,8 @@ class Stage:
             if self._blur is not None:
                 self._blur.changes_strands(place)
             self._meshes[key] = arrays and arrays.send(self._builder, data.name, moved)
+        if key not in self._meshes and isinstance(data, bpy.types.PointCloud):
+            self._meshes[key] = self._cloud(data, place, wanted)
         if key not in self._meshes:
             with mesh.shape(holder, data) as shape:
                 self._room.take(holder.name, mesh.triangle_count(shape))
@@ -254,6 +256,16 @@ class Stage:
             poses=self._blur.poses(place, arrays) if self._blur is not None else None,
             grids=smoke or None,
         )
+
+    def _cloud(
+        self, data: bpy.types.PointCloud, place: bpy.types.DepsgraphObjectInstance, wanted: frozenset[str]
+    ) -> int | None:
+        arrays = points.extract(data, wanted)
+        if arrays is None:
+            return None
+        moved = self._motion.positions(place, arrays.points[:, :3]) if self._motion is not None else None
+        poses = self._blur.points(place, arrays.points) if self._blur is not None else None
+        return arrays.send(self._builder, data.name, moved, poses)
 
     def _particles(
         self,

@@ -24,16 +24,18 @@ class Room:
 
     def take(self, name: str, triangles: int) -> None:
         """Counts a mesh of an object. Raises `ExportError` where it does not fit."""
-        need = triangles * BYTES_A_TRIANGLE + self._triangles * BYTES_OF_TREES
+        before = self._triangles
         self._triangles += triangles
         if triangles < MANY_TRIANGLES:
             return
+        whole = self._triangles * BYTES_A_TRIANGLE
+        # What came before is there already, but for its trees.
+        more = triangles * BYTES_A_TRIANGLE + before * BYTES_OF_TREES
         free = engine().free_memory_bytes()
-        if self._limit_bytes and self._triangles * BYTES_A_TRIANGLE > self._limit_bytes:
-            need, room = self._triangles * BYTES_A_TRIANGLE, "the limit under Performance > Memory Limit is"
-            left = self._limit_bytes
-        elif free is not None and need > free:
-            room, left = "free are", free
+        if self._limit_bytes and whole > self._limit_bytes:
+            need, room, left = whole, "the limit under Performance > Memory Limit is", self._limit_bytes
+        elif free is not None and more > free:
+            need, room, left = more, "free are", free
         else:
             return
         raise ExportError(

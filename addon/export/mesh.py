@@ -44,8 +44,11 @@ class MeshArrays:
         """Whether normals are of this mesh."""
         if normals is None:
             return False
-        count = len(self.positions) if normals[0] == "POINT" else int(self.loops.max(initial=-1)) + 1
-        return len(normals[1]) == count if normals[0] == "POINT" else len(normals[1]) >= count
+        domain, values = normals
+        if domain == "POINT":
+            return len(values) == len(self.positions)
+        # Corners of edges without faces are none of a triangle's.
+        return len(values) > self.loops.max(initial=-1)
 
 
 @contextmanager

@@ -9,10 +9,13 @@ import bpy
 import numpy as np
 
 from ..description import Matrix4, Report
-from . import curves, hair, mesh
+from . import curves, hair, mesh, points, velocity
 from .camera import rows
 
 Key = tuple
+
+#: What has vertices, keys or points that may move.
+WITH_POSITIONS = (bpy.types.Mesh, bpy.types.Curves, bpy.types.PointCloud)
 
 
 def key(place: bpy.types.DepsgraphObjectInstance) -> Key:
@@ -26,7 +29,7 @@ class Placed(NamedTuple):
     """One instance at one frame."""
 
     matrix: Matrix4
-    #: Of the mesh's vertices or curves' keys, object space; shared by all instances. None where they cannot move.
+    #: Of the mesh's vertices, curves' keys or points, object space; shared by all instances. None where they cannot move.
     positions: np.ndarray | None
     #: Of the keys of hair, by particle system.
     hair: dict[str, np.ndarray]
@@ -53,13 +56,15 @@ class Frame(dict[Key, Placed]):
                         for system in hair.systems(place, is_render)
                     }
                 of_hair = known_hair[holder.name_full]
-            if not (place.show_self or of_hair) or not isinstance(data, (bpy.types.Mesh, bpy.types.Curves)):
+            if not (place.show_self or of_hair) or not isinstance(data, WITH_POSITIONS):
                 continue
             pointer = data.as_pointer()
             if pointer not in known:
                 # What is being edited stands still.
                 if isinstance(data, bpy.types.Curves):
                     known[pointer] = curves.positions(data) if len(data.points) else None
+                elif isinstance(data, bpy.types.PointCloud):
+                    known[pointer] = np.ascontiguousarray(points.balls(data)[:, :3]) if len(data.points) else None
                 else:
                     deforms = may_deform(holder) and not data.is_editmode
                     known[pointer] = mesh.positions(data) if deforms else None
@@ -77,8 +82,9 @@ def may_deform(holder: bpy.types.Object) -> bool:
 class Motion:
     """What moves between two frames, for the builder."""
 
-    def __init__(self, before: Frame, after: Frame, report: Report) -> None:
+    def __init__(self, before: Frame, after: Frame, frame_s: float, report: Report) -> None:
         self._frames = before, after
+        self._frame_s = frame_s
         self._report = report
 
     def matrices(self, place: bpy.types.DepsgraphObjectInstance) -> tuple[Matrix4, Matrix4] | None:
@@ -93,6 +99,9 @@ class Motion:
         self, place: bpy.types.DepsgraphObjectInstance, now: np.ndarray
     ) -> tuple[np.ndarray, np.ndarray] | None:
         """The vertices of an instance's mesh in the neighbouring frames; None where it keeps its shape."""
+        way = velocity.of(place.object.data, self._frame_s)
+        if way is not None and len(way) == len(now):
+            return (now - way, now + way) if way.any() else None
         both = self._placed(place)
         if both is None or any(one.positions is None for one in both):
             return None

@@ -11,9 +11,9 @@ import bpy
 import numpy as np
 
 from ..description import Matrix4, Report
-from . import curves, hair, mesh
+from . import curves, hair, mesh, points, velocity
 from .camera import rows
-from .motion import Key, key, may_deform
+from .motion import WITH_POSITIONS, Key, key, may_deform
 
 #: How much of the shutter's time has gone by at the frame.
 _OPENS = {"START": 0.0, "CENTER": 0.5, "END": 1.0}
@@ -88,14 +88,19 @@ def key_count_of(place: bpy.types.DepsgraphObjectInstance) -> int:
     return key_count(place.object, place.parent if place.is_instance else None)
 
 
-def _deforms(place: bpy.types.DepsgraphObjectInstance) -> bool:
+def _blurs_shape(place: bpy.types.DepsgraphObjectInstance) -> bool:
+    """Whether it is to be blurred by what changes its shape."""
     both = (place.object, place.parent if place.is_instance else None)
     settings = [one.cycles for one in both if one is not None and hasattr(one, "cycles")]
-    return all(one.use_deform_motion for one in settings) and may_deform(place.object)
+    return all(one.use_deform_motion for one in settings)
+
+
+def _deforms(place: bpy.types.DepsgraphObjectInstance) -> bool:
+    return _blurs_shape(place) and may_deform(place.object)
 
 
 class Shape(NamedTuple):
-    """A mesh at one key, or the keys of strands."""
+    """A mesh at one key, the keys of strands, or points with their radii."""
 
     positions: np.ndarray
     #: None where it has none, or all faces are flat.
@@ -131,7 +136,7 @@ def _read(depsgraph: bpy.types.Depsgraph) -> dict[Key, Standing]:
             continue
         data = holder.data
         shape = None
-        if isinstance(data, (bpy.types.Mesh, bpy.types.Curves)) and _deforms(place):
+        if isinstance(data, WITH_POSITIONS) and _deforms(place):
             pointer = data.as_pointer()
             if pointer not in known:
                 known[pointer] = _shape(data)
@@ -140,7 +145,9 @@ def _read(depsgraph: bpy.types.Depsgraph) -> dict[Key, Standing]:
     return found
 
 
-def _shape(data: bpy.types.Mesh | bpy.types.Curves) -> Shape | None:
+def _shape(data: bpy.types.Mesh | bpy.types.Curves | bpy.types.PointCloud) -> Shape | None:
+    if isinstance(data, bpy.types.PointCloud):
+        return Shape(points.balls(data)) if len(data.points) else None
     if isinstance(data, bpy.types.Curves):
         return Shape(curves.positions(data)) if len(data.points) else None
     return None if data.is_editmode else Shape(mesh.positions(data), mesh.normals(data))
@@ -149,8 +156,10 @@ def _shape(data: bpy.types.Mesh | bpy.types.Curves) -> Shape | None:
 class Blur:
     """Where everything is at keys over the exposure."""
 
-    def __init__(self, report: Report) -> None:
+    def __init__(self, report: Report, seconds: float) -> None:
         self._report = report
+        #: For how long the shutter is open.
+        self._seconds = seconds
         self._keys: list[dict[Key, Standing]] = []
 
     def read(self, depsgraph: bpy.types.Depsgraph) -> None:
@@ -174,16 +183,32 @@ class Blur:
         self, place: bpy.types.DepsgraphObjectInstance, now: mesh.MeshArrays
     ) -> list[tuple[np.ndarray, mesh.Values | None]] | None:
         """The vertices of an instance's mesh and the normals of its corners at its keys; None where it keeps its shape."""
+        shapes = self._shapes(place, now.positions)
+        if shapes is None:
+            return None
+        has_normals = now.corner_normals is not None and all(now.fits(one.normals) for one in shapes)
+        return [(one.positions, one.normals if has_normals else None) for one in shapes]
+
+    def points(self, place: bpy.types.DepsgraphObjectInstance, now: np.ndarray) -> list[np.ndarray] | None:
+        """The points of an instance's cloud and their radii at its keys; None where they keep both."""
+        shapes = self._shapes(place, now)
+        return None if shapes is None else [one.positions for one in shapes]
+
+    def _shapes(self, place: bpy.types.DepsgraphObjectInstance, now: np.ndarray) -> list[Shape] | None:
+        count = key_count_of(place)
+        way = velocity.of(place.object.data, 0.5 * self._seconds) if count and _blurs_shape(place) else None
+        if way is not None and len(way) == len(now):
+            way = np.pad(way, ((0, 0), (0, now.shape[1] - 3)))
+            return [Shape(now - way), Shape(now), Shape(now + way)] if way.any() else None
         shapes = [one.shape for one in self._of(place)]
         if not shapes or any(one is None for one in shapes) or all(one is shapes[0] for one in shapes):
             return None
-        if any(one.positions.shape != now.positions.shape for one in shapes):
+        if any(one.positions.shape != now.shape for one in shapes):
             self._report.warn(
                 f"Object '{place.object.name}': it has other vertices while the shutter is open, how it changes is not blurred"
             )
             return None
-        has_normals = now.corner_normals is not None and all(now.fits(one.normals) for one in shapes)
-        return [(one.positions, one.normals if has_normals else None) for one in shapes]
+        return shapes
 
     def changes_strands(self, place: bpy.types.DepsgraphObjectInstance, system: str | None = None) -> None:
         """Says so where strands change their shape: that is not blurred yet."""

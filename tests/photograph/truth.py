@@ -213,8 +213,28 @@ class Camera:
             total += self._light(pixel, np.array([at.min(axis=0) - cell, at.max(axis=0) + cell]), fine)[1].sum()
         return float(total) / len(pixels)
 
+    def seen_from(self, pixels: list[tuple[float, float]], grid: int = 16) -> tuple[np.ndarray, np.ndarray]:
+        """Where the rays of neighbouring points of the picture start and go, camera space in Blender units: evenly over the
+        pupil, as the renderer has them."""
+        half = 0.5 * self.rear["diameter_mm"]
+        coarse = 24
+        at, _seen, _rays = self._through(pixels[0], np.array([[-half, -half], [half, half]]), coarse)
+        assert len(at), "no ray gets through the lens"
+        # The light of a neighbouring point passes the rear glass no further away than that point is.
+        away = np.abs(np.asarray(pixels) - pixels[0]).max(axis=0) / self.pixels * self.picture_mm
+        cell = 2.2 * half / coarse + away
+        box = np.array([at.min(axis=0) - cell, at.max(axis=0) + cell])
+        rays = [ray for pixel in pixels for ray in self._through(pixel, box, grid)[2]]
+        start = np.array([ray["origin"] for ray in rays]) - [0.0, 0.0, self.pupil_z_mm]
+        return start / self.mm_per_unit, np.array([ray["direction"] for ray in rays])
+
     def _light(self, pixel: tuple[float, float], box: np.ndarray, grid: int) -> tuple[np.ndarray, np.ndarray]:
-        """Of grid^2 points of a box in the plane of the rear vertex: those whose rays get through, and their light."""
+        return self._through(pixel, box, grid)[:2]
+
+    def _through(
+        self, pixel: tuple[float, float], box: np.ndarray, grid: int
+    ) -> tuple[np.ndarray, np.ndarray, list[dict]]:
+        """Of grid^2 points of a box in the plane of the rear vertex: those whose rays get through, their light, and they."""
         axes = self.film_axes
         film = (0.5 - np.asarray(pixel) / np.asarray(self.pixels)) * np.asarray(self.picture_mm) - self.shift_mm
         point = film @ axes[:2] + np.array([0.0, 0.0, self.film_z_mm])
@@ -226,7 +246,11 @@ class Camera:
         rays = self.trace(np.broadcast_to(point, to.shape), direction, from_film=True)
         good = np.array([self.is_open(ray, from_film=True) for ray in rays])
         seen = np.abs(direction @ axes[2]) * np.abs(direction[:, 2]) / distance**2 * cell.prod()
-        return np.column_stack([x, y])[good], seen[good]
+        return (
+            np.column_stack([x, y])[good],
+            seen[good],
+            [ray for ray, is_good in zip(rays, good, strict=True) if is_good],
+        )
 
     @cached_property
     def rear(self) -> dict:

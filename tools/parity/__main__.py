@@ -1,8 +1,10 @@
 # SPDX-License-Identifier: GPL-3.0-or-later
-"""`python -m parity [--samples N] [--only NAME ...] [--scenes FOLDER]`, in the environment .venv-bench, tools/ on the path.
+"""`python -m parity [--samples N] [--most N] [--only NAME ...] [--scenes FOLDER]`, in the environment .venv-bench, tools/ on
+the path.
 
 Renders every parity scene by Petzval and by Cycles, and writes docs/parity.md with its pictures. With --only the page stays
-as it is. What has been rendered with as many samples is not rendered again unless --again says so.
+as it is. With --scenes other people's scenes are rendered after that, into docs/parity-others.md. What has been rendered
+with the same numbers is not rendered again unless --again says so.
 """
 
 from __future__ import annotations
@@ -12,18 +14,23 @@ import json
 import os
 import subprocess
 import sys
+import tempfile
+import threading
 from pathlib import Path
 
 from . import MARK, compare, page
 
 TOP = Path(__file__).resolve().parents[2]
 WORK = TOP / "output" / "parity"
+#: A scene that takes longer, s, is given up.
+LONGEST_S = 1800
 
 
 def main() -> int:
     asked = argparse.ArgumentParser(prog="parity", description="Compares Petzval with Cycles, scene by scene.")
-    asked.add_argument("--samples", type=int, default=256, help="a pixel, in each program")
-    asked.add_argument("--size", default="160x120", help="of a picture")
+    asked.add_argument("--samples", type=int, default=64, help="a pixel, in each program, to begin with")
+    asked.add_argument("--most", type=int, default=256, help="samples where blocks are noisy")
+    asked.add_argument("--size", default="128x96", help="of a picture")
     asked.add_argument("--only", nargs="+", metavar="NAME", help="these scenes alone; the page stays as it is")
     asked.add_argument("--scenes", default=os.environ.get("PETZVAL_SCENES"), help="a folder of .blend files to try too")
     asked.add_argument("--again", action="store_true", help="render also what has been rendered")
@@ -33,42 +40,41 @@ def main() -> int:
     if python is None:
         print("petzval: no environment with bpy: make build", file=sys.stderr)
         return 1
-    run = Run(python, size, options.samples, options.again)
+    run = Run(python, [*size, options.samples, options.most], options.again)
     try:
         scenes = run.listed()
     except subprocess.CalledProcessError as error:
         print(f"petzval: the scenes cannot be listed: {error.stderr.strip().splitlines()[-1]}", file=sys.stderr)
         return 1
-    results = {}
     chosen = options.only or scenes
     unknown = [name for name in chosen if name not in scenes]
     if unknown:
         print(f"petzval: no parity scene {', '.join(unknown)}: see tests/scenes/parity_scenes", file=sys.stderr)
         return 1
-    for name in chosen:
-        results[name] = run.one(name, WORK / name)
-        say(name, results[name])
-    others = {}
-    if options.scenes and not options.only:
-        for path in sorted(Path(options.scenes).rglob("*.blend")):
-            others[path.stem] = run.one(str(path), WORK / "others" / path.stem)
-            say(path.stem, others[path.stem])
+    results = run.all({name: WORK / name for name in chosen})
     if not options.only:
-        page.write(TOP / "docs", WORK, scenes, results, others, size, options.samples)
+        page.write(TOP / "docs", WORK, scenes, results, size, options.samples, options.most)
+    if options.scenes and not options.only:
+        paths = sorted(Path(options.scenes).rglob("*.blend"))
+        others = run.all({str(path): WORK / "others" / path.stem for path in paths})
+        others = {Path(path).stem: found for path, found in others.items()}
+        page.write_others(TOP / "docs", others, size, options.samples, options.most)
     return int(any("failed" in one for one in results.values()))
 
 
 def say(name: str, found: dict) -> None:
     keys = [key for key in ("skipped", "failed", "black") if key in found]
-    numbers = [f"{key} {found[key]:.4f}" for key in ("flip", "flip_of_halves", "worst_block", "mean") if key in found]
+    numbers = [
+        f"{key} {found[key]:.4f}" for key in ("flip", "flip_of_halves", "worst_block", "noise", "mean") if key in found
+    ]
     print(f"{name:26s}", *(f"{key}: {found[key]}" for key in keys), *numbers, flush=True)
 
 
 class Run:
-    """Renders scenes, each in a process of its own."""
+    """Renders scenes, one after the other in one process, and in another when that ends."""
 
-    def __init__(self, python: Path, size: tuple[int, int], samples: int, again: bool) -> None:
-        self.python, self.numbers, self.again = python, [*map(str, size), str(samples)], again
+    def __init__(self, python: Path, numbers: list[int], again: bool) -> None:
+        self.python, self.numbers, self.again = python, [*map(str, numbers)], again
         paths = [TOP / "tools", TOP / "tests", TOP / "tests" / "scenes", *filter(None, [os.environ.get("PYTHONPATH")])]
         self.environment = {**os.environ, "PYTHONPATH": os.pathsep.join(map(str, paths))}
 
@@ -84,29 +90,45 @@ class Run:
         )
         return _marked(done.stdout)
 
-    def one(self, scene: str, folder: Path) -> dict:
-        """Renders and compares; what cannot be rendered says why."""
+    def all(self, scenes: dict[str, Path]) -> dict[str, dict]:
+        """Renders and compares each in its folder, and says what it finds; what cannot be rendered says why."""
+        results = {scene: self._kept(folder) for scene, folder in scenes.items()}
+        left = {scene: folder for scene, folder in scenes.items() if results[scene] is None}
+        while left:
+            for scene, found in self._rendered(dict(left)):
+                results[scene] = found
+                say(Path(scene).stem, found)
+                left.pop(scene)
+        return results
+
+    def _kept(self, folder: Path) -> dict | None:
         kept = folder / "found.json"
-        if kept.exists() and not self.again:
-            found = json.loads(kept.read_text())
-            if found.get("numbers") == self.numbers:
-                return found
-        folder.mkdir(parents=True, exist_ok=True)
-        command = [self.python, "-m", "parity.job", scene, folder, *self.numbers]
-        try:
-            done = subprocess.run(
-                command, capture_output=True, text=True, env=self.environment, check=False, timeout=1800
-            )
-        except subprocess.TimeoutExpired:
-            return {"failed": "not done after half an hour"}
-        found = _marked(done.stdout)
-        if found is None:
-            last = (done.stderr.strip().splitlines() or ["it said nothing"])[-1]
-            return {"failed": f"exit {done.returncode}: {last}"}
-        if "skipped" not in found:
-            found |= compare.compare(folder)
-        kept.write_text(json.dumps({**found, "numbers": self.numbers}, indent=1) + "\n")
-        return found
+        found = json.loads(kept.read_text()) if kept.exists() and not self.again else {}
+        return found if found.get("numbers") == self.numbers else None
+
+    def _rendered(self, scenes: dict[str, Path]):
+        """Scenes and what is found of them, in one process: up to the first that fails."""
+        for folder in scenes.values():
+            folder.mkdir(parents=True, exist_ok=True)
+        pairs = [part for scene, folder in scenes.items() for part in (scene, str(folder))]
+        command = [self.python, "-m", "parity.job", *self.numbers, *pairs]
+        with tempfile.TemporaryFile("w+") as errors:
+            job = subprocess.Popen(command, stdout=subprocess.PIPE, stderr=errors, text=True, env=self.environment)
+            for scene, folder in scenes.items():
+                late = threading.Timer(LONGEST_S, job.kill)
+                late.start()
+                found = next(filter(None, map(_marked, job.stdout)), None)
+                late.cancel()
+                if found is None:
+                    errors.seek(0)
+                    last = (errors.read().strip().splitlines() or ["it said nothing, or was not done in time"])[-1]
+                    yield scene, {"failed": f"exit {job.wait()}: {last}"}
+                    return
+                if "skipped" not in found:
+                    found |= compare.compare(folder)
+                (folder / "found.json").write_text(json.dumps({**found, "numbers": self.numbers}, indent=1) + "\n")
+                yield scene, found
+            job.wait()
 
 
 def _marked(said: str) -> dict | None:

@@ -5,16 +5,37 @@ from __future__ import annotations
 
 import numpy as np
 
+#: What is a picture is compared with at least this part of its mean, lest the noise of black be a difference; what is a pass,
+#: bright in some places and nothing in most, or negative, with its mean.
+PICTURE, PASS = 0.01, 1.0
 
-def block_ratios(ours: np.ndarray, theirs: np.ndarray, columns: int = 4, rows: int = 3) -> np.ndarray:
-    """Means over blocks of the picture, ours over theirs: (rows, columns, 3). Blocks that are darker than a hundredth of the
-    picture are compared with that hundredth, lest the noise of black be a difference."""
 
-    def means(picture):
-        height, width = picture.shape[:2]
-        cut = picture[: height // rows * rows, : width // columns * columns, :3].astype(np.float64)
-        return cut.reshape(rows, height // rows, columns, width // columns, 3).mean((1, 3))
+def floor_of(look: str) -> float:
+    """Which of these, by what `photograph.looks` names it."""
+    return PICTURE if look.startswith(("picture", "frame")) else PASS
 
-    ours, theirs = means(ours), means(theirs)
-    floor = max(theirs.mean() * 0.01, 1e-12)
-    return 1.0 + (ours - theirs) / np.maximum(theirs, floor)
+
+def block_ratios(
+    ours: np.ndarray, theirs: np.ndarray, floor: float = PICTURE, columns: int = 4, rows: int = 3
+) -> np.ndarray:
+    """Means over blocks of the picture, ours over theirs: (rows, columns, channels). Blocks that are darker than `floor` of
+    the picture's mean are compared with that."""
+    means = _means(theirs, columns, rows)
+    least = max(np.abs(theirs.astype(np.float64)).mean() * floor, 1e-12)
+    return 1.0 + (_means(ours, columns, rows) - means) / np.maximum(np.abs(means), least)
+
+
+def block_noise(
+    ours: list[np.ndarray], theirs: list[np.ndarray], floor: float = PICTURE, columns: int = 4, rows: int = 3
+) -> float:
+    """How far from 1 noise alone brings the worst of `block_ratios` of the means of two halves each, about: by what the
+    halves differ."""
+    whole = 0.5 * (theirs[0] + theirs[1])
+    apart = [0.5 * (block_ratios(whole + a - b, whole, floor, columns, rows) - 1.0) for a, b in (ours, theirs)]
+    return float(np.hypot(*apart).max())
+
+
+def _means(picture: np.ndarray, columns: int, rows: int) -> np.ndarray:
+    height, width, channels = picture.shape
+    cut = picture[: height // rows * rows, : width // columns * columns].astype(np.float64)
+    return cut.reshape(rows, height // rows, columns, width // columns, channels).mean((1, 3))

@@ -9,27 +9,76 @@ import flip_evaluator
 import numpy as np
 from PIL import Image
 
-from .blocks import block_ratios
+from .blocks import PASS, block_ratios, floor_of
+
+#: Passes that hold no light. They are shown from black to white over their own range.
+DATA = (
+    "Depth",
+    "Position",
+    "Normal",
+    "UV",
+    "Vector",
+    "Denoising Depth",
+    "Denoising Normal",
+    "Object Index",
+    "Material Index",
+)
+#: Of several pictures in one, between two columns.
+GAP = 6
 
 
 def compare(folder: Path) -> dict:
-    """Of the pictures that `job` left in a folder."""
-    ours = np.load(folder / "petzval.npy")[..., :3]
-    halves = [np.load(folder / f"cycles-{half}.npy")[..., :3] for half in range(2)]
-    theirs = 0.5 * (halves[0] + halves[1])
-    if not theirs.any():
-        return {"black": True, "finite": bool(np.isfinite(ours).all()), "ours": float(ours.mean())}
-    error, flip = _flip(theirs, ours)
-    _, noise = _flip(halves[0], halves[1])
-    apart = np.abs(block_ratios(ours, theirs) - 1.0)
-    Image.fromarray(np.concatenate([_shown(ours), _shown(theirs), error], 1)).save(folder / "strip.png")
+    """Of the pictures that `job` left in a folder. Means are over all of them, the worst block is the worst of all."""
+    kept = np.load(folder / "looks.npz")
+    names = [name.partition("/")[2] for name in kept.files if name.startswith("petzval/")]
+    strips, flips, noises, blocks, means, finite = [], [], [], {}, [], True
+    for name in names:
+        ours = kept[f"petzval/{name}"]
+        halves = [kept[f"cycles-{half}/{name}"] for half in range(2)]
+        theirs = 0.5 * (halves[0] + halves[1])
+        finite &= bool(np.isfinite(ours).all())
+        if not theirs.any():
+            return {"black": True, "finite": finite, "ours": float(ours.mean())}
+        error, flip = _flip(*_for_the_eye(name, theirs, theirs, ours))
+        _, noise = _flip(*_for_the_eye(name, theirs, *halves))
+        blocks[name] = float(np.abs(block_ratios(ours, theirs, floor_of(name)) - 1.0).max())
+        # Where signs differ a ratio of means would say nothing.
+        means.append(float((ours.mean() - theirs.mean()) / np.abs(theirs).mean()))
+        flips.append(flip)
+        noises.append(noise)
+        strips.append(np.concatenate([*map(_shown, _for_the_eye(name, theirs, ours, theirs)), error], 1))
+    _arranged(strips).save(folder / "strip.png")
+    worst = max(blocks, key=blocks.get)
     return {
-        "flip": flip,
-        "flip_of_halves": noise,
-        "worst_block": float(apart.max()),
-        "mean": float(ours.mean() / theirs.mean() - 1.0),
-        "finite": bool(np.isfinite(ours).all()),
+        "looks": names,
+        "flip": float(np.mean(flips)),
+        "flip_of_halves": float(np.mean(noises)),
+        "worst_block": blocks[worst],
+        "worst_look": worst,
+        "mean": max(means, key=abs),
+        "finite": finite,
     }
+
+
+def _for_the_eye(name: str, whole: np.ndarray, *pictures: np.ndarray) -> list[np.ndarray]:
+    """As light: data from 0 to 1 over the range that it has in `whole`."""
+    pictures = [np.pad(one[..., :3], [(0, 0), (0, 0), (0, 3 - min(one.shape[2], 3))]) for one in pictures]
+    if floor_of(name) == PASS and name in DATA:
+        low, high = float(whole.min()), float(whole.max())
+        pictures = [(one - low) / max(high - low, 1e-12) for one in pictures]
+    return pictures
+
+
+def _arranged(strips: list[np.ndarray]) -> Image.Image:
+    """One, or two columns of smaller ones."""
+    if len(strips) == 1:
+        return Image.fromarray(strips[0])
+    height, width = (side // 2 for side in strips[0].shape[:2])
+    whole = Image.new("RGB", (2 * width + GAP, -(-len(strips) // 2) * height), "white")
+    for number, strip in enumerate(strips):
+        small = Image.fromarray(strip).resize((width, height), Image.Resampling.BOX)
+        whole.paste(small, (number % 2 * (width + GAP), number // 2 * height))
+    return whole
 
 
 def _flip(reference: np.ndarray, test: np.ndarray) -> tuple[np.ndarray, float]:

@@ -8,71 +8,105 @@ from pathlib import Path
 
 from PIL import Image
 
+#: In the order of the scenes; others are called by their module.
 CHAPTERS = {
     "surfaces": "Surfaces",
     "textures": "Textures and colours",
     "coordinates": "What nodes know of the place",
     "lamps": "Lamps",
     "worlds": "Worlds",
+    "volumes": "Volumes",
     "shapes": "Shapes",
+    "hair": "Hair and curves",
+    "points": "Points",
     "views": "Cameras",
-    "motion": "Motion",
+    "motion": "Motion blur",
+    "frames": "Frames of animations",
     "passes": "Holes, caught shadows and view layers",
+    "light_passes": "Passes of light",
+    "data_passes": "Passes of data",
 }
+#: Blocks that differ by less than that are alike.
+ALIKE = 0.01
 
 
-def write(docs: Path, work: Path, scenes: dict, results: dict, others: dict, size: tuple[int, int], samples: int):
+def write(docs: Path, work: Path, scenes: dict, results: dict, size: tuple[int, int], samples: int, most: int) -> None:
     """The page, from what was found."""
     pictures = docs / "images" / "parity"
     pictures.mkdir(parents=True, exist_ok=True)
     for old in pictures.glob("*.jpg"):
         if old.stem not in scenes:
             old.unlink()
-    version = next((one["blender"] for one in results.values() if "blender" in one), "?")
     lines = [
         "# Petzval beside Cycles",
         "",
         "The scenes of `tests/scenes/parity_scenes`, one feature each, made by script and rendered by both engines inside of",
-        f"Blender {version}: a pinhole, {size[0]} x {size[1]} pixels, {samples} samples, 16 bounces, nothing clamped or denoised. Written by",
+        f"{_taken(results, size, samples, most)} Written by",
         "`make parity`. From the left: Petzval, Cycles, and where the eye would see a difference (FLIP, from black over purple to",
-        "yellow).",
+        "yellow); of passes and of an animation's frames two to a row, in the order of their names.",
         "",
         "- **FLIP**: the mean difference to the eye (Andersson et al. 2021, for high dynamic range), 0 to 1. *Of halves*: between two",
         "  Cycles pictures of half the samples and different seeds; noise alone gives that much.",
-        "- **Worst block**: means of 4 x 3 blocks of the picture, by channel, ours over Cycles'. The tests allow 1 %, and noise.",
-        "- **Mean**: of the whole picture.",
+        "- **Worst block**: means of 4 x 3 blocks of the picture, by channel, ours over Cycles'; of all passes or frames the worst.",
+        "  A block of a pass is compared with the pass's mean where it has less than that. *Noise*: what the seeds of both programs",
+        "  differ by, in the worst block.",
+        "- **Mean**: of the whole picture; the worst of all passes or frames.",
         "",
     ]
-    lines += _summary(results)
-    for chapter, title in CHAPTERS.items():
+    lines += _summary(scenes, results)
+    for chapter in dict.fromkeys(one["chapter"] for one in scenes.values()):
         names = [name for name, one in scenes.items() if one["chapter"] == chapter and name in results]
-        if not names:
-            continue
-        lines += [f"## {title}", "", "| scene | Petzval, Cycles, difference | FLIP | of halves | worst block | mean |", "|---|---|---:|---:|---:|---:|"]  # fmt: skip
+        title = CHAPTERS.get(chapter, chapter.replace("_", " ").capitalize())
+        lines += [f"## {title}", "", "| scene | Petzval, Cycles, difference | FLIP | of halves | worst block | noise | mean |", "|---|---|---:|---:|---:|---:|---:|"]  # fmt: skip
         lines += [_row(scenes[name], name, results[name], work, pictures) for name in names]
         lines.append("")
-    if others:
-        lines += _others(others)
     (docs / "parity.md").write_text("\n".join(lines).rstrip() + "\n")
 
 
-def _summary(results: dict) -> list[str]:
-    good = [one for one in results.values() if "flip" in one]
-    within = sum(one["worst_block"] < 0.01 for one in good)
-    near = sum(one["flip"] < 1.25 * one["flip_of_halves"] for one in good)
-    return [
-        f"Of {len(results)} scenes {within} agree within 1 % in each of 12 blocks and each channel, noise included;",
-        f"in {near} the difference to the eye is less than 1.25 times that of noise alone.",
+def _taken(results: dict, size: tuple[int, int], samples: int, most: int) -> str:
+    """How the pictures were, after "inside of"."""
+    version = next((one["blender"] for one in results.values() if "blender" in one), "?")
+    return (
+        f"Blender {version}: a pinhole, {size[0]} x {size[1]} pixels, {samples} samples and up to {most} where blocks are noisy or\n"
+        "apart, 16 bounces, nothing clamped or denoised."
+    )
+
+
+def _summary(scenes: dict, results: dict) -> list[str]:
+    good = {name: one for name, one in results.items() if "flip" in one}
+    within = sum(one["worst_block"] < ALIKE for one in good.values())
+    near = sum(one["flip"] < 1.25 * one["flip_of_halves"] for one in good.values())
+    minutes = {whose: sum(one[f"{whose}_s"] for one in good.values()) / 60 for whose in ("petzval", "cycles")}
+    lines = [
+        f"Of {len(results)} scenes {within} agree within 1 % in each of 12 blocks and each channel, noise included; in {near} the",
+        "difference to the eye is less than 1.25 times that of noise alone. All took",
+        f"{minutes['petzval']:.0f} minutes of processor time in Petzval and {minutes['cycles']:.0f} in Cycles, scenes made ready included.",
         "",
     ]
+    apart = {name: one for name, one in good.items() if one["worst_block"] >= ALIKE}
+    if apart:
+        lines += ["More than 1 % apart in some block:", ""]
+    for name, one in apart.items():
+        why = scenes[name]["why"] or "noise"
+        lines.append(
+            f"- {scenes[name]['title']}: {_percent(one['worst_block'])}, noise {_percent(one['noise'])}; {why}"
+        )
+    return [*lines, ""] if apart else lines
 
 
 def _row(scene: dict, name: str, found: dict, work: Path, pictures: Path) -> str:
     if "flip" not in found:
-        return f"| {scene['title']} | {found.get('failed', 'black')} | | | | |"
-    Image.open(work / name / "strip.png").convert("RGB").save(pictures / f"{name}.jpg", quality=88, optimize=True)
+        return f"| {scene['title']} | {found.get('failed', 'black')} | | | | | |"
+    Image.open(work / name / "strip.png").convert("RGB").save(pictures / f"{name}.jpg", quality=86, optimize=True)
     title = scene["title"] + (f". *{scene['why'][0].upper()}{scene['why'][1:]}.*" if scene["why"] else "")
-    numbers = f"{found['flip']:.4f} | {found['flip_of_halves']:.4f} | {_percent(found['worst_block'])} | {_percent(found['mean'], '+')}"
+    worst = _percent(found["worst_block"])
+    if len(found["looks"]) > 1:
+        title += f": {', '.join(found['looks'])}"
+        worst += f" ({found['worst_look']})"
+    numbers = (
+        f"{found['flip']:.4f} | {found['flip_of_halves']:.4f} | {worst} | {_percent(found['noise'])} "
+        f"| {_percent(found['mean'], '+')}"
+    )
     return f"| {title} | ![{name}](images/parity/{name}.jpg) | {numbers} |"
 
 
@@ -80,23 +114,29 @@ def _percent(share: float, sign: str = "") -> str:
     return f"{100 * share:{sign}.1f} %"
 
 
-def _others(others: dict) -> list[str]:
+def write_others(docs: Path, others: dict, size: tuple[int, int], samples: int, most: int) -> None:
+    """The page of scenes that are not part of the project."""
     lines = [
-        "## Scenes by other people",
+        "# Scenes by other people, beside Cycles",
         "",
-        "Not part of the project; what Petzval says that it does not show.",
+        "Not part of the project; what Petzval says that it does not show. As [the small scenes](parity.md), inside of",
+        _taken(others, size, samples, most),
+        'Written by `make parity PARITY_OPTIONS="--scenes FOLDER"`.',
         "",
-        "| scene | FLIP | of halves | worst block | mean | says |",
-        "|---|---:|---:|---:|---:|---|",
+        "| scene | FLIP | of halves | worst block | noise | mean | says |",
+        "|---|---:|---:|---:|---:|---:|---|",
     ]
     for name, found in others.items():
         if "flip" in found:
-            numbers = f"{found['flip']:.4f} | {found['flip_of_halves']:.4f} | {_percent(found['worst_block'])} | {_percent(found['mean'], '+')}"
+            numbers = (
+                f"{found['flip']:.4f} | {found['flip_of_halves']:.4f} | {_percent(found['worst_block'])} "
+                f"| {_percent(found['noise'])} | {_percent(found['mean'], '+')}"
+            )
         else:
-            numbers = f"{found.get('skipped') or found.get('failed') or 'black in Cycles'} | | |"
+            numbers = f"{found.get('skipped') or found.get('failed') or 'black in Cycles'} | | | |"
         said = _said(found.get("warnings", []))
         lines.append(f"| {name} | {numbers} | {said} |")
-    return lines + [""]
+    (docs / "parity-others.md").write_text("\n".join(lines) + "\n")
 
 
 def _said(warnings: list[str]) -> str:

@@ -2,7 +2,7 @@
 //!
 //! `cargo run --release -p petzval-optics --example flood [RAYS]`
 
-#[path = "../tests/flood/flood.rs"]
+#[path = "../tests/all/flood/flood.rs"]
 #[allow(unreachable_pub)]
 mod flood;
 

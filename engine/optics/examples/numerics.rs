@@ -2,7 +2,7 @@
 //!
 //! `cargo run --release -p petzval-optics --example numerics [RAYS]`, or `make numerics`.
 
-#[path = "../tests/numerics/measure.rs"]
+#[path = "../tests/all/numerics/measure.rs"]
 mod measure;
 
 use std::fmt::Write;

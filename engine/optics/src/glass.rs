@@ -3,7 +3,11 @@
 //! Catalogue indices are relative to air, whose index is 1 exactly. Nothing here knows of surfaces.
 
 mod catalogue;
+mod dispersion;
 mod medium;
+mod transmittance;
 
 pub use catalogue::{Catalogue, GlassError};
+pub use dispersion::Dispersion;
 pub use medium::{AIR_NAME, Medium, line_nm};
+pub use transmittance::InternalTransmittance;

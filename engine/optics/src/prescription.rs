@@ -228,6 +228,21 @@ impl Prescription {
         fixed
     }
 
+    /// The media whose index is not known everywhere between two wavelengths, each once; beyond its range a medium keeps the index
+    /// that it has at the end.
+    pub fn media_beyond(&self, shortest_nm: f64, longest_nm: f64) -> Vec<&Medium> {
+        let mut beyond: Vec<&Medium> = Vec::new();
+        for row in &self.surfaces {
+            if let Behind::Medium(medium) = &row.behind
+                && !medium.is_known_between(shortest_nm, longest_nm)
+                && !beyond.contains(&medium)
+            {
+                beyond.push(medium);
+            }
+        }
+        beyond
+    }
+
     /// Says what is wrong with the lens; readers of files call it last.
     pub fn check(&self) -> Result<(), PrescriptionError> {
         if self.surfaces.is_empty() {

@@ -22,11 +22,19 @@ PROCESSOR: str
 """What the engine was compiled for: "x86-64-v3", or the kind of processor where there is one engine for all."""
 
 class Lens:
-    """A checked lens prescription."""
+    """A checked lens prescription, of a file of any kind that `petzval lens convert` reads."""
 
     def __init__(self, path: str) -> None: ...
     @property
     def name(self) -> str: ...
+    @property
+    def remarks(self) -> list[str]:
+        """What of the file is not in the lens, or was taken for something else: lines `FILE:LINE:COLUMN: what`."""
+    def media_beyond(self, shortest_nm: float, longest_nm: float) -> list[tuple[str, float, float]]:
+        """Media whose index is not known everywhere between two wavelengths: name, and the range in nm in which it is.
+        Beyond it they keep the index of its end."""
+    def written(self, kind: str) -> tuple[str, list[str]]:
+        """The text of a `lens` or `zmx` file, and what of the lens cannot stand in one."""
     @property
     def surface_count(self) -> int: ...
     def info_json(
@@ -193,6 +201,17 @@ class SceneBuilder:
     ) -> int:
         """Hair and other curves; `add_instance` takes their index as it takes a mesh's. Strands with a key that is not finite are
         left out and counted in `warnings`."""
+    def add_points(
+        self,
+        name: str,
+        points: npt.NDArray[np.float32],  # (points, 4), object space, and the radius
+        *,
+        attributes: dict[str, npt.NDArray[np.float32]] | None = None,  # name -> (points, 4)
+        moved_points: tuple[npt.NDArray[np.float32], npt.NDArray[np.float32]]
+        | None = None,  # (points, 3), before, after
+        poses: Sequence[npt.NDArray[np.float32]] | None = None,  # as `points`, at even times over the exposure
+    ) -> int:
+        """A point cloud, as `add_curves`. Points that are not finite are left out and counted in `warnings`."""
     def add_instance(
         self,
         object_name: str,
@@ -209,7 +228,7 @@ class SceneBuilder:
         light_group: int = 0,  # its number; 0 is none
         softening: tuple[float, float] = (0.0, 0.0),  # Blender's geometry and shading offsets of shadow terminators
         is_holdout: bool = False,  # the camera sees a hole instead
-        is_catcher: bool = False,  # its shadows alone are wanted: for CAUGHT and CATCHES
+        is_catcher: bool = False,  # its shadows alone are wanted: for `Job.shadow`
     ) -> None:
         """`materials[slot]` is a material index; slots past its end take the last; empty: the default grey.
 
@@ -241,6 +260,8 @@ class Scene:
     def triangle_count(self) -> int: ...
     @property
     def segment_count(self) -> int: ...
+    @property
+    def point_count(self) -> int: ...
     @property
     def instance_count(self) -> int: ...
     @property
@@ -315,6 +336,7 @@ class Job:
         light_groups: int = 0,
         parts: Sequence[str] = (),  # of light, for `part`
         mist: tuple[float, float, float] = (0.0, 1.0, 1.0),  # start, depth, power of the falloff
+        catches: bool = False,  # keeps what `shadow` and `over_photograph` need
         checkpoint: tuple[str, str, float] | None = None,  # file, fingerprint of the picture, seconds between two
         shutter: ShutterDescription | None = None,  # where anything but the lens moves
     ) -> None:
@@ -335,9 +357,17 @@ class Job:
         bottom."""
     def part(self, name: str) -> npt.NDArray[np.float32]:
         """DIFFUSE_DIRECT, _INDIRECT, _COLOR, the same of GLOSSY and TRANSMISSION, VOLUME_DIRECT, VOLUME_INDIRECT, EMISSION,
-        ENVIRONMENT, DENOISING_ALBEDO, DENOISING_NORMAL, DENOISING_DEPTH, CAUGHT (light of
-        what catches shadows), CATCHES (how much of a pixel does, and how much is anything), UV, MIST (how much is clear), AOV_0 and so on: (height,
-        width, 3), first row at the bottom. Light of a kind of lobe is divided by its colour."""
+        ENVIRONMENT, DENOISING_ALBEDO, DENOISING_NORMAL, DENOISING_DEPTH, UV, MIST, AOV_0 and so on: (height, width, 3), first
+        row at the bottom. Light of a kind of lobe is divided by its colour."""
+    def shadow(self, alone: Job) -> npt.NDArray[np.float32]:
+        """What is left of the light on what catches shadows, (height, width, 3), 1 where nothing is seen, by the finished render
+        of that alone. For a job with `catches`."""
+    def over_photograph(
+        self, alone: Job, sky: Job | None, *, is_opaque: bool, is_apart: bool
+    ) -> npt.NDArray[np.float32]:
+        """The picture to be laid over a photograph, (height, width, 4): what catches shadows is gone, and the mean of its shadow
+        is alpha, but where that is a pass of its own (`is_apart`). It is laid over the finished render of the `sky`, if there is
+        one."""
     def matte_metadata(self, layer: str, name: str) -> list[tuple[str, str]]:
         """What a file has to say of a layer that is called `name` in it: keys and values."""
     def wait(self, timeout_s: float) -> bool:

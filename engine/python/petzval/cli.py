@@ -21,7 +21,7 @@ from .processors import ProcessorError
 
 #: Subcommand: its module and its line in `petzval --help`.
 COMMANDS = {
-    "lens": ("lens_command", "check a lens file, show its first-order data, trace rays through it"),
+    "lens": ("lens_command", "check or convert a lens file, show its first-order data, trace rays through it"),
     "surface": ("surface_command", "trace rays at single surfaces"),
     "render": ("render_command", "render a .blend through a lens"),
     "plan": ("plan_command", "say what a render would simulate of the lens, and why"),

@@ -1,5 +1,5 @@
 # SPDX-License-Identifier: GPL-3.0-or-later
-"""`petzval lens check|info|trace`: reads arguments, asks the engine, prints its answer. Computes nothing."""
+"""`petzval lens check|convert|info|trace`: reads arguments, asks the engine, prints its answer. Computes nothing."""
 
 from __future__ import annotations
 
@@ -8,6 +8,7 @@ import json
 import math
 import os
 import sys
+from collections.abc import Sequence
 from pathlib import Path
 from typing import Any
 
@@ -15,18 +16,30 @@ from .errors import CommandError, complain
 from .places import find_lens
 from .questions import read_list, vector_text
 
+#: What is read, by ending; tables of the Optical Bench are known by their sections.
+KINDS = ".lens, .zmx, .seq, .len, .dat or .txt (a table of the Optical Bench)"
+
 
 def add_parser(subparsers: argparse._SubParsersAction) -> None:
     """Adds `lens` with its three actions."""
-    lens = subparsers.add_parser("lens", help="check, describe or trace a lens", allow_abbrev=False)
+    lens = subparsers.add_parser("lens", help="check, convert, describe or trace a lens", allow_abbrev=False)
     actions = lens.add_subparsers(dest="action", metavar="ACTION", required=True)
 
     check = actions.add_parser("check", help="read lens files and say what is wrong with them", allow_abbrev=False)
-    check.add_argument("lenses", nargs="+", metavar="FILE", help="a lens file, or the name of a shipped lens")
+    check.add_argument(
+        "lenses", nargs="+", metavar="FILE", help=f"a lens file ({KINDS}), or the name of a shipped lens"
+    )
     check.set_defaults(run=_check)
 
+    convert = actions.add_parser(
+        "convert", help="read a lens file of any kind, and write it as .lens or .zmx", allow_abbrev=False
+    )
+    convert.add_argument("lens", metavar="IN", help=f"{KINDS}, or the name of a shipped lens")
+    convert.add_argument("out", metavar="OUT", help="a .lens or .zmx file")
+    convert.set_defaults(run=_convert)
+
     info = actions.add_parser("info", help="focal length, planes, pupils, aberrations", allow_abbrev=False)
-    info.add_argument("lens", metavar="FILE", help="a lens file, or the name of a shipped lens")
+    info.add_argument("lens", metavar="FILE", help=f"a lens file ({KINDS}), or the name of a shipped lens")
     info.add_argument("--wavelength", type=_number, metavar="NM", help="nanometres; default: the d line")
     _add_setting(info)
     info.add_argument(
@@ -36,7 +49,7 @@ def add_parser(subparsers: argparse._SubParsersAction) -> None:
     info.set_defaults(run=_info)
 
     trace = actions.add_parser("trace", help="trace given rays through the lens", allow_abbrev=False)
-    trace.add_argument("lens", metavar="FILE", help="a lens file, or the name of a shipped lens")
+    trace.add_argument("lens", metavar="FILE", help=f"a lens file ({KINDS}), or the name of a shipped lens")
     trace.add_argument("--rays", required=True, metavar="RAYS.json|-", help="the rays; - reads them from stdin")
     trace.add_argument("--precision", choices=("f64", "f32"), default="f64", help="default: f64")
     _add_setting(trace)
@@ -141,6 +154,29 @@ def _load(name_or_path: str) -> Any:
     return _native.Lens(str(find_lens(name_or_path)))
 
 
+#: What the eye sees, nm: for this the index of a lens's glasses should be known.
+_VISIBLE_NM = (380.0, 780.0)
+
+
+def _beyond(lens: Any, wavelengths_nm: Sequence[float]) -> list[str]:
+    """The glasses that are asked for an index beyond what is known of them."""
+    known = lens.media_beyond(min(wavelengths_nm), max(wavelengths_nm)) if wavelengths_nm else []
+    return [
+        f"glass {name}: its index is known from {start:.0f} to {end:.0f} nm, beyond it is kept as at the end"
+        for name, start, end in known
+    ]
+
+
+def _say(notes: list[str]) -> None:
+    for note in notes:
+        complain(f"note: {note}")
+
+
+def _with_notes(answer: str, notes: list[str]) -> str:
+    """The JSON object, with what there is to say about it: nothing else than it stands on stdout, and stderr is for errors."""
+    return json.dumps({**json.loads(answer), "notes": notes}) if notes else answer
+
+
 def _check(arguments: argparse.Namespace) -> int:
     from . import _native
 
@@ -152,14 +188,35 @@ def _check(arguments: argparse.Namespace) -> int:
             failures += 1
             complain(str(error))
         else:
+            _say(lens.remarks)
+            _say([f"{name}: {note}" for note in _beyond(lens, _VISIBLE_NM)])
             print(f"ok: {lens.name}, {lens.surface_count} surfaces")
     return 1 if failures else 0
 
 
+def _convert(arguments: argparse.Namespace) -> int:
+    out = Path(arguments.out)
+    lens = _load(arguments.lens)
+    text, lost = lens.written(out.suffix.lower().removeprefix("."))
+    _say([*lens.remarks, *(f"{out}: {what}" for what in lost)])
+    try:
+        out.write_text(text, encoding="utf-8")
+    except OSError as error:
+        raise CommandError(f"cannot write {out}: {error.strerror or error}: choose another place") from None
+    print(f"{out}: {lens.name}, {lens.surface_count} surfaces")
+    return 0
+
+
 def _info(arguments: argparse.Namespace) -> int:
     options = _given(wavelength_nm=arguments.wavelength, focus_distance_mm=arguments.focus_distance)
-    answer = _load(arguments.lens).info_json(**options, **_setting(arguments))
-    print(answer if arguments.json else _table(json.loads(answer)))
+    lens = _load(arguments.lens)
+    notes = [*lens.remarks, *_beyond(lens, [] if arguments.wavelength is None else [arguments.wavelength])]
+    answer = lens.info_json(**options, **_setting(arguments))
+    if arguments.json:
+        print(_with_notes(answer, notes))
+    else:
+        print(_table(json.loads(answer)))
+        _say(notes)
     return 0
 
 
@@ -171,7 +228,13 @@ def _trace(arguments: argparse.Namespace) -> int:
     options = _setting(arguments)
     lens = _load(arguments.lens)
     answer = lens.trace_json(text, from_film=side == "film", precision=arguments.precision, **options)
-    print(answer if arguments.json else _ray_lines(json.loads(answer)["rays"]))
+    asked = [ray["wavelength_nm"] for ray in question["rays"] if ray.get("wavelength_nm") is not None]
+    notes = [*lens.remarks, *_beyond(lens, asked)]
+    if arguments.json:
+        print(_with_notes(answer, notes))
+    else:
+        print(_ray_lines(json.loads(answer)["rays"]))
+        _say(notes)
     return 0
 
 

@@ -18,6 +18,7 @@ use petzval_render::film::data::DataPass;
 use petzval_render::integrator::Integrator;
 use petzval_render::integrator::path::KindLimits;
 use petzval_render::integrator::path::parts::{Part, Parts, Seen};
+use petzval_render::job::catcher::{self, Laying};
 use petzval_render::job::checkpoint::Checkpoints;
 use petzval_render::job::{self as engine, Beside, Settings};
 use petzval_render::pipeline::Pipeline;
@@ -138,7 +139,8 @@ impl Job {
     #[new]
     #[pyo3(signature = (
         scene, camera, settings, over_the_shutter=Vec::new(), *, plan=None, mattes=Vec::new(), matte_levels=6,
-        neighbours=None, light_groups=0, parts=Vec::new(), mist=[0.0, 1.0, 1.0], checkpoint=None, shutter=None
+        neighbours=None, light_groups=0, parts=Vec::new(), mist=[0.0, 1.0, 1.0], catches=false, checkpoint=None,
+        shutter=None
     ))]
     #[allow(clippy::too_many_arguments)]
     fn new(
@@ -154,6 +156,7 @@ impl Job {
         light_groups: u16,
         parts: Vec<String>,
         mist: [f32; 3],
+        catches: bool,
         checkpoint: Option<(PathBuf, String, f64)>,
         shutter: Option<PyShutter>,
     ) -> Result<Self, Error> {
@@ -179,7 +182,10 @@ impl Job {
             None => None,
         };
         let mattes = mattes.iter().map(|name| matte_layer(name)).collect::<Result<Vec<_>, Error>>()?;
-        let parts = parts.iter().map(|name| part(name)).collect::<Result<Vec<Part>, Error>>()?;
+        let mut parts = parts.iter().map(|name| part(name)).collect::<Result<Vec<Part>, Error>>()?;
+        if catches {
+            parts.extend(catcher::PARTS);
+        }
         let mut settings: Settings = settings.try_into()?;
         if let Some(plan) = plan {
             settings.pipeline = plan.plan.pipeline();
@@ -293,9 +299,27 @@ impl Job {
         let asked = part(name)?;
         let pixels = away(py, || self.job.part(asked))?;
         let pixels = pixels.ok_or_else(|| refused(format!("'{name}' is not kept")))?;
+        self.array_of_three(py, pixels)
+    }
+
+    fn shadow<'py>(&self, py: Python<'py>, alone: &Self) -> Result<Bound<'py, PyArray3<f32>>, Error> {
+        let pixels = away(py, || self.job.shadow(&alone.job))?;
+        self.array_of_three(py, pixels.ok_or_else(keeps_no_shadows)?)
+    }
+
+    #[pyo3(signature = (alone, sky, *, is_opaque, is_apart))]
+    fn over_photograph<'py>(
+        &self,
+        py: Python<'py>,
+        alone: &Self,
+        sky: Option<&Self>,
+        is_opaque: bool,
+        is_apart: bool,
+    ) -> Result<Bound<'py, PyArray3<f32>>, Error> {
+        let laying = Laying { is_opaque, is_apart };
+        let pixels = away(py, || self.job.over_photograph(&alone.job, sky.map(|sky| &sky.job), laying))?;
         let (width, height) = self.job.film().size();
-        let flat = PyArray1::from_vec(py, pixels.into_flattened());
-        Ok(flat.reshape([height as usize, width as usize, 3])?)
+        array(py, pixels.ok_or_else(keeps_no_shadows)?, width, height)
     }
 
     fn matte_metadata(&self, layer: &str, name: &str) -> Result<Vec<(String, String)>, Error> {
@@ -373,6 +397,18 @@ impl Job {
         })
         .to_string()
     }
+}
+
+impl Job {
+    fn array_of_three<'py>(&self, py: Python<'py>, pixels: Vec<[f32; 3]>) -> Result<Bound<'py, PyArray3<f32>>, Error> {
+        let (width, height) = self.job.film().size();
+        let flat = PyArray1::from_vec(py, pixels.into_flattened());
+        Ok(flat.reshape([height as usize, width as usize, 3])?)
+    }
+}
+
+fn keeps_no_shadows() -> Error {
+    refused("the render keeps nothing for shadows: make it with catches=True")
 }
 
 fn matte_layer(name: &str) -> Result<MatteLayer, Error> {

@@ -5,7 +5,7 @@ use crate::doorway::away;
 use crate::error::{Error, refused};
 use glam::DVec3;
 use petzval_optics::focus::Focus;
-use petzval_optics::formats::lens;
+use petzval_optics::formats;
 use petzval_optics::glass::Catalogue;
 use petzval_optics::lane::Real;
 use petzval_optics::paraxial::{Paraxial, Pupil};
@@ -25,13 +25,35 @@ use std::path::Path;
 #[pyclass(frozen)]
 pub(crate) struct Lens {
     prescription: Prescription,
+    remarks: Vec<String>,
 }
 
 #[pymethods]
 impl Lens {
     #[new]
     fn new(path: &str) -> Result<Self, Error> {
-        Ok(Self { prescription: lens::read(Path::new(path), Catalogue::shipped())? })
+        let reading = formats::read(Path::new(path), Catalogue::shipped())?;
+        let remarks = reading.remarks.iter().map(ToString::to_string).collect();
+        Ok(Self { prescription: reading.prescription, remarks })
+    }
+
+    #[getter]
+    fn remarks(&self) -> Vec<String> {
+        self.remarks.clone()
+    }
+
+    fn media_beyond(&self, shortest_nm: f64, longest_nm: f64) -> Vec<(String, f64, f64)> {
+        let beyond = self.prescription.media_beyond(shortest_nm, longest_nm);
+        beyond.iter().map(|m| (m.name().to_owned(), m.range_nm()[0], m.range_nm()[1])).collect()
+    }
+
+    fn written(&self, kind: &str) -> Result<(String, Vec<String>), Error> {
+        let write = match kind {
+            "lens" => formats::lens::write,
+            "zmx" => formats::zmx::write,
+            other => return Err(refused(format!("lenses cannot be written as .{other}; give .lens or .zmx"))),
+        };
+        Ok(write(&self.prescription, Catalogue::shipped()))
     }
 
     #[getter]

@@ -18,6 +18,7 @@ mod mesh;
 mod parts;
 mod pictures;
 mod plan;
+mod points;
 mod scene;
 mod surface;
 

@@ -7,7 +7,7 @@ const LOBES: [(&str, LobeKind); 3] =
     [("DIFFUSE", LobeKind::Diffuse), ("GLOSSY", LobeKind::Glossy), ("TRANSMISSION", LobeKind::Transmission)];
 
 /// The part of that name: a kind of lobe or VOLUME with _DIRECT or _INDIRECT, a kind of lobe with _COLOR, EMISSION, ENVIRONMENT,
-/// DENOISING_ALBEDO, DENOISING_NORMAL, DENOISING_DEPTH, CAUGHT, CATCHES, UV, MIST, or AOV_ and AOV_ALPHA_ with a number.
+/// DENOISING_ALBEDO, DENOISING_NORMAL, DENOISING_DEPTH, UV, MIST, or AOV_ and AOV_ALPHA_ with a number.
 pub(crate) fn part(name: &str) -> Result<Part, Error> {
     if let Some(number) = name.strip_prefix("AOV_").and_then(|number| number.parse().ok()) {
         return Ok(Part::Aov(number));
@@ -31,8 +31,6 @@ pub(crate) fn part(name: &str) -> Result<Part, Error> {
         "DENOISING_ALBEDO" => Part::DenoisingAlbedo,
         "DENOISING_NORMAL" => Part::DenoisingNormal,
         "DENOISING_DEPTH" => Part::DenoisingDepth,
-        "CAUGHT" => Part::Caught,
-        "CATCHES" => Part::Catches,
         "UV" => Part::Uv,
         "MIST" => Part::Mist,
         other => return Err(refused(format!("there is no part of light '{other}'"))),

@@ -7,6 +7,7 @@ use crate::doorway::away;
 use crate::error::{Error, bad_scene, refused};
 use crate::material::{PyLight, PyMaterial, PyWorld, visible};
 use crate::mesh::{PyCorners, PyGrid, PyPose, corners, indices, named, read_grid, read_poses, vectors};
+use crate::points;
 use glam::{DMat4, DVec3};
 use numpy::{PyArrayDyn, PyArrayMethods, PyReadonlyArray1, PyReadonlyArray2, PyUntypedArrayMethods};
 use petzval_render::integrator::Stage;
@@ -157,6 +158,21 @@ impl SceneBuilder {
         Ok(away(py, || builder.add_curves(description))??)
     }
 
+    #[pyo3(signature = (name, points, *, attributes = None, moved_points = None, poses = None))]
+    fn add_points<'py>(
+        &mut self,
+        py: Python<'py>,
+        name: &str,
+        points: PyReadonlyArray2<'py, f32>,
+        attributes: Option<Bound<'py, PyDict>>,
+        moved_points: Option<[PyReadonlyArray2<'py, f32>; 2]>,
+        poses: Option<Vec<PyReadonlyArray2<'py, f32>>>,
+    ) -> Result<usize, Error> {
+        let description = points::description(name, &points, points::More { attributes, moved_points, poses })?;
+        let builder = &mut self.builder;
+        Ok(away(py, || builder.add_points(description))??)
+    }
+
     #[pyo3(signature = (
         object_name, mesh, matrix_world, materials, *, hidden_from = Vec::new(), links = None, asset_name = None,
         moved = None, keys = None, info = None, light_group = 0, softening = (0.0, 0.0), is_holdout = false,
@@ -276,6 +292,11 @@ impl Scene {
     #[getter]
     fn segment_count(&self) -> usize {
         self.stage.scene.segment_count()
+    }
+
+    #[getter]
+    fn point_count(&self) -> usize {
+        self.stage.scene.point_count()
     }
 
     #[getter]

@@ -1,12 +1,14 @@
 //! Finding what a ray meets. Meshes that stand in the scene once share one tree in render space; those that stand in
 //! it several times have one each, in object space, below a tree of their instances. docs/design/tree.md says why.
 
+mod balls;
 mod beside;
 mod bounds;
 mod build;
 pub(crate) mod curves;
 mod moving;
 mod node;
+pub(crate) mod points;
 mod posed;
 mod refit;
 mod segment;
@@ -38,7 +40,7 @@ pub struct Ray {
     pub direction: Vec3A,
     /// Nothing farther than this counts, Blender units.
     pub t_max: f32,
-    /// The strand that it leaves.
+    /// The strand or point that it leaves.
     pub skip: Skip,
     /// When: from 0, as the shutter opens, to 65535, as it is closed.
     pub moment: u16,
@@ -58,19 +60,24 @@ impl Ray {
     }
 }
 
-/// A strand of hair that a ray does not meet, as in Cycles: what leaves a strand does not come back to it. A ribbon that turns to
-/// every ray would else hide from itself.
+/// A strand of hair, or a point of a cloud, that a ray does not meet, as in Cycles: what leaves it does not come back to it. A
+/// ribbon that turns to every ray would else hide from itself.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub struct Skip {
     /// Index of its instance.
     pub instance: u32,
-    /// Its number in its curves.
+    /// Its number in its curves, or among its points.
     pub strand: u32,
 }
 
 impl Skip {
     /// Of rays that do not leave hair.
     pub const NONE: Self = Self { instance: u32::MAX, strand: u32::MAX };
+
+    #[inline(always)]
+    fn is(self, instance: u32, strand: u32) -> bool {
+        self.strand == strand && self.instance == instance
+    }
 }
 
 /// See [`Hit::v`].
@@ -78,20 +85,20 @@ const FROM_WITHIN: f32 = 3.0;
 /// See [`Hit::v`].
 const LEANS_AWAY: f32 = 6.0;
 
-/// Where a ray met a triangle, or a segment of a curve.
+/// Where a ray met a triangle, a segment of a curve, or a point of a cloud.
 #[derive(Clone, Copy, Debug)]
 pub struct Hit {
     /// Distance, Blender units.
     pub t: f32,
     /// Barycentric weight of the triangle's second corner; along a segment, 0 to 1 (beyond on a round end, by
-    /// which way the normal leans there).
+    /// which way the normal leans there). Of a point this and `v` are which way its surface looks: [`points::folded`].
     pub u: f32,
     /// Barycentric weight of the third; across a segment, -1 to 1, and more where a round strand is met from within or its normal
     /// leans the other way: see [`Across`].
     pub v: f32,
     /// Index into the scene's instances.
     pub instance: u32,
-    /// Index into the mesh's triangles, or a segment's number.
+    /// Index into the mesh's triangles, or a segment's or point's number.
     pub triangle: u32,
     /// The ray's.
     pub moment: u16,

@@ -4,8 +4,10 @@
 //! them, so that the same seed gives the same bits for any number of threads.
 
 mod adaptive;
+pub mod catcher;
 pub mod checkpoint;
 pub mod forecast;
+mod parts;
 mod settings;
 
 use crate::camera::Camera;
@@ -14,7 +16,7 @@ use crate::camera::real_lens::RealLens;
 use crate::film::cryptomatte::{MatteLayer, Mattes};
 use crate::film::data::{DataPass, DataSums, FARTHEST, VectorSums};
 use crate::film::{Film, Keep, TilePixels};
-use crate::integrator::path::parts::{Part, Parts};
+use crate::integrator::path::parts::Parts;
 use crate::integrator::path::{self, Limits};
 use crate::integrator::{Integrator, Stage, bidirectional::Techniques};
 use crate::pipeline::exposure::Exposure;
@@ -222,19 +224,6 @@ impl Job {
             DataPass::Vector => self.shared.film.vectors().iter().flat_map(VectorSums::mean).collect(),
             DataPass::Normal => surfaces.flat_map(|s| s.map_or([0.0; 3], |(_, normal)| normal.to_array())).collect(),
         }
-    }
-
-    /// Three numbers a pixel of what is kept beside, as they are now, rows from below: light as it is, all else relative to
-    /// what it is to be. Nothing of what was not asked for.
-    pub fn part(&self, part: Part) -> Option<Vec<[f32; 3]>> {
-        let parts = &self.shared.parts;
-        let place = parts.place(part)?;
-        let whole = self.shared.film.parts()[place].picture();
-        let Some(base) = part.relative_to().and_then(|base| self.part(base)) else {
-            return Some(whole.into_iter().map(|[r, g, b, _]| [r, g, b]).collect());
-        };
-        let pixels = whole.iter().zip(&base);
-        Some(pixels.map(|([r, g, b, _], base)| over([*r, *g, *b], *base)).collect())
     }
 
     /// A layer of mattes as it is now: the channels of all its passes pixel by pixel, rows from below.
@@ -508,14 +497,6 @@ fn passes(samples: u32) -> Vec<(u32, u32)> {
         first += count;
     }
     list
-}
-
-/// One by the other; what is relative to nothing in a channel is there as in the others, as in Cycles.
-fn over(of: [f32; 3], base: [f32; 3]) -> [f32; 3] {
-    let parts: [Option<f32>; 3] = std::array::from_fn(|c| (base[c] != 0.0).then(|| of[c] / base[c]));
-    let count = parts.iter().flatten().count().max(1) as f32;
-    let mean = parts.iter().flatten().sum::<f32>() / count;
-    parts.map(|part| part.unwrap_or(mean))
 }
 
 fn lock<T>(mutex: &Mutex<T>) -> std::sync::MutexGuard<'_, T> {

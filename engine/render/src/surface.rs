@@ -1,9 +1,11 @@
 //! A point on a surface, from what a ray met: where it is, which way it faces, and its texture coordinates.
 
 use crate::accel::curves::radius_scale;
+use crate::accel::points::folded;
 use crate::accel::{Across, Hit, Ray, Skip};
 use crate::scene::curves::Curves;
 use crate::scene::mesh::{GENERATED, Mesh};
+use crate::scene::points::Points;
 use crate::scene::{Instance, Scene};
 use glam::{Vec2, Vec3, Vec3A, Vec4};
 
@@ -22,13 +24,14 @@ pub struct SurfacePoint {
     pub backfacing: bool,
     /// Index of the instance.
     pub instance: u32,
-    /// Index of the triangle in its mesh.
+    /// Index of the triangle in its mesh, the segment in its curves, or the point in its cloud.
     pub triangle: u32,
     /// Index of the material.
     pub material: u32,
-    /// Barycentric weights of the second and third corner; on a strand of hair, along and across its segment, as in [`Hit`].
+    /// Barycentric weights of the second and third corner; on a strand of hair, along and across its segment; on a point,
+    /// which way its surface looks, as in [`Hit`].
     pub barycentric: [f32; 2],
-    /// The strand of hair in its curves; [`NO_STRAND`] on a triangle.
+    /// The strand of hair in its curves, or the point in its cloud; [`NO_STRAND`] on a triangle.
     pub strand: u32,
     /// When a ray met it, as in [`Ray::moment`].
     pub moment: u16,
@@ -49,11 +52,14 @@ impl SurfacePoint {
         Self::on_triangle(instance, mesh, hit, direction, mesh.corners(hit.triangle), normals.as_ref())
     }
 
-    /// On hair, or a mesh that changes its shape.
+    /// On hair, on a point, or on a mesh that changes its shape.
     #[inline(never)]
     fn on_special(instance: &Instance, mesh: &Mesh, hit: &Hit, direction: Vec3A) -> Self {
         if let Some(curves) = &mesh.curves {
             return Self::on_strand(instance, curves, hit, direction);
+        }
+        if let Some(points) = &mesh.points {
+            return Self::on_ball(instance, points, hit, direction);
         }
         let normals = instance.corner_normals(mesh, hit.triangle);
         Self::on_triangle(instance, mesh, hit, direction, instance.corners(mesh, hit.triangle), normals.as_ref())
@@ -135,18 +141,43 @@ impl SurfacePoint {
         }
     }
 
-    /// A ray without end that leaves it at `origin`: hair does not meet the strand that it leaves.
+    /// On a point of a cloud. Where its object is stretched, too, the normal leads away from the middle, as in Cycles.
+    #[inline(never)]
+    fn on_ball(instance: &Instance, points: &Points, hit: &Hit, direction: Vec3A) -> Self {
+        let ball = points.at(hit.triangle, instance.pose);
+        let outward = folded([hit.u, hit.v]);
+        let away = ball.w / (instance.to_object.matrix3 * outward).length();
+        let local = Vec3A::from_vec4(ball);
+        let backfacing = outward.dot(direction) > 0.0;
+        let normal = if backfacing { -outward } else { outward };
+        Self {
+            position: instance.to_render.transform_point3a(local) + outward * away,
+            position_error: position_error(instance, local.abs() + ball.w),
+            geometric_normal: normal,
+            shading_normal: normal,
+            backfacing,
+            instance: hit.instance,
+            triangle: hit.triangle,
+            material: instance.material(0),
+            barycentric: [hit.u, hit.v],
+            strand: hit.triangle,
+            moment: hit.moment,
+        }
+    }
+
+    /// A ray without end that leaves it at `origin`: it does not meet the strand or point that it leaves.
     #[inline(always)]
     pub fn leaving(&self, origin: Vec3A, direction: Vec3A) -> Ray {
         let skip = Skip { instance: self.instance, strand: self.strand };
         Ray { origin, direction, t_max: f32::INFINITY, skip, moment: self.moment }
     }
 
-    /// Whether it is on hair, and a ray met the same strand.
+    /// Whether it is on hair or a point, and a ray met the same strand or point.
     pub fn is_on_strand_of(&self, scene: &Scene, hit: &Hit) -> bool {
+        let met = |curves: &Curves| curves.strand_of(hit.triangle);
         self.strand != NO_STRAND
             && hit.instance == self.instance
-            && mesh_of(scene, hit.instance).curves.as_ref().is_some_and(|c| c.strand_of(hit.triangle) == self.strand)
+            && mesh_of(scene, hit.instance).curves.as_deref().map_or(hit.triangle, met) == self.strand
     }
 
     /// The same point seen along another ray, which leaves it along `d`.
@@ -175,6 +206,9 @@ pub fn tangent_about_z(scene: &Scene, point: &SurfacePoint) -> Vec3A {
     let mesh = mesh_of(scene, point.instance);
     if let Some(curves) = &mesh.curves {
         return tangent_of_strand(instance, curves, point);
+    }
+    if mesh.points.is_some() {
+        return tangent_of_ball(point);
     }
     let part = match mesh.attribute(GENERATED) {
         Some(values) => {
@@ -214,6 +248,9 @@ pub fn strand(scene: &Scene, point: &SurfacePoint) -> Strand {
         let offset = if is_within { sine } else { -sine };
         return Strand { along, edge: None, offset: Some(offset) };
     }
+    if mesh.points.is_some() {
+        return Strand { along: tangent_of_ball(point), edge: None, offset: None };
+    }
     let corners = instance.corners(mesh, point.triangle);
     let side = if point.backfacing { -1.0 } else { 1.0 };
     let edge = |to: usize| {
@@ -221,6 +258,12 @@ pub fn strand(scene: &Scene, point: &SurfacePoint) -> Strand {
         edge.normalize_or(Vec3A::X) * side
     };
     Strand { along: edge(1), edge: Some(edge(2)), offset: None }
+}
+
+/// Along the surface of a point of a cloud, as Cycles has it where nothing tells one direction from another.
+fn tangent_of_ball(point: &SurfacePoint) -> Vec3A {
+    let [x, y, z] = point.geometric_normal.to_array();
+    Vec3A::new(z - y, x - z, y - x).try_normalize().unwrap_or_else(|| point.geometric_normal.any_orthonormal_vector())
 }
 
 /// Along the strand at a point of hair, unit, render space.

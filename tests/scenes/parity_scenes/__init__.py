@@ -8,6 +8,7 @@ from __future__ import annotations
 
 from collections.abc import Callable
 from dataclasses import dataclass
+from importlib import import_module
 
 import bpy
 
@@ -30,6 +31,10 @@ class ParityScene:
     noise: float
     #: Warnings that it is right to give: each a part of one.
     warns: tuple[str, ...]
+    #: The passes to compare in the picture's place, by Blender 5's names; it asks for them itself.
+    passes: tuple[str, ...]
+    #: The frames to compare in the picture's place.
+    frames: tuple[int, ...]
 
     def open(self) -> None:
         """Makes it the scene that is open."""
@@ -41,17 +46,30 @@ class ParityScene:
 SCENES: dict[str, ParityScene] = {}
 
 
-def scene(title: str, tolerance: float = 0.01, why: str = "", noise: float = 0.01, warns: tuple[str, ...] = ()):
+def scene(
+    title: str,
+    tolerance: float = 0.01,
+    why: str = "",
+    noise: float = 0.01,
+    warns: tuple[str, ...] = (),
+    passes: tuple[str, ...] = (),
+    frames: tuple[int, ...] = (),
+):
     """Puts the function below it among the scenes, under its own name."""
     assert tolerance <= 0.01 or why, title
 
     def added(fill: Callable[[], None]):
         name, chapter = fill.__name__, fill.__module__.rsplit(".", 1)[-1]
         assert name not in SCENES, name
-        SCENES[name] = ParityScene(name, chapter, title, fill, tolerance, why, noise, warns)
+        SCENES[name] = ParityScene(name, chapter, title, fill, tolerance, why, noise, warns, passes, frames)
         return fill
 
     return added
 
 
-from . import surfaces, textures, coordinates, lamps, worlds, volumes, shapes, hair, views, motion, passes  # noqa: E402, F401, I001 (they add to SCENES, in this order)
+for _chapter in (
+    "surfaces", "textures", "coordinates", "lamps", "worlds", "volumes", "shapes", "hair", "points", "views", "motion", "frames",
+    "passes", "light_passes", "data_passes",
+):  # fmt: skip
+    # Each adds to SCENES.
+    import_module(f".{_chapter}", __name__)

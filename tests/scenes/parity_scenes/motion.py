@@ -9,7 +9,7 @@ from collections.abc import Callable
 import bpy
 import numpy as np
 
-from . import hair, scene, volumes
+from . import hair, points, scene, volumes
 from .studio import BLUE, CREAM, GOLD, GREEN, RED, ball, cube, empty_studio, lamp, material, monkey, plain, put
 
 FRAME = 10
@@ -22,8 +22,8 @@ def _opened(shutter: float = 1.0) -> None:
     here.frame_set(FRAME)
 
 
-def _animate(holder, path: str, value: Callable[[float], object]) -> None:
-    """Gives a property `value(t)` for t from -1, a frame before, to 1; between the keys it goes straight."""
+def animate(holder, path: str, value: Callable[[float], object]) -> None:
+    """Gives a property `value(t)`, t frames after the one in which all is seen; between the keys it goes straight."""
     for t in range(-3, 4):
         setattr(holder, path, value(float(t)))
         holder.keyframe_insert(path, frame=FRAME + t)
@@ -44,7 +44,7 @@ def _curves(action: bpy.types.Action):
 def slides():
     empty_studio()
     thing = ball(plain(RED), (0.0, 0.0, 0.8), 0.8)
-    _animate(thing, "location", lambda t: (1.6 * t, 0.3 * t, 0.8))
+    animate(thing, "location", lambda t: (1.6 * t, 0.3 * t, 0.8))
     cube(plain(BLUE), (1.6, 1.2, 0.6), 1.2)
     _opened()
 
@@ -55,7 +55,7 @@ def spins():
     for x, steps in ((-1.3, 3), (1.3, 1)):
         thing = cube(plain(CREAM), (x, 0.0, 0.9), 1.3, 0.0)
         thing.cycles.motion_steps = steps
-        _animate(thing, "rotation_euler", lambda t: (0.3, 0.0, 0.4 + 1.2 * t))
+        animate(thing, "rotation_euler", lambda t: (0.3, 0.0, 0.4 + 1.2 * t))
     _opened()
 
 
@@ -63,12 +63,12 @@ def spins():
 def scaled():
     empty_studio()
     grows = ball(plain(GREEN), (-1.4, 0.0, 0.8), 0.7)
-    _animate(grows, "scale", lambda t: (1.0 + 0.5 * t, 1.0, 1.0 - 0.4 * t))
+    animate(grows, "scale", lambda t: (1.0 + 0.5 * t, 1.0, 1.0 - 0.4 * t))
     mirrored = monkey(plain(CREAM), (1.3, 0.0, 0.9), 1.4, levels=0)
-    _animate(mirrored, "location", lambda t: (1.3 + 0.5 * t, 0.0, 0.9))
+    animate(mirrored, "location", lambda t: (1.3 + 0.5 * t, 0.0, 0.9))
     mirrored.scale.x = -1.0
     holder = put(bpy.data.objects.new("Holder", None), (0.0, -1.5, 0.4), scale=(1.0, 1.0, 0.4))
-    _animate(holder, "rotation_euler", lambda t: (0.0, 0.5 * t, 0.0))
+    animate(holder, "rotation_euler", lambda t: (0.0, 0.5 * t, 0.0))
     sheared = cube(plain(BLUE), (0.0, 0.0, 0.0), 0.8)
     sheared.parent = holder
     _opened()
@@ -86,9 +86,9 @@ def instanced():
     for number in range(3):
         placed = put(bpy.data.objects.new(f"Placed {number}", None), (1.6 * number - 1.6, 0.0, 0.6))
         placed.instance_type, placed.instance_collection = "COLLECTION", group
-        _animate(placed, "rotation_euler", lambda t, n=number: (0.0, 0.4 * n * t, 0.7 * t))
+        animate(placed, "rotation_euler", lambda t, n=number: (0.0, 0.4 * n * t, 0.7 * t))
     holder = put(bpy.data.objects.new("Holder", None), (0.0, 1.0, 2.0))
-    _animate(holder, "rotation_euler", lambda t: (0.0, 0.6 * t, 0.0))
+    animate(holder, "rotation_euler", lambda t: (0.0, 0.6 * t, 0.0))
     child = cube(plain(BLUE), (1.5, 0.0, 0.0), 0.7)
     child.parent = holder
     _opened()
@@ -106,7 +106,7 @@ def _row() -> bpy.types.Object:
 def camera_pans():
     camera = _row()
     turn = camera.rotation_euler.copy()
-    _animate(camera, "rotation_euler", lambda t: (turn.x, turn.y, 0.15 * t))
+    animate(camera, "rotation_euler", lambda t: (turn.x, turn.y, 0.15 * t))
     _opened()
 
 
@@ -114,10 +114,10 @@ def camera_pans():
 def camera_walks():
     camera = _row()
     place, turn = camera.location.copy(), camera.rotation_euler.copy()
-    _animate(camera, "location", lambda t: (place.x + 0.3 * t, place.y + 1.2 * t, place.z))
-    _animate(camera, "rotation_euler", lambda t: (turn.x, 0.1 * t, 0.0))
+    animate(camera, "location", lambda t: (place.x + 0.3 * t, place.y + 1.2 * t, place.z))
+    animate(camera, "rotation_euler", lambda t: (turn.x, 0.1 * t, 0.0))
     thing = ball(plain(GREEN), (1.2, -2.2, 0.9), 0.4)
-    _animate(thing, "location", lambda t: (1.2 + 0.3 * t, -2.2 + 1.2 * t, 0.9))
+    animate(thing, "location", lambda t: (1.2 + 0.3 * t, -2.2 + 1.2 * t, 0.9))
     _opened()
 
 
@@ -131,7 +131,7 @@ def shape_keys():
         for point in bent.data:
             point.co.x += 0.9 * point.co.z * abs(point.co.z)
         bent.slider_min = -2.0
-        _animate(bent, "value", lambda t: 0.9 * t)
+        animate(bent, "value", lambda t: 0.9 * t)
     _opened()
 
 
@@ -163,8 +163,8 @@ def armature():
     thing.cycles.motion_steps = 2
     bone = holder.pose.bones["Second"]
     bone.rotation_mode = "XYZ"
-    _animate(bone, "rotation_euler", lambda t: (0.0, 0.0, 1.2 * t))
-    _animate(thing, "location", lambda t: (0.4 * t, 0.0, 1.2))
+    animate(bone, "rotation_euler", lambda t: (0.0, 0.0, 1.2 * t))
+    animate(thing, "location", lambda t: (0.4 * t, 0.0, 1.2))
     _opened()
 
 
@@ -173,7 +173,7 @@ def shutter_start():
     slides()
     camera = bpy.context.scene.camera
     turn = camera.rotation_euler.copy()
-    _animate(camera, "rotation_euler", lambda t: (turn.x, turn.y, 0.1 * t))
+    animate(camera, "rotation_euler", lambda t: (turn.x, turn.y, 0.1 * t))
     bpy.context.scene.render.motion_blur_position = "START"
     _opened(0.8)
 
@@ -202,7 +202,7 @@ def shutter_curve():
 def rolling_shutter():
     camera = _row()
     turn = camera.rotation_euler.copy()
-    _animate(camera, "rotation_euler", lambda t: (turn.x, turn.y, 0.25 * t))
+    animate(camera, "rotation_euler", lambda t: (turn.x, turn.y, 0.25 * t))
     cycles = bpy.context.scene.cycles
     cycles.rolling_shutter_type, cycles.rolling_shutter_duration = "TOP", 0.2
     _opened()
@@ -213,7 +213,7 @@ def moving_lamp():
     empty_studio(strength=0.1)
     cube(plain(CREAM), (0.0, 0.0, 0.75))
     thing = lamp("POINT", 80.0, (1.5, -1.0, 1.2), shadow_soft_size=0.2)
-    _animate(thing, "location", lambda t: (1.5 + 2.0 * t, -1.0, 1.2))
+    animate(thing, "location", lambda t: (1.5 + 2.0 * t, -1.0, 1.2))
     _opened()
 
 
@@ -223,8 +223,8 @@ def moving_glow():
     cube(plain(CREAM), (0.6, 0.4, 0.75))
     glow = material(lambda t: t.shows(t.node("Emission", Color=GOLD, Strength=20.0).outputs[0]))
     thing = cube(glow, (-1.2, -1.0, 0.9), 0.5)
-    _animate(thing, "location", lambda t: (-1.2 + 1.6 * t, -1.0, 0.9))
-    _animate(thing, "scale", lambda t: (1.0 + 0.5 * t, 1.0, 1.0))
+    animate(thing, "location", lambda t: (-1.2 + 1.6 * t, -1.0, 0.9))
+    animate(thing, "scale", lambda t: (1.0 + 0.5 * t, 1.0, 1.0))
     _opened()
 
 
@@ -233,7 +233,7 @@ def switched_off():
     empty_studio()
     still = ball(plain(RED), (-1.3, 0.0, 0.7), 0.7)
     still.cycles.use_motion_blur = False
-    _animate(still, "location", lambda t: (-1.3 + t, 0.0, 0.7))
+    animate(still, "location", lambda t: (-1.3 + t, 0.0, 0.7))
     stiff = ball(plain(BLUE), (1.3, 0.0, 0.7), 0.7)
     stiff.cycles.use_deform_motion = False
     stiff.shape_key_add(name="Basis")
@@ -241,8 +241,8 @@ def switched_off():
     for point in bent.data:
         point.co.x += 0.8 * math.copysign(np.sqrt(abs(point.co.z)), point.co.z)
     bent.slider_min = -2.0
-    _animate(bent, "value", lambda t: 0.9 * t)
-    _animate(stiff, "location", lambda t: (1.3, 0.0, 0.7 + 0.3 * t))
+    animate(bent, "value", lambda t: 0.9 * t)
+    animate(stiff, "location", lambda t: (1.3, 0.0, 0.7 + 0.3 * t))
     _opened()
 
 
@@ -251,8 +251,8 @@ def hair_goes_along():
     empty_studio()
     bpy.context.scene.cycles_curves.shape = "RIBBONS"
     tuft = hair.grown(300, 5, 0.8, 0.03, material(lambda t: t.shows(t.diffuse(GOLD))), bend=0.8)
-    _animate(tuft, "location", lambda t: (0.8 * t, 0.0, 0.9))
-    _animate(tuft, "rotation_euler", lambda t: (0.0, 0.5 * t, 0.3))
+    animate(tuft, "location", lambda t: (0.8 * t, 0.0, 0.9))
+    animate(tuft, "rotation_euler", lambda t: (0.0, 0.5 * t, 0.3))
     _opened()
 
 
@@ -261,11 +261,11 @@ def fog_and_glass():
     empty_studio()
     fog = volumes.filled(lambda t: t.node("VolumeScatter", Density=1.5, Color=CREAM).outputs[0])
     box = cube(fog, (-1.2, 0.0, 0.8), 1.3, 0.0)
-    _animate(box, "location", lambda t: (-1.2 + 0.8 * t, 0.0, 0.8))
+    animate(box, "location", lambda t: (-1.2 + 0.8 * t, 0.0, 0.8))
     clear = ball(
         material(lambda t: t.shows(t.principled(Roughness=0.0, Transmission_Weight=1.0))), (0.9, -1.6, 0.5), 0.5
     )
-    _animate(clear, "location", lambda t: (0.9, -1.6, 0.5 + 0.4 * t))
+    animate(clear, "location", lambda t: (0.9, -1.6, 0.5 + 0.4 * t))
 
     def rough(t):
         place = t.node("TexCoord").outputs["Object"]
@@ -273,5 +273,37 @@ def fog_and_glass():
         t.shows(t.diffuse(RED, Normal=t.node("Bump", Height=height, Strength=0.6).outputs[0]))
 
     thing = ball(material(rough), (1.5, 0.6, 0.8), 0.8)
-    _animate(thing, "rotation_euler", lambda t: (0.0, 0.0, 0.8 * t))
+    animate(thing, "rotation_euler", lambda t: (0.0, 0.0, 0.8 * t))
+    _opened()
+
+
+@scene("Points that slide, points that turn, points that part and grow")
+def points_move():
+    """The last by what their nodes make of shape keys: Cycles blurs places and radii."""
+    empty_studio()
+    slides = points.cloud(12, 0.3, plain(GOLD), (-1.6, 0.0, 0.8), 0.6)
+    animate(slides, "location", lambda t: (-1.6 + 0.5 * t, 0.0, 0.8 + 0.2 * t))
+    turns = points.cloud(12, 0.3, plain(BLUE), (0.1, 0.0, 0.8), 0.6, seed=2)
+    animate(turns, "rotation_euler", lambda t: (0.0, 0.9 * t, 0.3 * t))
+    parts = points.cloud(12, 0.3, plain(RED), (1.7, 0.0, 0.8), 0.6, seed=3)
+    parts.shape_key_add(name="Basis")
+    apart = parts.shape_key_add(name="Apart")
+    for one, own in zip(apart.data, parts.data.vertices, strict=True):
+        one.co = 1.6 * own.co
+    animate(apart, "value", lambda t: 0.4 + 0.3 * t)
+    _opened()
+
+
+@scene("Points and a mesh that go as their velocity says")
+def flies():
+    """As simulations leave them: no frame beside tells."""
+    empty_studio()
+    flown = points.cloud(14, 0.3, plain(GOLD), (-1.1, 0.0, 0.8), 0.7)
+    thing = monkey(plain(CREAM), (1.2, 0.0, 0.8), 1.4, levels=0)
+    fps = bpy.context.scene.render.fps
+    for one in (flown, thing):
+        places = np.array([vertex.co for vertex in one.data.vertices])
+        way = 0.4 * places[:, (2, 1, 0)] + (0.4, 0.0, 0.2)
+        own = one.data.attributes.new("velocity", "FLOAT_VECTOR", "POINT")
+        own.data.foreach_set("vector", (fps * way).astype(np.float32).ravel())
     _opened()

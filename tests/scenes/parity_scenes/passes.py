@@ -63,8 +63,7 @@ def indirect_only():
 @scene(
     "A floor that catches shadows, over the sky",
     tolerance=0.015,
-    why="both take light that noise adds to a shadow for no shadow; Cycles's two looks share less of their noise, so its floor is "
-    "darker",
+    why="Cycles takes the sky away twice where a thing's edge crosses a pixel of the floor, docs/design/passes.md",
 )
 def shadow_catcher():
     _group()

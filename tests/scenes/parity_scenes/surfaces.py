@@ -89,7 +89,7 @@ def principled_anisotropic():
     )
 
 
-@scene("Principled: wax and skin", tolerance=0.02, why="noise of walks through thick bodies")
+@scene("Principled: wax and skin", noise=0.02)
 def principled_subsurface():
     _pair(
         plain(CREAM, Subsurface_Weight=1.0, Subsurface_Radius=(0.4, 0.2, 0.1), Subsurface_Scale=0.5),
@@ -185,7 +185,7 @@ def metallic():
     )
 
 
-@scene("Subsurface Scattering shader", tolerance=0.02, why="noise of walks through thick bodies")
+@scene("Subsurface Scattering shader", noise=0.02)
 def subsurface():
     def body(radius):
         return material(

@@ -23,6 +23,17 @@
 //! An element moves as one by a line of the header, surfaces counted from 0, about the vertex of its first:
 //! `# element: 2-3 decenter_x=0.05 tilt_y=0.1`.
 //!
+//! A glass that stands in no catalogue is defined before the rows, by the formula's name, the wavelengths in nm that it holds for
+//! and its numbers, as `lenses/glass/README.md` has them; what it lets through may follow as wavelength in nm, part, and the thickness
+//! in mm for that. Or a catalogue that lies beside the lens file is named: `.agf` of a maker, or `.yml` of refractiveindex.info, whose medium is then
+//! called as its file. A radius may be written `1/C` by its curvature.
+//!
+//! ```text
+//! # glass: MYCROWN sellmeier 350-2500 0 1.03961212 0.00600069867 0.231792344 0.0200179144 1.01046945 103.560653
+//! # transmittance: MYCROWN 400:0.997@10 500:0.998@10 700:0.998@10
+//! # catalogue: maker.agf
+//! ```
+//!
 //! Gaps that change when the lens is zoomed, or focused by groups inside, are named in the header by the surfaces before
 //! them, counted from 0, and given for each position that is known: nominal focal length, distance of what is sharp from
 //! the first vertex, gaps. A prime leaves `zoom` out; `focus=inf` may be left out. The rows hold any one of them.
@@ -36,229 +47,100 @@
 //! ```
 
 mod columns;
+pub(super) mod header;
 mod moving;
+mod write;
 
-use std::fmt;
-use std::path::Path;
+use std::path::{Path, PathBuf};
 
-use thiserror::Error;
-
-use crate::glass::{Catalogue, GlassError};
-use crate::prescription::moving::MovingError;
-use crate::prescription::{Behind, Column, Metadata, Place, Prescription, PrescriptionError, SurfaceRow};
+use crate::glass::Catalogue;
+use crate::prescription::{Behind, Column, Metadata, Place, Prescription, SurfaceRow};
 use crate::surface::{Conic, Shape};
 
-use moving::MovingLines;
+use super::glass_names::Glasses;
+use super::problem::at;
+use super::remarks::{Reading, Remarks};
+use super::text::{self, Token, finite, not_a_number, stem, tokens};
+use header::Header;
 
-use columns::{ElementLine, Misalignment, OBSTRUCTION, POSE, RADIUS_X, element, power};
+pub use super::problem::{LensFileError, Problem};
+
+use columns::{ElementLine, Misalignment, OBSTRUCTION, POSE, RADIUS_X, power};
+
+pub use write::write;
+pub(super) use write::{header_lines, one_line};
 
 /// A longer file is no lens: it would only cost memory.
 const LARGEST_FILE: usize = 1 << 20;
 /// Columns that every row has.
 const COLUMNS: [&str; 6] = ["radius", "thickness", "glass", "diameter", "conic", "isstop"];
-/// What is wrong in a lens file.
-#[derive(Clone, Debug, PartialEq, Error)]
-pub enum Problem {
-    /// The file cannot be opened or read.
-    #[error("cannot be read ({0}); check the path")]
-    Unreadable(String),
-    /// Not text.
-    #[error("this is not text; give a lens file")]
-    NotText,
-    /// Longer than a lens can be.
-    #[error("the file is longer than {LARGEST_FILE} bytes; give a lens file")]
-    TooLong,
-    /// No row.
-    #[error("there is no surface; give one row a surface: radius thickness glass diameter conic isstop")]
-    Empty,
-    /// A row is too short or too long.
-    #[error("{found} columns where {expected} belong; write: radius thickness glass diameter conic isstop")]
-    ColumnCount {
-        /// Columns in the row.
-        found: usize,
-        /// Columns that the header row promises.
-        expected: usize,
-    },
-    /// The header row names its columns in another order.
-    #[error("column '{found}' where '{expected}' belongs; keep the order radius thickness glass diameter conic isstop")]
-    HeaderOrder {
-        /// The word found.
-        found: String,
-        /// The word that belongs there.
-        expected: &'static str,
-    },
-    /// The header row names a column that is not supported.
-    #[error(
-        "column '{0}' is unknown; after isstop there may be obstruction, radius_x, a2 to a20, decenter_x, decenter_y, tilt_x, tilt_y, tilt_z"
-    )]
-    UnknownColumn(String),
-    /// The header row names a column twice.
-    #[error("column '{0}' stands here a second time; take one out")]
-    SecondColumn(String),
-    /// A line about an element cannot be understood.
-    #[error("'{0}' is no element; write first and last surface, then moves: 2-3 decenter_x=0.05 tilt_y=0.1")]
-    Element(String),
-    /// A line about an element names a surface that is not there.
-    #[error("the element goes to surface {last}, but the last surface is {surfaces}; count them from 0")]
-    NoSuchSurface {
-        /// The last surface of the element.
-        last: usize,
-        /// The last surface of the lens.
-        surfaces: usize,
-    },
-    /// A line about moving gaps cannot be understood.
-    #[error(
-        "'{0}' is no list of surfaces; write the numbers of those before the gaps that move, counted from 0: 4 9 12"
-    )]
-    Moving(String),
-    /// A line about a position of the groups cannot be understood.
-    #[error("'{0}' is no position; write zoom and focus in mm, then the gaps: zoom=35 focus=inf 1.9 36.9")]
-    Position(String),
-    /// Gaps and positions do not fit together.
-    #[error(transparent)]
-    MovingGaps(#[from] MovingError),
-    /// Not a finite number.
-    #[error("{what} '{found}' is not a finite number; write one, as in 12.5")]
-    NotANumber {
-        /// The name of the value.
-        what: String,
-        /// The text found.
-        found: String,
-    },
-    /// The glass is unknown.
-    #[error(transparent)]
-    Glass(#[from] GlassError),
-    /// `isstop` is neither 0 nor 1.
-    #[error("isstop is '{0}'; write 1 for the surface with the diaphragm and 0 for the others")]
-    StopFlag(String),
-    /// No surface is the stop.
-    #[error("no surface is the stop; write isstop 1 in the row of the diaphragm")]
-    NoStop,
-    /// A second surface is the stop.
-    #[error("a second stop, the first is in line {first_line}; write isstop 1 in one row only")]
-    SecondStop {
-        /// Line of the first.
-        first_line: usize,
-    },
-    /// The numbers make no lens.
-    #[error(transparent)]
-    Prescription(#[from] PrescriptionError),
-}
-
-/// A problem, and where it is: one line, `FILE:LINE:COLUMN: what is wrong; what to do`.
-#[derive(Clone, Debug, PartialEq)]
-pub struct LensFileError {
-    /// The file, as it was named.
-    pub file: String,
-    /// Where in it, counted from 1.
-    pub place: Place,
-    /// What is wrong.
-    pub problem: Problem,
-}
-
-impl fmt::Display for LensFileError {
-    fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
-        let Place { line, column } = self.place;
-        write!(f, "{}:{line}:{column}: {}", self.file, self.problem)
-    }
-}
-
-impl std::error::Error for LensFileError {}
-
 /// Reads a lens file.
 pub fn read(path: &Path, catalogue: &Catalogue) -> Result<Prescription, LensFileError> {
     let file = path.display().to_string();
-    match std::fs::read(path) {
-        Ok(bytes) => parse_bytes(&bytes, &file, catalogue),
-        Err(error) => Err(at(&file, 1, 1, Problem::Unreadable(error.to_string()))),
-    }
+    let bytes = text::bytes(path, &file, LARGEST_FILE)?;
+    let folder = path.parent().map(Path::to_owned);
+    reading(&bytes, &file, catalogue, folder).map(|reading| reading.prescription)
 }
 
 /// Parses the bytes of a lens file, which may be anything.
 pub fn parse_bytes(bytes: &[u8], file_name: &str, catalogue: &Catalogue) -> Result<Prescription, LensFileError> {
-    if bytes.len() > LARGEST_FILE {
-        return Err(at(file_name, 1, 1, Problem::TooLong));
-    }
-    let (valid, whole) = match std::str::from_utf8(bytes) {
-        Ok(text) => (text, true),
-        Err(error) => (std::str::from_utf8(&bytes[..error.valid_up_to()]).unwrap_or(""), false),
-    };
-    let control = valid.find(|c: char| c.is_control() && !c.is_ascii_whitespace());
-    match control.or((!whole).then_some(valid.len())) {
-        None => parse(valid, file_name, catalogue),
-        Some(offset) => {
-            let before = &valid[..offset];
-            let line = before.matches('\n').count() + 1;
-            let column = before.rsplit('\n').next().unwrap_or("").chars().count() + 1;
-            Err(at(file_name, line, column, Problem::NotText))
-        }
-    }
+    reading(bytes, file_name, catalogue, None).map(|reading| reading.prescription)
 }
 
 /// Parses the text of a lens file; `file_name` is what errors call it.
 pub fn parse(text: &str, file_name: &str, catalogue: &Catalogue) -> Result<Prescription, LensFileError> {
-    if text.len() > LARGEST_FILE {
-        return Err(at(file_name, 1, 1, Problem::TooLong));
+    parse_bytes(text.as_bytes(), file_name, catalogue)
+}
+
+/// The same, with what is said of glass files in `folder` that the lens file names.
+pub(super) fn reading(
+    bytes: &[u8],
+    file: &str,
+    catalogue: &Catalogue,
+    folder: Option<PathBuf>,
+) -> Result<Reading, LensFileError> {
+    if bytes.len() > LARGEST_FILE {
+        return Err(at(file, 1, 1, Problem::TooLong { largest: LARGEST_FILE }));
     }
-    let mut reader = Reader::new(file_name, catalogue);
-    for (i, line) in text.trim_start_matches('\u{feff}').lines().enumerate() {
+    let text = text::utf8(bytes, file)?;
+    let mut reader = Reader::new(file, catalogue, folder);
+    for (i, line) in text.lines().enumerate() {
         match line.find('#') {
             Some(0) => reader.header(i + 1, line)?,
             hash => reader.row(i + 1, &line[..hash.unwrap_or(line.len())])?,
         }
     }
-    reader.finish()
-}
-
-fn at(file: &str, line: usize, column: usize, problem: Problem) -> LensFileError {
-    LensFileError { file: file.to_owned(), place: Place { line, column }, problem }
-}
-
-/// A word of a line and the column it starts in.
-struct Token<'a> {
-    text: &'a str,
-    column: usize,
-}
-
-fn tokens(line: &str) -> Vec<Token<'_>> {
-    let column_of = |text: &str| {
-        let offset = text.as_ptr() as usize - line.as_ptr() as usize;
-        line[..offset].chars().count() + 1
-    };
-    line.split_whitespace().map(|text| Token { text, column: column_of(text) }).collect()
+    let remarks = std::mem::take(&mut reader.remarks).finish(file);
+    Ok(Reading { prescription: reader.finish()?, remarks })
 }
 
 struct Reader<'a> {
     file: &'a str,
-    catalogue: &'a Catalogue,
+    glasses: Glasses<'a>,
+    remarks: Remarks,
     /// Names of the columns after the usual ones.
     extra: Vec<String>,
-    elements: Vec<ElementLine>,
-    moving: MovingLines,
+    header: Header,
     rows: Vec<SurfaceRow>,
     /// Index, line and column of the stop.
     stop: Option<(usize, usize)>,
     /// Where the first row says whether it is the stop.
     first_flag: Place,
     metadata: Metadata,
-    name: Option<String>,
-    film_radius_mm: Option<f64>,
 }
 
 impl<'a> Reader<'a> {
-    fn new(file: &'a str, catalogue: &'a Catalogue) -> Self {
+    fn new(file: &'a str, catalogue: &'a Catalogue, folder: Option<PathBuf>) -> Self {
         Self {
             file,
-            catalogue,
+            glasses: Glasses::new(catalogue, folder),
+            remarks: Remarks::default(),
             extra: Vec::new(),
-            elements: Vec::new(),
-            moving: MovingLines::default(),
+            header: Header::default(),
             rows: Vec::new(),
             stop: None,
             first_flag: Place { line: 1, column: 1 },
             metadata: Metadata::default(),
-            name: None,
-            film_radius_mm: None,
         }
     }
 
@@ -273,13 +155,9 @@ impl<'a> Reader<'a> {
         if words.first().is_some_and(|word| word.text.eq_ignore_ascii_case(COLUMNS[0])) {
             return self.column_names(line, shift, &words);
         }
-        let Some((key, value)) = text.trim_start_matches('#').split_once(':') else { return Ok(()) };
-        let (key, value) = (key.trim().to_lowercase(), value.trim());
-        let column = value.as_ptr() as usize - text.as_ptr() as usize;
-        let column = text[..column].chars().count() + 1;
-        self.metadata(line, column, &key, value)?;
-        self.metadata.all.push((key, value.to_owned()));
-        Ok(())
+        let place = Place { line, column: shift + 1 };
+        header::line(&mut self.header, &mut self.metadata, text.trim_start_matches('#'), place, self.file)?;
+        self.catalogues()
     }
 
     fn column_names(&mut self, line: usize, shift: usize, words: &[Token<'_>]) -> Result<(), LensFileError> {
@@ -304,32 +182,16 @@ impl<'a> Reader<'a> {
         Ok(())
     }
 
-    fn metadata(&mut self, line: usize, column: usize, key: &str, value: &str) -> Result<(), LensFileError> {
-        let number = |text: &str| finite(text).ok_or_else(|| not_a_number(key, text));
-        let place = |problem| at(self.file, line, column, problem);
-        match key {
-            "name" => self.name = Some(value.to_owned()),
-            "source" => self.metadata.source = Some(value.to_owned()),
-            "focal_length" => self.metadata.focal_length_mm = Some(number(value).map_err(place)?),
-            "f_number" => self.metadata.f_number = Some(number(value).map_err(place)?),
-            "half_field_deg" => self.metadata.half_field_deg = Some(number(value).map_err(place)?),
-            "element" => {
-                let element = element(value, Place { line, column });
-                self.elements.push(element.ok_or_else(|| place(Problem::Element(value.to_owned())))?);
+    /// Reads the glass files that the header names.
+    fn catalogues(&mut self) -> Result<(), LensFileError> {
+        for (name, place) in std::mem::take(&mut self.header.catalogues) {
+            let found = self.glasses.beside(&name, place, self.file, &mut self.remarks)?;
+            if !found {
+                let why = "there is no such file, or its name has more than letters, digits and - _ .".to_owned();
+                return Err(at(self.file, place.line, place.column, Problem::Beside { name, why }));
             }
-            "moving" => self.moving.surfaces(value, Place { line, column }).map_err(place)?,
-            "position" => self.moving.position(value, Place { line, column }).map_err(place)?,
-            "film_radius" => self.film_radius_mm = Some(number(value).map_err(place)?),
-            "film" => {
-                let (width, height) = value.split_once('x').unwrap_or((value, value));
-                let side = |text: &str| number(text.trim()).map_err(place);
-                self.metadata.film_mm = Some([side(width)?, side(height)?]);
-            }
-            _ => {}
         }
-        if self.film_radius_mm == Some(0.0) {
-            return Err(place(PrescriptionError::FilmRadius { radius_mm: 0.0 }.into()));
-        }
+        self.glasses.define_all(&self.header);
         Ok(())
     }
 
@@ -363,7 +225,11 @@ impl<'a> Reader<'a> {
             }
         }
         let row = SurfaceRow {
-            shape: Shape::from_numbers(Conic::new(number(0)?, number(4)?), &terms, radius_x),
+            shape: Shape::from_numbers(
+                Conic { curvature: self.curvature(line, &words[0])?, conic: number(4)? },
+                &terms,
+                radius_x,
+            ),
             pose: misalignment.pose(),
             thickness_mm: number(1)?,
             behind: self.behind(line, &words[2])?,
@@ -381,11 +247,23 @@ impl<'a> Reader<'a> {
         Ok(())
     }
 
+    /// The curvature that a radius of curvature states, or `1/C` itself: not every curvature is one over a number.
+    fn curvature(&self, line: usize, word: &Token<'_>) -> Result<f64, LensFileError> {
+        let curvature = word
+            .text
+            .strip_prefix("1/")
+            .map_or_else(|| finite(word.text).map(|radius| Conic::new(radius, 0.0).curvature), finite);
+        curvature.ok_or_else(|| at(self.file, line, word.column, not_a_number(COLUMNS[0], word.text)))
+    }
+
     fn behind(&self, line: usize, word: &Token<'_>) -> Result<Behind, LensFileError> {
         if word.text.eq_ignore_ascii_case("mirror") {
             return Ok(Behind::Mirror);
         }
-        let medium = self.catalogue.medium(word.text);
+        if let Some(medium) = self.glasses.own(word.text) {
+            return Ok(Behind::Medium(medium.clone()));
+        }
+        let medium = self.glasses.catalogue().medium(word.text);
         medium.map(Behind::Medium).map_err(|error| at(self.file, line, word.column, error.into()))
     }
 
@@ -423,7 +301,7 @@ impl<'a> Reader<'a> {
 
     /// Poses the surfaces of elements that stand beside their place.
     fn pose_elements(&mut self) -> Result<(), LensFileError> {
-        for ElementLine { place, first, last, pose } in &self.elements {
+        for ElementLine { place, first, last, pose } in &self.header.elements {
             let surfaces = self.rows.len().saturating_sub(1);
             if *last > surfaces {
                 let problem = Problem::NoSuchSurface { last: *last, surfaces };
@@ -446,14 +324,14 @@ impl<'a> Reader<'a> {
         let Some((stop, _)) = self.stop else {
             return self.fail(self.first_flag.line, self.first_flag.column, Problem::NoStop);
         };
-        let gaps = self.moving.gaps(self.rows.len());
+        let gaps = self.header.moving.gaps(self.rows.len());
         let moving = gaps.map_err(|(place, error)| at(self.file, place.line, place.column, error.into()))?;
         let prescription = Prescription {
-            name: self.name.unwrap_or_else(|| stem(self.file)),
+            name: self.header.name.unwrap_or_else(|| stem(self.file)),
             surfaces: self.rows,
             stop,
             metadata: self.metadata,
-            film_radius_mm: self.film_radius_mm,
+            film_radius_mm: self.header.film_radius_mm,
             moving,
             source_file: self.file.to_owned(),
         };
@@ -462,17 +340,4 @@ impl<'a> Reader<'a> {
         let surfaces = published.map(|zoom_mm| prescription.at_position(zoom_mm, 0.0).surfaces);
         Ok(Prescription { surfaces: surfaces.unwrap_or_else(|| prescription.surfaces.clone()), ..prescription })
     }
-}
-
-fn finite(text: &str) -> Option<f64> {
-    text.parse::<f64>().ok().filter(|x| x.is_finite())
-}
-
-fn not_a_number(what: &str, found: &str) -> Problem {
-    Problem::NotANumber { what: what.to_owned(), found: found.to_owned() }
-}
-
-/// The file's name without folders and ending: the name of a lens that has none.
-fn stem(file: &str) -> String {
-    Path::new(file).file_stem().map_or_else(|| file.to_owned(), |stem| stem.to_string_lossy().into_owned())
 }

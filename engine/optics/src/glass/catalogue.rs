@@ -6,7 +6,8 @@ use std::sync::OnceLock;
 use serde::Deserialize;
 use thiserror::Error;
 
-use super::medium::{Dispersion, Medium};
+use super::dispersion::Dispersion;
+use super::medium::Medium;
 
 /// The makers' files, in the order in which a bare name prefers them.
 const FILES: [(&str, &str); 9] = [
@@ -139,6 +140,45 @@ impl Catalogue {
         Err(GlassError::Unknown { name: token.to_owned(), near: self.near(&key) })
     }
 
+    /// The makers that have a glass of this name, in any case of letters, in the order in which a bare name prefers them.
+    pub fn makers_of(&self, name: &str) -> Vec<&'static str> {
+        let key = name.to_lowercase();
+        FILES
+            .iter()
+            .map(|(maker, _)| *maker)
+            .filter(|maker| self.media.contains_key(&format!("{maker}:{key}")))
+            .collect()
+    }
+
+    /// `maker:name` of the glasses whose names have these letters and digits, whatever stands between them: programs that
+    /// allow no hyphens write NBK7 for N-BK7. In the order of [`Self::makers_of`].
+    pub fn of_letters(&self, letters: &str) -> Vec<String> {
+        let bare = |text: &str| -> String {
+            text.chars().filter(char::is_ascii_alphanumeric).map(|c| c.to_ascii_lowercase()).collect()
+        };
+        let wanted = bare(letters);
+        let rank = |maker: &str| FILES.iter().position(|(known, _)| *known == maker);
+        let mut found: Vec<(usize, &String)> = self
+            .media
+            .keys()
+            .filter_map(|key| {
+                let (maker, name) = key.split_once(':')?;
+                (bare(name) == wanted).then_some((rank(maker)?, key))
+            })
+            .collect();
+        found.sort_unstable();
+        found.into_iter().map(|(_, key)| key.clone()).collect()
+    }
+
+    /// What to write in a lens file to get this medium; `None` if it stands in no catalogue.
+    pub fn token_of(&self, medium: &Medium) -> Option<String> {
+        let is_it = |token: &String| self.medium(token).is_ok_and(|found| found == *medium);
+        let makers = self.makers_of(medium.name());
+        let bare = medium.name().rsplit(':').next().unwrap_or_default().to_owned();
+        let with_maker = makers.iter().map(|maker| format!("{maker}:{bare}"));
+        std::iter::once(medium.name().to_owned()).chain(with_maker).find(is_it)
+    }
+
     fn vacuum(&self) -> Result<Medium, GlassError> {
         let air = self.medium("air-ciddor")?;
         let dispersion = Dispersion::Reciprocal(Box::new(air.dispersion().clone()));
@@ -186,24 +226,8 @@ fn read_entry(name: &str, value: serde_json::Value, file_source: &str) -> Option
     let entry = serde_json::from_value::<Entry>(value).ok()?;
     let range_nm = entry.range_um.map(|um| um * 1000.0);
     let source = entry.source.as_deref().unwrap_or(file_source);
-    Some(Medium::new(name, dispersion(&entry)?, range_nm, source))
-}
-
-fn dispersion(entry: &Entry) -> Option<Dispersion> {
-    let (&a, rest) = entry.coefficients.split_first()?;
-    let pairs = || {
-        let (pairs, left) = rest.as_chunks::<2>();
-        left.is_empty().then(|| pairs.to_vec())
-    };
-    Some(match entry.formula.as_str() {
-        "constant" => Dispersion::Constant(a),
-        "sellmeier" => Dispersion::Sellmeier { a, terms: pairs()? },
-        "polynomial" => Dispersion::Polynomial { a, terms: pairs()? },
-        "cauchy" => Dispersion::Cauchy { a, terms: pairs()? },
-        "gas" => Dispersion::Gas { a, terms: pairs()? },
-        "buchdahl" => Dispersion::Buchdahl(entry.coefficients.as_slice().try_into().ok()?),
-        _ => return None,
-    })
+    let dispersion = Dispersion::from_words(&entry.formula, &entry.coefficients)?;
+    Some(Medium::new(name, dispersion, range_nm, source))
 }
 
 /// Levenshtein's distance: the fewest letters put in, taken out or changed.

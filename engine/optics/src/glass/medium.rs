@@ -1,6 +1,10 @@
 //! One transparent medium: a dispersion formula and its name.
 
 use std::fmt;
+use std::sync::Arc;
+
+use super::dispersion::Dispersion;
+use super::transmittance::InternalTransmittance;
 
 /// The name of the medium that surrounds every lens.
 pub const AIR_NAME: &str = "air";
@@ -15,58 +19,6 @@ pub mod line_nm {
     pub const C: f64 = 656.2725;
 }
 
-/// How the index follows from the wavelength `l` in micrometres.
-#[derive(Clone, Debug, PartialEq)]
-pub(super) enum Dispersion {
-    /// The same at every wavelength.
-    Constant(f64),
-    /// n² = 1 + a + Σ b l² / (l² − c), pairs (b, c).
-    Sellmeier { a: f64, terms: Vec<[f64; 2]> },
-    /// n² = a + Σ b l^p, pairs (b, p).
-    Polynomial { a: f64, terms: Vec<[f64; 2]> },
-    /// n = a + Σ b l^p, pairs (b, p).
-    Cauchy { a: f64, terms: Vec<[f64; 2]> },
-    /// n = 1 + a + Σ b / (c − l⁻²), pairs (b, c).
-    Gas { a: f64, terms: Vec<[f64; 2]> },
-    /// w = (l − l0) / (1 + alpha (l − l0)), n = n0 + v1 w + v2 w².
-    Buchdahl([f64; 5]),
-    /// One over the index of the boxed formula: vacuum, relative to a gas.
-    Reciprocal(Box<Dispersion>),
-}
-
-impl Dispersion {
-    pub(super) fn index(&self, l: f64) -> f64 {
-        let squared = l * l;
-        match self {
-            Self::Constant(n) => *n,
-            Self::Sellmeier { a, terms } => {
-                let sum: f64 = terms.iter().map(|[b, c]| b * squared / (squared - c)).sum();
-                (1.0 + a + sum).sqrt()
-            }
-            Self::Polynomial { a, terms } => (a + power_sum(terms, l)).sqrt(),
-            Self::Cauchy { a, terms } => a + power_sum(terms, l),
-            Self::Gas { a, terms } => {
-                let sum: f64 = terms.iter().map(|[b, c]| b / (c - 1.0 / squared)).sum();
-                1.0 + a + sum
-            }
-            Self::Buchdahl([l0, alpha, n0, v1, v2]) => {
-                let w = (l - l0) / (1.0 + alpha * (l - l0));
-                n0 + w * (v1 + v2 * w)
-            }
-            Self::Reciprocal(other) => 1.0 / other.index(l),
-        }
-    }
-}
-
-/// Σ b l^p; whole powers, which is all that catalogues use, without `powf`'s detour.
-fn power_sum(terms: &[[f64; 2]], l: f64) -> f64 {
-    let one = |&[b, p]: &[f64; 2]| {
-        let power = if p.fract() == 0.0 && p.abs() < 100.0 { l.powi(p as i32) } else { l.powf(p) };
-        b * power
-    };
-    terms.iter().map(one).sum()
-}
-
 /// A transparent medium.
 #[derive(Clone, PartialEq)]
 pub struct Medium {
@@ -74,11 +26,32 @@ pub struct Medium {
     dispersion: Dispersion,
     range_nm: [f64; 2],
     source: String,
+    transmittance: Option<Arc<InternalTransmittance>>,
 }
 
 impl Medium {
-    pub(super) fn new(name: &str, dispersion: Dispersion, range_nm: [f64; 2], source: &str) -> Self {
-        Self { name: name.to_owned(), dispersion, range_nm, source: source.to_owned() }
+    /// A medium by its formula, which was made for the wavelengths of `range_nm`; outside of them the index is that at the
+    /// nearer end. A range that is none is all wavelengths.
+    pub fn new(name: &str, dispersion: Dispersion, range_nm: [f64; 2], source: &str) -> Self {
+        let is_range = range_nm[0] <= range_nm[1];
+        let range_nm = if is_range { range_nm } else { [0.0, f64::INFINITY] };
+        Self { name: name.to_owned(), dispersion, range_nm, source: source.to_owned(), transmittance: None }
+    }
+
+    /// The same medium, which lets through so much of the light.
+    pub fn with_transmittance(mut self, transmittance: InternalTransmittance) -> Self {
+        self.transmittance = Some(Arc::new(transmittance));
+        self
+    }
+
+    /// The part of the light of a wavelength that is left after `thickness_mm` of the medium; `None` if that is not known.
+    pub fn internal_transmittance(&self, wavelength_nm: f64, thickness_mm: f64) -> Option<f64> {
+        self.transmittance.as_ref().map(|known| known.at(wavelength_nm, thickness_mm))
+    }
+
+    /// What is known of the light that it lets through.
+    pub fn transmittance(&self) -> Option<&InternalTransmittance> {
+        self.transmittance.as_deref()
     }
 
     /// Air, n = 1 exactly: all other indices are relative to it.
@@ -101,7 +74,8 @@ impl Medium {
         Self::new(name, dispersion, [0.0, f64::INFINITY], "two-term Cauchy")
     }
 
-    pub(super) fn dispersion(&self) -> &Dispersion {
+    /// The formula.
+    pub fn dispersion(&self) -> &Dispersion {
         &self.dispersion
     }
 
@@ -115,14 +89,21 @@ impl Medium {
         &self.source
     }
 
-    /// The wavelengths in nm that the formula was made for; outside it extrapolates.
+    /// The wavelengths in nm that the formula was made for; outside of them the index stands still.
     pub fn range_nm(&self) -> [f64; 2] {
         self.range_nm
     }
 
     /// Refractive index at a vacuum wavelength in nm, relative to air.
     pub fn index(&self, wavelength_nm: f64) -> f64 {
-        self.dispersion.index(wavelength_nm / 1000.0)
+        let [shortest, longest] = self.range_nm;
+        self.dispersion.index(wavelength_nm.max(shortest).min(longest) / 1000.0)
+    }
+
+    /// True if the formula was made for all wavelengths between these, but for a nanometre.
+    pub fn is_known_between(&self, shortest_nm: f64, longest_nm: f64) -> bool {
+        const ROUNDING_NM: f64 = 1.0;
+        shortest_nm >= self.range_nm[0] - ROUNDING_NM && longest_nm <= self.range_nm[1] + ROUNDING_NM
     }
 
     /// Abbe number V_d = (n_d − 1) / (n_F − n_C); infinite without dispersion.

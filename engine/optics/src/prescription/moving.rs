@@ -60,6 +60,8 @@ struct Zoom {
     mm: f64,
     /// One over the distances, from 0.
     nearness_per_mm: Vec<f64>,
+    /// The distances as the table has them.
+    focus_mm: Vec<f64>,
     /// By distance, then by gap.
     gaps_mm: Vec<Vec<f64>>,
 }
@@ -114,12 +116,14 @@ impl MovingGaps {
                 Some(last) if last.nearness_per_mm.contains(&nearness) => return fail(MovingError::Twice),
                 Some(last) => {
                     last.nearness_per_mm.push(nearness);
+                    last.focus_mm.push(p.focus_mm);
                     last.gaps_mm.push(p.gaps_mm.clone());
                 }
                 None if nearness != 0.0 => return fail(MovingError::NoInfinity),
                 None => {
                     let gaps_mm = vec![p.gaps_mm.clone()];
-                    zooms.push(Zoom { mm: zoom(p), nearness_per_mm: vec![0.0], gaps_mm });
+                    let (nearness_per_mm, focus_mm) = (vec![0.0], vec![f64::INFINITY]);
+                    zooms.push(Zoom { mm: zoom(p), nearness_per_mm, focus_mm, gaps_mm });
                 }
             }
         }
@@ -139,6 +143,20 @@ impl MovingGaps {
     /// The surfaces before the gaps that move.
     pub fn surfaces(&self) -> &[usize] {
         &self.surfaces
+    }
+
+    /// The positions of the table, the published one first.
+    pub fn positions(&self) -> Vec<Position> {
+        let of_zoom = |zoom: &Zoom| {
+            let zoom_mm = self.zooms_in.then_some(zoom.mm);
+            let focuses = zoom.focus_mm.iter().zip(&zoom.gaps_mm);
+            let position =
+                |(&focus_mm, gaps_mm): (&f64, &Vec<f64>)| Position { zoom_mm, focus_mm, gaps_mm: gaps_mm.clone() };
+            focuses.map(position).collect::<Vec<_>>()
+        };
+        let (first, others): (Vec<&Zoom>, Vec<&Zoom>) =
+            self.zooms.iter().partition(|zoom| zoom.mm == self.first_zoom_mm);
+        first.into_iter().chain(others).flat_map(of_zoom).collect()
     }
 
     /// The zoom that the lens is published in, mm; 1 if it does not zoom.

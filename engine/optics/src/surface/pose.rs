@@ -35,6 +35,14 @@ impl Pose {
         Self::new(DVec3::new(decenter_mm[0], decenter_mm[1], 0.0), turn)
     }
 
+    /// How far the vertex is moved, mm, and the tilts about x, y and z, in radians, in the order of [`Self::misaligned`].
+    pub fn parts(&self) -> ([f64; 3], [f64; 3]) {
+        let turn = self.turn();
+        let [x, y, z] = [turn.x_axis, turn.y_axis, turn.z_axis];
+        let tilts = [(-z.y).atan2(z.z), z.x.clamp(-1.0, 1.0).asin(), (-y.x).atan2(x.x)];
+        (self.moved.of(0).to_array(), tilts)
+    }
+
     /// The pose of a surface `behind_mm` behind the vertex about which a whole element is posed by `self`.
     pub fn of_element(&self, behind_mm: f64) -> Self {
         let along = DVec3::new(0.0, 0.0, behind_mm);

@@ -1,8 +1,9 @@
-//! What most scenes have none of: hair, and what moves. Scenes without it pay one question a ray.
+//! What most scenes have none of: hair, point clouds, and what moves. Scenes without it pay one question a ray.
 
 use super::bounds::Bounds;
 use super::curves::CurveForest;
 use super::moving::MovingForest;
+use super::points::PointForest;
 use super::source::Parts;
 use super::{Hit, Ray};
 use crate::scene::Scene;
@@ -51,20 +52,24 @@ pub(super) trait Forest {
 /// Those of a scene.
 pub(super) struct Forests {
     curves: Option<Box<CurveForest>>,
+    points: Option<Box<PointForest>>,
     moving: Option<MovingForest>,
 }
 
 impl Forests {
     /// `None` where there is nothing of it.
     pub(super) fn new(scene: &Scene, parts: &Parts) -> Option<Box<Self>> {
-        let (curves, moving) = (CurveForest::new(scene, parts), MovingForest::new(scene));
-        (curves.is_some() || moving.is_some()).then(|| Box::new(Self { curves, moving }))
+        let (curves, points) = (CurveForest::new(scene, parts), PointForest::new(scene, parts));
+        let moving = MovingForest::new(scene);
+        let has_any = curves.is_some() || points.is_some() || moving.is_some();
+        has_any.then(|| Box::new(Self { curves, points, moving }))
     }
 
     pub(super) fn bounds(&self) -> Option<Bounds> {
         let of_curves = self.curves.as_ref().and_then(|curves| curves.bounds());
-        let both = of_curves.into_iter().chain(self.moving.as_ref().and_then(MovingForest::bounds));
-        both.reduce(|a, b| a.union(&b))
+        let of_points = self.points.as_ref().and_then(|points| points.bounds());
+        let all = of_curves.into_iter().chain(of_points).chain(self.moving.as_ref().and_then(MovingForest::bounds));
+        all.reduce(|a, b| a.union(&b))
     }
 
     /// As [`Forest::closest_with`], of all.
@@ -77,6 +82,9 @@ impl Forests {
     ) -> Option<Hit> {
         if let Some(moving) = &self.moving {
             nearest = moving.closest(level, ray, nearest, &wanted);
+        }
+        if let Some(points) = &self.points {
+            nearest = points.closest(level, ray, nearest, &wanted);
         }
         match &self.curves {
             Some(curves) => curves.closest(level, ray, nearest, &wanted),
@@ -94,6 +102,9 @@ impl Forests {
     ) -> ControlFlow<()> {
         if let Some(moving) = &self.moving {
             moving.each_between(level, ray, &wanted, pass)?;
+        }
+        if let Some(points) = &self.points {
+            points.each_between(level, ray, &wanted, pass)?;
         }
         match &self.curves {
             Some(curves) => curves.each_between(level, ray, &wanted, pass),

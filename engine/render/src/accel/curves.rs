@@ -10,7 +10,7 @@ use super::node::{BoxRay, Node};
 use super::segment::{BothMet, CurveMet, Cut, Gaze, meet};
 use super::source::Parts;
 use super::traverse::traverse;
-use super::{FROM_WITHIN, Hit, PlacedMesh, Ray, Skip};
+use super::{FROM_WITHIN, Hit, PlacedMesh, Ray};
 use crate::scene::curves::Curves;
 use crate::scene::motion::Moving;
 use crate::scene::{Instance, Scene};
@@ -397,12 +397,5 @@ impl CurveTree {
                 met(segment, meet(simd, gaze, self.controls(segment.controls), segment.cut, t_max), t_max)
             },
         )
-    }
-}
-
-impl Skip {
-    #[inline(always)]
-    fn is(self, instance: u32, strand: u32) -> bool {
-        self.strand == strand && self.instance == instance
     }
 }

@@ -123,7 +123,7 @@ pub(super) struct MovingForest {
 impl MovingForest {
     /// `None` where no mesh moves.
     pub(super) fn new(scene: &Scene) -> Option<Self> {
-        let is_of_triangles = |one: &Moving| mesh_of(scene, one.instance).curves.is_none();
+        let is_of_triangles = |one: &Moving| mesh_of(scene, one.instance).is_of_triangles();
         let mut moves = vec![false; scene.meshes.len()];
         for one in scene.moving.iter().filter(|one| is_of_triangles(one)) {
             moves[scene.instances[one.instance as usize].mesh as usize] = true;

@@ -150,4 +150,5 @@ fn near_surfaces_are_not_skipped() {
 
 mod against_all;
 mod hair;
+mod points;
 mod surfaces;

@@ -119,7 +119,7 @@ fn found(block: &Block, met: &Met, lane: usize) -> Found {
 
 /// The numbers of the bits that are set, below eight.
 #[inline(always)]
-fn lanes(bits: u32) -> impl Iterator<Item = usize> {
+pub(super) fn lanes(bits: u32) -> impl Iterator<Item = usize> {
     let mut left = bits;
     std::iter::from_fn(
         #[inline(always)]

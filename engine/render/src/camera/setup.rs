@@ -3,7 +3,7 @@
 use super::{CameraDescription, CameraError};
 use glam::DVec3;
 use petzval_optics::focus::{self, FilmPlane, FocusError, Focusing, GroupsError, Relation};
-use petzval_optics::formats::lens;
+use petzval_optics::formats;
 use petzval_optics::glass::Catalogue;
 use petzval_optics::paraxial::Paraxial;
 use petzval_optics::prescription::Prescription;
@@ -77,7 +77,7 @@ impl Setup {
         if let Some(nm) = d.wavelength_nm.filter(|nm| !(100.0..=20_000.0).contains(nm)) {
             return Err(d.error(format!("the wavelength is {nm} nm; visible light is 380 to 780 nm")));
         }
-        let prescription = lens::read(&d.lens_path, Catalogue::shipped())?;
+        let prescription = formats::read(&d.lens_path, Catalogue::shipped())?.prescription;
         let name = prescription.name.clone();
         let wrong = |source: SystemError| CameraError::System { lens: name.clone(), source };
         let focal_length = match (d.focal_length_mm, d.focal_scale) {

@@ -3,14 +3,15 @@
 //!
 //! Many paths go on together: see [`Wave`].
 
+mod by_part;
 mod choice;
-mod groups;
+mod notes;
 pub mod parts;
 mod pilot;
 mod terminator;
 mod wave;
 
-pub use groups::{ByGroup, Groups, NoGroups};
+pub use notes::{NoNotes, Noted, Notes};
 pub use pilot::{openness, roulette};
 pub use wave::Wave;
 
@@ -170,13 +171,13 @@ pub fn trace_all(
     found: impl FnMut(usize, PathResult),
 ) {
     if stage.media.is_empty() {
-        Wave::<NoGroups, false>::noting(NoGroups).trace_all(stage, rays, limits, found);
+        Wave::<NoNotes, false>::noting(NoNotes).trace_all(stage, rays, limits, found);
     } else {
-        Wave::<NoGroups, true>::noting(NoGroups).trace_all(stage, rays, limits, found);
+        Wave::<NoNotes, true>::noting(NoNotes).trace_all(stage, rays, limits, found);
     }
 }
 
-impl<const VOLUMES: bool> Wave<NoGroups, VOLUMES> {
+impl<const VOLUMES: bool> Wave<NoNotes, VOLUMES> {
     fn trace_all(
         mut self,
         stage: &Stage,
@@ -225,6 +226,10 @@ pub(super) fn mix(
     kept: f32,
     walks: Option<Caustics>,
 ) -> Mixture {
+    // As in Cycles such a normal is the smooth one, too: light is not dimmed as by a bump on it.
+    let bent =
+        layers.first().and_then(|layer| layer.bent).map(|normal| SurfacePoint { shading_normal: normal, ..*point });
+    let point = bent.as_ref().unwrap_or(point);
     let brushed = layers.iter().any(|layer| layer.closure.is_brushed());
     let tangent = if brushed { tangent_about_z(&stage.scene, point) } else { Vec3A::ZERO };
     let mut mixture = Mixture::new(point, wo, tangent, walks.is_some());

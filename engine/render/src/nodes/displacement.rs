@@ -44,7 +44,7 @@ pub fn displace(scene: &mut Scene) -> Vec<String> {
 fn offsets(scene: &Scene, instance: usize) -> Option<Vec<Vec3>> {
     let owner = &scene.instances[instance];
     let mesh = &scene.meshes[owner.mesh as usize];
-    if mesh.curves.is_some() {
+    if !mesh.is_of_triangles() {
         return None;
     }
     let graph_of = |slot: u32| -> Option<&Graph> {

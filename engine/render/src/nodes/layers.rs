@@ -30,6 +30,8 @@ pub struct EvaluatedLayer {
     pub coat_normal: Option<Vec3A>,
     /// Instead of the surface's own, unit.
     pub tangent: Option<Vec3A>,
+    /// The surface's own where a displacement bends it, unit; the same for all layers.
+    pub bent: Option<Vec3A>,
 }
 
 /// The layers of a material at one point.
@@ -80,9 +82,10 @@ fn of_graph(graph: &Graph, value: &dyn Fn(Source) -> Vec3A, bent: Option<Vec3A>,
             to.push(EvaluatedLayer {
                 weight,
                 closure: layer.closure.map(colour, number),
-                normal: direction(layer.normal).or(bent),
-                coat_normal: direction(layer.coat_normal).or(bent),
+                normal: direction(layer.normal),
+                coat_normal: direction(layer.coat_normal),
                 tangent: direction(layer.tangent),
+                bent,
             });
         }
     }
@@ -134,7 +137,7 @@ pub fn layers(material: &Material, around: Around<'_>, point: &SurfacePoint, vie
         let weight = place.weight(weight);
         if weight > 0.0 {
             let closure = closure.map(|c| place.colour(c), |n| place.number(n));
-            to.push(EvaluatedLayer { weight, closure, normal: None, coat_normal: None, tangent: None });
+            to.push(EvaluatedLayer { weight, closure, normal: None, coat_normal: None, tangent: None, bent: None });
         }
     }
 }

@@ -3,6 +3,7 @@
 //! Knows textures and texture coordinates, not how the values are used.
 
 mod around;
+mod ball;
 pub mod displacement;
 pub mod lamp;
 mod layers;

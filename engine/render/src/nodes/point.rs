@@ -1,8 +1,8 @@
 //! A point of a surface as a shader graph's program asks for it.
 
 use super::around::Around;
-use super::strand;
 use super::way::Way;
+use super::{ball, strand};
 use crate::accel::{Hit, Ray};
 use crate::scene::corners::Corners;
 use crate::scene::mesh::{GENERATED, Mesh};
@@ -82,6 +82,8 @@ impl<'a> Point<'a> {
             weights_along(instance, mesh.corners(triangle), &footprint)
         } else if let Some(curves) = &mesh.curves {
             strand::weights_along(instance, curves, &surface, &footprint)
+        } else if mesh.points.is_some() {
+            [Vec2::ZERO; 2]
         } else {
             weights_along(instance, instance.corners(mesh, triangle), &footprint)
         };
@@ -182,7 +184,7 @@ impl<'a> Point<'a> {
 
     /// To the nearest of the lines along the triangle's sides.
     fn edge_distance(&self, shift: Shift) -> f32 {
-        if self.mesh.curves.is_some() {
+        if !self.mesh.is_of_triangles() {
             return f32::INFINITY;
         }
         let at = self.in_render(shift);
@@ -204,7 +206,7 @@ impl<'a> Point<'a> {
     }
 
     fn object_position(&self, shift: Shift) -> Vec3A {
-        if self.mesh.curves.is_some() {
+        if !self.mesh.is_of_triangles() {
             return self.instance.to_object.transform_point3a(self.in_render(shift));
         }
         let [a, b, c] = self.instance.corners(self.mesh, self.surface.triangle);
@@ -213,7 +215,7 @@ impl<'a> Point<'a> {
     }
 
     fn mesh_normal(&self, shift: Shift) -> Vec3A {
-        if self.mesh.curves.is_some() {
+        if !self.mesh.is_of_triangles() {
             return (self.instance.to_render.matrix3.transpose() * self.surface.shading_normal).normalize_or_zero();
         }
         if self.mesh.poses.is_some()
@@ -234,6 +236,9 @@ impl<'a> Point<'a> {
     fn named(&self, name: &str, shift: Shift) -> Option<Vec4> {
         if let Some(curves) = &self.mesh.curves {
             return strand::named(curves, name, self.surface.triangle, self.barycentric(shift)[1]);
+        }
+        if let Some(points) = &self.mesh.points {
+            return points.attribute(name, self.surface.triangle);
         }
         if let Some(values) = self.mesh.attribute(name) {
             return Some(self.interpolated(values, shift));
@@ -291,11 +296,13 @@ impl Context for Point<'_> {
             },
             Field::MeshNormal => self.mesh_normal(shift),
             Field::Incoming => -self.view.direction,
+            Field::Parametric if self.mesh.points.is_some() => Vec3A::X,
             Field::Parametric => {
                 let [_, u, v] = self.barycentric(shift);
                 Vec3A::new(u, v, 0.0)
             }
             Field::Backfacing => number(f32::from(u8::from(self.surface.backfacing))),
+            Field::Pointiness if self.mesh.points.is_some() => Vec3A::ZERO,
             Field::Pointiness => number(self.named(POINTINESS, shift).map_or(0.5, |value| value.x)),
             Field::RandomPerIsland => number(self.named(RANDOM_PER_ISLAND, Shift::NONE).map_or(0.0, |value| value.x)),
             Field::EdgeDistance => number(self.edge_distance(shift)),
@@ -326,7 +333,10 @@ impl Context for Point<'_> {
                     let u = self.barycentric(shift)[1];
                     strand::read(field, self.instance, curves, &self.surface, u, self.view.direction)
                 }
-                (None, None) => Vec3A::ZERO,
+                (None, None) => match &self.mesh.points {
+                    Some(points) => ball::read(field, self.instance, points, &self.surface, self.scene),
+                    None => Vec3A::ZERO,
+                },
             },
         }
     }
@@ -335,6 +345,9 @@ impl Context for Point<'_> {
         let Attribute { kind, name } = &self.attributes[index];
         if let Some(curves) = &self.mesh.curves {
             return strand::attribute(curves, kind, name, self.surface.triangle, self.barycentric(shift)[1]);
+        }
+        if let Some(points) = &self.mesh.points {
+            return ball::attribute(points, kind, name, self.surface.triangle);
         }
         let map = || self.mesh.uv_map((!name.is_empty()).then_some(name));
         match kind {

@@ -1,7 +1,7 @@
 //! When samples are taken while the shutter is open, and where the camera is then.
 
 use crate::accel::Ray;
-use crate::scene::motion::{Way, moment};
+use crate::scene::motion::Way;
 use glam::{Affine3A, DAffine3, DMat3, DMat4, DVec3};
 
 /// Entries of the table of times.
@@ -69,11 +69,6 @@ impl Exposure {
             part = 0.5 + (part - 0.5) * row_part - up * (1.0 - row_part);
         }
         part.clamp(0.0, 1.0)
-    }
-
-    /// The moment of a part of the exposure.
-    pub fn moment(&self, part: f32) -> u16 {
-        moment(part)
     }
 
     /// A ray of the camera as it goes out at a moment.

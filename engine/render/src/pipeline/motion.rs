@@ -8,6 +8,7 @@ use crate::accel::Ray;
 use crate::camera::imaging::{Imaging, Seen};
 use crate::integrator::path::FirstSurface;
 use crate::scene::curves::Curves;
+use crate::scene::points::Points;
 use crate::scene::{Instance, Scene};
 use glam::{DVec2, DVec3};
 
@@ -68,6 +69,9 @@ fn moved(scene: &Scene, surface: &FirstSurface, frame: usize) -> Option<DVec3> {
     if let Some(curves) = &mesh.curves {
         return moved_strand(instance, curves, surface, frame);
     }
+    if let Some(points) = &mesh.points {
+        return moved_ball(instance, points, surface, frame);
+    }
     let positions = match &mesh.moved_positions {
         Some(moved) => &moved[frame],
         None if instance.moved.is_none() => return None,
@@ -89,6 +93,18 @@ fn moved_strand(instance: &Instance, curves: &Curves, surface: &FirstSurface, fr
     let before = instance.to_render.transform_point3(now(key).lerp(now(key + 1), u).as_vec3()).as_dvec3();
     let after = placed(instance, frame, then(key).lerp(then(key + 1), u));
     Some(surface.position.as_dvec3() + after - before)
+}
+
+/// The same of a place on a point: it goes with the middle, as in Cycles.
+fn moved_ball(instance: &Instance, points: &Points, surface: &FirstSurface, frame: usize) -> Option<DVec3> {
+    if points.moved_points.is_none() && instance.moved.is_none() {
+        return None;
+    }
+    let number = surface.triangle as usize;
+    let now = points.points[number].truncate();
+    let then = points.moved_points.as_ref().map_or(now, |moved| moved[frame][number]);
+    let before = instance.to_render.transform_point3(now).as_dvec3();
+    Some(surface.position.as_dvec3() + placed(instance, frame, then.as_dvec3()) - before)
 }
 
 fn placed(instance: &Instance, frame: usize, local: DVec3) -> DVec3 {

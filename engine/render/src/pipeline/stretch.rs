@@ -5,7 +5,7 @@ use crate::Rgb;
 use crate::accel::Ray;
 use crate::camera::packet::Request;
 use crate::film::Patch;
-use crate::integrator::path::{ByGroup, Groups, NoGroups, Wave};
+use crate::integrator::path::{NoNotes, Noted, Notes, Wave};
 use crate::sampler::PathSampler;
 use crate::scene::motion::moment;
 use std::time::Instant;
@@ -49,17 +49,17 @@ pub(super) fn render<L: Leads>(
     stopped: &dyn Fn() -> bool,
 ) -> Option<Counts> {
     let count = light.group_count().saturating_sub(shot.parts.list().len());
-    let groups = || ByGroup::new(count as u16, shot.parts.clone());
+    let noted = || Noted::new(count as u16, shot.parts.clone());
     match (light.group_count(), shot.stage.media.is_empty()) {
-        (0, true) => follow(Wave::<_, false>::noting(NoGroups), pipeline, shot, samples, light, stopped),
-        (_, true) => follow(Wave::<_, false>::noting(groups()), pipeline, shot, samples, light, stopped),
-        (0, false) => follow(Wave::<_, true>::noting(NoGroups), pipeline, shot, samples, light, stopped),
-        (_, false) => follow(Wave::<_, true>::noting(groups()), pipeline, shot, samples, light, stopped),
+        (0, true) => follow(Wave::<_, false>::noting(NoNotes), pipeline, shot, samples, light, stopped),
+        (_, true) => follow(Wave::<_, false>::noting(noted()), pipeline, shot, samples, light, stopped),
+        (0, false) => follow(Wave::<_, true>::noting(NoNotes), pipeline, shot, samples, light, stopped),
+        (_, false) => follow(Wave::<_, true>::noting(noted()), pipeline, shot, samples, light, stopped),
     }
 }
 
-fn follow<L: Leads, G: Groups, const VOLUMES: bool>(
-    mut wave: Wave<G, VOLUMES>,
+fn follow<L: Leads, N: Notes, const VOLUMES: bool>(
+    mut wave: Wave<N, VOLUMES>,
     mut pipeline: L,
     shot: &Shot<'_>,
     mut samples: impl Iterator<Item = ([u32; 2], u32)>,
@@ -116,7 +116,7 @@ fn follow<L: Leads, G: Groups, const VOLUMES: bool>(
                     s.note_surface(&found, &L::ray(lead), request.u_wavelength);
                 }
                 pipeline.add(stretch.cameras[i], request, lead, found.radiance, light);
-                let beside = wave.found_of_groups(path - 1).iter().enumerate();
+                let beside = wave.found_beside(path - 1).iter().enumerate();
                 for (place, &radiance) in beside.filter(|(_, radiance)| **radiance != Rgb::ZERO) {
                     if place >= groups && parts[place - groups].is_data() {
                         if sees_its_pixel {

@@ -5,6 +5,7 @@ use super::lamp::Lamp;
 use super::material::Material;
 use super::mesh::{Mesh, MeshDescription};
 use super::motion::{Moving, Pose, Way};
+use super::points::{Points, PointsDescription};
 use super::softening::Softening;
 use super::texture::Texture;
 use super::viewport::{Viewport, ViewportDescription};
@@ -108,6 +109,18 @@ impl SceneBuilder {
         let (curves, warning) = Curves::new(description)?;
         self.warnings.extend(warning);
         self.meshes.push(curves.into_mesh(name));
+        Ok(self.meshes.len() - 1)
+    }
+
+    /// Adds a point cloud, as [`Self::add_curves`]. Points that are not finite are left out with a warning.
+    ///
+    /// # Errors
+    /// [`SceneError::BadPoints`] where its arrays do not fit together.
+    pub fn add_points(&mut self, description: PointsDescription) -> Result<usize, SceneError> {
+        let name = description.name.clone();
+        let (points, warning) = Points::new(description)?;
+        self.warnings.extend(warning);
+        self.meshes.push(points.into_mesh(name));
         Ok(self.meshes.len() - 1)
     }
 
@@ -301,9 +314,9 @@ impl SceneBuilder {
             .into_iter()
             .enumerate()
             .map(|(number, raw)| {
-                // Strands are round: nothing coarse would show.
-                let is_hair = self.meshes[raw.mesh].curves.is_some();
-                let softening = if is_hair { Softening::default() } else { raw.softening };
+                // Strands and points are round: nothing coarse would show.
+                let is_coarse = self.meshes[raw.mesh].is_of_triangles();
+                let softening = if is_coarse { raw.softening } else { Softening::default() };
                 dims |= softening.dims();
                 let from_origin = |m: DMat4| DAffine3::from_mat4(DMat4::from_translation(-origin) * m);
                 let mut instance = Instance {

@@ -10,7 +10,7 @@ use glam::Vec3A;
 use petzval_nodes::{Field, Graph as Shaders, Layer, LayerKind, Operand, Program, Registers, compile};
 
 /// What the engine can tell of a point.
-const KNOWN: [Field; 48] = [
+const KNOWN: [Field; 51] = [
     Field::Position,
     Field::Normal,
     Field::TrueNormal,
@@ -59,6 +59,9 @@ const KNOWN: [Field; 48] = [
     Field::StrandThickness,
     Field::StrandNormal,
     Field::StrandRandom,
+    Field::PointPosition,
+    Field::PointRadius,
+    Field::PointRandom,
 ];
 
 /// "Random per island".

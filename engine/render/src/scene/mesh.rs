@@ -5,6 +5,7 @@ use super::corners::{self, Corners, Named, Numbers};
 use super::curves::Curves;
 use super::grid::Grid;
 use super::motion::Poses;
+use super::points::Points;
 use glam::{Vec2, Vec3, Vec4};
 
 /// The name by which a mesh keeps its undeformed coordinates in its box.
@@ -68,9 +69,11 @@ pub struct Mesh {
     pub bounds: [Vec3; 2],
     /// Hair or other curves, instead of triangles.
     pub curves: Option<Box<Curves>>,
+    /// A point cloud, instead of triangles.
+    pub points: Option<Box<Points>>,
     /// Its shapes while the shutter is open.
     pub poses: Option<Box<Poses>>,
-    /// It has curves or several shapes: one question for what most meshes have neither of.
+    /// It has curves, points or several shapes: one question for what most meshes have none of.
     pub is_special: bool,
 }
 
@@ -136,8 +139,7 @@ impl Mesh {
                 d.name
             )
         });
-        let finite = || d.positions.iter().filter(|p| p.is_finite());
-        let bounds = [finite().fold(Vec3::MAX, |a, b| a.min(*b)), finite().fold(Vec3::MIN, |a, b| a.max(*b))];
+        let bounds = bounds_of(&d.positions);
         let grids = d.grids.into_iter().map(|grid| grid.checked(&d.name)).collect::<Result<_, _>>()?;
         let mut mesh = Self {
             bounds,
@@ -153,6 +155,7 @@ impl Mesh {
             grids,
             keeps_opacity: d.keeps_opacity,
             curves: None,
+            points: None,
             is_special: d.poses.is_some(),
             poses: d.poses.map(Box::new),
         };
@@ -173,6 +176,11 @@ impl Mesh {
     #[inline]
     pub fn slot(&self, triangle: u32) -> u32 {
         self.material_slots.as_ref().map_or(0, |s| s[triangle as usize])
+    }
+
+    /// Whether it is neither hair nor a point cloud.
+    pub fn is_of_triangles(&self) -> bool {
+        self.curves.is_none() && self.points.is_none()
     }
 
     /// The UV map of that name, or the first where no name is given.
@@ -239,6 +247,12 @@ fn within_reach(p: &Vec3) -> bool {
 fn has_area(a: Vec3, b: Vec3, c: Vec3) -> bool {
     let (a, b, c) = (a.as_dvec3(), b.as_dvec3(), c.as_dvec3());
     (b - a).cross(c - a).length_squared() > 0.0
+}
+
+/// The lowest and the highest corner of the box about all points that are finite.
+pub(super) fn bounds_of(points: &[Vec3]) -> [Vec3; 2] {
+    let finite = || points.iter().filter(|p| p.is_finite());
+    [finite().fold(Vec3::MAX, |a, b| a.min(*b)), finite().fold(Vec3::MIN, |a, b| a.max(*b))]
 }
 
 #[cfg(test)]

@@ -14,6 +14,7 @@ pub mod layer;
 pub mod material;
 pub mod mesh;
 pub mod motion;
+pub mod points;
 pub mod softening;
 pub mod texture;
 pub mod viewport;
@@ -48,6 +49,14 @@ pub enum SceneError {
     BadCurves {
         /// Their name.
         curves: String,
+        /// Which array, and how it is wrong.
+        what: String,
+    },
+    /// Arrays of a point cloud disagree in length.
+    #[error("points '{points}': {what}; export them again or remove them")]
+    BadPoints {
+        /// Their name.
+        points: String,
         /// Which array, and how it is wrong.
         what: String,
     },
@@ -112,6 +121,12 @@ impl Scene {
     /// Triangles, each instance counted.
     pub fn triangle_count(&self) -> usize {
         self.placed().iter().map(|i| self.meshes[i.mesh as usize].triangles.len()).sum()
+    }
+
+    /// Points of clouds, each instance counted.
+    pub fn point_count(&self) -> usize {
+        let of = |mesh: &Mesh| mesh.points.as_ref().map_or(0, |points| points.points.len());
+        self.placed().iter().map(|i| of(&self.meshes[i.mesh as usize])).sum()
     }
 
     /// Segments of hair and other curves, each instance counted.

@@ -6,7 +6,7 @@
 //! instance has goes by how far it moves over the picture.
 
 use super::corners::{Corners, Numbers};
-use super::mesh::Mesh;
+use super::mesh::{Mesh, bounds_of};
 use super::{Instance, Scene};
 use glam::{DAffine3, DMat3, DMat4, DQuat, DVec3, Vec3};
 
@@ -222,7 +222,7 @@ impl Scene {
         let mesh = &self.meshes[instance.mesh as usize];
         let boxes: Vec<[Vec3; 2]> = match &mesh.poses {
             None => vec![mesh.bounds],
-            Some(poses) => poses.positions.iter().map(|positions| bounds(positions)).collect(),
+            Some(poses) => poses.positions.iter().map(|positions| bounds_of(positions)).collect(),
         };
         let corners = |part: f64| -> [DVec3; 8] {
             let (key, between) = if boxes.len() > 1 { key_at(boxes.len(), part) } else { (0, 0.0) };
@@ -267,12 +267,6 @@ impl Scene {
         owners.extend(self.moving.iter().filter(|one| one.first > 0).flat_map(stand_in));
         owners
     }
-}
-
-/// The box around points that are finite.
-fn bounds(points: &[Vec3]) -> [Vec3; 2] {
-    let finite = || points.iter().filter(|p| p.is_finite());
-    [finite().fold(Vec3::MAX, |a, b| a.min(*b)), finite().fold(Vec3::MIN, |a, b| a.max(*b))]
 }
 
 impl Moving {

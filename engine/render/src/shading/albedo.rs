@@ -23,18 +23,19 @@ pub struct AlbedoTable {
 impl AlbedoTable {
     /// Of facets that reflect everything: 1 less what is lost between them.
     pub fn reflection() -> Self {
-        Self::new(|ggx, wo, h| {
-            let wi = reflect(wo, h);
-            if wi.z > 0.0 { ggx.masking_shadowing(wo, wi) / ggx.masking(wo) } else { 0.0 }
-        })
+        Self::reflecting(|_| 1.0)
     }
 
     /// Of dielectric reflection alone, relative index `eta`.
     pub fn dielectric_reflection(eta: f32) -> Self {
+        Self::reflecting(|cos| fresnel::dielectric(cos, eta))
+    }
+
+    /// Of reflection that is as strong as is said for the cosine of light to a facet.
+    pub fn reflecting(law: impl Fn(f32) -> f32) -> Self {
         Self::new(|ggx, wo, h| {
             let wi = reflect(wo, h);
-            let f = fresnel::dielectric(wo.dot(h), eta);
-            if wi.z > 0.0 { f * ggx.masking_shadowing(wo, wi) / ggx.masking(wo) } else { 0.0 }
+            if wi.z > 0.0 { law(wo.dot(h)) * ggx.masking_shadowing(wo, wi) / ggx.masking(wo) } else { 0.0 }
         })
     }
 

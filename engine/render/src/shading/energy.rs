@@ -1,7 +1,7 @@
 //! Albedos of facets for any index of refraction, from tables that are made when first asked for.
 
 use super::albedo::AlbedoTable;
-use super::fresnel;
+use super::fresnel::{self, F82Tint};
 use std::sync::{Arc, LazyLock, OnceLock};
 
 /// Steps of the index, even in [`place`]: between them the part of the way from the reflectance at normal incidence to 1
@@ -38,6 +38,14 @@ pub fn rise(eta: f32, roughness: f32, cos: f32) -> f32 {
         ((d.reflection.at(roughness, cos) / single - f0) / (1.0 - f0)).clamp(0.0, 1.0)
     };
     between(eta, at)
+}
+
+/// The means of [`F82Tint::terms`] over what facets of that roughness mirror towards that cosine.
+pub fn metal_terms(roughness: f32, cos: f32) -> [f32; 2] {
+    static TERMS: LazyLock<[AlbedoTable; 2]> =
+        LazyLock::new(|| [0, 1].map(|term| AlbedoTable::reflecting(|cos| F82Tint::terms(cos)[term])));
+    let single = reflection().at(roughness, cos).max(1e-3);
+    [0, 1].map(|term| TERMS[term].at(roughness, cos) / single)
 }
 
 /// What a dielectric boundary, reflection and transmission together, keeps of the light at that angle without what goes

@@ -64,9 +64,21 @@ impl F82Tint {
     /// Reflectance at that cosine.
     #[inline]
     pub fn at(&self, cos_i: f32) -> Rgb {
+        self.of(Self::terms(cos_i))
+    }
+
+    /// Of a cosine what reflectance is linear in: the rise, and the dip near grazing.
+    #[inline]
+    pub fn terms(cos_i: f32) -> [f32; 2] {
         let m = (1.0 - cos_i).clamp(0.0, 1.0);
         let m5 = (m * m) * (m * m) * m;
-        (self.f0 + (Rgb::ONE - self.f0) * m5 - self.dip * (cos_i * m5 * m)).clamp(Rgb::ZERO, Rgb::ONE)
+        [m5, cos_i * m5 * m]
+    }
+
+    /// Reflectance of these terms, or the mean one of their means.
+    #[inline]
+    pub fn of(&self, [rise, dip]: [f32; 2]) -> Rgb {
+        (self.f0 + (Rgb::ONE - self.f0) * rise - self.dip * dip).clamp(Rgb::ZERO, Rgb::ONE)
     }
 
     /// The cosine-weighted average over the hemisphere.
@@ -89,13 +101,17 @@ pub fn conductor(cos_i: f32, n: Rgb, k: Rgb) -> Rgb {
     0.5 * (parallel + perpendicular)
 }
 
-/// About the cosine-weighted average of [`conductor`]: that of the metal of [`F82Tint`] that agrees with it at normal
-/// incidence and at 82 degrees.
-pub fn conductor_average(n: Rgb, k: Rgb) -> Rgb {
+/// The metal of [`F82Tint`] that agrees with [`conductor`] at normal incidence and at 82 degrees.
+pub fn conductor_as_tinted(n: Rgb, k: Rgb) -> F82Tint {
     let f0 = conductor(1.0, n, k);
     let plain = F82Tint::new(f0, Rgb::ONE);
     let tint = conductor(1.0 / 7.0, n, k) / plain.at(1.0 / 7.0);
-    F82Tint::new_unbounded(f0, tint).average().clamp(Rgb::ZERO, Rgb::ONE)
+    F82Tint::new_unbounded(f0, tint)
+}
+
+/// About the cosine-weighted average of [`conductor`].
+pub fn conductor_average(n: Rgb, k: Rgb) -> Rgb {
+    conductor_as_tinted(n, k).average().clamp(Rgb::ZERO, Rgb::ONE)
 }
 
 /// The cosine-weighted average of [`dielectric`] for `eta` >= 1 and below: Kulla and Conty's fit (2017,

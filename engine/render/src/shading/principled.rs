@@ -234,7 +234,7 @@ impl Bsdf {
         let mirrored = f0 + (1.0 - f0) * if f.glass_weight == Rgb::ZERO { 0.0 } else { rise(self.eta) };
         let coat = if f.coat_weight > 0.0 { f.coat_f0 + (Rgb::ONE - f.coat_f0) * rise(f.coat_eta) } else { Rgb::ZERO };
         [
-            f.metal.at(cos) * f.metal_weight * kept,
+            f.metal.of(energy::metal_terms(roughness, cos)) * f.metal_weight * kept,
             f.glass_reflection_tint * f.glass_weight * (mirrored * passing),
             f.glass_tint * f.glass_weight * ((1.0 - mirrored) * passing),
             coat * (f.coat_weight * kept),

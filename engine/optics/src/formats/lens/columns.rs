@@ -1,5 +1,7 @@
 //! The columns of a lens file after the usual six, and what their numbers make of a surface.
 
+use glam::{DMat3, DVec3};
+
 use crate::prescription::Place;
 use crate::surface::{LAST_POWER, Pose};
 
@@ -8,10 +10,11 @@ use super::finite;
 /// Columns that may follow, beside the coefficients.
 pub(super) const OBSTRUCTION: &str = "obstruction";
 pub(super) const RADIUS_X: &str = "radius_x";
-/// Parts of a [`Pose`]: two lengths, three angles.
-pub(super) const POSE: [&str; 5] = ["decenter_x", "decenter_y", "tilt_x", "tilt_y", "tilt_z"];
+/// Parts of a [`Pose`]: two lengths, three angles, and a length along the axis.
+pub(super) const POSE: [&str; 6] = ["decenter_x", "decenter_y", "tilt_x", "tilt_y", "tilt_z", "decenter_z"];
 
 /// An element that stands beside its place.
+#[derive(Clone)]
 pub(super) struct ElementLine {
     pub(super) place: Place,
     pub(super) first: usize,
@@ -21,7 +24,7 @@ pub(super) struct ElementLine {
 
 /// A [`Pose`] by the names of its parts; lengths in mm, angles in degrees.
 #[derive(Default)]
-pub(super) struct Misalignment([f64; 5]);
+pub(super) struct Misalignment([f64; 6]);
 
 impl Misalignment {
     /// The part of this name.
@@ -30,8 +33,16 @@ impl Misalignment {
     }
 
     pub(super) fn pose(&self) -> Pose {
-        let [x, y, turns @ ..] = self.0;
-        Pose::misaligned([x, y], turns.map(f64::to_radians))
+        let [x, y, tilt_x, tilt_y, tilt_z, z] = self.0;
+        let tilted = Pose::misaligned([x, y], [tilt_x, tilt_y, tilt_z].map(f64::to_radians));
+        if z == 0.0 { tilted } else { Pose::new(DVec3::Z * z, DMat3::IDENTITY) * tilted }
+    }
+
+    /// The parts of a pose, in the order of [`POSE`].
+    pub(super) fn of(pose: &Pose) -> [f64; 6] {
+        let ([x, y, z], tilts) = pose.parts();
+        let [tilt_x, tilt_y, tilt_z] = tilts.map(f64::to_degrees);
+        [x, y, tilt_x, tilt_y, tilt_z, z]
     }
 }
 

@@ -6,7 +6,7 @@ use crate::prescription::moving::{MovingError, MovingGaps, Position};
 use super::{Problem, finite};
 
 /// What they say, with their places.
-#[derive(Default)]
+#[derive(Clone, Default)]
 pub(super) struct MovingLines {
     surfaces: Option<(Vec<usize>, Place)>,
     positions: Vec<(Position, Place)>,
@@ -30,6 +30,13 @@ impl MovingLines {
         let position = position(text).ok_or_else(|| Problem::Position(text.to_owned()))?;
         self.positions.push((position, place));
         Ok(())
+    }
+
+    /// Surfaces and positions as they stand in the file, if any do.
+    pub(super) fn parts(self) -> Option<(Vec<usize>, Vec<Position>, Vec<Place>)> {
+        let (surfaces, _) = self.surfaces?;
+        let (positions, places) = self.positions.into_iter().unzip();
+        Some((surfaces, positions, places))
     }
 
     /// The gaps of a lens with so many surfaces; `None` if none moves.

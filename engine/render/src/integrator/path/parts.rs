@@ -1,15 +1,6 @@
-//! What of a path's light came by which lobe of the first surface, and what that surface looks like: the passes of light and
-//! colour, as Cycles parts them (its manual, "Render Passes"; what counts as which lobe is `Lobe::rays`).
-//!
-//! Light that the camera sees itself is emission or environment. All other light is shared out by the first scattering: in a
-//! volume it is the volume's, at a surface each kind of lobe takes its share of what was scattered in that direction. It is
-//! direct if the first surface scattered it straight from an emitter. What was passed unbent before is no first surface.
+//! What is kept of a path's light beside the whole, and of the first surface: the passes of light and colour, as Cycles parts
+//! them (its manual, "Render Passes"). [`super::by_part`] says what goes where.
 
-use crate::Rgb;
-use crate::integrator::Stage;
-use crate::nodes::{View, Way};
-use crate::shading::{LobeShares, Parted};
-use crate::surface::SurfacePoint;
 use glam::{DMat4, Mat3A, Vec3A};
 
 /// Something that is kept beside the light as a whole, three numbers a pixel.
@@ -61,6 +52,28 @@ pub enum LobeKind {
 }
 
 impl Part {
+    /// One for each.
+    fn number(self) -> usize {
+        match self {
+            Self::Light(lobe, is_direct) => 2 * lobe as usize + usize::from(is_direct),
+            Self::Volume(is_direct) => 6 + usize::from(is_direct),
+            Self::Colour(lobe) => 8 + lobe as usize,
+            Self::Emission => 11,
+            Self::Environment => 12,
+            Self::White => 13,
+            Self::DenoisingAlbedo => 14,
+            Self::DenoisingNormal => 15,
+            Self::DenoisingDepth => 16,
+            Self::Caught => 17,
+            Self::Catches => 18,
+            Self::Uv => 19,
+            Self::Mist => 20,
+            Self::Ray => 21,
+            Self::Aov(output) => 22 + 2 * usize::from(output),
+            Self::AovAlpha(output) => 23 + 2 * usize::from(output),
+        }
+    }
+
     /// Whether it counts as data do: each ray alike, for the pixel that it was started for. Else as light, where it lands.
     pub fn is_data(self) -> bool {
         use Part::{Aov, AovAlpha, Catches, DenoisingAlbedo, DenoisingDepth, DenoisingNormal, Mist, Ray, Uv};
@@ -107,6 +120,11 @@ impl Seen {
         }
     }
 
+    /// A direction by the camera's axes: right, up and, as in Cycles, the way that it looks.
+    pub fn turned(&self, direction: Vec3A) -> Vec3A {
+        self.to_camera * direction * Vec3A::new(1.0, 1.0, -1.0)
+    }
+
     /// 1 less what mist leaves of a place.
     pub fn clear(&self, position: Vec3A) -> f32 {
         let from = self.to_camera * (position - self.place);
@@ -120,6 +138,8 @@ impl Seen {
 #[derive(Clone, Debug, Default)]
 pub struct Parts {
     list: Vec<Part>,
+    /// By [`Part::number`].
+    places: Vec<Option<u16>>,
     seen: Seen,
 }
 
@@ -136,7 +156,13 @@ impl Parts {
                 next = part.relative_to();
             }
         }
-        Self { list, seen }
+        let mut places = Vec::new();
+        for (place, part) in list.iter().enumerate() {
+            let number = part.number();
+            places.resize(places.len().max(number + 1), None);
+            places[number] = Some(place as u16);
+        }
+        Self { list, places, seen }
     }
 
     /// All that is kept.
@@ -146,7 +172,7 @@ impl Parts {
 
     /// Where a part stands among them.
     pub fn place(&self, part: Part) -> Option<usize> {
-        self.list.iter().position(|one| *one == part)
+        self.places.get(part.number()).copied().flatten().map(usize::from)
     }
 
     /// By whom the scene is seen.
@@ -154,222 +180,9 @@ impl Parts {
         &self.seen
     }
 
-    fn any(&self, which: impl Fn(&Part) -> bool) -> bool {
+    /// Whether any of them is such.
+    pub fn any(&self, which: impl Fn(&Part) -> bool) -> bool {
         self.list.iter().any(which)
-    }
-}
-
-/// How a path's light is shared out.
-#[derive(Clone, Copy, Debug)]
-enum First {
-    /// The camera sees it.
-    None,
-    /// By a surface: diffuse and glossy shares; the rest was let through.
-    Surface([Rgb; 2]),
-    /// By a volume.
-    Volume,
-}
-
-/// What light belongs to.
-#[derive(Clone, Copy, Debug)]
-pub struct Belongs {
-    first: First,
-    /// Direct, or where the camera sees it, the sky.
-    is_near: bool,
-    /// The path's ray met it.
-    is_met: bool,
-}
-
-/// A path's own.
-#[derive(Clone, Copy, Debug)]
-struct Path {
-    first: First,
-    /// What mirrors before the surface of the denoiser's passes left; `None` behind it.
-    features: Option<Rgb>,
-    is_caught: bool,
-}
-
-/// Notes parts of paths.
-pub struct ByPart {
-    parts: Parts,
-    has_colours: bool,
-    has_features: bool,
-    has_aovs: bool,
-    paths: Vec<Path>,
-}
-
-impl ByPart {
-    /// For these.
-    pub fn new(parts: Parts) -> Self {
-        let has_colours = parts.any(|part| matches!(part, Part::Colour(_)));
-        let has_features =
-            parts.any(|part| matches!(part, Part::DenoisingAlbedo | Part::DenoisingNormal | Part::DenoisingDepth));
-        let has_aovs = parts.any(|part| matches!(part, Part::Aov(_)));
-        Self { parts, has_colours, has_features, has_aovs, paths: Vec::new() }
-    }
-
-    /// How many numbers of three a path has.
-    pub fn count(&self) -> usize {
-        self.parts.list.len()
-    }
-
-    pub(super) fn clear(&mut self) {
-        self.paths.clear();
-    }
-
-    /// A path whose places are `sums`, all 0 so far.
-    pub(super) fn start(&mut self, sums: &mut [Rgb]) {
-        if self.parts.list.is_empty() {
-            return;
-        }
-        self.paths.push(Path { first: First::None, features: Some(Rgb::ONE), is_caught: false });
-        for one in [Part::White, Part::Ray] {
-            self.add_to(sums, one, Rgb::ONE);
-        }
-    }
-
-    fn add_to(&self, sums: &mut [Rgb], part: Part, value: Rgb) {
-        if let Some(place) = self.parts.place(part).filter(|_| value.is_finite()) {
-            sums[place] += value;
-        }
-    }
-
-    /// Light that the path's ray meets.
-    pub(super) fn met(&self, path: u32, way: Way, is_sky: bool) -> Belongs {
-        match self.paths.get(path as usize).map_or(First::None, |path| path.first) {
-            First::None => Belongs { first: First::None, is_near: is_sky, is_met: true },
-            first => Belongs { first, is_near: way.depth == 1, is_met: true },
-        }
-    }
-
-    /// Light that the path's surface scatters along it; `shares` are those of the lobes in this direction.
-    pub(super) fn sampled(&self, path: u32, way: Way, shares: impl FnOnce() -> LobeShares) -> Belongs {
-        let first = || First::Surface(shares().parts());
-        self.scattered(path, way, first)
-    }
-
-    /// The same in a volume.
-    pub(super) fn sampled_in_volume(&self, path: u32, way: Way) -> Belongs {
-        self.scattered(path, way, || First::Volume)
-    }
-
-    fn scattered(&self, path: u32, way: Way, here: impl FnOnce() -> First) -> Belongs {
-        let is_near = way.depth == 0;
-        let first = match self.paths.get(path as usize) {
-            Some(_) if is_near => here(),
-            Some(path) => path.first,
-            None => First::None,
-        };
-        Belongs { first, is_near, is_met: false }
-    }
-
-    /// The path was scattered by a surface; `shares` are those of the lobes.
-    pub(super) fn turned(&mut self, path: u32, way: Way, shares: impl FnOnce() -> LobeShares) {
-        if let Some(path) = self.paths.get_mut(path as usize).filter(|_| way.depth == 0) {
-            path.first = First::Surface(shares().parts());
-        }
-    }
-
-    /// It was scattered in a volume.
-    pub(super) fn turned_in_volume(&mut self, path: u32, way: Way) {
-        if let Some(path) = self.paths.get_mut(path as usize) {
-            // As in Cycles, what a denoiser is told ends there.
-            path.features = None;
-            if way.depth == 0 {
-                path.first = First::Volume;
-            }
-        }
-    }
-
-    /// Shares out light that a path found.
-    pub(super) fn add(&self, sums: &mut [Rgb], path: u32, of: Belongs, light: Rgb) {
-        if self.parts.list.is_empty() {
-            return;
-        }
-        let Belongs { first, is_near, is_met } = of;
-        if self.paths[path as usize].is_caught {
-            self.add_to(sums, Part::Caught, light);
-        }
-        if let Some(left) = self.paths[path as usize].features.filter(|_| self.has_features && is_met) {
-            self.add_to(sums, Part::DenoisingAlbedo, light * left);
-        }
-        match first {
-            First::None => self.add_to(sums, if is_near { Part::Environment } else { Part::Emission }, light),
-            First::Volume => self.add_to(sums, Part::Volume(is_near), light),
-            First::Surface([diffuse, glossy]) => {
-                let [d, g] = [light * diffuse, light * glossy];
-                self.add_to(sums, Part::Light(LobeKind::Diffuse, is_near), d);
-                self.add_to(sums, Part::Light(LobeKind::Glossy, is_near), g);
-                self.add_to(sums, Part::Light(LobeKind::Transmission, is_near), light * (Rgb::ONE - diffuse - glossy));
-            }
-        }
-    }
-
-    /// A surface that scatters the path and what comes to it by `throughput`.
-    pub(super) fn looks_at(
-        &mut self,
-        sums: &mut [Rgb],
-        path: u32,
-        way: Way,
-        throughput: Rgb,
-        bsdf: &impl Parted,
-        distance: f32,
-    ) {
-        let is_first = way.depth == 0;
-        if is_first && self.has_colours {
-            let [diffuse, glossy, transmission] = bsdf.albedos().map(|albedo| albedo * throughput);
-            self.add_to(sums, Part::Colour(LobeKind::Diffuse), diffuse);
-            self.add_to(sums, Part::Colour(LobeKind::Glossy), glossy);
-            self.add_to(sums, Part::Colour(LobeKind::Transmission), transmission);
-        }
-        if !self.has_features {
-            return;
-        }
-        let Some(left) = self.paths[path as usize].features else { return };
-        let average = left.element_sum() / 3.0;
-        self.add_to(sums, Part::DenoisingDepth, Rgb::splat(average * distance));
-        let seen = bsdf.features();
-        if seen.goes_on {
-            self.paths[path as usize].features = Some(left * seen.mirrored);
-            return;
-        }
-        self.add_to(sums, Part::DenoisingAlbedo, left * seen.albedo);
-        // As in Cycles, whose camera looks along its z.
-        let normal = self.parts.seen.to_camera * seen.normal * Vec3A::new(1.0, 1.0, -1.0);
-        self.add_to(sums, Part::DenoisingNormal, Rgb::from(normal) * average);
-        self.paths[path as usize].features = None;
-    }
-
-    /// The first surface that the path did not pass.
-    pub(super) fn finds(&mut self, sums: &mut [Rgb], path: u32, stage: &Stage, point: &SurfacePoint, view: &View) {
-        let scene = &stage.scene;
-        if let Some(place) = self.parts.place(Part::Catches) {
-            let is_caught = scene.instances[point.instance as usize].is_catcher;
-            self.paths[path as usize].is_caught = is_caught;
-            sums[place] = Rgb::new(f32::from(u8::from(is_caught)), 1.0, 1.0);
-        }
-        if let Some(place) = self.parts.place(Part::Uv) {
-            let uv = crate::surface::uv(
-                crate::surface::mesh_of(scene, point.instance),
-                point.triangle,
-                point.barycentric,
-                None,
-            );
-            sums[place] = Rgb::new(uv.x, uv.y, 1.0);
-        }
-        if let Some(place) = self.parts.place(Part::Mist) {
-            sums[place] = Rgb::splat(self.parts.seen.clear(point.position));
-        }
-        if self.has_aovs {
-            crate::nodes::aovs(stage.around(), point, view, |number, value| {
-                if let Some(place) = self.parts.place(Part::Aov(number)).filter(|_| value.is_finite()) {
-                    sums[place] = value;
-                }
-                if let Some(place) = self.parts.place(Part::AovAlpha(number)) {
-                    sums[place] = Rgb::ONE;
-                }
-            });
-        }
     }
 }
 
@@ -388,36 +201,26 @@ mod tests {
         assert_eq!(parts.place(Part::Emission), None);
     }
 
-    /// Of light the shares are all of it, whichever way it comes.
+    /// However many there are, each has a place of its own.
     #[test]
-    fn all_light_is_shared_out() {
+    fn all_parts_have_places() {
         let lobes = [LobeKind::Diffuse, LobeKind::Glossy, LobeKind::Transmission];
-        let light = lobes.iter().flat_map(|&lobe| [Part::Light(lobe, true), Part::Light(lobe, false)]);
-        let rest = [Part::Volume(true), Part::Volume(false), Part::Emission, Part::Environment];
-        let wanted: Vec<Part> = light.chain(rest).collect();
-        let mut by_part = ByPart::new(Parts::new(&wanted, Seen::default()));
-        let mut sums = vec![Rgb::ZERO; by_part.count()];
-        by_part.start(&mut sums);
-        let shares =
-            || LobeShares { diffuse: Rgb::new(1.0, 0.0, 2.0), glossy: Rgb::splat(1.0), transmission: Rgb::splat(2.0) };
-        let light = Rgb::new(1.0, 2.0, 3.0);
-        let seen = by_part.met(0, Way::CAMERA, true);
-        by_part.add(&mut sums, 0, seen, light);
-        let sampled = by_part.sampled(0, Way::CAMERA, shares);
-        by_part.add(&mut sums, 0, sampled, light);
-        by_part.turned(0, Way::CAMERA, shares);
-        let after = Way::CAMERA.scattered(true, false, false);
-        for way in [after, after.scattered(false, true, false)] {
-            let met = by_part.met(0, way, false);
-            by_part.add(&mut sums, 0, met, light);
+        let mut wanted: Vec<Part> =
+            lobes.iter().flat_map(|&lobe| [Part::Light(lobe, true), Part::Light(lobe, false)]).collect();
+        wanted.extend([
+            Part::Volume(true),
+            Part::Volume(false),
+            Part::Emission,
+            Part::Environment,
+            Part::DenoisingAlbedo,
+        ]);
+        wanted.extend([Part::DenoisingNormal, Part::DenoisingDepth, Part::Caught, Part::Catches, Part::Uv, Part::Mist]);
+        wanted.extend((0..40).flat_map(|output| [Part::Aov(output), Part::AovAlpha(output)]));
+        let parts = Parts::new(&wanted, Seen::default());
+        assert_eq!(parts.list().len(), wanted.len() + 5, "three colours, white and ray");
+        for (place, &part) in parts.list().iter().enumerate() {
+            assert_eq!(parts.place(part), Some(place), "{part:?}");
         }
-        let of = |part| sums[by_part.parts.place(part).unwrap()];
-        assert_eq!(of(Part::Environment), light);
-        // By a light sample and by the path.
-        assert!((of(Part::Light(LobeKind::Diffuse, true)) - 2.0 * light * Rgb::new(0.25, 0.0, 0.4)).length() < 1e-6);
-        assert!((of(Part::Light(LobeKind::Glossy, false)) - light * Rgb::new(0.25, 1.0 / 3.0, 0.2)).length() < 1e-6);
-        let all: Rgb = wanted.iter().map(|&part| of(part)).sum();
-        assert!((all - 4.0 * light).length() < 1e-5, "{all}");
     }
 
     /// Between its ends mist grows by its power; before and behind them it does not.

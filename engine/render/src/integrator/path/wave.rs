@@ -7,7 +7,7 @@ mod place;
 mod through;
 
 use super::choice::Chosen;
-use super::groups::{Groups, NoGroups};
+use super::notes::{NoNotes, Notes};
 use super::{CAMERA_SETS, FirstSurface, Limits, MOST_STEPS, PathResult, SETS_PER_STEP, mix, opening};
 use crate::Rgb;
 use crate::accel::{Hit, Ray, offset_origin};
@@ -28,10 +28,10 @@ use through::{Brought, Inside, Veil, is_only_volume};
 
 /// Memory for paths, used again and again. `VOLUMES`: what fills space counts; where there is nothing, none of it is in the
 /// code.
-pub struct Wave<G: Groups = NoGroups, const VOLUMES: bool = false> {
+pub struct Wave<N: Notes = NoNotes, const VOLUMES: bool = false> {
     paths: Vec<Path>,
     results: Vec<PathResult>,
-    groups: G,
+    notes: N,
     /// Those that still go on, in the order of their numbers.
     live: Vec<u32>,
     hits: Vec<Option<Hit>>,
@@ -42,7 +42,7 @@ pub struct Wave<G: Groups = NoGroups, const VOLUMES: bool = false> {
     counts: Vec<u32>,
     /// The materials met.
     met: Vec<u32>,
-    shadows: Vec<Shadow<G::Of>>,
+    shadows: Vec<Shadow<N::Of>>,
     /// By path, whether it goes on.
     is_alive: Vec<bool>,
     /// Those of the material that is being looked at.
@@ -81,18 +81,18 @@ struct Meeting {
 
 impl Default for Wave {
     fn default() -> Self {
-        Self::noting(NoGroups)
+        Self::noting(NoNotes)
     }
 }
 
-impl<G: Groups, const VOLUMES: bool> Wave<G, VOLUMES> {
+impl<N: Notes, const VOLUMES: bool> Wave<N, VOLUMES> {
     /// Sets of numbers used at each surface.
     const SETS: u32 = SETS_PER_STEP + if VOLUMES { 3 } else { 0 };
 
-    /// Memory that notes the light of groups, too.
-    pub fn noting(groups: G) -> Self {
+    /// Memory that notes more than the light as a whole, too.
+    pub fn noting(notes: N) -> Self {
         Self {
-            groups,
+            notes,
             paths: Vec::new(),
             results: Vec::new(),
             live: Vec::new(),
@@ -113,7 +113,7 @@ impl<G: Groups, const VOLUMES: bool> Wave<G, VOLUMES> {
     pub fn clear(&mut self) {
         self.paths.clear();
         self.results.clear();
-        self.groups.clear();
+        self.notes.clear();
         self.live.clear();
         self.is_alive.clear();
     }
@@ -122,7 +122,7 @@ impl<G: Groups, const VOLUMES: bool> Wave<G, VOLUMES> {
     pub fn start(&mut self, ray: Ray, sampler: PathSampler) {
         self.live.push(self.paths.len() as u32);
         self.results.push(PathResult::default());
-        self.groups.start();
+        self.notes.start();
         self.is_alive.push(true);
         self.paths.push(Path {
             ray,
@@ -141,10 +141,10 @@ impl<G: Groups, const VOLUMES: bool> Wave<G, VOLUMES> {
         self.results[path]
     }
 
-    /// What of it is the light of the groups that are noted.
+    /// What is noted of it besides.
     #[inline]
-    pub fn found_of_groups(&self, path: usize) -> &[Rgb] {
-        self.groups.found(path)
+    pub fn found_beside(&self, path: usize) -> &[Rgb] {
+        self.notes.found(path)
     }
 
     /// Follows all paths to their ends.
@@ -187,7 +187,7 @@ impl<G: Groups, const VOLUMES: bool> Wave<G, VOLUMES> {
         }
         for (&i, hit) in self.live.iter().zip(&self.hits) {
             let path = &mut self.paths[i as usize];
-            let mut found = Found { path: i, result: &mut self.results[i as usize], groups: &mut self.groups };
+            let mut found = Found { path: i, result: &mut self.results[i as usize], notes: &mut self.notes };
             self.is_alive[i as usize] = false;
             if VOLUMES {
                 path.sampler.jump_to(CAMERA_SETS + step * Self::SETS);
@@ -241,7 +241,7 @@ impl<G: Groups, const VOLUMES: bool> Wave<G, VOLUMES> {
             }
             if found.result.first.is_none() && (!VOLUMES || path.way.is_camera()) {
                 found.result.first = Some(FirstSurface::from(&point));
-                found.groups.finds(i, stage, &point, &view);
+                found.notes.finds(i, stage, &point, &view);
             }
             if limits.scatters(path.way) && (!VOLUMES || self.inside[i as usize].may_scatter(limits)) {
                 let kept = opening.kept;
@@ -324,10 +324,10 @@ impl<G: Groups, const VOLUMES: bool> Wave<G, VOLUMES> {
     fn go_on(&mut self, stage: &Stage, limits: &Limits, meeting: usize, bsdf: &(impl Scattering + Parted)) {
         let Meeting { path: i, point, view, u: [u_end, u_light, u_lobe], .. } = &self.meetings[meeting];
         let path = &mut self.paths[*i as usize];
-        let mut found = Found { path: *i, result: &mut self.results[*i as usize], groups: &mut self.groups };
+        let mut found = Found { path: *i, result: &mut self.results[*i as usize], notes: &mut self.notes };
         let [u0, u1, u2, u3] = path.sampler.next_4d();
         let at = Place { stage, limits, point };
-        found.groups.looks_at(*i, path.way, path.throughput, bsdf, view.distance);
+        found.notes.looks_at(*i, path.way, path.throughput, bsdf, view.distance);
         let to = at.light(path, &mut found, &mut self.shadows, bsdf, [*u_light, u0, u1]);
         if VOLUMES {
             let scene = &stage.scene;
@@ -364,7 +364,7 @@ impl<G: Groups, const VOLUMES: bool> Wave<G, VOLUMES> {
             for (shadow, veil) in self.shadows.iter().zip(&self.veils) {
                 let Shadow { path, light, way, of, .. } = shadow;
                 let result = &mut self.results[*path as usize];
-                let mut found = Found { path: *path, result, groups: &mut self.groups };
+                let mut found = Found { path: *path, result, notes: &mut self.notes };
                 found.result.rays += 1;
                 let free = veil.light_through(stage, limits, shadow);
                 found.add(*of, limits.clamp(*light * free, u32::from(way.depth)));
@@ -372,7 +372,7 @@ impl<G: Groups, const VOLUMES: bool> Wave<G, VOLUMES> {
             return;
         }
         for Shadow { path, ray, light, way, sets, of } in &self.shadows {
-            let mut found = Found { path: *path, result: &mut self.results[*path as usize], groups: &mut self.groups };
+            let mut found = Found { path: *path, result: &mut self.results[*path as usize], notes: &mut self.notes };
             found.result.rays += 1;
             let mut left = limits.shadows_pass(*way);
             let free = stage.accel.light_through(ray, Rays::SHADOW, |hit| {

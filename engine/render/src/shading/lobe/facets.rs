@@ -159,6 +159,13 @@ impl Facets {
                 let f = f0 + (Rgb::ONE - f0) * energy::rise(self.eta, roughness, cos);
                 (f * reflection, (Rgb::ONE - f) * transmission)
             }
+            Fresnel::Tinted(metal) => (metal.of(energy::metal_terms(roughness, cos)), Rgb::ZERO),
+            Fresnel::Conductor([n, k]) => {
+                // Its own curve, and of one that is near it what the tilts of facets change.
+                let tinted = fresnel::conductor_as_tinted(n, k);
+                let change = tinted.of(energy::metal_terms(roughness, cos)) - tinted.at(cos);
+                ((fresnel::conductor(cos, n, k) + change).clamp(Rgb::ZERO, Rgb::ONE), Rgb::ZERO)
+            }
             _ => self.fresnel.at(cos, self.eta),
         };
         let kept = match self.slopes.distribution {

@@ -231,6 +231,31 @@ fn sampled_and_uniform_albedos_agree() {
     }
 }
 
+/// What metals say that they scatter, for the passes of colour, is what they scatter.
+#[test]
+fn metals_know_their_albedo() {
+    let (gold, edge) = (Rgb::new(0.9, 0.6, 0.3), Rgb::new(0.5, 0.8, 1.0));
+    let (n, k) = (Rgb::new(0.18, 0.42, 1.37), Rgb::new(3.4, 2.4, 1.8));
+    for (kind, base, edge) in
+        [(MetalKind::Tinted, gold, Rgb::ONE), (MetalKind::Tinted, gold, edge), (MetalKind::Conductor, n, k)]
+    {
+        for roughness in [0.2, 0.5, 0.9] {
+            for wo in directions() {
+                let mut b = Mixture::new(&point(false), wo, Vec3A::X, true);
+                b.add(1.0, &metal_of(kind, [base, edge], roughness, 0.0), Vec3A::Z);
+                b.finish(1.0);
+                let n = 1 << 14;
+                let scattered =
+                    points(n, 3).filter_map(|u| b.sample(u[0], [u[1], u[2]])).fold(Rgb::ZERO, |sum, s| sum + s.weight)
+                        / n as f32;
+                let [_, said, _] = b.albedos();
+                // The steps of the tables.
+                assert!((said - scattered).abs().max_element() < 0.01, "{kind:?} {roughness} {wo}: {said} {scattered}");
+            }
+        }
+    }
+}
+
 /// Nothing gives back more light than it gets; what is white and lets light go on between its facets gives back all.
 #[test]
 fn no_closure_makes_light() {

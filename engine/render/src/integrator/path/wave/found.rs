@@ -1,6 +1,6 @@
 //! Light that a path's ray meets: of lamps, of the sky, and of the surface at its end.
 
-use super::super::groups::Groups;
+use super::super::notes::Notes;
 use super::super::{Limits, PathResult};
 use super::Path;
 use crate::Rgb;
@@ -12,19 +12,19 @@ use crate::scene::visibility::Sets;
 use crate::surface::SurfacePoint;
 
 /// What a path has found.
-pub(super) struct Found<'a, G> {
+pub(super) struct Found<'a, N> {
     /// Its number.
     pub(super) path: u32,
     pub(super) result: &'a mut PathResult,
-    pub(super) groups: &'a mut G,
+    pub(super) notes: &'a mut N,
 }
 
-impl<G: Groups> Found<'_, G> {
+impl<N: Notes> Found<'_, N> {
     /// Adds light of an emitter of that group.
     #[inline(always)]
-    pub(super) fn add(&mut self, of: G::Of, light: Rgb) {
+    pub(super) fn add(&mut self, of: N::Of, light: Rgb) {
         self.result.radiance += light;
-        self.groups.add(self.path, of, light);
+        self.notes.add(self.path, of, light);
     }
 }
 
@@ -49,7 +49,7 @@ impl Path {
     /// Adds the light of lamps that the ray meets within `t_max` of where it was scattered: from there a light sample
     /// would have been taken, whatever surfaces it passed since.
     #[inline(always)]
-    pub(super) fn lamps_before<G: Groups>(&self, stage: &Stage, limits: &Limits, t_max: f32, found: &mut Found<'_, G>) {
+    pub(super) fn lamps_before<N: Notes>(&self, stage: &Stage, limits: &Limits, t_max: f32, found: &mut Found<'_, N>) {
         if stage.scene.lamps.is_empty() {
             return;
         }
@@ -61,7 +61,7 @@ impl Path {
                 return;
             }
             let light = self.throughput * radiance * self.chosen.weight(pdf);
-            let of = found.groups.met(found.path, self.way, false, || lights.group(scene, source));
+            let of = found.notes.met(found.path, self.way, false, || lights.group(scene, source));
             found.add(of, limits.clamp(light, u32::from(self.way.depth)));
             found.result.hit = true;
         });
@@ -69,7 +69,7 @@ impl Path {
 
     /// Adds the light of the world and of suns.
     #[inline(always)]
-    pub(super) fn sky<G: Groups>(&self, stage: &Stage, limits: &Limits, found: &mut Found<'_, G>) {
+    pub(super) fn sky<N: Notes>(&self, stage: &Stage, limits: &Limits, found: &mut Found<'_, N>) {
         let to = self.chosen.receiver();
         if self.way.is_camera() && limits.hide_sky {
             return;
@@ -85,7 +85,7 @@ impl Path {
                 }
                 let light = self.throughput * radiance * self.chosen.weight(pdf);
                 let group = || stage.lights.group(&stage.scene, source);
-                let of = found.groups.met(found.path, self.way, stage.lights.is_world(source), group);
+                let of = found.notes.met(found.path, self.way, stage.lights.is_world(source), group);
                 found.add(of, limits.clamp(light, u32::from(self.way.depth)));
             },
         );
@@ -104,14 +104,14 @@ impl Path {
     }
 
     /// Adds the light of the surface that the ray meets; true where the path ends, in a hole.
-    pub(super) fn emission<G: Groups>(
+    pub(super) fn emission<N: Notes>(
         &self,
         stage: &Stage,
         limits: &Limits,
         hit: &Hit,
         point: &SurfacePoint,
         kept: f32,
-        found: &mut Found<'_, G>,
+        found: &mut Found<'_, N>,
     ) -> bool {
         let material = &stage.scene.materials[point.material as usize];
         if !material.speaks {
@@ -132,7 +132,7 @@ impl Path {
         });
         let light = self.throughput * radiance * self.chosen.weight(pdf);
         let group = || stage.scene.instances[hit.instance as usize].light_group;
-        let of = found.groups.met(found.path, self.way, false, group);
+        let of = found.notes.met(found.path, self.way, false, group);
         found.add(of, limits.clamp(light, u32::from(self.way.depth)));
         false
     }

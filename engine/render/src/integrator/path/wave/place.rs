@@ -1,7 +1,7 @@
 //! What happens where a path scatters: a sample of the lights, and a direction to go on in.
 
 use super::super::choice::{Chosen, power_heuristic};
-use super::super::groups::Groups;
+use super::super::notes::Notes;
 use super::super::{Limits, leave, terminator};
 use super::Path;
 use super::found::Found;
@@ -35,11 +35,11 @@ pub(super) struct Place<'a> {
 impl Place<'_> {
     /// A sample of the lights.
     #[inline(always)]
-    pub(super) fn light<G: Groups>(
+    pub(super) fn light<N: Notes>(
         &self,
         path: &Path,
-        found: &mut Found<'_, G>,
-        shadows: &mut Vec<Shadow<G::Of>>,
+        found: &mut Found<'_, N>,
+        shadows: &mut Vec<Shadow<N::Of>>,
         bsdf: &(impl Scattering + Parted),
         [u_light, u0, u1]: [f32; 3],
     ) -> Receiver {
@@ -57,7 +57,7 @@ impl Place<'_> {
             let is_beyond = grazing.is_some_and(|grazing| grazing.is_beyond);
             let shares = || bsdf.shares(light.wi, light.reaches, is_beyond);
             let group = || stage.lights.group(&stage.scene, source);
-            let of = found.groups.sampled(found.path, path.way, shares, group);
+            let of = found.notes.sampled(found.path, path.way, shares, group);
             if !light.cast_shadow {
                 found.add(of, limits.clamp(arrives, u32::from(path.way.depth)));
             } else if arrives != Rgb::ZERO {
@@ -89,10 +89,10 @@ impl Place<'_> {
 
     /// A direction to go on in; whether there is one.
     #[inline(always)]
-    pub(super) fn turn<G: Groups>(
+    pub(super) fn turn<N: Notes>(
         &self,
         path: &mut Path,
-        found: &mut Found<'_, G>,
+        found: &mut Found<'_, N>,
         bsdf: &(impl Scattering + Parted),
         to: Receiver,
         [u_end, u_lobe, u2, u3]: [f32; 4],
@@ -102,7 +102,7 @@ impl Place<'_> {
         if !next.transmitted {
             path.throughput *= terminator::dimmed(&self.stage.scene, self.point, next.wi);
         }
-        found.groups.turned(found.path, path.way, || {
+        found.notes.turned(found.path, path.way, || {
             if next.mirror { LobeShares::mirror(next.transmitted) } else { bsdf.shares(next.wi, Rays::BOUNCE, false) }
         });
         path.way = path.way.scattered(next.matte, next.mirror, next.transmitted);

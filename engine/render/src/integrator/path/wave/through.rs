@@ -1,7 +1,7 @@
 //! Paths through volumes: scattered on their way, dimmed on it, lit by what shines there.
 
 use super::super::choice::{Chosen, power_heuristic};
-use super::super::groups::Groups;
+use super::super::notes::Notes;
 use super::super::{Limits, opening};
 use super::Path;
 use super::found::Found;
@@ -62,14 +62,14 @@ impl Inside {
     }
 
     /// Follows a path to what its ray meets, and adds the light of lamps on the way.
-    pub(super) fn bring<G: Groups>(
+    pub(super) fn bring<N: Notes>(
         &mut self,
         stage: &Stage,
         limits: &Limits,
         path: &mut Path,
         hit: Option<&Hit>,
-        found: &mut Found<'_, G>,
-        shades: (&mut Vec<Shadow<G::Of>>, &mut Vec<Veil>),
+        found: &mut Found<'_, N>,
+        shades: (&mut Vec<Shadow<N::Of>>, &mut Vec<Veil>),
     ) -> Brought {
         let t_max = hit.map_or(path.ray.t_max, |hit| hit.t);
         if hit.is_none() {
@@ -91,7 +91,7 @@ impl Inside {
         let (event, emitted) = stretch.follow(&mut path.throughput, scatters, u_distance);
         if emitted != Rgb::ZERO && emitted.is_finite() {
             let group = || self.stack.innermost().map_or(0, |i| stage.scene.instances[i as usize].light_group);
-            let of = found.groups.met(found.path, path.way, false, group);
+            let of = found.notes.met(found.path, path.way, false, group);
             found.add(of, limits.clamp(emitted, u32::from(path.way.depth)));
             found.result.hit = true;
         }
@@ -110,7 +110,7 @@ impl Inside {
                 let at = Place { stage, limits, position, medium: &medium, share };
                 let light = path.throughput * share;
                 let to = self.light(&at, path, light, found, shades, [u_first[0], u_first[1], u_first[2], u_seed]);
-                found.groups.turned_in_volume(found.path, path.way);
+                found.notes.turned_in_volume(found.path, path.way);
                 self.turn(&at, path, to, [u_first[3], u_second[0], u_second[2], u_second[3]])
             }
         }
@@ -119,13 +119,13 @@ impl Inside {
     /// A light sample at a place that lies well for a light, beside the one where the path is scattered (Kulla and Fajardo
     /// 2012, "Importance Sampling Techniques for Path Tracing in Participating Media"). Both share by their densities
     /// along the ray. `None` where the medium varies, so that the other's density is not known, or no light is near.
-    fn beside_a_light<G: Groups>(
+    fn beside_a_light<N: Notes>(
         &self,
         limits: &Limits,
         path: &mut Path,
         stretch: &Stretch<'_>,
-        found: &mut Found<'_, G>,
-        shades: (&mut Vec<Shadow<G::Of>>, &mut Vec<Veil>),
+        found: &mut Found<'_, N>,
+        shades: (&mut Vec<Shadow<N::Of>>, &mut Vec<Veil>),
     ) -> Option<Pivot> {
         let stage = stretch.stage;
         if !stage.lights.has_local() {
@@ -155,13 +155,13 @@ impl Inside {
     }
 
     /// A light sample at a place that this much light comes to.
-    fn light<G: Groups>(
+    fn light<N: Notes>(
         &self,
         at: &Place<'_>,
         path: &Path,
         throughput: Rgb,
-        found: &mut Found<'_, G>,
-        (shadows, veils): (&mut Vec<Shadow<G::Of>>, &mut Vec<Veil>),
+        found: &mut Found<'_, N>,
+        (shadows, veils): (&mut Vec<Shadow<N::Of>>, &mut Vec<Veil>),
         [u_light, u0, u1, u_seed]: [f32; 4],
     ) -> Receiver {
         let Place { stage, limits, position, medium, share } = *at;
@@ -179,7 +179,7 @@ impl Inside {
         if arrives == Rgb::ZERO || !arrives.is_finite() {
             return to;
         }
-        let of = found.groups.sampled_in_volume(found.path, path.way, || stage.lights.group(&stage.scene, source));
+        let of = found.notes.sampled_in_volume(found.path, path.way, || stage.lights.group(&stage.scene, source));
         if light.cast_shadow {
             // Where it starts is not on a surface: no rounding moved it off one.
             let ray = Ray { t_max: light.reach(0.0), ..Ray::new(position, light.wi).at(path.ray.moment) };
@@ -232,13 +232,13 @@ impl Inside {
     }
 
     /// Adds the light of lamps on this stretch of the ray, each as far as it comes through.
-    fn lamps<G: Groups>(
+    fn lamps<N: Notes>(
         &self,
         stage: &Stage,
         limits: &Limits,
         path: &Path,
         t_max: f32,
-        found: &mut Found<'_, G>,
+        found: &mut Found<'_, N>,
         numbers: &mut Numbers,
     ) {
         if stage.scene.lamps.is_empty() {
@@ -258,7 +258,7 @@ impl Inside {
                 Stretch { stage, stack: &self.stack, ray, way: path.way }.transmittance(numbers)
             };
             let light = path.throughput * left * radiance * path.chosen.weight(pdf);
-            let of = found.groups.met(found.path, path.way, false, || lights.group(scene, source));
+            let of = found.notes.met(found.path, path.way, false, || lights.group(scene, source));
             found.add(of, limits.clamp(light, u32::from(path.way.depth)));
             found.result.hit = true;
         });

@@ -1,0 +1,4 @@
+//! Glass catalogues: whatever the bytes, an answer or an error of one line.
+#![no_main]
+
+libfuzzer_sys::fuzz_target!(|bytes: &[u8]| petzval_fuzz::catalogue(bytes));

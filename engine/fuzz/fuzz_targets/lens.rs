@@ -1,0 +1,4 @@
+//! The engine's own lens file: whatever the bytes, an answer or an error of one line.
+#![no_main]
+
+libfuzzer_sys::fuzz_target!(|bytes: &[u8]| petzval_fuzz::lens(bytes, "x.lens"));

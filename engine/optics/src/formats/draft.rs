@@ -1,0 +1,404 @@
+//! A lens while it is read from a design program's file, which says less of it than a prescription needs: how wide the stop is
+//! follows from the beam, clear apertures from the fields, and surfaces where nothing happens are none.
+
+use crate::first_order::{Thin, between_vertices, front_of};
+use crate::glass::Medium;
+use crate::prescription::moving::{MovingGaps, Position};
+use crate::prescription::{Behind, Metadata, Place, Prescription, SurfaceRow};
+use crate::surface::{Conic, LAST_POWER, Pose, Shape};
+
+use super::beams::{self, Sheaf};
+use super::problem::{LensFileError, Problem, at};
+use super::remarks::{Reading, Remarks};
+use super::text::stem;
+
+/// A file of more surfaces is none.
+pub(super) const MOST_SURFACES: usize = 1000;
+/// How much wider than its beams a surface is taken to be where the file does not say: they are known to about that.
+const ROOM: f64 = 1.02;
+/// Beams of more fields tell nothing new.
+const MOST_FIELDS: usize = 50;
+/// Objects farther away are at infinity, mm: programs write 1e10 and more.
+const INFINITELY_FAR_MM: f64 = 1e8;
+
+/// A surface.
+#[derive(Clone, Debug)]
+pub(super) struct DraftRow {
+    pub(super) place: Place,
+    pub(super) curvature: f64,
+    pub(super) conic: f64,
+    /// (power, coefficient).
+    pub(super) terms: Vec<(u32, f64)>,
+    /// The radius in the x-z plane, if it is another; 0 flat.
+    pub(super) radius_x_mm: Option<f64>,
+    pub(super) thickness_mm: f64,
+    pub(super) behind: Behind,
+    pub(super) semi_diameter_mm: Option<f64>,
+    /// The file means that the rim stops light, not only that the beam is so wide.
+    pub(super) has_rim: bool,
+    pub(super) obstruction_mm: f64,
+}
+
+impl DraftRow {
+    /// A plane in air.
+    pub(super) fn new(place: Place) -> Self {
+        Self {
+            place,
+            curvature: 0.0,
+            conic: 0.0,
+            terms: Vec::new(),
+            radius_x_mm: None,
+            thickness_mm: 0.0,
+            behind: Behind::Medium(Medium::air()),
+            semi_diameter_mm: None,
+            has_rim: false,
+            obstruction_mm: 0.0,
+        }
+    }
+}
+
+/// What a file says of how wide the beam on the axis is.
+#[derive(Clone, Copy, Debug)]
+pub(super) enum Beam {
+    /// Diameter of the entrance pupil, mm.
+    EntrancePupil(f64),
+    /// Focal length over the diameter of the entrance pupil.
+    FNumber(f64),
+    /// Sine of the angle to the axis at which its rim leaves the object.
+    ObjectNa(f64),
+}
+
+/// A point of the field, in the y-z plane.
+#[derive(Clone, Copy, Debug)]
+pub(super) struct FieldPoint {
+    pub(super) y: f64,
+    /// What of the pupil's radius is cut off below and above.
+    pub(super) cut: [f64; 2],
+}
+
+/// How the fields are measured.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub(super) enum FieldKind {
+    Degrees,
+    ObjectHeight,
+    ImageHeight,
+}
+
+/// The lens.
+pub(super) struct Draft<'a> {
+    pub(super) file: &'a str,
+    pub(super) name: Option<String>,
+    pub(super) rows: Vec<DraftRow>,
+    pub(super) stop: Option<usize>,
+    pub(super) beam: Option<Beam>,
+    pub(super) field_kind: FieldKind,
+    pub(super) fields: Vec<FieldPoint>,
+    /// From the object to the first surface; infinite for most.
+    pub(super) object_mm: f64,
+    /// That for which beam and fields are meant.
+    pub(super) wavelength_nm: f64,
+    pub(super) film_radius_mm: Option<f64>,
+    pub(super) metadata: Metadata,
+    /// Surfaces with gaps that move, and where they are.
+    pub(super) moving: Option<(Vec<usize>, Vec<Position>, Vec<Place>)>,
+    pub(super) remarks: Remarks,
+}
+
+impl<'a> Draft<'a> {
+    pub(super) fn new(file: &'a str) -> Self {
+        Self {
+            file,
+            name: None,
+            rows: Vec::new(),
+            stop: None,
+            beam: None,
+            field_kind: FieldKind::Degrees,
+            fields: Vec::new(),
+            object_mm: f64::INFINITY,
+            wavelength_nm: crate::glass::line_nm::D,
+            film_radius_mm: None,
+            metadata: Metadata::default(),
+            moving: None,
+            remarks: Remarks::default(),
+        }
+    }
+
+    /// Says a line of a header, as `.lens` files have them.
+    pub(super) fn header(&mut self, key: &str, value: impl ToString) {
+        self.metadata.all.push((key.to_owned(), value.to_string()));
+    }
+
+    pub(super) fn fail<T>(&self, place: Place, problem: Problem) -> Result<T, LensFileError> {
+        Err(at(self.file, place.line, place.column, problem))
+    }
+
+    /// Makes millimetres of lengths in units of `mm`.
+    pub(super) fn scale(&mut self, mm: f64) {
+        if mm == 1.0 {
+            return;
+        }
+        for row in &mut self.rows {
+            row.curvature /= mm;
+            row.thickness_mm *= mm;
+            row.obstruction_mm *= mm;
+            row.semi_diameter_mm = row.semi_diameter_mm.map(|semi| semi * mm);
+            row.radius_x_mm = row.radius_x_mm.map(|radius| radius * mm);
+            for (power, a) in &mut row.terms {
+                *a /= mm.powi(*power as i32 - 1);
+            }
+        }
+        self.object_mm *= mm;
+        self.film_radius_mm = self.film_radius_mm.map(|radius| radius * mm);
+        if self.field_kind != FieldKind::Degrees {
+            self.fields.iter_mut().for_each(|field| field.y *= mm);
+        }
+        if let Some(Beam::EntrancePupil(diameter)) = &mut self.beam {
+            *diameter *= mm;
+        }
+    }
+
+    /// Puts the film where the image is at first order.
+    pub(super) fn film_at_focus(&mut self, place: Place) {
+        let thin = self.thin();
+        let matrix = between_vertices(&thin);
+        let ray = if self.object_mm.abs() > INFINITELY_FAR_MM { (1.0, 0.0) } else { (self.object_mm, 1.0) };
+        let [height, slope] = matrix.apply(ray.0, ray.1);
+        let index = thin.last().map_or(1.0, |s| s.to);
+        let distance = -height * index / slope;
+        if let (Some(last), true) = (self.rows.last_mut(), distance.is_finite()) {
+            last.thickness_mm = distance;
+            self.remarks.say(place, format!("the film is put where the image is at first order, at {distance}"));
+        }
+    }
+
+    /// The prescription, checked.
+    pub(super) fn finish(mut self) -> Result<Reading, LensFileError> {
+        let start = Place { line: 1, column: 1 };
+        if self.rows.is_empty() {
+            return self.fail(start, Problem::Unsupported("there is no surface between object and film".to_owned()));
+        }
+        for row in &self.rows {
+            if let Some((power, _)) = row.terms.iter().find(|(power, a)| *a != 0.0 && !(2..=LAST_POWER).contains(power))
+            {
+                let what =
+                    format!("the asphere has a term in r^{power}; terms from r^2 to r^{LAST_POWER} are supported");
+                return self.fail(row.place, Problem::Unsupported(what));
+            }
+        }
+        let stop = self.stop.unwrap_or_else(|| {
+            let place = self.rows[0].place;
+            self.remarks.say(place, "no surface is the stop; the first is taken");
+            0
+        });
+        if stop >= self.rows.len() {
+            return self
+                .fail(start, Problem::Unsupported("the stop is the film, or a surface that is not there".to_owned()));
+        }
+        self.stop = Some(stop);
+        if self.object_mm.abs() > INFINITELY_FAR_MM {
+            self.object_mm = f64::INFINITY;
+        }
+        self.drop_inert();
+        let stop = self.stop.unwrap_or(0);
+        self.open_stop(stop);
+        self.open_rims(stop);
+        self.note_design();
+
+        let mut surfaces = Vec::with_capacity(self.rows.len());
+        for (i, row) in self.rows.iter().enumerate() {
+            let base = Conic { curvature: row.curvature, conic: row.conic };
+            let surface = SurfaceRow {
+                shape: Shape::from_numbers(base, &row.terms, row.radius_x_mm),
+                pose: Pose::identity(),
+                thickness_mm: row.thickness_mm,
+                behind: row.behind.clone(),
+                semi_diameter_mm: row.semi_diameter_mm.unwrap_or(0.0),
+                obstruction_mm: row.obstruction_mm,
+                place: row.place,
+            };
+            if let Err(error) = surface.check(i) {
+                return self.fail(row.place, error.into());
+            }
+            surfaces.push(surface);
+        }
+        let moving = match self.moving.take() {
+            None => None,
+            Some((gaps, positions, places)) => match MovingGaps::new(gaps, &positions, surfaces.len()) {
+                Ok(moving) => Some(moving),
+                Err((about, error)) => {
+                    let place = about.and_then(|i| places.get(i)).or(places.first()).copied().unwrap_or(start);
+                    return self.fail(place, error.into());
+                }
+            },
+        };
+        let prescription = Prescription {
+            name: self.name.take().filter(|name| !name.is_empty()).unwrap_or_else(|| stem(self.file)),
+            surfaces,
+            stop,
+            metadata: std::mem::take(&mut self.metadata),
+            film_radius_mm: self.film_radius_mm,
+            moving,
+            source_file: self.file.to_owned(),
+        };
+        if let Err(error) = prescription.check() {
+            return self.fail(start, error.into());
+        }
+        Ok(Reading { prescription, remarks: self.remarks.finish(self.file) })
+    }
+
+    /// Takes out planes between one medium and the same that neither are the stop nor have a rim: marks of the design program.
+    fn drop_inert(&mut self) {
+        let moving: Vec<usize> = self.moving.iter().flat_map(|(gaps, ..)| gaps.clone()).collect();
+        if !moving.is_empty() {
+            return;
+        }
+        let mut before = Medium::air();
+        let mut kept: Vec<DraftRow> = Vec::with_capacity(self.rows.len());
+        let mut stop = self.stop;
+        for (i, row) in std::mem::take(&mut self.rows).into_iter().enumerate() {
+            let same = matches!(&row.behind, Behind::Medium(medium) if *medium == before);
+            let flat = row.curvature == 0.0 && row.terms.iter().all(|(_, a)| *a == 0.0) && row.radius_x_mm.is_none();
+            let inert = same && flat && !row.has_rim && row.obstruction_mm == 0.0 && self.stop != Some(i);
+            if let Behind::Medium(medium) = &row.behind {
+                before = medium.clone();
+            }
+            if !inert {
+                if self.stop == Some(i) {
+                    stop = Some(kept.len());
+                }
+                kept.push(row);
+            } else if let Some(last) = kept.last_mut() {
+                last.thickness_mm += row.thickness_mm;
+            } else {
+                self.object_mm += row.thickness_mm;
+            }
+        }
+        (self.rows, self.stop) = (kept, stop);
+    }
+
+    /// The surfaces as Gaussian optics sees them.
+    fn thin(&self) -> Vec<Thin> {
+        let (mut sign, mut medium) = (1.0, 1.0);
+        let one = |row: &DraftRow| {
+            let from = sign * medium;
+            match &row.behind {
+                Behind::Medium(to) => medium = to.index(self.wavelength_nm),
+                Behind::Mirror => sign = -sign,
+            }
+            let square = row.terms.iter().filter(|(power, _)| *power == 2).map(|(_, a)| 2.0 * a).sum::<f64>();
+            Thin { curvature: row.curvature + square, from, to: sign * medium, thickness_mm: row.thickness_mm }
+        };
+        self.rows.iter().map(one).collect()
+    }
+
+    /// How wide the stop is, by the beam that the file wants.
+    fn open_stop(&mut self, stop: usize) {
+        let thin = self.thin();
+        let front = front_of(&thin, stop);
+        let semi = match self.beam {
+            None => return,
+            Some(Beam::EntrancePupil(diameter)) => 0.5 * diameter * front.a.abs(),
+            Some(Beam::FNumber(number)) => 0.5 * front.a.abs() / (between_vertices(&thin).c * number).abs(),
+            Some(Beam::ObjectNa(na)) => {
+                let slope = na / (1.0 - na * na).max(0.0).sqrt();
+                ((front.a * self.object_mm + front.b) * slope).abs()
+            }
+        };
+        if semi.is_finite() && semi > 0.0 {
+            self.rows[stop].semi_diameter_mm = Some(semi);
+        }
+    }
+
+    /// How wide the other surfaces are, where the file does not say: as wide as the beams of its fields.
+    fn open_rims(&mut self, stop: usize) {
+        let good = |x: f64| x.is_finite() && x > 0.0;
+        let given = |row: &DraftRow| row.semi_diameter_mm.filter(|x| good(*x));
+        let guessed = self.rows.iter().filter(|row| given(row).is_none()).count();
+        let computed = if guessed > 0 { self.beams(stop) } else { vec![0.0; self.rows.len()] };
+        let largest = self.rows.iter().filter_map(given).fold(0.0, f64::max);
+        let spare = if largest > 0.0 { largest } else { 1.0 };
+        for (i, row) in self.rows.iter_mut().enumerate() {
+            let base = Conic { curvature: row.curvature, conic: row.conic };
+            let reach = Shape::from_numbers(base, &[], row.radius_x_mm).reach_mm();
+            let known = given(row);
+            let semi = known.unwrap_or(if good(computed[i]) { ROOM * computed[i] } else { spare });
+            if semi > reach && known.is_some() {
+                let (wanted, has) = (2.0 * semi, 2.0 * reach);
+                let text = format!("the clear diameter {wanted} mm is more than the surface has; it is cut to {has}");
+                self.remarks.say(row.place, text);
+            }
+            row.semi_diameter_mm = Some(semi.min(reach));
+        }
+        if guessed > 0 {
+            let count = self.rows.len();
+            let text = format!(
+                "{guessed} of {count} surfaces have no clear aperture in the file; they are opened for its beams"
+            );
+            self.remarks.say(self.rows[0].place, text);
+        }
+    }
+
+    /// How far out the beams of the fields reach on the surfaces.
+    fn beams(&self, stop: usize) -> Vec<f64> {
+        let thin = self.thin();
+        let front = front_of(&thin, stop);
+        let stop_semi = self.rows[stop].semi_diameter_mm.unwrap_or(0.0);
+        let is_far = self.object_mm.is_infinite();
+        // (height at the first vertex, slope) of the ray from the axis through the stop's rim, and of rays through its centre.
+        let rim = if is_far {
+            (stop_semi / front.a, 0.0)
+        } else {
+            let slope = stop_semi / (front.a * self.object_mm + front.b);
+            (slope * self.object_mm, slope)
+        };
+        let through_centre = |slope: f64| (-slope * front.b / front.a, slope);
+        let chief = |y: f64| match self.field_kind {
+            FieldKind::Degrees => through_centre(y.to_radians().tan()),
+            FieldKind::ObjectHeight => {
+                let slope = -front.a * y / (front.a * self.object_mm + front.b);
+                (y + slope * self.object_mm, slope)
+            }
+            FieldKind::ImageHeight => {
+                let (height, slope) = through_centre(1.0);
+                let last = between_vertices(&thin).apply(height, slope);
+                let end = thin.last().map_or(0.0, |s| last[0] + last[1] * s.thickness_mm / s.to);
+                through_centre(y / end)
+            }
+        };
+        let mut largest = vec![0.0f64; self.rows.len()];
+        let axis = FieldPoint { y: 0.0, cut: [0.0; 2] };
+        for field in self.fields.iter().chain([&axis]).take(MOST_FIELDS) {
+            let (middle, slope) = chief(field.y);
+            let origin = (!is_far).then(|| [-self.object_mm, middle - slope * self.object_mm]);
+            let [below, above] = field.cut.map(|cut| (1.0 - cut).clamp(0.0, 1.0));
+            // A stop that is seen upside down turns below and above.
+            let left = if front.a < 0.0 { [above, below] } else { [below, above] };
+            let sheaf = Sheaf { origin, slope, middle, half_width: rim.0.abs(), left };
+            let exact = beams::heights(&self.rows, stop, self.wavelength_nm, &sheaf);
+            let first_order = |i: usize| {
+                let matrix = front_of(&thin, i);
+                matrix.apply(middle, slope)[0].abs() + matrix.apply(rim.0, rim.1)[0].abs()
+            };
+            for (i, largest) in largest.iter_mut().enumerate() {
+                *largest = largest.max(exact.as_ref().map_or_else(|| first_order(i), |heights| heights[i]));
+            }
+        }
+        largest
+    }
+
+    /// What the design is for, into the header.
+    fn note_design(&mut self) {
+        if let Some(Beam::FNumber(number)) = self.beam {
+            self.metadata.f_number = Some(number);
+            self.header("f_number", number);
+        }
+        let widest = self.fields.iter().map(|field| field.y.abs()).fold(0.0, f64::max);
+        if self.field_kind == FieldKind::Degrees && widest > 0.0 {
+            self.metadata.half_field_deg = Some(widest);
+            self.header("half_field_deg", widest);
+        }
+        if self.object_mm.is_finite() {
+            self.header("object_distance", self.object_mm);
+        }
+    }
+}

@@ -1,0 +1,149 @@
+//! The lines `# key: text` before the rows of a lens file.
+
+use crate::glass::{Dispersion, InternalTransmittance, Medium};
+use crate::prescription::{Metadata, Place, PrescriptionError};
+
+use super::columns::{ElementLine, element};
+use super::moving::MovingLines;
+use super::{LensFileError, Problem, finite, not_a_number};
+use crate::formats::draft::Draft;
+use crate::formats::problem::at;
+
+/// What the lines say beside the metadata.
+#[derive(Clone, Default)]
+pub(crate) struct Header {
+    pub(crate) name: Option<String>,
+    pub(crate) film_radius_mm: Option<f64>,
+    pub(super) elements: Vec<ElementLine>,
+    pub(super) moving: MovingLines,
+    /// Glasses that the file defines itself.
+    pub(crate) glasses: Vec<Medium>,
+    /// Names that the file has for glasses of the catalogues: name, token.
+    pub(crate) aliases: Vec<(String, String)>,
+    /// Files of glasses beside this one, and where they are named.
+    pub(crate) catalogues: Vec<(String, Place)>,
+}
+
+/// Keys whose lines are written from the lens itself, not from what its file said.
+pub(super) const OF_THE_LENS: [&str; 7] =
+    ["name", "film_radius", "element", "moving", "position", "glass", "transmittance"];
+
+/// Takes a line without its `#`; `place` is where it begins. One without a colon is a remark.
+pub(crate) fn line(
+    header: &mut Header,
+    metadata: &mut Metadata,
+    text: &str,
+    place: Place,
+    file: &str,
+) -> Result<(), LensFileError> {
+    let Some((key, value)) = text.split_once(':') else { return Ok(()) };
+    let (key, value) = (key.trim().to_lowercase(), value.trim());
+    let before = value.as_ptr() as usize - text.as_ptr() as usize;
+    let place = Place { column: place.column + text[..before].chars().count(), ..place };
+    header.take(metadata, &key, value, place).map_err(|problem| at(file, place.line, place.column, problem))?;
+    metadata.all.push((key, value.to_owned()));
+    Ok(())
+}
+
+impl Header {
+    fn take(&mut self, metadata: &mut Metadata, key: &str, value: &str, place: Place) -> Result<(), Problem> {
+        let number = |text: &str| finite(text).ok_or_else(|| not_a_number(key, text));
+        match key {
+            "name" => self.name = Some(value.to_owned()),
+            "source" => metadata.source = Some(value.to_owned()),
+            "focal_length" => metadata.focal_length_mm = Some(number(value)?),
+            "f_number" => metadata.f_number = Some(number(value)?),
+            "half_field_deg" => metadata.half_field_deg = Some(number(value)?),
+            "element" => {
+                let element = element(value, place);
+                self.elements.push(element.ok_or_else(|| Problem::Element(value.to_owned()))?);
+            }
+            "moving" => self.moving.surfaces(value, place)?,
+            "position" => self.moving.position(value, place)?,
+            "glass" if value.contains('=') => {
+                let (name, token) = value.split_once('=').unwrap_or_default();
+                self.aliases.push((name.trim().to_owned(), token.trim().to_owned()));
+            }
+            // A remark about the glasses is none of these.
+            "glass" if !is_formula(value) => {}
+            "glass" => self.glasses.push(glass(value).ok_or_else(|| Problem::GlassLine(value.to_owned()))?),
+            "transmittance" if value.contains('@') => self.transmittance(value)?,
+            "catalogue" if is_glass_file(value) => self.catalogues.push((value.to_owned(), place)),
+            "film_radius" => self.film_radius_mm = Some(number(value)?),
+            "film" => {
+                let (width, height) = value.split_once('x').unwrap_or((value, value));
+                metadata.film_mm = Some([number(width.trim())?, number(height.trim())?]);
+            }
+            _ => {}
+        }
+        if self.film_radius_mm == Some(0.0) {
+            return Err(PrescriptionError::FilmRadius { radius_mm: 0.0 }.into());
+        }
+        Ok(())
+    }
+
+    /// `NAME 400:0.98@10 ...`: wavelength in nm, transmittance, thickness in mm, of a glass that was defined before.
+    fn transmittance(&mut self, value: &str) -> Result<(), Problem> {
+        let bad = || Problem::TransmittanceLine(value.to_owned());
+        let mut words = value.split_whitespace();
+        let name = words.next().ok_or_else(bad)?;
+        let glass = self.glasses.iter_mut().find(|glass| glass.name() == name).ok_or_else(bad)?;
+        let point = |word: &str| {
+            let (nm, rest) = word.split_once(':')?;
+            let (part, mm) = rest.split_once('@')?;
+            Some([finite(nm)?, finite(part)?, finite(mm)?])
+        };
+        let points: Option<Vec<[f64; 3]>> = words.map(point).collect();
+        let known = points.and_then(InternalTransmittance::new).ok_or_else(bad)?;
+        *glass = glass.clone().with_transmittance(known);
+        Ok(())
+    }
+
+    /// What the lines say, into a lens that is read from another program's file.
+    pub(crate) fn apply(self, draft: &mut Draft<'_>) -> Result<(), LensFileError> {
+        draft.name = self.name.or(draft.name.take());
+        if let Some((surfaces, positions, places)) = self.moving.parts() {
+            draft.moving = Some((surfaces, positions, places));
+        }
+        Ok(())
+    }
+}
+
+/// True if the second word names a formula.
+fn is_formula(value: &str) -> bool {
+    value.split_whitespace().nth(1).is_some_and(|word| Dispersion::WORDS.contains(&word))
+}
+
+/// True if this is the name of a glass catalogue's file.
+fn is_glass_file(value: &str) -> bool {
+    let lower = value.to_lowercase();
+    lower.ends_with(".agf") || lower.ends_with(".yml")
+}
+
+/// `NAME FORMULA FROM-TO NUMBERS`: the range in nm, the formula and its numbers as glass files have them.
+fn glass(value: &str) -> Option<Medium> {
+    let mut words = value.split_whitespace();
+    let (name, formula, range) = (words.next()?, words.next()?, words.next()?);
+    let (from, to) = range.split_once('-')?;
+    let end = |text: &str| if text == "inf" { Some(f64::INFINITY) } else { finite(text) };
+    let range_nm = [end(from)?, end(to)?];
+    let numbers: Option<Vec<f64>> = words.map(finite).collect();
+    let dispersion = Dispersion::from_words(formula, &numbers?)?;
+    let medium = Medium::new(name, dispersion, range_nm, "the lens file");
+    let is_glass = |nm: f64| (0.5..=6.0).contains(&medium.index(nm));
+    let ends = range_nm.map(|nm| nm.clamp(200.0, 20_000.0));
+    (range_nm[0] >= 0.0 && range_nm[0] < range_nm[1] && ends.into_iter().all(is_glass)).then_some(medium)
+}
+
+/// The line of a glass that stands in no catalogue; `None` for a medium that cannot be written.
+pub(super) fn glass_lines(medium: &Medium) -> Option<Vec<String>> {
+    let (word, numbers) = medium.dispersion().words()?;
+    let [from, to] = medium.range_nm();
+    let numbers: Vec<String> = numbers.iter().map(f64::to_string).collect();
+    let mut lines = vec![format!("glass: {} {word} {from}-{to} {}", medium.name(), numbers.join(" "))];
+    if let Some(known) = medium.transmittance() {
+        let points: Vec<String> = known.points().iter().map(|[nm, part, mm]| format!("{nm}:{part}@{mm}")).collect();
+        lines.push(format!("transmittance: {} {}", medium.name(), points.join(" ")));
+    }
+    Some(lines)
+}

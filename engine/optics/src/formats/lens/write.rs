@@ -1,0 +1,176 @@
+//! Lens files from prescriptions: what is written reads back as the same lens, to the last bit.
+
+use std::fmt::Write;
+
+use crate::glass::{Catalogue, Medium};
+use crate::prescription::{Behind, Prescription, SurfaceRow};
+use crate::surface::{Section, Shape};
+
+use super::columns::{Misalignment, OBSTRUCTION, POSE, RADIUS_X};
+use super::header::{OF_THE_LENS, glass_lines};
+
+/// The text of a lens file, and what of the lens cannot stand in one.
+pub fn write(lens: &Prescription, catalogue: &Catalogue) -> (String, Vec<String>) {
+    let mut text = String::new();
+    let mut lost = Vec::new();
+    for line in header_lines(lens, catalogue, &mut lost) {
+        let _ = writeln!(text, "# {line}");
+    }
+    let extra = extra_columns(lens);
+    let _ = writeln!(
+        text,
+        "#radius thickness glass diameter conic isstop{}",
+        extra.iter().map(Extra::name).collect::<String>()
+    );
+    for (i, row) in lens.surfaces.iter().enumerate() {
+        let profile = row.shape.profile();
+        let glass = match &row.behind {
+            Behind::Mirror => "mirror".to_owned(),
+            Behind::Medium(medium) => token(medium, catalogue),
+        };
+        let _ = write!(
+            text,
+            "{} {} {glass} {} {} {}",
+            radius_text(profile.base.curvature),
+            row.thickness_mm,
+            2.0 * row.semi_diameter_mm,
+            profile.base.conic,
+            u8::from(i == lens.stop)
+        );
+        for column in &extra {
+            let _ = write!(text, " {}", column.cell(row, i, &mut lost));
+        }
+        text.push('\n');
+    }
+    (text, lost)
+}
+
+/// The lines of the header, without their `#`.
+pub(in crate::formats) fn header_lines(
+    lens: &Prescription,
+    catalogue: &Catalogue,
+    lost: &mut Vec<String>,
+) -> Vec<String> {
+    let mut lines = vec![format!("name: {}", one_line(&lens.name))];
+    for (key, value) in lens.metadata.all.iter().filter(|(key, _)| !OF_THE_LENS.contains(&key.as_str())) {
+        lines.push(format!("{key}: {}", one_line(value)));
+    }
+    if let Some(radius_mm) = lens.film_radius_mm {
+        lines.push(format!("film_radius: {radius_mm}"));
+    }
+    let mut defined: Vec<&Medium> = Vec::new();
+    for medium in lens
+        .surfaces
+        .iter()
+        .filter_map(|row| if let Behind::Medium(medium) = &row.behind { Some(medium) } else { None })
+    {
+        let is_known = catalogue.token_of(medium).is_some() || defined.contains(&medium);
+        if !is_known {
+            match glass_lines(medium) {
+                Some(glass) => lines.extend(glass),
+                None => lost.push(format!("the medium '{}' cannot be written", medium.name())),
+            }
+            defined.push(medium);
+        }
+    }
+    if let Some(moving) = &lens.moving {
+        let surfaces: Vec<String> = moving.surfaces().iter().map(usize::to_string).collect();
+        lines.push(format!("moving: {}", surfaces.join(" ")));
+        for position in moving.positions() {
+            let zoom = position.zoom_mm.map_or(String::new(), |mm| format!("zoom={mm} "));
+            let gaps: Vec<String> = position.gaps_mm.iter().map(f64::to_string).collect();
+            lines.push(format!("position: {zoom}focus={} {}", position.focus_mm, gaps.join(" ")));
+        }
+    }
+    lines
+}
+
+/// A text without line ends.
+pub(in crate::formats) fn one_line(text: &str) -> String {
+    text.replace(char::is_control, " ").trim().to_owned()
+}
+
+/// What to write for a medium: its name in the catalogues, or that of a glass defined in the header.
+fn token(medium: &Medium, catalogue: &Catalogue) -> String {
+    catalogue.token_of(medium).unwrap_or_else(|| medium.name().to_owned())
+}
+
+/// The shortest radius whose reciprocal is `curvature`, or `1/curvature` where no number has that.
+fn radius_text(curvature: f64) -> String {
+    if curvature == 0.0 {
+        return "0".to_owned();
+    }
+    let mut radius = 1.0 / curvature;
+    for _ in 0..4 {
+        radius = radius.next_down();
+    }
+    let mut best: Option<String> = None;
+    for _ in 0..9 {
+        if 1.0 / radius == curvature {
+            let text = radius.to_string();
+            if best.as_ref().is_none_or(|best| text.len() < best.len()) {
+                best = Some(text);
+            }
+        }
+        radius = radius.next_up();
+    }
+    best.unwrap_or_else(|| format!("1/{curvature}"))
+}
+
+/// A column after the usual ones.
+enum Extra {
+    Obstruction,
+    RadiusX,
+    Term(u32),
+    /// Place in [`POSE`].
+    Pose(usize),
+}
+
+impl Extra {
+    fn name(&self) -> String {
+        match self {
+            Self::Obstruction => format!(" {OBSTRUCTION}"),
+            Self::RadiusX => format!(" {RADIUS_X}"),
+            Self::Term(power) => format!(" a{power}"),
+            Self::Pose(part) => format!(" {}", POSE[*part]),
+        }
+    }
+
+    fn cell(&self, row: &SurfaceRow, surface: usize, lost: &mut Vec<String>) -> String {
+        match self {
+            Self::Obstruction => (2.0 * row.obstruction_mm).to_string(),
+            Self::RadiusX => {
+                let text = radius_text(row.shape.curvature_at_vertex(Section::X));
+                if let Some(curvature) = text.strip_prefix("1/") {
+                    lost.push(format!("surface {surface}: radius_x is rounded"));
+                    return curvature.parse::<f64>().map_or(text.clone(), |c| (1.0 / c).to_string());
+                }
+                text
+            }
+            Self::Pose(part) => Misalignment::of(&row.pose)[*part].to_string(),
+            Self::Term(power) => {
+                let terms = row.shape.profile().terms();
+                terms.iter().find(|(p, _)| p == power).map_or("0".to_owned(), |(_, a)| a.to_string())
+            }
+        }
+    }
+}
+
+/// The columns that some surface needs.
+fn extra_columns(lens: &Prescription) -> Vec<Extra> {
+    let mut columns = Vec::new();
+    if lens.surfaces.iter().any(|row| row.obstruction_mm != 0.0) {
+        columns.push(Extra::Obstruction);
+    }
+    if lens.surfaces.iter().any(|row| matches!(row.shape, Shape::Toroid(_))) {
+        columns.push(Extra::RadiusX);
+    }
+    let mut powers: Vec<u32> =
+        lens.surfaces.iter().flat_map(|row| row.shape.profile().terms()).map(|(power, _)| power).collect();
+    powers.sort_unstable();
+    powers.dedup();
+    columns.extend(powers.into_iter().map(Extra::Term));
+    let poses: Vec<[f64; 6]> = lens.surfaces.iter().map(|row| Misalignment::of(&row.pose)).collect();
+    columns.extend((0..POSE.len()).filter(|&part| poses.iter().any(|pose| pose[part] != 0.0)).map(Extra::Pose));
+    columns
+}

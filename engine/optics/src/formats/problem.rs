@@ -1,0 +1,160 @@
+//! What is wrong in a lens file, and where.
+
+use std::fmt;
+
+use thiserror::Error;
+
+use crate::glass::GlassError;
+use crate::prescription::moving::MovingError;
+use crate::prescription::{Place, PrescriptionError};
+
+/// What is wrong in a lens file.
+#[derive(Clone, Debug, PartialEq, Error)]
+pub enum Problem {
+    /// The file cannot be opened or read.
+    #[error("cannot be read ({0}); check the path")]
+    Unreadable(String),
+    /// Not text.
+    #[error("this is not text; give a lens file")]
+    NotText,
+    /// Neither of the encodings that lens files come in.
+    #[error("this is neither UTF-8 nor UTF-16; save the file as UTF-8")]
+    Encoding,
+    /// Longer than a lens can be.
+    #[error("the file is longer than {largest} bytes; give a lens file")]
+    TooLong {
+        /// The most that is read.
+        largest: usize,
+    },
+    /// Glasses, not a lens.
+    #[error("this is a glass catalogue; name it in a lens file: # catalogue: FILE.agf")]
+    GlassCatalogue,
+    /// A keyword is followed by something else than it needs.
+    #[error("'{found}' where {expected} belongs")]
+    Malformed {
+        /// The text found.
+        found: String,
+        /// What should stand there.
+        expected: String,
+    },
+    /// Something that the engine has no means for, without which the lens would be another.
+    #[error("{0}")]
+    Unsupported(String),
+    /// A file beside the lens file, named in it.
+    #[error("'{name}' cannot be read ({why}); put the file beside the lens file")]
+    Beside {
+        /// As the lens file names it.
+        name: String,
+        /// Why.
+        why: String,
+    },
+    /// No row.
+    #[error("there is no surface; give one row a surface: radius thickness glass diameter conic isstop")]
+    Empty,
+    /// A row is too short or too long.
+    #[error("{found} columns where {expected} belong; write: radius thickness glass diameter conic isstop")]
+    ColumnCount {
+        /// Columns in the row.
+        found: usize,
+        /// Columns that the header row promises.
+        expected: usize,
+    },
+    /// The header row names its columns in another order.
+    #[error("column '{found}' where '{expected}' belongs; keep the order radius thickness glass diameter conic isstop")]
+    HeaderOrder {
+        /// The word found.
+        found: String,
+        /// The word that belongs there.
+        expected: &'static str,
+    },
+    /// The header row names a column that is not supported.
+    #[error(
+        "column '{0}' is unknown; after isstop there may be obstruction, radius_x, a2 to a20, decenter_x, decenter_y, decenter_z, tilt_x, tilt_y, tilt_z"
+    )]
+    UnknownColumn(String),
+    /// The header row names a column twice.
+    #[error("column '{0}' stands here a second time; take one out")]
+    SecondColumn(String),
+    /// A line about an element cannot be understood.
+    #[error("'{0}' is no element; write first and last surface, then moves: 2-3 decenter_x=0.05 tilt_y=0.1")]
+    Element(String),
+    /// A line about an element names a surface that is not there.
+    #[error("the element goes to surface {last}, but the last surface is {surfaces}; count them from 0")]
+    NoSuchSurface {
+        /// The last surface of the element.
+        last: usize,
+        /// The last surface of the lens.
+        surfaces: usize,
+    },
+    /// A line about moving gaps cannot be understood.
+    #[error(
+        "'{0}' is no list of surfaces; write the numbers of those before the gaps that move, counted from 0: 4 9 12"
+    )]
+    Moving(String),
+    /// A line about a position of the groups cannot be understood.
+    #[error("'{0}' is no position; write zoom and focus in mm, then the gaps: zoom=35 focus=inf 1.9 36.9")]
+    Position(String),
+    /// A line about a glass cannot be understood.
+    #[error(
+        "'{0}' is no glass; write name, formula, range in nm and the formula's numbers: MYGLASS cauchy 400-700 1.5 0.004 -2"
+    )]
+    GlassLine(String),
+    /// A line about what a glass lets through cannot be understood.
+    #[error(
+        "'{0}' is no transmittance; write a glass defined above, then nm:part@mm: MYGLASS 400:0.997@10 500:0.998@10"
+    )]
+    TransmittanceLine(String),
+    /// Gaps and positions do not fit together.
+    #[error(transparent)]
+    MovingGaps(#[from] MovingError),
+    /// Not a finite number.
+    #[error("{what} '{found}' is not a finite number; write one, as in 12.5")]
+    NotANumber {
+        /// The name of the value.
+        what: String,
+        /// The text found.
+        found: String,
+    },
+    /// The glass is unknown.
+    #[error(transparent)]
+    Glass(#[from] GlassError),
+    /// `isstop` is neither 0 nor 1.
+    #[error("isstop is '{0}'; write 1 for the surface with the diaphragm and 0 for the others")]
+    StopFlag(String),
+    /// No surface is the stop.
+    #[error("no surface is the stop; write isstop 1 in the row of the diaphragm")]
+    NoStop,
+    /// A second surface is the stop.
+    #[error("a second stop, the first is in line {first_line}; write isstop 1 in one row only")]
+    SecondStop {
+        /// Line of the first.
+        first_line: usize,
+    },
+    /// The numbers make no lens.
+    #[error(transparent)]
+    Prescription(#[from] PrescriptionError),
+}
+
+/// A problem, and where it is: one line, `FILE:LINE:COLUMN: what is wrong; what to do`.
+#[derive(Clone, Debug, PartialEq)]
+pub struct LensFileError {
+    /// The file, as it was named.
+    pub file: String,
+    /// Where in it, counted from 1.
+    pub place: Place,
+    /// What is wrong.
+    pub problem: Problem,
+}
+
+impl fmt::Display for LensFileError {
+    fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
+        let Place { line, column } = self.place;
+        write!(f, "{}:{line}:{column}: {}", self.file, self.problem)
+    }
+}
+
+impl std::error::Error for LensFileError {}
+
+pub(super) fn at(file: &str, line: usize, column: usize, problem: Problem) -> LensFileError {
+    LensFileError { file: file.to_owned(), place: Place { line, column }, problem }
+}

@@ -1,0 +1,73 @@
+//! What a reader left out or took for something else, line by line.
+
+use std::collections::HashMap;
+use std::fmt;
+
+use crate::prescription::{Place, Prescription};
+
+/// A lens as it was read, and what of its file is not in it.
+#[derive(Clone, Debug, PartialEq)]
+pub struct Reading {
+    /// The lens.
+    pub prescription: Prescription,
+    /// What was left out, in the order of the file's lines.
+    pub remarks: Vec<Remark>,
+}
+
+/// Something that was left out of a file, or taken for something else: one line, `FILE:LINE:COLUMN: what`.
+#[derive(Clone, Debug, PartialEq)]
+pub struct Remark {
+    /// The file, as it was named.
+    pub file: String,
+    /// Where in it, counted from 1.
+    pub place: Place,
+    /// What became of it.
+    pub text: String,
+}
+
+impl fmt::Display for Remark {
+    fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
+        let Place { line, column } = self.place;
+        write!(f, "{}:{line}:{column}: {}", self.file, self.text)
+    }
+}
+
+/// More kinds of remarks than these say no more.
+const MOST: usize = 60;
+
+/// Remarks while they are collected: of one kind only the first, with a count of the others.
+#[derive(Default)]
+pub(super) struct Remarks {
+    list: Vec<(Place, String)>,
+    kinds: HashMap<String, (usize, usize)>,
+}
+
+impl Remarks {
+    pub(super) fn say(&mut self, place: Place, text: impl Into<String>) {
+        if self.list.len() < MOST {
+            self.list.push((place, text.into()));
+        }
+    }
+
+    /// The same, but only once for each `kind`.
+    pub(super) fn once(&mut self, kind: &str, place: Place, text: impl Into<String>) {
+        if let Some((_, count)) = self.kinds.get_mut(kind) {
+            *count += 1;
+        } else if self.kinds.len() < MOST {
+            self.kinds.insert(kind.to_owned(), (self.list.len(), 1));
+            self.say(place, text);
+        }
+    }
+
+    /// All, by line.
+    pub(super) fn finish(mut self, file: &str) -> Vec<Remark> {
+        for (at, count) in self.kinds.values().filter(|(_, count)| *count > 1) {
+            if let Some((_, text)) = self.list.get_mut(*at) {
+                text.push_str(&format!(" (and in {} more lines)", count - 1));
+            }
+        }
+        self.list.sort_by_key(|(place, _)| (place.line, place.column));
+        let remark = |(place, text)| Remark { file: file.to_owned(), place, text };
+        self.list.into_iter().map(remark).collect()
+    }
+}

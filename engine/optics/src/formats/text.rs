@@ -1,0 +1,113 @@
+//! Files as text: how much is read, in which encoding, and the words of a line.
+
+use std::fs::File;
+use std::io::Read;
+use std::path::Path;
+
+use super::problem::{LensFileError, Problem, at};
+
+/// The bytes of a file; of a longer one than `largest` no more than those are read.
+pub(super) fn bytes(path: &Path, file: &str, largest: usize) -> Result<Vec<u8>, LensFileError> {
+    let mut bytes = Vec::new();
+    let read = File::open(path).and_then(|file| file.take(largest as u64 + 1).read_to_end(&mut bytes));
+    match read {
+        Ok(count) if count > largest => Err(at(file, 1, 1, Problem::TooLong { largest })),
+        Ok(_) => Ok(bytes),
+        Err(error) => Err(at(file, 1, 1, Problem::Unreadable(error.to_string()))),
+    }
+}
+
+/// Text in UTF-8, without its mark.
+pub(super) fn utf8(bytes: &[u8], file: &str) -> Result<String, LensFileError> {
+    let (valid, whole) = match std::str::from_utf8(bytes) {
+        Ok(text) => (text, true),
+        Err(error) => (std::str::from_utf8(&bytes[..error.valid_up_to()]).unwrap_or(""), false),
+    };
+    let control = valid.find(|c: char| c.is_control() && !c.is_ascii_whitespace());
+    match control.or((!whole).then_some(valid.len())) {
+        None => Ok(valid.trim_start_matches(MARK).to_owned()),
+        Some(offset) => Err(not_text(&valid[..offset], file)),
+    }
+}
+
+/// Text of a design program: UTF-8 or UTF-16 with or without its mark, else, since older ones write their country's
+/// code page, in which only remarks and names differ, Latin-1.
+pub(super) fn any_encoding(bytes: &[u8], file: &str) -> Result<String, LensFileError> {
+    let zeros = |first: usize| bytes.iter().skip(first).step_by(2).filter(|&&byte| byte == 0).count();
+    let half = bytes.len() / 2;
+    let order: Option<fn([u8; 2]) -> u16> = match bytes {
+        [0xff, 0xfe, ..] => Some(u16::from_le_bytes),
+        [0xfe, 0xff, ..] => Some(u16::from_be_bytes),
+        // Nine in ten characters of a lens are ASCII.
+        _ if half > 1 && zeros(1) * 10 > half * 9 => Some(u16::from_le_bytes),
+        _ if half > 1 && zeros(0) * 10 > half * 9 => Some(u16::from_be_bytes),
+        _ => None,
+    };
+    let text = match order {
+        Some(order) => {
+            let (units, odd) = bytes.as_chunks::<2>();
+            let text: Result<String, _> = char::decode_utf16(units.iter().map(|pair| order(*pair))).collect();
+            match text {
+                Ok(text) if odd.is_empty() => text,
+                _ => return Err(at(file, 1, 1, Problem::Encoding)),
+            }
+        }
+        None => match std::str::from_utf8(bytes) {
+            Ok(text) => text.to_owned(),
+            Err(_) => bytes.iter().map(|&byte| char::from(byte)).collect(),
+        },
+    };
+    let text = text.trim_start_matches(MARK);
+    match text.find(is_no_text) {
+        // What DOS put at the end of a file.
+        Some(offset) if text[offset..].trim_end_matches(['\u{1a}', '\0']).is_empty() => Ok(text[..offset].to_owned()),
+        Some(offset) => Err(not_text(&text[..offset], file)),
+        None => Ok(text.to_owned()),
+    }
+}
+
+/// What some editors put before a text.
+const MARK: char = '\u{feff}';
+
+fn is_no_text(c: char) -> bool {
+    c.is_ascii_control() && !c.is_ascii_whitespace() && c != '\u{b}'
+}
+
+fn not_text(before: &str, file: &str) -> LensFileError {
+    let line = before.matches('\n').count() + 1;
+    let column = before.rsplit('\n').next().unwrap_or("").chars().count() + 1;
+    at(file, line, column, Problem::NotText)
+}
+
+/// A word of a line and the column it starts in.
+#[derive(Clone, Copy, Debug)]
+pub(super) struct Token<'a> {
+    pub(super) text: &'a str,
+    pub(super) column: usize,
+}
+
+/// The words of a line. Takes time in proportion to its length, however long it is.
+pub(super) fn tokens(line: &str) -> Vec<Token<'_>> {
+    let (mut offset, mut column) = (0, 1);
+    let place = |text: &'_ str| {
+        let start = text.as_ptr() as usize - line.as_ptr() as usize;
+        column += line[offset..start].chars().count();
+        offset = start;
+        column
+    };
+    let columns: Vec<usize> = line.split_whitespace().map(place).collect();
+    line.split_whitespace().zip(columns).map(|(text, column)| Token { text, column }).collect()
+}
+
+pub(super) fn finite(text: &str) -> Option<f64> {
+    text.parse::<f64>().ok().filter(|x| x.is_finite())
+}
+
+pub(super) fn not_a_number(what: &str, found: &str) -> Problem {
+    Problem::NotANumber { what: what.to_owned(), found: found.to_owned() }
+}
+
+/// The file's name without folders and ending: the name of a lens that has none.
+pub(super) fn stem(file: &str) -> String {
+    Path::new(file).file_stem().map_or_else(|| file.to_owned(), |stem| stem.to_string_lossy().into_owned())
+}

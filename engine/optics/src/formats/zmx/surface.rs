@@ -1,0 +1,276 @@
+//! The lines of one surface of a `.zmx` file.
+
+use crate::prescription::{Behind, Place};
+
+use super::super::draft::DraftRow;
+use super::super::problem::{LensFileError, Problem, at};
+use super::super::text::Token;
+use super::Reader;
+
+/// A surface while its lines are read. Lengths in the file's units.
+pub(super) struct Block {
+    place: Place,
+    kind: String,
+    kind_place: Place,
+    curvature: f64,
+    conic: f64,
+    thickness: f64,
+    diameter: Option<f64>,
+    mechanical: Option<f64>,
+    /// Inner and outer radius of a round aperture.
+    aperture: Option<[f64; 2]>,
+    obstruction: f64,
+    glass: Option<(Vec<String>, Place)>,
+    is_stop: bool,
+    /// `PARM` and `XDAT`, number and value.
+    parameters: Vec<(usize, f64, Place)>,
+    extra: Vec<(usize, f64, Place)>,
+}
+
+impl Block {
+    pub(super) fn new(place: Place) -> Self {
+        Self {
+            place,
+            kind: "STANDARD".to_owned(),
+            kind_place: place,
+            curvature: 0.0,
+            conic: 0.0,
+            thickness: 0.0,
+            diameter: None,
+            mechanical: None,
+            aperture: None,
+            obstruction: 0.0,
+            glass: None,
+            is_stop: false,
+            parameters: Vec::new(),
+            extra: Vec::new(),
+        }
+    }
+
+    fn parameter(&self, number: usize) -> f64 {
+        self.parameters.iter().find(|p| p.0 == number).map_or(0.0, |p| p.1)
+    }
+}
+
+/// Keywords of surfaces that say nothing of how light goes.
+const SILENT: [&str; 22] = [
+    "FIMP", "HIDE", "MIRR", "SLAB", "VDSZ", "POPS", "COMM", "PPAR", "VPAR", "XPAR", "DRAW", "CONF", "SCOL", "SNAM",
+    "PTYP", "MATR", "TCEM", "GRIN", "RSCE", "OPDX", "MAZH", "CHZN",
+];
+
+/// True for keywords that stand in surfaces.
+pub(super) fn knows(keyword: &str) -> bool {
+    const KNOWN: [&str; 22] = [
+        "TYPE", "CURV", "DISZ", "DIAM", "MEMA", "CONI", "PARM", "XDAT", "GLAS", "STOP", "CLAP", "FLAP", "OBSC", "SQAP",
+        "SQOB", "ELAP", "ELOB", "UDAP", "OBDC", "COAT", "SCBD", "GLCB",
+    ];
+    KNOWN.contains(&keyword) || SILENT.contains(&keyword)
+}
+
+impl Reader<'_> {
+    /// A line of the last surface.
+    pub(super) fn surface_line(
+        &mut self,
+        line: usize,
+        key: &Token<'_>,
+        rest: &[Token<'_>],
+    ) -> Result<(), LensFileError> {
+        let place = Place { line, column: key.column };
+        let first = |reader: &Self| reader.number(line, rest, 0, key.text);
+        let pair =
+            |reader: &Self| Ok([reader.number(line, rest, 0, key.text)?, reader.number(line, rest, 1, key.text)?]);
+        let is_object = self.blocks.len() == 1;
+        let Some(index) = self.blocks.len().checked_sub(1) else { return Ok(()) };
+        match key.text {
+            "TYPE" => {
+                let kind = rest.first().map_or("STANDARD", |word| word.text);
+                self.blocks[index].kind = kind.to_owned();
+                self.blocks[index].kind_place = place;
+            }
+            "CURV" => self.blocks[index].curvature = first(self)?,
+            "CONI" => self.blocks[index].conic = first(self)?,
+            "DISZ" => {
+                let endless = rest.first().is_some_and(|word| word.text.eq_ignore_ascii_case("INFINITY"));
+                if endless && !is_object {
+                    let what = "an infinite distance can stand only before the first surface".to_owned();
+                    return self.draft.fail(place, Problem::Unsupported(what));
+                }
+                self.blocks[index].thickness = if endless { f64::INFINITY } else { first(self)? };
+            }
+            "DIAM" => self.blocks[index].diameter = Some(first(self)?),
+            "MEMA" => self.blocks[index].mechanical = Some(first(self)?),
+            "CLAP" | "FLAP" => self.blocks[index].aperture = Some(pair(self)?),
+            "OBSC" => {
+                let [inner, outer] = pair(self)?;
+                if inner > 0.0 {
+                    self.draft
+                        .remarks
+                        .say(place, format!("the obstruction is a ring from {inner}; it is taken as a disc"));
+                }
+                self.blocks[index].obstruction = outer;
+            }
+            "SQAP" | "SQOB" | "ELAP" | "ELOB" | "UDAP" => {
+                let what = format!("the aperture is not round ('{}'); the clear diameter is taken instead", key.text);
+                self.draft.remarks.once(key.text, place, what);
+            }
+            "OBDC" if self.numbers(line, rest, "OBDC")?.iter().any(|x| *x != 0.0) => {
+                let what = "an aperture beside the axis (OBDC) is taken on the axis";
+                self.draft.remarks.once(key.text, place, what);
+            }
+            "OBDC" => {}
+            "COAT" => {
+                let what = "coatings are left out";
+                self.draft.remarks.once(key.text, place, what);
+            }
+            "SCBD" if rest.iter().filter_map(|word| word.text.parse::<f64>().ok()).any(|x| x != 0.0 && x != 1.0) => {
+                let what = "the surface is tilted or decentred (SCBD); only lenses on one axis can be read from .zmx"
+                    .to_owned();
+                return self.draft.fail(place, Problem::Unsupported(what));
+            }
+            "SCBD" | "GLCB" => {}
+            "STOP" => self.blocks[index].is_stop = true,
+            "GLAS" => {
+                let words = rest.iter().map(|word| word.text.to_owned()).collect();
+                let column = rest.first().map_or(key.column, |word| word.column);
+                self.blocks[index].glass = Some((words, Place { line, column }));
+            }
+            "PARM" | "XDAT" => {
+                let [number, value] = pair(self)?;
+                let block = &mut self.blocks[index];
+                let list = if key.text == "PARM" { &mut block.parameters } else { &mut block.extra };
+                if list.len() < 300 {
+                    list.push((number.clamp(0.0, 1e6) as usize, value, place));
+                }
+            }
+            known if SILENT.contains(&known) => {}
+            other => {
+                self.draft.remarks.once(other, place, format!("'{other}' is not understood and left out"));
+            }
+        }
+        Ok(())
+    }
+
+    /// Object, surfaces and film from the blocks.
+    pub(super) fn surfaces(&mut self) -> Result<(), LensFileError> {
+        let scale = self.mm_per_unit;
+        let blocks = std::mem::take(&mut self.blocks);
+        let [object, surfaces @ .., film] = blocks.as_slice() else {
+            let place = Place { line: 1, column: 1 };
+            let what =
+                "there is no lens; SURF 0 is the object, the last SURF the film, the lens stands between".to_owned();
+            return self.draft.fail(place, Problem::Unsupported(what));
+        };
+        self.draft.object_mm = object.thickness * scale;
+        if film.curvature != 0.0 {
+            self.draft.film_radius_mm = Some(scale / film.curvature);
+        }
+        for block in surfaces {
+            if block.kind == "COORDBRK" {
+                self.coordinate_break(block)?;
+                continue;
+            }
+            let row = self.row(block, scale)?;
+            if block.is_stop {
+                self.draft.stop = Some(self.draft.rows.len());
+            }
+            self.draft.rows.push(row);
+        }
+        Ok(())
+    }
+
+    /// A change of coordinates that changes none but z.
+    fn coordinate_break(&mut self, block: &Block) -> Result<(), LensFileError> {
+        if let Some((number, value, place)) = block.parameters.iter().find(|p| (1..=5).contains(&p.0) && p.1 != 0.0) {
+            let what = format!(
+                "a coordinate break tilts or decentres what follows (PARM {number} = {value}); only lenses on one axis can be read from .zmx"
+            );
+            return self.draft.fail(*place, Problem::Unsupported(what));
+        }
+        let mm = block.thickness * self.mm_per_unit;
+        match self.draft.rows.last_mut() {
+            Some(last) => last.thickness_mm += mm,
+            None => self.draft.object_mm += mm,
+        }
+        Ok(())
+    }
+
+    fn row(&mut self, block: &Block, scale: f64) -> Result<DraftRow, LensFileError> {
+        let mut row = DraftRow::new(block.place);
+        row.curvature = block.curvature / scale;
+        row.conic = block.conic;
+        row.thickness_mm = block.thickness * scale;
+        self.shape(block, scale, &mut row)?;
+        row.behind = self.glass(block)?;
+        let rim = block.aperture.map(|[_, outer]| outer).filter(|outer| *outer > 0.0);
+        row.has_rim = rim.is_some() || block.obstruction > 0.0;
+        row.semi_diameter_mm = rim.or(block.diameter.filter(|d| *d > 0.0)).map(|semi| semi * scale);
+        if row.semi_diameter_mm.is_none() {
+            row.semi_diameter_mm = block.mechanical.filter(|d| *d > 0.0).map(|semi| semi * scale);
+        }
+        let hole = block.aperture.map_or(0.0, |[inner, _]| inner);
+        row.obstruction_mm = hole.max(block.obstruction) * scale;
+        Ok(row)
+    }
+
+    /// What the surface's type adds to curvature and conic constant.
+    fn shape(&mut self, block: &Block, scale: f64, row: &mut DraftRow) -> Result<(), LensFileError> {
+        // A coefficient of rᵖ, in the file's units, in mm.
+        let term = |power: u32, a: f64| (power, a / scale.powi(power as i32 - 1));
+        match block.kind.as_str() {
+            "STANDARD" => {}
+            "EVENASPH" => row.terms = (1..=8).map(|i| term(2 * i as u32, block.parameter(i))).collect(),
+            "ODDASPHE" => row.terms = (1..=8).map(|i| term(i as u32, block.parameter(i))).collect(),
+            "XASPHERE" | "XOSPHERE" => {
+                let value = |number: usize| block.extra.iter().find(|p| p.0 == number).map_or(0.0, |p| p.1);
+                let (count, radius) = (value(1).clamp(0.0, 240.0) as usize, value(2));
+                let step = if block.kind == "XASPHERE" { 2 } else { 1 };
+                if count > 0 && !(radius > 0.0) {
+                    let what = format!("the asphere's normalization radius is {radius}; it must be larger than 0");
+                    return self.draft.fail(block.kind_place, Problem::Unsupported(what));
+                }
+                for i in 1..=count {
+                    let power = (step * i) as u32;
+                    row.terms.push(term(power, value(i + 2) / radius.powi(power as i32)));
+                }
+            }
+            "TOROIDAL" => {
+                if let Some((number, _, place)) = block.extra.iter().find(|p| p.0 > 1 && p.1 != 0.0) {
+                    let what = format!("the toroid has further terms (XDAT {number}), which are not supported");
+                    return self.draft.fail(*place, Problem::Unsupported(what));
+                }
+                row.radius_x_mm = Some(block.parameter(1) * scale);
+                row.terms = (2..=8).map(|i| term(2 * (i as u32 - 1), block.parameter(i))).collect();
+            }
+            other => {
+                let what = format!(
+                    "surface type '{other}' is not supported; STANDARD, EVENASPH, ODDASPHE, XASPHERE, XOSPHERE and TOROIDAL are"
+                );
+                return self.draft.fail(block.kind_place, Problem::Unsupported(what));
+            }
+        }
+        row.terms.retain(|(_, a)| *a != 0.0);
+        Ok(())
+    }
+
+    fn glass(&mut self, block: &Block) -> Result<Behind, LensFileError> {
+        let Some((words, place)) = &block.glass else { return Ok(Behind::Medium(crate::glass::Medium::air())) };
+        let name = words.first().map_or("", String::as_str);
+        if name.eq_ignore_ascii_case("mirror") {
+            return Ok(Behind::Mirror);
+        }
+        let number = |i: usize| words.get(i).and_then(|word| word.parse::<f64>().ok()).filter(|x| x.is_finite());
+        let kind = number(1).unwrap_or(0.0);
+        let medium = match number(3) {
+            // A model glass; a pickup says the same numbers of the glass that it follows.
+            Some(nd) if kind == 1.0 || (kind == 2.0 && name.starts_with("___")) => {
+                if number(5).is_some_and(|partial| partial != 0.0) {
+                    let what = "a model glass departs from the normal line (dPgF); that is left out";
+                    self.draft.remarks.once("dPgF", *place, what);
+                }
+                self.glasses.by_numbers(nd, number(4).unwrap_or(0.0))
+            }
+            _ => self.glasses.listed(name, *place, &mut self.draft.remarks),
+        };
+        medium.map(Behind::Medium).map_err(|error| at(self.draft.file, place.line, place.column, error.into()))
+    }
+}

@@ -1,0 +1,180 @@
+//! Lens files: the good ones read as they stand, every bad one names its place.
+
+use crate::common::{prescription, repository};
+use petzval_optics::diaphragm::DiaphragmError;
+use petzval_optics::formats::lens::{self, parse, parse_bytes};
+use petzval_optics::glass::{Catalogue, line_nm};
+use petzval_optics::prescription::Behind;
+use petzval_optics::surface::{Pose, Section, Shape};
+use petzval_optics::system::{FocalLength, System, SystemError, SystemSettings};
+
+/// File, line and column of the error, and a word that its message must hold.
+const BAD: &[(&str, &str, &str)] = &[
+    ("", "1:1", "no surface"),
+    ("# name: nothing\n\n", "1:1", "no surface"),
+    ("50 5 1.5 20 0 1\n-50 45 air 20 0\n", "2:1", "5 columns"),
+    ("50 5 1.5 20 0 1 7\n", "1:17", "7 columns"),
+    ("50 5 BK77 20 0 1\n", "1:6", "BK7"),
+    ("50 5 schotty 20 0 1\n", "1:6", "unknown glass"),
+    ("50 5 1.5/x 20 0 1\n", "1:6", "n/V"),
+    ("50 5 -1.5 20 0 1\n", "1:6", "n/V"),
+    ("# x\n  fifty 5 1.5 20 0 1\n", "2:3", "radius 'fifty'"),
+    ("50 nan 1.5 20 0 1\n", "1:4", "thickness 'nan'"),
+    ("inf 5 1.5 20 0 1\n", "1:1", "radius 'inf'"),
+    ("50 1e999 1.5 20 0 1\n", "1:4", "thickness"),
+    ("50 5 1.5 0 0 1\n", "1:10", "larger than 0"),
+    ("50 5 1.5 -20 0 1\n", "1:10", "larger than 0"),
+    ("50 5 1.5 20 k 1\n", "1:13", "conic 'k'"),
+    ("50 5 1.5 20 0 yes\n", "1:15", "isstop"),
+    ("50 5 1.5 20 0 2\n", "1:15", "isstop"),
+    ("#c\n50 5 1.5 20 0 0\n-50 45 air 20 0 0\n", "2:15", "no surface is the stop"),
+    ("50 5 1.5 20 0 1\n-50 45 air 20 0 1\n", "2:17", "line 1"),
+    ("9 5 1.5 20 0 1\n", "1:9", "reaches only 9 mm"),
+    ("1e-320 5 1.5 20 0 1\n", "1:1", "not finite"),
+    ("#radius thickness glass diameter conic isstop a1\n50 5 1.5 20 0 1 0\n", "1:47", "'a1'"),
+    ("#radius thickness glass diameter conic isstop a21\n50 5 1.5 20 0 1 0\n", "1:47", "'a21'"),
+    ("#radius thickness glass diameter conic isstop a4 a6 a4\n50 5 1.5 20 0 1 0\n", "1:53", "second time"),
+    ("#radius thickness glass diameter conic isstop a4 a6\n50 5 1.5 20 0 1 0 none\n", "2:19", "a6 'none'"),
+    ("#radius thickness glass diameter conic isstop radius_x\n50 5 1.5 20 0 1 9\n", "2:10", "reaches only 9 mm"),
+    ("# element: 0-1 decenter=2\n50 5 1.5 20 0 1\n", "1:12", "is no element"),
+    ("# element: 1-0 tilt_x=2\n50 5 1.5 20 0 1\n", "1:12", "is no element"),
+    ("# element: 0-1 tilt_x=2\n50 5 1.5 20 0 1\n", "1:12", "the last surface is 0"),
+    ("#radius thickness diameter glass conic isstop\n", "1:19", "'glass'"),
+    ("#radius thickness glass diameter conic isstop obstruction\n50 5 1.5 20 0 1 20\n", "2:17", "obstruction"),
+    ("#radius thickness glass diameter conic isstop obstruction\n50 5 1.5 20 0 1\n", "2:1", "6 columns"),
+    ("# film_radius: flat\n50 5 1.5 20 0 1\n", "1:16", "film_radius 'flat'"),
+    ("# film_radius: 0\n50 5 1.5 20 0 1\n", "1:16", "film's radius"),
+    ("# f_number: fast\n50 5 1.5 20 0 1\n", "1:13", "f_number 'fast'"),
+    ("# film: 36xtall\n50 5 1.5 20 0 1\n", "1:9", "film 'tall'"),
+];
+
+#[test]
+fn every_bad_file_names_its_place() {
+    for (text, place, word) in BAD {
+        let error = parse(text, "some.lens", Catalogue::shipped()).expect_err(text).to_string();
+        assert!(error.starts_with(&format!("some.lens:{place}: ")), "{text:?}: {error}");
+        assert!(error.contains(word), "{text:?}: {error}");
+        assert!(!error.contains('\n') && error.contains([';', '?']), "{error}");
+    }
+}
+
+#[test]
+fn files_that_are_no_text_name_their_first_bad_byte() {
+    let error = |bytes: &[u8]| parse_bytes(bytes, "x", Catalogue::shipped()).unwrap_err().to_string();
+    assert!(error(b"\x7fELF\x02\x01").starts_with("x:1:1: "));
+    assert!(error(b"# ok\n50 5 \xff").starts_with("x:2:6: "));
+    assert!(error(b"50 5 1.5\0").starts_with("x:1:9: "));
+    assert!(error(&vec![b'#'; 2 << 20]).contains("longer"));
+    let missing = lens::read("no/such.lens".as_ref(), Catalogue::shipped()).unwrap_err().to_string();
+    assert!(missing.starts_with("no/such.lens:1:1: cannot be read"), "{missing}");
+}
+
+#[test]
+fn what_surrounds_the_table_does_not_matter() {
+    let text = "\u{feff}# name: Doublet\r\n# film: 36 x 24\r\n#Radius Thickness Glass Diameter Conic IsStop\r\n\r\n\
+                \t50.5  5 n-bk7 20 0.0 1 # crown\r\n-50 -45 MIRROR 20 -1 0";
+    let lens = parse(text, "d.lens", Catalogue::shipped()).unwrap();
+    assert_eq!(lens.name, "Doublet");
+    assert_eq!(lens.metadata.film_mm, Some([36.0, 24.0]));
+    assert_eq!(lens.surfaces.len(), 2);
+    assert_eq!((lens.surfaces[0].place.line, lens.surfaces[0].place.column), (5, 2));
+    assert_eq!(lens.surfaces[1].behind, Behind::Mirror);
+    assert_eq!(parse("0 5 1.5 20 0 1", "dir/Flat one.lens", Catalogue::shipped()).unwrap().name, "Flat one");
+}
+
+#[test]
+fn more_columns_say_more_of_a_surface() {
+    let text = "# element: 2-3 decenter_x=0.5 tilt_y=90\n\
+        #radius thickness glass diameter conic isstop radius_x A4 a20 a3 tilt_x decenter_y obstruction\n\
+        50 5 1.5 20 -1 0  50 1e-6 0 2e-5 0 0 3\n\
+        50 5 1.5 20  0 0  50 0 0 0 90 -1 0\n\
+        50 5 1.5 20  0 1  0 0 0 0 0 0 0\n\
+        0 5 air 20  0 0  -80 0 1e-30 0 0 0 0";
+    let lens = parse(text, "columns", Catalogue::shipped()).unwrap();
+    let [first, second, third, fourth] = &lens.surfaces[..] else { panic!() };
+    let Shape::Toroid(toroid) = first.shape else { panic!("{:?}", first.shape) };
+    assert_eq!((toroid.across, toroid.profile.terms()), (0.02, vec![(3, 2e-5), (4, 1e-6)]));
+    assert_eq!(first.obstruction_mm, 1.5);
+    assert_eq!(second.shape, Shape::conic(50.0, 0.0), "both radii alike: a sphere");
+    assert_eq!(second.pose, Pose::misaligned([0.0, -1.0], [std::f64::consts::FRAC_PI_2, 0.0, 0.0]));
+    let Shape::Toroid(cylinder) = third.shape else { panic!("{:?}", third.shape) };
+    assert_eq!((cylinder.across, cylinder.profile.base.curvature), (0.0, 0.02));
+    assert_eq!(fourth.shape.curvature_at_vertex(Section::X), -1.0 / 80.0);
+    assert_eq!(fourth.shape.profile().terms(), [(20, 1e-30)]);
+    assert_eq!(third.pose, Pose::misaligned([0.5, 0.0], [0.0, std::f64::consts::FRAC_PI_2, 0.0]));
+    assert_ne!(fourth.pose, third.pose, "it turns about the element's first vertex");
+}
+
+#[test]
+fn every_shipped_lens_reads_and_names_its_source() {
+    let mut count = 0;
+    for entry in std::fs::read_dir(repository("lenses")).unwrap() {
+        let path = entry.unwrap().path();
+        if path.extension().is_some_and(|e| e == "lens") {
+            let lens = lens::read(&path, Catalogue::shipped()).unwrap_or_else(|e| panic!("{e}"));
+            assert!(lens.metadata.source.is_some(), "{}", path.display());
+            System::new(&lens, &SystemSettings::default()).unwrap();
+            count += 1;
+        }
+    }
+    assert_eq!(count, 42);
+}
+
+#[test]
+fn the_wide_angle_is_the_one_of_figure_3() {
+    let shipped = lens::read(&repository("lenses/wide-angle-smith-f3.4.lens"), Catalogue::shipped()).unwrap();
+    let reference = prescription("seed-wide-angle");
+    let numbers = |p: &petzval_optics::prescription::Prescription| -> Vec<_> {
+        p.surfaces.iter().map(|s| (s.shape, s.thickness_mm, s.behind.clone(), s.semi_diameter_mm)).collect()
+    };
+    assert_eq!(numbers(&shipped), numbers(&reference));
+    assert_eq!(shipped.name, "Wide angle f/3.4 (Smith), 100 mm");
+}
+
+#[test]
+fn settings_that_make_no_lens_say_so() {
+    let lens = prescription("biconvex-50mm");
+    let with = |settings| System::new(&lens, &settings).unwrap_err();
+    let default = SystemSettings::default;
+    for bad in [0.0, -1.0, f64::NAN, f64::INFINITY] {
+        let scale = with(SystemSettings { focal_length: FocalLength::Scale(bad), ..default() });
+        assert!(matches!(scale, SystemError::NotPositive { .. }));
+        let millimetres = with(SystemSettings { focal_length: FocalLength::Millimetres(bad), ..default() });
+        assert!(matches!(millimetres, SystemError::NotPositive { .. }));
+        let f_number = with(SystemSettings { f_number: Some(bad), ..default() });
+        assert!(matches!(f_number, SystemError::NotPositive { .. }));
+    }
+    assert_eq!(with(SystemSettings { blades: 1000, ..default() }), DiaphragmError::Blades(1000).into());
+    for curvature in [-0.1, 1.1, f64::INFINITY] {
+        let bent = SystemSettings { blade_curvature: curvature, ..default() };
+        assert_eq!(with(bent), DiaphragmError::Curvature(curvature).into());
+    }
+    let window = parse("0 5 1.5 20 0 1\n0 50 air 20 0 0", "window", Catalogue::shipped()).unwrap();
+    assert_eq!(
+        System::new(&window, &SystemSettings { f_number: Some(4.0), ..default() }).unwrap_err(),
+        SystemError::Afocal
+    );
+    assert!(System::new(&window, &default()).unwrap().f_number().is_infinite());
+}
+
+#[test]
+fn focal_length_and_f_number_are_what_was_asked() {
+    use petzval_optics::paraxial::Paraxial;
+    for name in ["seed-wide-angle", "newtonian-f5", "eye-navarro"] {
+        let settings = SystemSettings {
+            focal_length: FocalLength::Millimetres(35.0),
+            f_number: Some(11.0),
+            ..SystemSettings::default()
+        };
+        let system = System::new(&prescription(name), &settings).unwrap();
+        let info = Paraxial::new(&system, line_nm::D);
+        assert!((info.efl_mm.unwrap() - 35.0).abs() < 1e-12, "{name}");
+        assert!((info.f_number.unwrap() - 11.0).abs() < 1e-12, "{name}");
+        assert!(!system.f_number_was_clamped());
+    }
+    let settings = SystemSettings { f_number: Some(0.5), ..SystemSettings::default() };
+    let system = System::new(&prescription("seed-wide-angle"), &settings).unwrap();
+    assert!(system.f_number_was_clamped());
+    assert_eq!(system.f_number(), system.widest_f_number());
+    assert_eq!(system.stop_semi_diameter_mm(), 18.8);
+}

@@ -1,0 +1,193 @@
+//! What is noted of a path beside its light as a whole: that of groups of emitters, and parts ([`super::parts`]).
+//!
+//! A kind rather than a value: where nothing of it is asked for, nothing is left in the code that follows paths.
+
+use super::by_part::{Belongs, ByPart};
+use super::parts::Parts;
+use crate::Rgb;
+use crate::integrator::Stage;
+use crate::nodes::{View, Way};
+use crate::shading::{LobeShares, Parted};
+use crate::surface::SurfacePoint;
+
+/// Where paths note what they found beside their light as a whole.
+pub trait Notes {
+    /// What is known of where light comes from.
+    type Of: Copy;
+
+    /// Light that a path's ray meets: of the sky, or of anything else; `number` is its emitter's group, 0 is none.
+    fn met(&self, path: u32, way: Way, is_sky: bool, number: impl FnOnce() -> u16) -> Self::Of;
+
+    /// Light that a path's surface scatters, with the shares of its lobes.
+    fn sampled(
+        &self,
+        path: u32,
+        way: Way,
+        shares: impl FnOnce() -> LobeShares,
+        number: impl FnOnce() -> u16,
+    ) -> Self::Of;
+
+    /// The same in a volume.
+    fn sampled_in_volume(&self, path: u32, way: Way, number: impl FnOnce() -> u16) -> Self::Of;
+
+    /// Forgets all paths.
+    fn clear(&mut self);
+
+    /// Adds a path.
+    fn start(&mut self);
+
+    /// Adds light that a path found.
+    fn add(&mut self, path: u32, of: Self::Of, light: Rgb);
+
+    /// The first surface that a path did not pass.
+    fn finds(&mut self, path: u32, stage: &Stage, point: &SurfacePoint, view: &View);
+
+    /// A surface that a path is to be scattered by, with what comes to it, so far from where the ray began.
+    fn looks_at(&mut self, path: u32, way: Way, throughput: Rgb, bsdf: &impl Parted, distance: f32);
+
+    /// A path was scattered by a surface, with the shares of its lobes.
+    fn turned(&mut self, path: u32, way: Way, shares: impl FnOnce() -> LobeShares);
+
+    /// The same in a volume.
+    fn turned_in_volume(&mut self, path: u32, way: Way);
+
+    /// What a path found: group by group, then part by part.
+    fn found(&self, path: usize) -> &[Rgb];
+}
+
+/// Notes nothing.
+#[derive(Default)]
+pub struct NoNotes;
+
+impl Notes for NoNotes {
+    type Of = ();
+
+    #[inline(always)]
+    fn met(&self, _: u32, _: Way, _: bool, _: impl FnOnce() -> u16) {}
+
+    #[inline(always)]
+    fn sampled(&self, _: u32, _: Way, _: impl FnOnce() -> LobeShares, _: impl FnOnce() -> u16) {}
+
+    #[inline(always)]
+    fn sampled_in_volume(&self, _: u32, _: Way, _: impl FnOnce() -> u16) {}
+
+    #[inline(always)]
+    fn clear(&mut self) {}
+
+    #[inline(always)]
+    fn start(&mut self) {}
+
+    #[inline(always)]
+    fn add(&mut self, _: u32, (): (), _: Rgb) {}
+
+    #[inline(always)]
+    fn finds(&mut self, _: u32, _: &Stage, _: &SurfacePoint, _: &View) {}
+
+    #[inline(always)]
+    fn looks_at(&mut self, _: u32, _: Way, _: Rgb, _: &impl Parted, _: f32) {}
+
+    #[inline(always)]
+    fn turned(&mut self, _: u32, _: Way, _: impl FnOnce() -> LobeShares) {}
+
+    #[inline(always)]
+    fn turned_in_volume(&mut self, _: u32, _: Way) {}
+
+    #[inline(always)]
+    fn found(&self, _: usize) -> &[Rgb] {
+        &[]
+    }
+}
+
+/// Notes the light of groups number 1 and on, and parts.
+pub struct Noted {
+    groups: u16,
+    parts: ByPart,
+    /// Path by path.
+    sums: Vec<Rgb>,
+}
+
+impl Noted {
+    /// For that many groups, and for parts.
+    pub fn new(groups: u16, parts: Parts) -> Self {
+        Self { groups, parts: ByPart::new(parts), sums: Vec::new() }
+    }
+
+    fn count(&self) -> usize {
+        usize::from(self.groups) + self.parts.count()
+    }
+
+    fn group(&self, number: impl FnOnce() -> u16) -> u16 {
+        let number = if self.groups == 0 { 0 } else { number() };
+        if number <= self.groups { number } else { 0 }
+    }
+}
+
+/// The sums of a path's parts.
+fn of_parts(sums: &mut [Rgb], path: usize, groups: usize, count: usize) -> &mut [Rgb] {
+    &mut sums[path * count + groups..(path + 1) * count]
+}
+
+impl Notes for Noted {
+    type Of = (u16, Belongs);
+
+    fn met(&self, path: u32, way: Way, is_sky: bool, number: impl FnOnce() -> u16) -> Self::Of {
+        (self.group(number), self.parts.met(path, way, is_sky))
+    }
+
+    fn sampled(
+        &self,
+        path: u32,
+        way: Way,
+        shares: impl FnOnce() -> LobeShares,
+        number: impl FnOnce() -> u16,
+    ) -> Self::Of {
+        (self.group(number), self.parts.sampled(path, way, shares))
+    }
+
+    fn sampled_in_volume(&self, path: u32, way: Way, number: impl FnOnce() -> u16) -> Self::Of {
+        (self.group(number), self.parts.sampled_in_volume(path, way))
+    }
+
+    fn clear(&mut self) {
+        self.sums.clear();
+        self.parts.clear();
+    }
+
+    fn start(&mut self) {
+        let (from, groups) = (self.sums.len(), usize::from(self.groups));
+        self.sums.resize(from + self.count(), Rgb::ZERO);
+        self.parts.start(&mut self.sums[from + groups..]);
+    }
+
+    fn add(&mut self, path: u32, (group, belongs): Self::Of, light: Rgb) {
+        let (count, groups) = (self.count(), usize::from(self.groups));
+        if group != 0 {
+            self.sums[path as usize * count + usize::from(group) - 1] += light;
+        }
+        self.parts.add(of_parts(&mut self.sums, path as usize, groups, count), path, belongs, light);
+    }
+
+    fn finds(&mut self, path: u32, stage: &Stage, point: &SurfacePoint, view: &View) {
+        let (count, groups) = (self.count(), usize::from(self.groups));
+        self.parts.finds(of_parts(&mut self.sums, path as usize, groups, count), path, stage, point, view);
+    }
+
+    fn looks_at(&mut self, path: u32, way: Way, throughput: Rgb, bsdf: &impl Parted, distance: f32) {
+        let (count, groups) = (self.count(), usize::from(self.groups));
+        let sums = of_parts(&mut self.sums, path as usize, groups, count);
+        self.parts.looks_at(sums, path, way, throughput, bsdf, distance);
+    }
+
+    fn turned(&mut self, path: u32, way: Way, shares: impl FnOnce() -> LobeShares) {
+        self.parts.turned(path, way, shares);
+    }
+
+    fn turned_in_volume(&mut self, path: u32, way: Way) {
+        self.parts.turned_in_volume(path, way);
+    }
+
+    fn found(&self, path: usize) -> &[Rgb] {
+        let count = self.count();
+        &self.sums[path * count..][..count]
+    }
+}

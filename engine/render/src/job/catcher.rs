@@ -1,0 +1,124 @@
+//! Surfaces that catch shadows: the picture is to be laid over a photograph, and holds of them what light they lose.
+//!
+//! As in Cycles the scene is seen twice, with all that is in it and with those surfaces alone, and the shadow is the one by the
+//! other (its manual, "Shadow Catcher"). Both by the same rays and random numbers, so noise that they share cancels.
+
+use super::Job;
+use crate::Rgb;
+use crate::integrator::path::parts::Part;
+
+/// What is kept of the render of everything, for [`Job::shadow`] and [`Job::over_photograph`].
+pub const PARTS: [Part; 2] = [Part::Caught, Part::Catches];
+
+/// How the picture is to be laid over a photograph.
+#[derive(Clone, Copy, Debug)]
+pub struct Laying {
+    /// The film is opaque.
+    pub is_opaque: bool,
+    /// The shadow is a pass of its own, and not in the picture.
+    pub is_apart: bool,
+}
+
+/// A pixel of the two renders.
+#[derive(Clone, Copy)]
+struct Pixel {
+    /// Light that the surfaces that catch shadows scatter, and how much of it they do alone.
+    caught: Rgb,
+    lit: Rgb,
+    /// The picture of everything.
+    light: Rgb,
+    alpha: f32,
+    /// Shares of its rays that found such a surface, and that found any.
+    catches: f32,
+    finds: f32,
+}
+
+impl Pixel {
+    /// What is left of the light.
+    fn shadow(&self) -> Rgb {
+        let left = Rgb::select(self.lit.cmpne(Rgb::ZERO), self.caught / self.lit, Rgb::ONE);
+        (1.0 - self.alpha) + self.alpha * left
+    }
+
+    /// Light and alpha without those surfaces, with the mean of their shadow.
+    fn laid(&self, laying: Laying) -> (Rgb, f32) {
+        let seen = if laying.is_opaque { 1.0 } else { self.finds };
+        let others = if seen == 0.0 { 1.0 } else { 1.0 - self.catches / seen };
+        let alpha = self.alpha * others;
+        let dark = if laying.is_apart { 0.0 } else { 1.0 - (self.shadow().element_sum() / 3.0).clamp(0.0, 1.0) };
+        (self.light - self.caught, (1.0 - alpha) * dark + alpha)
+    }
+}
+
+impl Job {
+    /// The pixels of this render of everything and of that of what catches shadows `alone`; `None` if this keeps not [`PARTS`].
+    fn pixels_beside(&self, alone: &Self) -> Option<impl Iterator<Item = Pixel>> {
+        let (caught, catches) = (self.part(PARTS[0])?, self.part(PARTS[1])?);
+        let kept = caught.into_iter().zip(catches);
+        let seen = self.film().picture().into_iter().zip(alone.film().picture());
+        Some(kept.zip(seen).map(|((caught, [catches, finds, _]), ([r, g, b, alpha], [lit_r, lit_g, lit_b, _]))| {
+            Pixel {
+                caught: caught.into(),
+                lit: Rgb::new(lit_r, lit_g, lit_b),
+                light: Rgb::new(r, g, b),
+                alpha,
+                catches,
+                finds,
+            }
+        }))
+    }
+
+    /// What is left of the light on what catches shadows, rows from below; 1 where nothing is seen. `None` as above.
+    pub fn shadow(&self, alone: &Self) -> Option<Vec<[f32; 3]>> {
+        Some(self.pixels_beside(alone)?.map(|pixel| pixel.shadow().into()).collect())
+    }
+
+    /// The picture to be laid over a photograph: what catches shadows is gone, and the mean of its shadow is alpha. Where there
+    /// is a render of the `sky` it is laid over that. `None` as above.
+    pub fn over_photograph(&self, alone: &Self, sky: Option<&Self>, laying: Laying) -> Option<Vec<[f32; 4]>> {
+        let laid = self.pixels_beside(alone)?.map(|pixel| pixel.laid(laying));
+        let Some(sky) = sky else {
+            return Some(laid.map(|(light, alpha)| light.extend(alpha).into()).collect());
+        };
+        let over = laid
+            .zip(sky.film().picture())
+            .map(|((light, alpha), [r, g, b, _])| (light + Rgb::new(r, g, b) * (1.0 - alpha)).extend(1.0).into());
+        Some(over.collect())
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    const ALONE: Pixel =
+        Pixel { caught: Rgb::ONE, lit: Rgb::ONE, light: Rgb::ONE, alpha: 1.0, catches: 1.0, finds: 1.0 };
+    const LAYING: Laying = Laying { is_opaque: false, is_apart: false };
+
+    /// A floor in full light leaves nothing; in the dark it blackens what is beneath; half of it half.
+    #[test]
+    fn only_the_shadow_is_left_of_a_floor() {
+        for (left, light) in [(1.0, 0.0), (0.0, 0.0), (0.5, 0.0)] {
+            let pixel = Pixel { caught: Rgb::splat(left), light: Rgb::splat(left), ..ALONE };
+            assert_eq!(pixel.laid(LAYING), (Rgb::splat(light), 1.0 - left));
+            assert_eq!(pixel.shadow(), Rgb::splat(left));
+            assert_eq!(pixel.laid(Laying { is_apart: true, ..LAYING }), (Rgb::splat(light), 0.0));
+        }
+    }
+
+    /// Half a pixel of something else stays, and hides half of what is beneath.
+    #[test]
+    fn what_throws_the_shadow_stays() {
+        let pixel = Pixel { caught: Rgb::splat(0.5), lit: Rgb::ONE, light: Rgb::splat(2.0), catches: 0.5, ..ALONE };
+        let (light, alpha) = pixel.laid(Laying { is_apart: true, ..LAYING });
+        assert_eq!((light, alpha), (Rgb::splat(1.5), 0.5));
+    }
+
+    /// Where nothing is seen nothing is in shadow, nor where no light comes to.
+    #[test]
+    fn nothing_throws_no_shadow() {
+        let sky = Pixel { caught: Rgb::ZERO, lit: Rgb::ZERO, light: Rgb::ZERO, alpha: 0.0, catches: 0.0, finds: 0.0 };
+        assert_eq!((sky.shadow(), sky.laid(LAYING)), (Rgb::ONE, (Rgb::ZERO, 0.0)));
+        assert_eq!(Pixel { alpha: 1.0, ..sky }.shadow(), Rgb::ONE);
+    }
+}

@@ -1,0 +1,106 @@
+# SPDX-License-Identifier: GPL-3.0-or-later
+"""What two public optical design packages make of the lens files in tests/reference/foreign: figures.json there.
+
+Run it in an environment of its own, for it needs neither Blender nor the engine:
+
+    python3 -m venv /tmp/packages && /tmp/packages/bin/pip install rayoptics optiland
+    /tmp/packages/bin/python tools/foreign-figures.py
+
+Focal lengths are those at the file's reference wavelength. Rays start 10 units before the first surface; of each the hit on every
+surface is kept, in the coordinates of that surface, and the last direction. Lengths are in the file's own units.
+"""
+
+from __future__ import annotations
+
+import json
+import math
+import warnings
+from importlib.metadata import version
+from pathlib import Path
+
+warnings.filterwarnings("ignore")
+
+FOLDER = Path(__file__).resolve().parent.parent / "tests" / "reference" / "foreign"
+#: Rays: height over the pupil's radius, azimuth and field in degrees.
+RAYS = [(0.0, 0.0, 0.0), (0.3, 90.0, 0.0), (0.8, 90.0, 0.0), (0.8, 20.0, 0.0), (0.2, 200.0, 0.15), (0.5, 300.0, 0.3)]
+BEFORE = 10.0
+
+
+def by_rayoptics(path: Path) -> dict:
+    """Focal lengths and rays."""
+    from rayoptics.gui import appcmds
+    from rayoptics.raytr import raytrace
+
+    model = appcmds.open_model(str(path))
+    model.update_model()
+    sequence, specification = model["seq_model"], model["optical_spec"]
+    first_order = model["analysis_results"]["parax_data"].fod
+    wavelength = specification["wvls"].central_wvl
+    figures = {
+        "wavelength_nm": wavelength,
+        "efl": float(first_order.efl),
+        "bfl": float(first_order.bfl),
+        "entrance_pupil_radius": float(first_order.enp_radius),
+        "rays": [],
+    }
+    pupil = float(first_order.enp_radius)
+    sequence.gaps[0].thi = BEFORE
+    sequence.update_model()
+    for height, azimuth, field in RAYS:
+        turn, tilt = math.radians(azimuth), math.radians(field)
+        start = [height * pupil * math.cos(turn), height * pupil * math.sin(turn), 0.0]
+        direction = [0.0, math.sin(tilt), math.cos(tilt)]
+        import numpy as np
+
+        ray, _, _ = raytrace.trace(sequence, np.array(start), np.array(direction), wavelength, check_apertures=False)
+        figures["rays"].append(
+            {
+                "origin": [start[0], start[1], -BEFORE],
+                "direction": direction,
+                "hits": [[float(x) for x in segment[0]] for segment in ray[1:-1]],
+                "out": [float(x) for x in ray[-2][1]],
+            }
+        )
+    return figures
+
+
+def by_optiland(path: Path) -> dict:
+    """Focal lengths, of what it reads."""
+    from optiland import fileio
+
+    read = {".zmx": "load_zemax_file", ".len": "load_oslo_file", ".seq": "load_codev_file"}[path.suffix]
+    optic = getattr(fileio, read)(str(path))
+    return {
+        "wavelength_nm": float(optic.primary_wavelength) * 1000.0,
+        "efl": float(optic.paraxial.f2()),
+        "entrance_pupil_radius": float(optic.paraxial.EPD()) / 2.0,
+    }
+
+
+def write_oslo() -> None:
+    """A lens as optiland writes it for OSLO: its triplet after Cooke."""
+    from optiland import fileio
+    from optiland.samples.objectives import CookeTriplet
+
+    fileio.save_oslo_file(CookeTriplet(), str(FOLDER / "cooke.len"))
+
+
+def main() -> None:
+    write_oslo()
+    figures = {"_packages": {name: version(name) for name in ("rayoptics", "optiland")}}
+    for path in sorted(FOLDER.glob("*.*")):
+        if path.suffix not in (".zmx", ".seq", ".len"):
+            continue
+        entry = {}
+        for name, of in (("rayoptics", by_rayoptics), ("optiland", by_optiland)):
+            try:
+                entry[name] = of(path)
+            except Exception as error:  # noqa: BLE001 - whatever a package cannot read it says nothing about
+                print(f"{path.name}: {name}: {type(error).__name__}: {error}")
+        figures[path.name] = entry
+        print(path.name, {name: round(values["efl"], 6) for name, values in entry.items()})
+    (FOLDER / "figures.json").write_text(json.dumps(figures, indent=1) + "\n")
+
+
+if __name__ == "__main__":
+    main()
