@@ -39,12 +39,20 @@ pytest_on() {
     timeout --kill-after=20 "$seconds" ".venv-$environment/bin/python" -m pytest -q "$@"
 }
 
-# finished JOB LOG: waits for what runs in the background, and says what it said.
-finished() {
-    ended=0
-    wait "$1" || ended=$?
-    cat "$2"
-    return $ended
+# kept LOG COMMAND...: keeps what a command says and, in LOG.status, how it ended.
+kept() {
+    log=$1 ended=0 started=$(date +%s)
+    shift
+    rm -f "$log.status"
+    "$@" >"$log" 2>&1 || ended=$?
+    echo "petzval: $(($(date +%s) - started)) s" >>"$log"
+    echo "$ended" >"$log.status"
+}
+
+# told LOG: says what `kept` has kept, and ends like it.
+told() {
+    cat "$1"
+    return "$(cat "$1.status" 2>/dev/null || echo 1)"
 }
 
 # Fetching the real Blender waits for the network and the disk mostly: it runs beside the Rust steps.
@@ -87,15 +95,23 @@ fi
 main=
 for environment in bpy52 bpy45; do if has $environment; then main=$environment && break; fi; done
 if [ -n "$main" ]; then
-    # The second Blender's tests run beside the first's: both wait for starting programs more than they compute.
+    # In two rows of about the same length, side by side: each waits for programs to start and for Blender's one thread about
+    # half of its time. One holds pictures beside Cycles, the other is the second Blender and then all else.
     second=
-    if [ "$main" != bpy45 ] && has bpy45; then
-        second=output/pytest-bpy45.log
-        pytest_on bpy45 2700 -m "not once and not real_blender and not window" >"$second" 2>&1 &
-        second_job=$!
-    fi
-    step "pytest, $main" pytest_on "$main" 2700 -m "not real_blender and not window"
-    [ -z "$second" ] || step "pytest, bpy45, the rest of its time" finished "$second_job" "$second"
+    if [ "$main" != bpy45 ] && has bpy45; then second=output/pytest-bpy45.log; fi
+    others=output/pytest-others.log
+    beside="tests/test_*against_cycles.py tests/test_parity.py tests/test_light_groups.py"
+    {
+        [ -z "$second" ] || kept "$second" pytest_on bpy45 2700 -m "not once and not real_blender and not window"
+        kept "$others" pytest_on "$main" 2700 -m "not real_blender and not window" \
+            --ignore-glob="*against_cycles.py" --ignore=tests/test_parity.py --ignore=tests/test_light_groups.py
+    } &
+    row=$!
+    # shellcheck disable=SC2086
+    step "pytest, $main, beside Cycles" pytest_on "$main" 2700 -m "not real_blender and not window" $beside
+    step "pytest, the rest of the other row" wait "$row"
+    [ -z "$second" ] || step "pytest, bpy45: see $second" told "$second"
+    step "pytest, $main, all else: see $others" told "$others"
     for environment in $more; do
         has "$environment" || continue
         step "pytest, $environment" pytest_on "$environment" 900 -m "not once and not real_blender and not window"
