@@ -158,7 +158,7 @@ def world_fog():
 @scene(
     "Fog of the world that lies low",
     tolerance=0.02,
-    why="Cycles loses light in worlds whose fog varies: the same fog in a large box agrees.",
+    why="Cycles loses light in worlds whose fog varies: the same fog in a large box agrees",
 )
 def world_low_fog():
     empty_studio(strength=0.1)
