@@ -3,8 +3,8 @@
 
 Run it in an environment of its own, for it needs neither Blender nor the engine:
 
-    python3 -m venv /tmp/packages && /tmp/packages/bin/pip install rayoptics optiland
-    /tmp/packages/bin/python tools/foreign-figures.py
+    python3 -m venv packages && packages/bin/pip install rayoptics optiland
+    packages/bin/python tools/foreign-figures.py
 
 Focal lengths are those at the file's reference wavelength. Rays start 10 units before the first surface; of each the hit on every
 surface is kept, in the coordinates of that surface, and the last direction. Lengths are in the file's own units.
