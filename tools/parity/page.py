@@ -101,7 +101,7 @@ def _row(scene: dict, name: str, found: dict, work: Path, pictures: Path) -> str
     title = scene["title"] + (f". *{scene['why'][0].upper()}{scene['why'][1:]}.*" if scene["why"] else "")
     worst = _percent(found["worst_block"])
     if len(found["looks"]) > 1:
-        title += f": {', '.join(found['looks'])}"
+        title += f". {', '.join(found['looks'])}"
         worst += f" ({found['worst_look']})"
     numbers = (
         f"{found['flip']:.4f} | {found['flip_of_halves']:.4f} | {worst} | {_percent(found['noise'])} "
