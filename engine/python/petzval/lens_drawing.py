@@ -15,8 +15,10 @@ _GLASS, _RIM, _MIRROR, _PALE = "#d3e5f2", "#33566f", "#20262b", "#8a939a"
 #: By field, as designers have them: the axis blue, then green and red.
 _FIELDS = ("#1f5fae", "#2d8a3e", "#c0392b", "#8e44ad", "#c77700", "#128a8a")
 _WIDTH_IN, _LEAST_IN, _MOST_IN = 10.0, 3.2, 8.0
-#: The stop's marks and the room about the lens, parts of its height.
+#: The stop's marks, of the lens's height, and the room about all, of its.
 _MARK, _ROOM = 0.09, 0.06
+#: Names of planes that are nearer, parts of the picture's width, would stand on one another.
+_NEAR = 0.03
 
 
 def check(out: Path) -> None:
@@ -67,7 +69,7 @@ def draw(found: dict[str, Any], axes: Any) -> None:
             axes.plot(*zip(*ray, strict=True), color=colour, linewidth=0.6, zorder=4, solid_joinstyle="bevel")
     if len(found["film"]) > 1:
         axes.plot(*zip(*found["film"], strict=True), color=_MIRROR, linewidth=1.8, zorder=5)
-    _stop(found, axes, high - low)
+    _stop(found, axes)
     _planes(found, axes, (left, right), high - low)
     for field, colour in zip(found["fields"], _colours(found), strict=True):
         said = f"{field['angle_deg']:.4g}°" + ("" if field["rays"] else " (dark)")
@@ -134,8 +136,9 @@ def _beside(points: list, hole_mm: float) -> list[list]:
     return [part for part in parts if len(part) > 1]
 
 
-def _stop(found: dict[str, Any], axes: Any, height: float) -> None:
+def _stop(found: dict[str, Any], axes: Any) -> None:
     surface, opening = found["surfaces"][found["stop"]], found["stop_semi_diameter_mm"]
+    height = 2.0 * max(abs(place[1]) for surface in found["surfaces"] for place in surface["points"])
     if not surface["points"]:
         return
     for side in (-1.0, 1.0):
@@ -147,11 +150,13 @@ def _stop(found: dict[str, Any], axes: Any, height: float) -> None:
 def _planes(found: dict[str, Any], axes: Any, seen: tuple[float, float], height: float) -> None:
     """Principal planes and pupils that lie in the picture."""
     short = 0.5 * height
-    for key, name in (("object_principal_plane_mm", "H"), ("image_principal_plane_mm", "H′")):
-        z = found[key]
-        if z is not None and seen[0] < z < seen[1]:
-            axes.plot([z, z], [-0.82 * short, 0.82 * short], color=_PALE, linewidth=0.8, dashes=(5, 3), zorder=1)
-            axes.text(z, 0.84 * short, name, color="#555555", ha="center", va="bottom")
+    planes = {"H": found["object_principal_plane_mm"], "H′": found["image_principal_plane_mm"]}
+    planes = {name: z for name, z in planes.items() if z is not None and seen[0] < z < seen[1]}
+    are_near = len(planes) == 2 and abs(planes["H"] - planes["H′"]) < _NEAR * (seen[1] - seen[0])
+    for name, z in planes.items():
+        side = ("right" if z == min(planes.values()) else "left") if are_near else "center"
+        axes.plot([z, z], [-0.82 * short, 0.82 * short], color=_PALE, linewidth=0.8, dashes=(5, 3), zorder=1)
+        axes.text(z, 0.84 * short, name, color="#555555", ha=side, va="bottom")
     for key, name in (("entrance_pupil", "EP"), ("exit_pupil", "XP")):
         z, diameter = found[key]["z_mm"], found[key]["diameter_mm"]
         if z is None or diameter is None or not seen[0] < z < seen[1] or diameter > height:
