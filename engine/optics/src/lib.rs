@@ -16,7 +16,7 @@
 //! either way; a [`pupil_map::PupilMap`] chooses where to aim from the film, an [`entrance_map::EntranceMap`] from the scene.
 //!
 //! A module uses only those that stand before it here: [`glass`] → [`lane`] → [`vector`] → [`surface`] → [`interface`] → [`single_surface`] → [`diaphragm`] →
-//! [`prescription`] → [`first_order`] → [`formats`] → [`system`] → [`transmission`] → [`trace`] → [`paraxial`] → [`focus`] → [`seidel`] → [`vignetting`] → [`gaussian`] → [`ghosts`] →
+//! [`prescription`] → [`first_order`] → [`formats`] → [`system`] → [`transmission`] → [`trace`] → [`paraxial`] → [`focus`] → [`seidel`] → [`field`] → [`vignetting`] → [`drawing`] → [`gaussian`] → [`ghosts`] →
 //! [`pupil_map`] → [`entrance_map`] → [`autofocus`] → [`ray_table`].
 //!
 //! A ray that is lost is a result: the surface and one of seven reasons. No value is ever NaN, and no input panics.
@@ -63,7 +63,9 @@
 
 pub mod autofocus;
 pub mod diaphragm;
+pub mod drawing;
 pub mod entrance_map;
+pub mod field;
 pub mod first_order;
 pub mod focus;
 pub mod formats;

@@ -8,10 +8,11 @@
 mod beam;
 mod survey;
 
+use crate::field::Field;
 use crate::focus::Focus;
 use crate::system::System;
 
-use beam::{Field, Probe, RimOfBeam};
+use beam::{Probe, RimOfBeam};
 use survey::Window;
 
 /// How far off the axis the beam comes through. Angles are those of the chief ray before the lens, in degrees; more
@@ -117,7 +118,7 @@ fn free_field(probe: &Probe, field: impl Fn(f64) -> Field) -> (Option<usize>, Op
     };
     let free = follow((0.0, axial), probe.widest_deg(), SHORTEST_STEP_DEG, |degrees, points| {
         let field = field(degrees);
-        let starts: Vec<_> = points.iter().map(|&point| probe.crossing(&field, point)).collect();
+        let starts: Vec<_> = points.iter().map(|&point| probe.origin.crossing(&field, point)).collect();
         probe.rim_of_beam(&field, &starts).ok().filter(passes).map(|rim| rim.points)
     });
     (None, free.map(|(degrees, _)| degrees))

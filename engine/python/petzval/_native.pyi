@@ -77,6 +77,27 @@ class Lens:
     ) -> str:
         """The input and output of `petzval lens trace`; `precision` is "f64" or "f32"."""
 
+def lens_drawing_json(
+    lens: Lens,
+    fields_deg: Sequence[float] = (),
+    rays: int = 7,
+    *,
+    wavelength_nm: float = ...,
+    scale: float | None = None,
+    focal_length_mm: float | None = None,
+    f_number: float | None = None,
+    blades: int = 0,
+    blade_curvature: float = 0.0,
+    blade_rotation_rad: float = 0.0,
+    aperture_mask: ApertureMask | None = None,
+    focus_distance_mm: float | None = None,
+) -> str:
+    """What `petzval lens draw` draws, in the y-z plane; places are [z, y] in lens space, mm. surfaces: a row each (points from the
+    lower rim to the upper, hole_mm, is_mirror, glass_behind or null); stop, its surface's index, and stop_semi_diameter_mm; fields:
+    angle_deg and rays, each a list of places from before the lens to the film, `rays` from each field evenly over what comes
+    through, none where nothing does; film, a line; and of `info_json` name, wavelength_nm, efl_mm, f_number, focus_distance_mm,
+    film_z_mm, the principal planes and the pupils. Without fields: the axis, 0.7 of the design's half field, and that."""
+
 def trace_surfaces_json(cases_json: str, *, precision: str = "f64") -> str:
     """The input and output of `petzval surface trace`; `precision` is "f64", "f32" or "printed"."""
 

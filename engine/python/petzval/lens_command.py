@@ -1,5 +1,5 @@
 # SPDX-License-Identifier: GPL-3.0-or-later
-"""`petzval lens check|convert|info|trace`: reads arguments, asks the engine, prints its answer. Computes nothing."""
+"""`petzval lens check|convert|draw|info|trace`: reads arguments, asks the engine, prints its answer. Computes nothing."""
 
 from __future__ import annotations
 
@@ -37,6 +37,21 @@ def add_parser(subparsers: argparse._SubParsersAction) -> None:
     convert.add_argument("lens", metavar="IN", help=f"{KINDS}, or the name of a shipped lens")
     convert.add_argument("out", metavar="OUT", help="a .lens or .zmx file")
     convert.set_defaults(run=_convert)
+
+    draw = actions.add_parser("draw", help="the lens and the light through it, as a picture", allow_abbrev=False)
+    draw.add_argument("lens", metavar="FILE", help=f"a lens file ({KINDS}), or the name of a shipped lens")
+    draw.add_argument("-o", "--output", required=True, metavar="OUT", help="the picture: .svg, .png or .pdf; or .json")
+    draw.add_argument(
+        "--fields", nargs="+", type=_number, default=[], metavar="DEG",
+        help="angles to the axis; default: 0, and 0.7 and all of the design's half field",
+    )  # fmt: skip
+    draw.add_argument("--rays", type=int, default=7, metavar="N", help="of each field; default: 7")
+    draw.add_argument("--wavelength", type=_number, metavar="NM", help="nanometres; default: the d line")
+    _add_setting(draw)
+    draw.add_argument(
+        "--focus-distance", type=_distance, metavar="MM|inf", help="from the entrance pupil to what is sharp"
+    )
+    draw.set_defaults(run=_draw)
 
     info = actions.add_parser("info", help="focal length, planes, pupils, aberrations", allow_abbrev=False)
     info.add_argument("lens", metavar="FILE", help=f"a lens file ({KINDS}), or the name of a shipped lens")
@@ -204,6 +219,27 @@ def _convert(arguments: argparse.Namespace) -> int:
     except OSError as error:
         raise CommandError(f"cannot write {out}: {error.strerror or error}: choose another place") from None
     print(f"{out}: {lens.name}, {lens.surface_count} surfaces")
+    return 0
+
+
+def _draw(arguments: argparse.Namespace) -> int:
+    from . import _native, lens_drawing
+
+    out = Path(arguments.output)
+    lens_drawing.check(out)
+    options = _given(wavelength_nm=arguments.wavelength, focus_distance_mm=arguments.focus_distance)
+    lens = _load(arguments.lens)
+    answer = _native.lens_drawing_json(lens, arguments.fields, arguments.rays, **options, **_setting(arguments))
+    found = json.loads(answer)
+    try:
+        lens_drawing.write(found, out)
+    except OSError as error:
+        raise CommandError(f"cannot write {out}: {error.strerror or error}: choose another place") from None
+    dark = [
+        f"nothing comes through from {field['angle_deg']:g} degrees" for field in found["fields"] if not field["rays"]
+    ]
+    _say([*lens.remarks, *_beyond(lens, [found["wavelength_nm"]]), *dark])
+    print(f"{out}: {found['name']}")
     return 0
 
 

@@ -91,11 +91,7 @@ impl Lens {
             blade_curvature,
         };
         let system = self.system(&settings, aperture_mask)?;
-        let finite_distance_mm = focus_distance_mm.filter(|d| *d != f64::INFINITY);
-        let focus = match finite_distance_mm {
-            Some(distance) => Focus::at_distance(&system, wavelength_nm, distance)?,
-            None => Focus::at_infinity(&system, wavelength_nm),
-        };
+        let focus = focus_at(&system, wavelength_nm, focus_distance_mm)?;
         let p = Paraxial::new(&system, wavelength_nm);
         let seidel = Seidel::new(&system, wavelength_nm, focus.object_plane_mm);
         let fields = away(py, || Vignetting::new(&system, wavelength_nm, &focus))?;
@@ -129,7 +125,7 @@ impl Lens {
             "stop_diameter_mm": p.stop_diameter_mm,
             "stop_area_mm2": system.diaphragm().area_mm2(),
             "f_number_by_area": p.f_number.map(|n| n * rounded(&system)),
-            "focus_distance_mm": finite_distance_mm,
+            "focus_distance_mm": focus_distance_mm.filter(|d| *d != f64::INFINITY),
             "object_plane_mm": focus.object_plane_mm,
             "magnification": focus.magnification,
             "film_z_mm": focus.film_z_mm,
@@ -195,7 +191,7 @@ impl Lens {
 }
 
 impl Lens {
-    fn system(&self, settings: &SystemSettings, mask: Option<PyApertureMask>) -> Result<System, Error> {
+    pub(crate) fn system(&self, settings: &SystemSettings, mask: Option<PyApertureMask>) -> Result<System, Error> {
         let system = System::new(&self.prescription, settings)?;
         match mask {
             Some(mask) => {
@@ -207,12 +203,20 @@ impl Lens {
     }
 }
 
-fn focal_length(scale: Option<f64>, focal_mm: Option<f64>) -> FocalLength {
+pub(crate) fn focal_length(scale: Option<f64>, focal_mm: Option<f64>) -> FocalLength {
     match (focal_mm, scale) {
         (Some(mm), _) => FocalLength::Millimetres(mm),
         (None, Some(s)) => FocalLength::Scale(s),
         (None, None) => FocalLength::AsPublished,
     }
+}
+
+/// A distance from the entrance pupil; `None` is infinity.
+pub(crate) fn focus_at(system: &System, wavelength_nm: f64, distance_mm: Option<f64>) -> Result<Focus, Error> {
+    Ok(match distance_mm.filter(|d| *d != f64::INFINITY) {
+        Some(distance) => Focus::at_distance(system, wavelength_nm, distance)?,
+        None => Focus::at_infinity(system, wavelength_nm),
+    })
 }
 
 /// How much wider in radius than a round opening of the diaphragm's own area is the circle that holds it.
@@ -221,7 +225,7 @@ fn rounded(system: &System) -> f64 {
     diaphragm.radius_mm() * (PI / diaphragm.area_mm2()).sqrt()
 }
 
-fn check_wavelength(nm: f64) -> Result<(), Error> {
+pub(crate) fn check_wavelength(nm: f64) -> Result<(), Error> {
     if (100.0..=20_000.0).contains(&nm) {
         return Ok(());
     }

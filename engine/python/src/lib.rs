@@ -5,6 +5,7 @@ mod camera;
 mod compiled;
 mod curves;
 mod doorway;
+mod drawing;
 mod edges;
 mod error;
 mod focusing;
@@ -52,6 +53,7 @@ fn _native(m: &Bound<'_, PyModule>) -> PyResult<()> {
     m.add_function(wrap_pyfunction!(focusing::autofocus_json, m)?)?;
     m.add_function(wrap_pyfunction!(focusing::autofocus_by_json, m)?)?;
     m.add_function(wrap_pyfunction!(focusing::sharp_points_json, m)?)?;
+    m.add_function(wrap_pyfunction!(drawing::lens_drawing_json, m)?)?;
     m.add_function(wrap_pyfunction!(edges::random_per_island, m)?)?;
     m.add_function(wrap_pyfunction!(edges::pointiness, m)?)?;
     m.add_function(wrap_pyfunction!(memory::free_memory_bytes, m)?)?;

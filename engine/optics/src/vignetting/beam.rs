@@ -4,10 +4,11 @@ use std::f64::consts::TAU;
 
 use glam::{DMat2, DVec2, DVec3};
 
+use crate::field::{Field, Origin};
 use crate::paraxial::Paraxial;
 use crate::prescription::{Behind, Metadata, Place, Prescription, SurfaceRow};
 use crate::system::{Element, Surface, System, SystemSettings};
-use crate::trace::{Ray, Tracer};
+use crate::trace::Tracer;
 use crate::vector::Vector;
 
 /// Surfaces without a rim reach so many lengths of the lens from the axis, if their shape does.
@@ -23,26 +24,6 @@ const MOST_HALVINGS: u32 = 12;
 const DIFFERENCE: f64 = 1e-5;
 /// What a ray that is lost behind the stop counts as, in radii of a rim.
 pub(super) const LOST: f64 = 4.0;
-
-/// A direction of view. Its rays are told apart by where they cross the plane at right angles to it through the first
-/// vertex.
-pub(super) struct Field {
-    along: DVec3,
-    across: DVec3,
-    up: DVec3,
-}
-
-impl Field {
-    /// Light that comes from `angle_rad` beside the axis and goes towards `azimuth`, a unit vector of x and y.
-    pub(super) fn new(angle_rad: f64, [x, y]: [f64; 2]) -> Self {
-        let (sin, cos) = angle_rad.sin_cos();
-        Self {
-            along: DVec3::new(sin * x, sin * y, cos),
-            across: DVec3::new(y, -x, 0.0),
-            up: DVec3::new(cos * x, cos * y, -sin),
-        }
-    }
-}
 
 /// Where a ray goes.
 pub(super) struct Passage {
@@ -71,8 +52,7 @@ pub(super) struct RimOfBeam {
 pub(super) struct Probe<'a> {
     system: &'a System,
     tracer: Tracer,
-    object_z_mm: Option<f64>,
-    pupil_z_mm: f64,
+    pub(super) origin: Origin,
     pupil_radius_mm: f64,
 }
 
@@ -83,31 +63,21 @@ impl<'a> Probe<'a> {
         Some(Self {
             system,
             tracer: without_rims(system)?.at_wavelength(wavelength_nm),
-            object_z_mm,
-            pupil_z_mm: pupil.z_mm?,
+            origin: Origin { object_z_mm, pupil_z_mm: pupil.z_mm? },
             pupil_radius_mm: pupil.diameter_mm? / 2.0,
         })
     }
 
     /// No field is wider, in degrees: a plane is seen under less than 90.
     pub(super) fn widest_deg(&self) -> f64 {
-        if self.object_z_mm.is_some() { 89.9 } else { 180.0 }
+        if self.origin.object_z_mm.is_some() { 89.9 } else { 180.0 }
     }
 
-    /// The ray of `field` that crosses its plane at `at`.
-    fn ray(&self, field: &Field, at: DVec2) -> Ray {
-        let target = field.across * at.x + field.up * at.y;
-        let Some(object_z) = self.object_z_mm else { return Ray { origin: target, direction: field.along } };
-        let pupil = DVec3::new(0.0, 0.0, self.pupil_z_mm);
-        let origin = pupil - field.along * ((self.pupil_z_mm - object_z) / field.along.z);
-        Ray { origin, direction: (target - origin).normalize_or(DVec3::Z) }
-    }
-
-    /// Where that ray goes; the index of the surface that ends it before the stop.
+    /// Where the ray of `field` goes that crosses its plane at `at`; the index of the surface that ends it before the stop.
     pub(super) fn pass(&self, field: &Field, at: DVec2) -> Result<Passage, usize> {
         let surfaces = self.system.surfaces();
         let mut hits = Vec::with_capacity(surfaces.len());
-        let result = self.tracer.from_scene_recording(self.ray(field, at), &mut hits);
+        let result = self.tracer.from_scene_recording(self.origin.ray(field, at), &mut hits);
         let stop = self.system.stop();
         let (reach, surface) = match result {
             Err(lost) if lost.surface <= stop => return Err(lost.surface),
@@ -127,16 +97,8 @@ impl<'a> Probe<'a> {
 
     /// About where rays along the axis cross the plane of their field to pass the rim of the stop.
     pub(super) fn paraxial_rim(&self) -> Vec<DVec2> {
-        let spread = self.object_z_mm.map_or(1.0, |z| z / (z - self.pupil_z_mm));
+        let spread = self.origin.object_z_mm.map_or(1.0, |z| z / (z - self.origin.pupil_z_mm));
         rim_targets().map(|target| target * (self.pupil_radius_mm * spread)).collect()
-    }
-
-    /// Where the ray of `field` through a place crosses its plane.
-    pub(super) fn crossing(&self, field: &Field, place: DVec3) -> DVec2 {
-        let Ray { origin, direction } = self.ray(field, DVec2::ZERO);
-        let way = if self.object_z_mm.is_some() { place - origin } else { direction };
-        let target = place - way * (place.dot(field.along) / way.dot(field.along));
-        DVec2::new(target.dot(field.across), target.dot(field.up))
     }
 
     /// The rays of `field` past the rim of the stop, looked for from `starts`; a surface that keeps some from there.

@@ -2,7 +2,9 @@
 
 use glam::DVec2;
 
-use super::beam::{Field, LOST, Probe};
+use crate::field::Field;
+
+use super::beam::{LOST, Probe};
 
 /// Rays along one side of a window. More see smaller beams and measure their area better.
 const SIDE: usize = 33;

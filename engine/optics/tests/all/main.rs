@@ -1,6 +1,7 @@
 //! All that the crate promises, in one program: what is generic in the tracer is compiled once.
 
 mod common;
+mod drawing;
 mod elements;
 mod flood;
 mod focus_scale;

@@ -1,0 +1,179 @@
+# SPDX-License-Identifier: GPL-3.0-or-later
+"""The drawing of a lens, from what the engine says of its surfaces and rays. Needs matplotlib."""
+
+from __future__ import annotations
+
+import json
+from pathlib import Path
+from typing import Any
+
+from .errors import CommandError
+
+#: By ending, what is written.
+PICTURES = (".svg", ".png", ".pdf")
+_GLASS, _RIM, _MIRROR, _PALE = "#d3e5f2", "#33566f", "#20262b", "#8a939a"
+#: By field, as designers have them: the axis blue, then green and red.
+_FIELDS = ("#1f5fae", "#2d8a3e", "#c0392b", "#8e44ad", "#c77700", "#128a8a")
+_WIDTH_IN, _LEAST_IN, _MOST_IN = 10.0, 3.2, 8.0
+#: The stop's marks, of the lens's height, and the room about all, of its.
+_MARK, _ROOM = 0.09, 0.06
+#: Names of planes that are nearer, parts of the picture's width, would stand on one another.
+_NEAR = 0.03
+
+
+def check(out: Path) -> None:
+    """Raises `CommandError` where nothing can be written so."""
+    if out.suffix.lower() not in (*PICTURES, ".json"):
+        raise CommandError(f"cannot draw into {out}: its ending is not .svg, .png, .pdf or .json: change --output")
+    if out.suffix.lower() != ".json":
+        try:
+            import matplotlib  # noqa: F401
+        except ImportError:
+            raise CommandError(f"cannot draw {out}: there is no matplotlib: pip install 'petzval[plots]'") from None
+
+
+def write(found: dict[str, Any], out: Path) -> None:
+    """Writes `lens_drawing_json`'s object, drawn or as it is."""
+    if out.suffix.lower() == ".json":
+        out.write_text(json.dumps(found) + "\n", encoding="utf-8")
+        return
+    import matplotlib
+
+    matplotlib.use("Agg")
+    from matplotlib import pyplot
+
+    with pyplot.rc_context({"font.size": 9, "svg.hashsalt": "petzval", "svg.fonttype": "none"}):
+        left, right, low, high = _extent(found)
+        height = min(max(_WIDTH_IN * (high - low) / (right - left), _LEAST_IN), _MOST_IN)
+        figure = pyplot.figure(figsize=(_WIDTH_IN, height + 1.0))
+        axes = figure.add_axes((0.03, 0.55 / (height + 1.0), 0.94, (height - 0.05) / (height + 1.0)))
+        draw(found, axes)
+        figure.legend(loc="lower left", bbox_to_anchor=(0.02, 0.0), ncols=len(_FIELDS), frameon=False, handlelength=1.4)
+        figure.text(0.03, 0.985, found["name"], fontsize=11, weight="bold", va="top")
+        figure.text(0.97, 0.985, _facts(found), color="#444444", va="top", ha="right")
+        metadata = {".svg": {"Date": None}, ".png": {"Software": None}, ".pdf": {"CreationDate": None}}
+        figure.savefig(out, dpi=150, metadata=metadata[out.suffix.lower()])
+        pyplot.close(figure)
+
+
+def draw(found: dict[str, Any], axes: Any) -> None:
+    """Into a matplotlib axes."""
+    left, right, low, high = _extent(found)
+    axes.set_xlim(left, right)
+    axes.set_ylim(low, high)
+    axes.set_aspect("equal")
+    axes.axhline(0.0, color=_PALE, linewidth=0.6, dashes=(12, 3, 2, 3), zorder=0)
+    _elements(found, axes)
+    for field, colour in zip(found["fields"], _colours(found), strict=True):
+        for ray in field["rays"]:
+            axes.plot(*zip(*ray, strict=True), color=colour, linewidth=0.6, zorder=4, solid_joinstyle="bevel")
+    if len(found["film"]) > 1:
+        axes.plot(*zip(*found["film"], strict=True), color=_MIRROR, linewidth=1.8, zorder=5)
+    _stop(found, axes)
+    _planes(found, axes, (left, right), high - low)
+    for field, colour in zip(found["fields"], _colours(found), strict=True):
+        said = f"{field['angle_deg']:.4g}°" + ("" if field["rays"] else " (dark)")
+        axes.plot([], [], color=colour, linewidth=1.5, label=said)
+    axes.spines[["top", "left", "right"]].set_visible(False)
+    axes.set_yticks([])
+    axes.set_xlabel("mm from the first vertex", loc="right", color="#444444")
+    axes.tick_params(axis="x", colors="#444444", length=3)
+    axes.spines["bottom"].set_color(_PALE)
+
+
+def _colours(found: dict[str, Any]) -> list[str]:
+    return [_FIELDS[i % len(_FIELDS)] for i in range(len(found["fields"]))]
+
+
+def _extent(found: dict[str, Any]) -> tuple[float, float, float, float]:
+    """Left, right, low and high of what is drawn, with room about it."""
+    places = [place for surface in found["surfaces"] for place in surface["points"]]
+    places += [place for field in found["fields"] for ray in field["rays"] for place in ray]
+    places += [*found["film"], [found["film_z_mm"], 0.0]]
+    depths, heights = zip(*places, strict=True)
+    left, right = min(depths), max(depths)
+    high = max(max(heights), -min(heights), 0.05 * (right - left)) * (1.0 + 2.0 * _ROOM)
+    room = 0.02 * (right - left)
+    return left - room, right + room, -high, high
+
+
+def _elements(found: dict[str, Any], axes: Any) -> None:
+    from matplotlib.patches import Polygon
+
+    surfaces = found["surfaces"]
+    for surface, after in zip(surfaces, surfaces[1:], strict=False):
+        if surface["glass_behind"] is not None:
+            outline = _outline(surface["points"], after["points"])
+            axes.add_patch(Polygon(outline, closed=True, facecolor=_GLASS, edgecolor=_RIM, linewidth=0.8, zorder=2))
+    for i, surface in enumerate(surfaces):
+        if surface["is_mirror"]:
+            for part in _beside(surface["points"], surface["hole_mm"]):
+                axes.plot(*zip(*part, strict=True), color=_MIRROR, linewidth=2.4, zorder=3, solid_capstyle="butt")
+        elif surface["hole_mm"] > 0.0 and i != found["stop"]:
+            # Something dark in the middle.
+            inside = [place for place in surface["points"] if abs(place[1]) <= surface["hole_mm"]]
+            if len(inside) > 1:
+                axes.plot(*zip(*inside, strict=True), color=_MIRROR, linewidth=2.4, zorder=3, solid_capstyle="butt")
+
+
+def _outline(front: list, back: list) -> list:
+    """About the glass between two surfaces: the smaller one's rim goes straight out to the larger one's height."""
+
+    def out_to(rim: list, other: list) -> list:
+        return [[rim[0], other[1]]] if abs(other[1]) > abs(rim[1]) else []
+
+    return [
+        *out_to(front[0], back[0]), *front, *out_to(front[-1], back[-1]),
+        *out_to(back[-1], front[-1]), *reversed(back), *out_to(back[0], front[0]),
+    ]  # fmt: skip
+
+
+def _beside(points: list, hole_mm: float) -> list[list]:
+    """A surface's line, in two where its middle is missing."""
+    if hole_mm <= 0.0:
+        return [points]
+    parts = [[place for place in points if side * place[1] >= hole_mm] for side in (-1.0, 1.0)]
+    return [part for part in parts if len(part) > 1]
+
+
+def _stop(found: dict[str, Any], axes: Any) -> None:
+    surface, opening = found["surfaces"][found["stop"]], found["stop_semi_diameter_mm"]
+    height = 2.0 * max(abs(place[1]) for surface in found["surfaces"] for place in surface["points"])
+    if not surface["points"]:
+        return
+    for side in (-1.0, 1.0):
+        z = min(surface["points"], key=lambda place: abs(place[1] - side * opening))[0]
+        ends = [side * opening, side * (opening + _MARK * height)]
+        axes.plot([z, z], ends, color="black", linewidth=2.2, zorder=6, solid_capstyle="butt")
+
+
+def _planes(found: dict[str, Any], axes: Any, seen: tuple[float, float], height: float) -> None:
+    """Principal planes and pupils that lie in the picture."""
+    short = 0.5 * height
+    planes = {"H": found["object_principal_plane_mm"], "H′": found["image_principal_plane_mm"]}
+    planes = {name: z for name, z in planes.items() if z is not None and seen[0] < z < seen[1]}
+    are_near = len(planes) == 2 and abs(planes["H"] - planes["H′"]) < _NEAR * (seen[1] - seen[0])
+    for name, z in planes.items():
+        side = ("right" if z == min(planes.values()) else "left") if are_near else "center"
+        axes.plot([z, z], [-0.82 * short, 0.82 * short], color=_PALE, linewidth=0.8, dashes=(5, 3), zorder=1)
+        axes.text(z, 0.84 * short, name, color="#555555", ha=side, va="bottom")
+    for key, name in (("entrance_pupil", "EP"), ("exit_pupil", "XP")):
+        z, diameter = found[key]["z_mm"], found[key]["diameter_mm"]
+        if z is None or diameter is None or not seen[0] < z < seen[1] or diameter > height:
+            continue
+        for side in (-0.5, 0.5):
+            axes.plot(z, side * diameter, marker="_", markersize=9, color="#7d3c98", zorder=6)
+        axes.plot([z, z], [-0.5 * diameter, 0.5 * diameter], color="#7d3c98", linewidth=0.7, dashes=(2, 2), zorder=1)
+        axes.text(z, -0.5 * diameter - 0.012 * height, name, color="#7d3c98", ha="center", va="top", fontsize=8)
+
+
+def _facts(found: dict[str, Any]) -> str:
+    facts = []
+    if found["efl_mm"] is not None:
+        facts.append(f"f = {found['efl_mm']:.5g} mm")
+    if found["f_number"] is not None:
+        facts.append(f"F/{found['f_number']:.3g}")
+    distance = found["focus_distance_mm"]
+    facts.append("focused at infinity" if distance is None else f"focused at {distance:.5g} mm")
+    facts.append(f"{found['wavelength_nm']:.4g} nm")
+    return "   ".join(facts)

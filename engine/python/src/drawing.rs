@@ -1,0 +1,77 @@
+//! Drawings of lenses, for `petzval lens draw`.
+
+use crate::camera::PyApertureMask;
+use crate::doorway::away;
+use crate::error::{Error, refused};
+use crate::lens::{Lens, check_wavelength, focal_length, focus_at};
+use petzval_optics::drawing::Drawing;
+use petzval_optics::paraxial::{Paraxial, Pupil};
+use petzval_optics::system::SystemSettings;
+use pyo3::prelude::*;
+use serde_json::json;
+
+/// More rays make no drawing.
+const MOST_RAYS: usize = 1000;
+
+/// See the stub.
+#[pyfunction]
+#[pyo3(signature = (lens, fields_deg = Vec::new(), rays = 7, *, wavelength_nm = 587.5618, scale = None,
+    focal_length_mm = None, f_number = None, blades = 0, blade_curvature = 0.0, blade_rotation_rad = 0.0,
+    aperture_mask = None, focus_distance_mm = None))]
+#[allow(clippy::too_many_arguments)]
+pub(crate) fn lens_drawing_json(
+    py: Python<'_>,
+    lens: &Lens,
+    fields_deg: Vec<f64>,
+    rays: usize,
+    wavelength_nm: f64,
+    scale: Option<f64>,
+    focal_length_mm: Option<f64>,
+    f_number: Option<f64>,
+    blades: u32,
+    blade_curvature: f64,
+    blade_rotation_rad: f64,
+    aperture_mask: Option<PyApertureMask>,
+    focus_distance_mm: Option<f64>,
+) -> Result<String, Error> {
+    check_wavelength(wavelength_nm)?;
+    if !(1..=MOST_RAYS).contains(&rays) {
+        return Err(refused(format!("{rays} rays a field: give 1 to {MOST_RAYS}")));
+    }
+    if let Some(angle) = fields_deg.iter().find(|angle| !(angle.abs() <= 180.0)) {
+        return Err(refused(format!("a field of {angle} degrees: give angles from -180 to 180")));
+    }
+    let focal_length = focal_length(scale, focal_length_mm);
+    let settings = SystemSettings { focal_length, f_number, blades, blade_rotation_rad, blade_curvature };
+    let system = lens.system(&settings, aperture_mask)?;
+    let focus = focus_at(&system, wavelength_nm, focus_distance_mm)?;
+    let drawing = away(py, || {
+        let usual = || Drawing::usual_angles_deg(&system, &focus, wavelength_nm);
+        let angles = if fields_deg.is_empty() { usual() } else { fields_deg };
+        Drawing::new(&system, &focus, wavelength_nm, &angles, rays)
+    })?;
+    let p = Paraxial::new(&system, wavelength_nm);
+    let pupil = |p: &Pupil| json!({ "z_mm": p.z_mm, "diameter_mm": p.diameter_mm });
+    let surfaces = drawing.surfaces.iter().map(|s| {
+        json!({ "points": s.points, "hole_mm": s.hole_mm, "is_mirror": s.is_mirror, "glass_behind": s.glass_behind })
+    });
+    let fields = drawing.fields.iter().map(|field| json!({ "angle_deg": field.angle_deg, "rays": field.rays }));
+    Ok(json!({
+        "name": system.name(),
+        "wavelength_nm": wavelength_nm,
+        "efl_mm": p.efl_mm,
+        "f_number": p.f_number,
+        "focus_distance_mm": focus_distance_mm.filter(|d| d.is_finite()),
+        "film_z_mm": focus.film_z_mm,
+        "object_principal_plane_mm": p.object_principal_plane_mm,
+        "image_principal_plane_mm": p.image_principal_plane_mm,
+        "entrance_pupil": pupil(&p.entrance_pupil),
+        "exit_pupil": pupil(&p.exit_pupil),
+        "surfaces": surfaces.collect::<Vec<_>>(),
+        "stop": drawing.stop,
+        "stop_semi_diameter_mm": drawing.stop_semi_diameter_mm,
+        "fields": fields.collect::<Vec<_>>(),
+        "film": drawing.film,
+    })
+    .to_string())
+}
