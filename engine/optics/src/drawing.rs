@@ -2,7 +2,7 @@
 //!
 //! Places are (z, y) in lens space, mm.
 
-use std::f64::consts::FRAC_PI_3;
+use std::f64::consts::{FRAC_PI_2, FRAC_PI_3};
 
 use glam::{DVec2, DVec3};
 
@@ -61,11 +61,12 @@ pub struct Drawing {
 }
 
 impl Drawing {
-    /// The fields of a drawing: the axis, 0.7 of the design's half field, and that; where the lens says none, the half field
-    /// where half of the light is left.
+    /// The fields of a drawing: the axis, 0.7 of the design's half field, and that. Where the lens says none, or as it stands is
+    /// dark there: the half field where half of the light is left.
     pub fn usual_angles_deg(system: &System, focus: &Focus, wavelength_nm: f64) -> Vec<f64> {
-        let half_light = || Vignetting::new(system, wavelength_nm, focus).half_field_deg;
-        let half = system.half_field_deg().or_else(half_light).filter(|half| *half > 0.0);
+        let seen = Vignetting::new(system, wavelength_nm, focus);
+        let is_lit = |half: &f64| seen.largest_field_deg.is_none_or(|largest| *half < largest);
+        let half = system.half_field_deg().filter(is_lit).or(seen.half_field_deg).filter(|half| *half > 0.0);
         half.map_or(vec![0.0], |half| vec![0.0, 0.7 * half, half])
     }
 
@@ -83,7 +84,8 @@ impl Drawing {
         let fields: Vec<FieldRays> = angles_deg.iter().map(|&angle| beams.field(angle, count.max(1))).collect();
         let ends = fields.iter().flat_map(|field| &field.rays).filter_map(|ray| ray.last()).map(|end| end[1]);
         let reach = ends.fold(0.0, |reach: f64, y| reach.max(y.abs()));
-        let at = |i: u32| film.point(0.0, reach * (2.0 * f64::from(i) / f64::from(PLACES) - 1.0));
+        // Closer to one another towards the ends, where a retina is steep.
+        let at = |i: u32| film.point(0.0, reach * (FRAC_PI_2 * (2.0 * f64::from(i) / f64::from(PLACES) - 1.0)).sin());
         Self {
             film: (0..=PLACES).map(|i| flat(at(i))).collect(),
             fields,

@@ -154,7 +154,8 @@ def _planes(found: dict[str, Any], axes: Any, seen: tuple[float, float], height:
     planes = {name: z for name, z in planes.items() if z is not None and seen[0] < z < seen[1]}
     are_near = len(planes) == 2 and abs(planes["H"] - planes["H′"]) < _NEAR * (seen[1] - seen[0])
     for name, z in planes.items():
-        side = ("right" if z == min(planes.values()) else "left") if are_near else "center"
+        is_first = (z, name) == min((z, name) for name, z in planes.items())
+        side = ("right" if is_first else "left") if are_near else "center"
         axes.plot([z, z], [-0.82 * short, 0.82 * short], color=_PALE, linewidth=0.8, dashes=(5, 3), zorder=1)
         axes.text(z, 0.84 * short, name, color="#555555", ha=side, va="bottom")
     for key, name in (("entrance_pupil", "EP"), ("exit_pupil", "XP")):

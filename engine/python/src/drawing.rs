@@ -38,7 +38,7 @@ pub(crate) fn lens_drawing_json(
     if !(1..=MOST_RAYS).contains(&rays) {
         return Err(refused(format!("{rays} rays a field: give 1 to {MOST_RAYS}")));
     }
-    if let Some(angle) = fields_deg.iter().find(|angle| !(angle.abs() <= 180.0)) {
+    if let Some(angle) = fields_deg.iter().find(|angle| !(-180.0..=180.0).contains(*angle)) {
         return Err(refused(format!("a field of {angle} degrees: give angles from -180 to 180")));
     }
     let focal_length = focal_length(scale, focal_length_mm);

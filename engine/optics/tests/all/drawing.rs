@@ -1,12 +1,12 @@
 //! Drawings: what they show is where the lens is and where light goes.
 
-use crate::common::{ASPHERES, lens_names, prescription, system};
+use crate::common::{ASPHERES, lens_names, prescription, repository, system};
 use petzval_optics::drawing::Drawing;
 use petzval_optics::focus::Focus;
 use petzval_optics::formats::lens;
 use petzval_optics::glass::Catalogue;
 use petzval_optics::glass::line_nm::D;
-use petzval_optics::system::{System, SystemSettings};
+use petzval_optics::system::{FocalLength, System, SystemSettings};
 
 fn drawn(system: &System, angles_deg: &[f64], count: usize) -> Drawing {
     Drawing::new(system, &Focus::at_infinity(system, D), D, angles_deg, count)
@@ -119,4 +119,16 @@ fn usual_angles_are_those_of_the_design() {
     let unsaid = System::new(&unsaid, &SystemSettings::default()).unwrap();
     let found = Drawing::usual_angles_deg(&unsaid, &Focus::at_infinity(&unsaid, D), D);
     assert!(found.len() == 3 && (5.0..40.0).contains(&found[2]), "{found:?}");
+    // A zoom at its long end does not see as far as its file says of the short one.
+    let zoom = zoom_at(143.0);
+    let found = Drawing::usual_angles_deg(&zoom, &Focus::at_infinity(&zoom, D), D);
+    assert!(found.len() == 3 && found[2] < 10.0, "{found:?}");
+    assert!(drawn(&zoom, &found, 3).fields.iter().all(|field| field.rays.len() == 3));
+}
+
+fn zoom_at(focal_length_mm: f64) -> System {
+    let path = repository("lenses").join("zoom-nikon-57-143-f2.8.lens");
+    let lens = lens::read(&path, Catalogue::shipped()).unwrap();
+    let focal_length = FocalLength::Millimetres(focal_length_mm);
+    System::new(&lens, &SystemSettings { focal_length, ..SystemSettings::default() }).unwrap()
 }
