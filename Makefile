@@ -5,8 +5,9 @@ DEMO_LENS = lenses/wide-angle-smith-f3.4.lens
 DEMO_OPTIONS =
 BENCH_OPTIONS =
 PARITY_OPTIONS =
+INSTRUCTIONS_OPTIONS =
 
-.PHONY: help demo test test-all lint setup build extension speed price accuracy-cost bench parity numerics clean
+.PHONY: help demo test test-all lint setup build extension speed price accuracy-cost bench parity instructions numerics clean
 
 help: ## what there is to make
 	@sed -n 's/^\([a-z-]*\):.*## \(.*\)/\1\t\2/p' Makefile | expand -t 12
@@ -59,6 +60,10 @@ bench: build ## Petzval beside Cycles and Mitsuba, into docs/performance.md; BEN
 parity: build ## Petzval beside Cycles, scene by scene, into docs/parity.md; PARITY_OPTIONS="--only sun" to try
 	@tools/setup-python.sh bench
 	@PYTHONPATH=tools .venv-bench/bin/python -m parity $(PARITY_OPTIONS)
+
+instructions: ## count the instructions of a sample, beside those kept; INSTRUCTIONS_OPTIONS=--keep keeps them
+	@cargo build --quiet --release --locked -p petzval-render --example path_kernel
+	@python3 tools/instructions.py $(INSTRUCTIONS_OPTIONS)
 
 numerics: ## hold the lens tracer against exact numbers, and write docs/numerics.md
 	@cargo run --release --quiet -p petzval-optics --example numerics

@@ -6,7 +6,7 @@ tools/instructions.json. A report, never a failure: what it counts is stable, bu
     tools/instructions.py           counts and compares
     tools/instructions.py --keep    counts and keeps
 
-Needs valgrind, and the example path_kernel as `cargo test` builds it.
+Needs valgrind, and the example path_kernel as `make instructions` builds it.
 """
 
 from __future__ import annotations
@@ -28,7 +28,7 @@ def kernel() -> Path:
     done = subprocess.run(
         ["cargo", "metadata", "--no-deps", "--format-version=1"], cwd=ROOT, capture_output=True, text=True, check=True
     )
-    return Path(json.loads(done.stdout)["target_directory"]) / "debug/examples/path_kernel"
+    return Path(json.loads(done.stdout)["target_directory"]) / "release/examples/path_kernel"
 
 
 def instructions(program: Path, camera: str, samples: int) -> int:
@@ -44,7 +44,7 @@ def main() -> int:
         return 0
     program = kernel()
     if not program.exists():
-        print(f"instructions of a sample: not counted, {program.name} is not built; run cargo test first")
+        print(f"instructions of a sample: not counted, {program.name} is not built: make instructions")
         return 0
     kept = json.loads(KEPT.read_text()) if KEPT.exists() else {}
     counts = {}

@@ -76,8 +76,6 @@ step "cargo clippy" cargo clippy --quiet --all-targets --workspace --locked -- -
 # Examples, which clippy has compiled, are left out: the tracer's kernels are long to make for each program.
 step "cargo test" cargo test --quiet --locked --lib --tests
 step "cargo test --doc" cargo test --quiet --locked --doc
-# A report, not a test: what a sample costs in instructions, beside what it cost when that was last kept.
-timeout 300 .venv-tools/bin/python tools/instructions.py >output/instructions.txt 2>&1 || true
 step "ruff check" .venv-tools/bin/ruff check
 step "ruff format" .venv-tools/bin/ruff format --check
 step "wheel" tools/build-wheel.sh
@@ -124,6 +122,5 @@ fi
 
 printf '\n== summary\n'
 cat "$report"
-cat output/instructions.txt
 sort -u "$PETZVAL_NOT_RUN" | sed 's/^/not run: /'
 exit $failed
