@@ -8,6 +8,7 @@ mod build;
 pub(crate) mod curves;
 mod moving;
 mod node;
+mod places;
 pub(crate) mod points;
 mod posed;
 mod refit;
@@ -22,8 +23,9 @@ use beside::Forests;
 use bounds::Bounds;
 use build::build;
 use fearless_simd::{Level, Simd, dispatch};
-use glam::{Affine3A, Vec3A};
+use glam::Vec3A;
 use node::Node;
+use places::{PlacedMesh, placed};
 use rayon::prelude::*;
 use refit::Topology;
 use source::{Parts, TriangleSource};
@@ -147,30 +149,6 @@ pub struct Accel {
     refitted: usize,
 }
 
-/// What traversal needs of an instance.
-#[derive(Clone, Copy)]
-struct PlacedMesh {
-    to_object: Affine3A,
-    mesh: u32,
-    instance: u32,
-}
-
-impl PlacedMesh {
-    fn new(scene: &Scene, i: u32) -> Self {
-        let instance = &scene.instances[i as usize];
-        Self { to_object: instance.to_object, mesh: instance.mesh, instance: i }
-    }
-
-    /// The ray in its object space, and how much longer distances are there.
-    #[inline(always)]
-    fn enter(&self, ray: &Ray) -> Option<(TreeRay, f32)> {
-        let origin = self.to_object.transform_point3a(ray.origin);
-        let direction = self.to_object.transform_vector3a(ray.direction);
-        let scale = direction.length();
-        (scale > 0.0 && scale.is_finite()).then(|| (TreeRay::new(origin, direction / scale), scale))
-    }
-}
-
 impl Accel {
     /// Builds all trees on the current rayon pool.
     pub fn new(scene: &Scene) -> Self {
@@ -184,26 +162,14 @@ impl Accel {
 
     /// With what stands on these trees.
     fn over(scene: &Scene, common: TriangleTree, meshes: Vec<TriangleTree>, parts: &Parts, topology: Topology) -> Self {
-        let mut boxes: Vec<Bounds> = parts
-            .several
-            .iter()
-            .filter_map(|&i| {
-                let instance = &scene.instances[i as usize];
-                let bounds = meshes[instance.mesh as usize].bounds()?;
-                Some(bounds.transformed(&instance.to_render).naming([i, 0]))
-            })
-            .filter(Bounds::is_within_reach)
-            .collect();
-        let places = build(&mut boxes, 1);
-        let place = |leaf: &Range<usize>| PlacedMesh::new(scene, boxes[leaf.start].name()[0]);
-        let placed = places.leaves.iter().map(place).collect();
+        let (places, placed) = placed(scene, &parts.several, |instance| meshes[instance.mesh as usize].bounds());
 
         let visible: Vec<Rays> = scene.instances.iter().map(|instance| instance.visible).collect();
         let all_visible = visible.iter().fold(Rays::ALL, |all, one| all.common(*one));
         let beside = Forests::new(scene, parts);
-        let bounds = places.nodes.first().map(Node::bounds).into_iter().chain(common.bounds());
+        let bounds = places.first().map(Node::bounds).into_iter().chain(common.bounds());
         let bounds = bounds.chain(beside.as_ref().and_then(|beside| beside.bounds())).reduce(|a, b| a.union(&b));
-        let (level, places, refitted) = (Level::new(), places.nodes, 0);
+        let (level, refitted) = (Level::new(), 0);
         Self { level, common, meshes, places, placed, beside, visible, all_visible, bounds, topology, refitted }
     }
 
@@ -349,8 +315,8 @@ impl Accel {
     #[inline(always)]
     fn enter(&self, leaf: usize, ray: &Ray, kind: Rays) -> Option<(&PlacedMesh, TreeRay, f32)> {
         let placed = &self.placed[leaf];
-        let (there, scale) = placed.enter(ray).filter(|_| self.shows(placed.instance, kind))?;
-        Some((placed, there, scale))
+        let within = placed.enter(ray).filter(|_| self.shows(placed.instance, kind))?;
+        Some((placed, TreeRay::new(within.origin, within.direction), within.scale))
     }
 }
 

@@ -7,10 +7,11 @@ use super::bounds::Bounds;
 use super::build::build;
 use super::moving::MovingPlaces;
 use super::node::{BoxRay, Node};
+use super::places::{PlacedMesh, Within, placed};
 use super::segment::{BothMet, CurveMet, Cut, Gaze, meet};
 use super::source::Parts;
 use super::traverse::traverse;
-use super::{FROM_WITHIN, Hit, PlacedMesh, Ray};
+use super::{FROM_WITHIN, Hit, Ray};
 use crate::scene::curves::Curves;
 use crate::scene::motion::Moving;
 use crate::scene::{Instance, Scene};
@@ -77,20 +78,11 @@ impl CurveForest {
                 None => CurveTree::default(),
             })
             .collect();
-        let mut boxes: Vec<Bounds> = several
-            .iter()
-            .filter_map(|&i| {
-                let instance = &scene.instances[i as usize];
-                let bounds = shared[instance.mesh as usize].bounds()?;
-                Some(bounds.transformed(&instance.to_render).naming([i, 0]))
-            })
-            .filter(Bounds::is_within_reach)
-            .collect();
-        let places = build(&mut boxes, 1);
-        let placed = places.leaves.iter().map(|leaf| PlacedMesh::new(scene, boxes[leaf.start].name()[0])).collect();
+        let bounds = |now: &Instance| shared[now.mesh as usize].bounds();
+        let (places, placed) = placed(scene, &several, bounds);
         let moves = |one: &Moving| curves_of(&one.instance).is_some();
-        let moving = MovingPlaces::new(scene, moves, |now| shared[now.mesh as usize].bounds());
-        Some(Box::new(Self { common: CurveTree::new(&alone), shared, places: places.nodes, placed, moving }))
+        let moving = MovingPlaces::new(scene, moves, bounds);
+        Some(Box::new(Self { common: CurveTree::new(&alone), shared, places, placed, moving }))
     }
 
     pub(super) fn bounds(&self) -> Option<Bounds> {
@@ -276,11 +268,8 @@ impl CurveForest {
 /// The ray in the object space of an instance, and how much longer distances are there.
 #[inline(always)]
 fn enter(placed: &PlacedMesh, ray: &Ray) -> Option<(BoxRay, Gaze, f32)> {
-    let origin = placed.to_object.transform_point3a(ray.origin);
-    let direction = placed.to_object.transform_vector3a(ray.direction);
-    let scale = direction.length();
-    let along = direction / scale;
-    (scale > 0.0 && scale.is_finite()).then(|| (BoxRay::new(origin, along), Gaze::new(origin, along), scale))
+    let Within { origin, direction, scale } = placed.enter(ray)?;
+    Some((BoxRay::new(origin, direction), Gaze::new(origin, direction), scale))
 }
 
 /// By how much an instance makes radii larger, as Cycles has it.

@@ -7,10 +7,11 @@ use super::beside::Forest;
 use super::bounds::Bounds;
 use super::build::build;
 use super::node::Node;
+use super::places::{PlacedMesh, Within};
 use super::posed::PosedTree;
 use super::source::TriangleSource;
 use super::traverse::{Found, TreeRay, TriangleTree, traverse};
-use super::{Hit, PlacedMesh, Ray, hit};
+use super::{Hit, Ray, hit};
 use crate::scene::mesh::Mesh;
 use crate::scene::motion::{Moving, Pose};
 use crate::scene::{Instance, Scene};
@@ -172,8 +173,9 @@ impl Forest for MovingForest {
             |leaf, mut t_max| {
                 let (placed, pose) = self.places.placed(leaf, ray.moment);
                 if wanted(placed.instance)
-                    && let Some((there, scale)) = placed.enter(ray)
+                    && let Some(Within { origin, direction, scale }) = placed.enter(ray)
                 {
+                    let there = TreeRay::new(origin, direction);
                     let found = match self.posed[placed.mesh as usize].get(pose.key as usize) {
                         None => self.still[placed.mesh as usize].closest(simd, &there, t_max * scale, |_| true),
                         Some(posed) => posed.closest(simd, &there, pose.part, t_max * scale),
@@ -210,8 +212,9 @@ impl Forest for MovingForest {
             |leaf, t_max| {
                 let (placed, pose) = self.places.placed(leaf, ray.moment);
                 if wanted(placed.instance)
-                    && let Some((there, scale)) = placed.enter(ray)
+                    && let Some(Within { origin, direction, scale }) = placed.enter(ray)
                 {
+                    let there = TreeRay::new(origin, direction);
                     let mut pass = |found: Found| pass(hit(found, scale, placed.instance, ray.moment));
                     match self.posed[placed.mesh as usize].get(pose.key as usize) {
                         None => self.still[placed.mesh as usize].visit(simd, &there, t_max * scale, &mut pass),

@@ -9,10 +9,11 @@ use super::bounds::Bounds;
 use super::build::build;
 use super::moving::MovingPlaces;
 use super::node::{BoxRay, Node};
+use super::places::{PlacedMesh, Within, placed};
 use super::source::Parts;
 use super::traverse::{lanes, traverse};
 use super::triangles::LANES;
-use super::{Hit, PlacedMesh, Ray};
+use super::{Hit, Ray};
 use crate::scene::motion::{Moving, Pose};
 use crate::scene::points::Points;
 use crate::scene::{Instance, Scene};
@@ -131,19 +132,10 @@ impl PointForest {
             })
             .collect();
         let bounds = |now: &Instance| tree_of(&shared, &posed, now.mesh, now.pose).bounds();
-        let mut boxes: Vec<Bounds> = several
-            .iter()
-            .filter_map(|&i| {
-                let instance = &scene.instances[i as usize];
-                Some(bounds(instance)?.transformed(&instance.to_render).naming([i, 0]))
-            })
-            .filter(Bounds::is_within_reach)
-            .collect();
-        let places = build(&mut boxes, 1);
-        let placed = places.leaves.iter().map(|leaf| PlacedMesh::new(scene, boxes[leaf.start].name()[0])).collect();
+        let (places, placed) = placed(scene, &several, bounds);
         let moves = |one: &Moving| of(one.instance).is_some();
         let moving = MovingPlaces::new(scene, moves, bounds);
-        Some(Box::new(Self { common: PointTree::new(&common), shared, posed, places: places.nodes, placed, moving }))
+        Some(Box::new(Self { common: PointTree::new(&common), shared, posed, places, placed, moving }))
     }
 
     pub(super) fn bounds(&self) -> Option<Bounds> {
@@ -296,11 +288,8 @@ fn hit(t: f32, outward: Vec3A, instance: u32, point: u32, moment: u16) -> Hit {
 /// The ray in the object space of an instance, and how much longer distances are there.
 #[inline(always)]
 fn enter(placed: &PlacedMesh, ray: &Ray) -> Option<(BoxRay, Beam, f32)> {
-    let origin = placed.to_object.transform_point3a(ray.origin);
-    let direction = placed.to_object.transform_vector3a(ray.direction);
-    let scale = direction.length();
-    let direction = direction / scale;
-    (scale > 0.0 && scale.is_finite()).then(|| (BoxRay::new(origin, direction), Beam { origin, direction }, scale))
+    let Within { origin, direction, scale } = placed.enter(ray)?;
+    Some((BoxRay::new(origin, direction), Beam { origin, direction }, scale))
 }
 
 #[inline(always)]
