@@ -62,6 +62,7 @@
 #![allow(clippy::neg_cmp_op_on_partial_ord)]
 
 pub mod autofocus;
+pub mod axial_beam;
 pub mod diaphragm;
 pub mod drawing;
 pub mod entrance_map;
@@ -76,6 +77,7 @@ pub mod interface;
 pub mod lane;
 pub mod paraxial;
 pub mod prescription;
+pub mod published;
 pub mod pupil_map;
 pub mod ray_table;
 pub mod seidel;

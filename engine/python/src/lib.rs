@@ -13,6 +13,7 @@ mod graph;
 mod job;
 mod layer;
 mod lens;
+mod library;
 mod material;
 mod memory;
 mod mesh;
@@ -54,6 +55,7 @@ fn _native(m: &Bound<'_, PyModule>) -> PyResult<()> {
     m.add_function(wrap_pyfunction!(focusing::autofocus_by_json, m)?)?;
     m.add_function(wrap_pyfunction!(focusing::sharp_points_json, m)?)?;
     m.add_function(wrap_pyfunction!(drawing::lens_drawing_json, m)?)?;
+    m.add_function(wrap_pyfunction!(library::lens_groups, m)?)?;
     m.add_function(wrap_pyfunction!(edges::random_per_island, m)?)?;
     m.add_function(wrap_pyfunction!(edges::pointiness, m)?)?;
     m.add_function(wrap_pyfunction!(memory::free_memory_bytes, m)?)?;
