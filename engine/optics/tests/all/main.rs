@@ -11,6 +11,7 @@ mod hard_cases;
 mod hinge;
 mod hostile_files;
 mod lens_file;
+mod library;
 mod moving_groups;
 mod numerics;
 mod properties;
