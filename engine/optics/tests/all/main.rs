@@ -21,4 +21,5 @@ mod reference_rays;
 mod scaling;
 mod seidel;
 mod single_precision;
+mod stops;
 mod vignetting;
