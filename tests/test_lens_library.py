@@ -83,3 +83,8 @@ def test_the_menu_has_a_place_for_every_group(blender):
         assert files.description(entry)[0].isupper() and json.dumps(entry)
     for kind in (menu.PETZVAL_MT_lenses, *menu.GROUP_MENUS):
         assert hasattr(blender.types, kind.bl_idname)
+
+
+@pytest.mark.once
+def test_the_readme_counts_the_lenses():
+    assert f" {len(LENSES)} lenses come with it" in (ROOT / "README.md").read_text(encoding="utf-8")
