@@ -21,7 +21,9 @@ mod parts;
 mod pictures;
 mod plan;
 mod points;
+mod report;
 mod scene;
+mod setting;
 mod surface;
 
 use pyo3::prelude::*;
@@ -56,6 +58,11 @@ fn _native(m: &Bound<'_, PyModule>) -> PyResult<()> {
     m.add_function(wrap_pyfunction!(focusing::sharp_points_json, m)?)?;
     m.add_function(wrap_pyfunction!(drawing::lens_drawing_json, m)?)?;
     m.add_function(wrap_pyfunction!(library::lens_groups, m)?)?;
+    m.add_function(wrap_pyfunction!(report::lens_spots_json, m)?)?;
+    m.add_function(wrap_pyfunction!(report::lens_fans_json, m)?)?;
+    m.add_function(wrap_pyfunction!(report::lens_mtf_json, m)?)?;
+    m.add_function(wrap_pyfunction!(report::lens_distortion_json, m)?)?;
+    m.add_function(wrap_pyfunction!(report::lens_illumination_json, m)?)?;
     m.add_function(wrap_pyfunction!(edges::random_per_island, m)?)?;
     m.add_function(wrap_pyfunction!(edges::pointiness, m)?)?;
     m.add_function(wrap_pyfunction!(memory::free_memory_bytes, m)?)?;
