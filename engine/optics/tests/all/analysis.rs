@@ -52,8 +52,7 @@ fn spots_of_rays_through_given_places_of_the_stop() {
                 [radius * turn.cos(), radius * turn.sin()]
             });
             let places: Vec<[f64; 2]> = std::iter::once([0.0; 2]).chain(places).collect();
-            let landings: Vec<[f64; 2]> =
-                analysis.through_stop(field_deg, &places).into_iter().flatten().collect();
+            let landings: Vec<[f64; 2]> = analysis.through_stop(field_deg, &places).into_iter().flatten().collect();
             let expected = spot["rays"].as_u64().unwrap() as usize;
             let n = landings.len() as f64;
             let middle = [0, 1].map(|i| landings.iter().map(|at| at[i]).sum::<f64>() / n);
@@ -393,7 +392,10 @@ fn distortion_and_field_curvature_are_another_programs() {
             let distortion = 100.0 * (chief.height_mm / chief.straight_height_mm.unwrap() - 1.0);
             // It aims to a millionth of the stop's radius, and takes the slopes of its neighbours over a difference.
             let compare = |what: &str, found: f64, expected: f64| {
-                assert!((found - expected).abs() < 1e-6 + 1e-5 * expected.abs(), "{name} {i} {what}: {found} {expected}");
+                assert!(
+                    (found - expected).abs() < 1e-6 + 1e-5 * expected.abs(),
+                    "{name} {i} {what}: {found} {expected}"
+                );
             };
             compare("distortion", distortion, of("distortion_percent", i));
             compare("tangential", chief.tangential_focus_mm.unwrap(), of("tangential_focus_mm", i));
