@@ -157,6 +157,15 @@ def lens_distortion_json(lens: Lens, setting: LensSetting, look: LensLook, count
 def lens_illumination_json(lens: Lens, setting: LensSetting, look: LensLook, count: int) -> str:
     """fields that are lit: angle_deg, height_mm, relative to the axis (null where that is dark), projected_sr."""
 
+def glass_json(name: str, catalogue: str | None, wavelengths_nm: Sequence[float], thickness_mm: float) -> str:
+    """A glass of the shipped catalogues, or of the .agf or .yml file `catalogue`: name, source, makers (that have one of this name, the
+    first is taken), formula and coefficients (null for vacuum), range_nm ([0, null] for all), nd, abbe (null: no dispersion),
+    transmittance_is_known, remarks, and indices, a row a wavelength: wavelength_nm, index, is_known (else it is that at the end of the
+    range) and transmittance, of `thickness_mm` inside (null: not known)."""
+
+def glasses_json(catalogue: str | None) -> str:
+    """glasses: token, nd and abbe (null: no dispersion) of each of a catalogue; and remarks."""
+
 def trace_surfaces_json(cases_json: str, *, precision: str = "f64") -> str:
     """The input and output of `petzval surface trace`; `precision` is "f64", "f32" or "printed"."""
 

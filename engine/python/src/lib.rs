@@ -9,6 +9,7 @@ mod drawing;
 mod edges;
 mod error;
 mod focusing;
+mod glass;
 mod graph;
 mod job;
 mod layer;
@@ -58,6 +59,8 @@ fn _native(m: &Bound<'_, PyModule>) -> PyResult<()> {
     m.add_function(wrap_pyfunction!(focusing::sharp_points_json, m)?)?;
     m.add_function(wrap_pyfunction!(drawing::lens_drawing_json, m)?)?;
     m.add_function(wrap_pyfunction!(library::lens_groups, m)?)?;
+    m.add_function(wrap_pyfunction!(glass::glass_json, m)?)?;
+    m.add_function(wrap_pyfunction!(glass::glasses_json, m)?)?;
     m.add_function(wrap_pyfunction!(report::lens_spots_json, m)?)?;
     m.add_function(wrap_pyfunction!(report::lens_fans_json, m)?)?;
     m.add_function(wrap_pyfunction!(report::lens_mtf_json, m)?)?;

@@ -200,9 +200,10 @@ pub(crate) fn lens_mtf_json(
     lens: &Lens,
     setting: Setting,
     look: Look,
-    (highest_per_mm, steps): (f64, usize),
-    (heights, height_step_per_mm): (usize, f64),
+    frequencies: (f64, usize),
+    heights: (usize, f64),
 ) -> Result<String, Error> {
+    let ((highest_per_mm, steps), (heights, height_step_per_mm)) = (frequencies, heights);
     within(steps, MOST, "steps of the frequency")?;
     within(heights, MOST, "heights")?;
     let is_good = |frequency: f64| (1e-6..=1e6).contains(&frequency);

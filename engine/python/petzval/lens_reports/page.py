@@ -66,7 +66,10 @@ def write(found: Any, out: Path, size_in: tuple[float, float], title: str, draw:
 
 
 def facts(found: dict[str, Any]) -> str:
-    """Focal length, f-number, focus."""
+    """Focal length, f-number, focus; of a glass index and Abbe number."""
+    if "nd" in found:
+        abbe = "no dispersion" if found["abbe"] is None else f"V = {found['abbe']:.2f}"
+        return f"n = {found['nd']:.6f}   {abbe}"
     said = []
     if found["efl_mm"] is not None:
         said.append(f"f = {found['efl_mm']:.5g} mm")
