@@ -323,16 +323,12 @@ fn positions_are_sharp_where_they_say() {
         let Some(moving) = &lens.moving else { continue };
         for position in moving.positions().iter().filter(|position| position.focus_mm.is_finite()) {
             let zoom_mm = position.zoom_mm.unwrap_or_else(|| moving.first_zoom_mm());
-            let set = |gaps: &[f64]| {
-                let mut fixed = lens.clone();
-                fixed.moving = None;
-                for (&surface, gap) in moving.surfaces().iter().zip(gaps) {
-                    fixed.surfaces[surface].thickness_mm = *gap;
-                }
-                System::new(&fixed, &SystemSettings::default()).unwrap()
-            };
-            let far = set(&moving.gaps_mm(zoom_mm, 0.0));
-            let near = set(&position.gaps_mm);
+            let of_zoom = moving.positions().into_iter().filter(|other| other.zoom_mm == position.zoom_mm);
+            let nearest_mm = of_zoom.map(|other| other.focus_mm).fold(f64::INFINITY, f64::min);
+            // Travel is counted in nearness, to 1 at the nearest of the table.
+            let set =
+                |travel: f64| System::new(&lens.at_position(zoom_mm, travel), &SystemSettings::default()).unwrap();
+            let (far, near) = (set(0.0), set(nearest_mm / position.focus_mm));
             let behind = Focus::at_infinity(&far, line_nm::D).film_z_mm - far.film_z_published_mm();
             let film_z_mm = near.film_z_published_mm() + behind;
             let from_pupil = focus_distance_for_film_mm(&near, line_nm::D, film_z_mm);
