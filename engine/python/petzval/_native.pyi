@@ -216,7 +216,8 @@ def camera_info_json(camera: CameraDescription, width: int, height: int) -> str:
     fov_vertical_rad, fov_diagonal_rad, picture_width_mm, picture_height_mm (the used part of the film),
     viewport_focal_length_mm with viewport_sensor_width_mm and viewport_shift (a Blender camera that frames the same picture),
     entrance_pupil_diameter_mm, lens_name, surfaces, zoom_range_mm (null: no zoom lens), focuses_inside (groups inside of
-    the lens focus it, not the film)."""
+    the lens focus it, not the film), remarks (what of the lens file could not be used), beyond_range (glasses that are not known for all
+    of the light: of wavelength_nm, or all visible)."""
 
 def autofocus_json(scene: Scene, camera: CameraDescription, width: int, height: int, point: tuple[float, float]) -> str:
     """The focus on what a picture point sees, (0, 0) lower left to (1, 1) upper right, by the smallest spot of exact
