@@ -7,7 +7,7 @@ use std::sync::Arc;
 use thiserror::Error;
 
 use crate::diaphragm::{ApertureMask, Diaphragm, DiaphragmError};
-use crate::first_order::{Thin, between_vertices, front_of};
+use crate::first_order::{Matrix, Thin, between_vertices, front_of};
 use crate::glass::{Medium, line_nm};
 use crate::prescription::{Behind, Prescription, PrescriptionError};
 use crate::surface::{Pose, Section, Shape};
@@ -91,6 +91,15 @@ pub enum Element {
         /// The medium.
         medium: Medium,
     },
+}
+
+impl Element {
+    /// The medium on the film side, seen from this surface; of a mirror that on both sides.
+    pub fn behind(&self) -> &Medium {
+        match self {
+            Self::Refract { to: medium, .. } | Self::Reflect { medium } => medium,
+        }
+    }
 }
 
 /// One surface in its place. Lengths in mm.
@@ -300,6 +309,11 @@ impl System {
         })
     }
 
+    /// True if the index of some medium changes from place to place.
+    pub fn has_gradients(&self) -> bool {
+        self.surfaces.iter().any(|s| s.element.behind().gradient().is_some())
+    }
+
     /// The surfaces as Gaussian optics sees them, in the y-z plane.
     pub(crate) fn thin(&self, wavelength_nm: f64) -> Vec<Thin> {
         self.thin_in(Section::Y, wavelength_nm)
@@ -335,10 +349,12 @@ fn place(prescription: &Prescription, scale: f64) -> Vec<Surface> {
         let element = match &row.behind {
             Behind::Mirror => Element::Reflect { medium: medium.clone() },
             Behind::Medium(to) => {
-                let from = std::mem::replace(&mut medium, to.clone());
-                Element::Refract { from, to: to.clone() }
+                let to = if scale == 1.0 { to.clone() } else { to.scaled(scale) };
+                Element::Refract { from: medium, to }
             }
         };
+        // As the next surface sees it.
+        medium = element.behind().seen_from(row.thickness_mm * scale);
         placed.push(Surface {
             shape: if scale == 1.0 { row.shape } else { row.shape.scaled(scale) },
             pose: row.pose.scaled(scale),
@@ -364,17 +380,21 @@ fn thin(surfaces: &[Surface], section: Section, wavelength_nm: f64) -> Vec<Thin>
                 (index, -index)
             }
         };
-        Thin { curvature: s.shape.curvature_at_vertex(section), from, to, thickness_mm: s.thickness_mm }
+        let behind = s.element.behind();
+        let (onward, petzval_onward) = match behind.gradient() {
+            None => (Matrix::travel(s.thickness_mm, to), 0.0),
+            Some(gradient) => {
+                gradient.paraxial(behind.base_index(wavelength_nm).copysign(to), s.thickness_mm)
+            }
+        };
+        Thin { curvature: s.shape.curvature_at_vertex(section), from, to, onward, petzval_onward }
     };
     surfaces.iter().map(one).collect()
 }
 
 /// Index of the last medium; of air if there is no surface.
 fn image_index(surfaces: &[Surface], wavelength_nm: f64) -> f64 {
-    match surfaces.last().map(|s| &s.element) {
-        Some(Element::Refract { to: medium, .. } | Element::Reflect { medium }) => medium.index(wavelength_nm),
-        None => 1.0,
-    }
+    surfaces.last().map_or(1.0, |s| s.element.behind().index(wavelength_nm))
 }
 
 /// 1 / power at d in mm; `None` without power.

@@ -2,6 +2,7 @@
 
 mod bundle;
 mod fate;
+mod gradient;
 mod spectral;
 mod step;
 
@@ -15,7 +16,8 @@ use crate::lane::Real;
 use crate::system::{Element, System};
 use crate::vector::Vector;
 
-use step::{Action, Step, is_far};
+use gradient::{Gap, Gradients};
+use step::{Action, Passage, Step, is_far};
 
 pub use crate::surface::Failure;
 pub use bundle::{Bundle, Traced};
@@ -73,13 +75,14 @@ impl System {
     /// The tracer for rays of one vacuum wavelength in nm.
     pub fn at_wavelength(&self, wavelength_nm: f64) -> Tracer {
         let index = |i: usize| match &self.surfaces()[i].element {
-            Element::Refract { from, to } => [from.index(wavelength_nm), to.index(wavelength_nm)],
-            Element::Reflect { medium } => [medium.index(wavelength_nm); 2],
+            Element::Refract { from, to } => [from.base_index(wavelength_nm), to.base_index(wavelength_nm)],
+            Element::Reflect { medium } => [medium.base_index(wavelength_nm); 2],
         };
         Tracer::new(self, wavelength_nm, index)
     }
 
-    /// As [`Self::at_wavelength`], with the index after each surface given instead of taken from the media.
+    /// As [`Self::at_wavelength`], with the index after each surface given instead of taken from the media; of a gradient,
+    /// where its terms are 0.
     ///
     /// For comparison with tables that state their indices. Missing ones count as 1.
     pub fn with_indices(&self, wavelength_nm: f64, after: &[f64]) -> Tracer {
@@ -92,15 +95,18 @@ impl System {
 impl Tracer {
     fn new(system: &System, wavelength_nm: f64, index: impl Fn(usize) -> [f64; 2]) -> Self {
         let surfaces = system.surfaces();
+        let gaps = Gap::all(surfaces);
         let mut side = 1.0;
         let mut from_scene = Vec::with_capacity(surfaces.len());
         let mut from_film = Vec::with_capacity(surfaces.len());
         for (i, s) in surfaces.iter().enumerate() {
             let [n, n2] = index(i);
             let is_mirror = matches!(s.element, Element::Reflect { .. });
+            let (gap_before, gap_behind) = (i.checked_sub(1).and_then(|j| gaps[j].as_ref()), gaps[i].as_ref());
+            let gradients = Gradients::at(gap_before, gap_behind, s.z_mm, [n, n2]).map(Arc::new);
             let action = |from: f64, to: f64| match is_mirror {
                 true => Action::Reflect,
-                false if from == to => Action::Pass,
+                false if from == to && gradients.is_none() => Action::Pass,
                 false => Action::Refract(Interface::new(from, to)),
             };
             let side_after = if is_mirror { -side } else { side };
@@ -116,13 +122,15 @@ impl Tracer {
                 action: action(n, n2),
                 is_stop: i == system.stop(),
                 is_far: before.is_some_and(|b| is_far(b, s, b.thickness_mm)),
+                gradients: gradients.clone(),
             });
             from_film.push(Step {
                 to_here: after.map_or(0.0, |_| s.thickness_mm),
                 side: -side_after,
                 action: action(n2, n),
                 is_far: after.is_some_and(|a| is_far(a, s, s.thickness_mm)),
-                ..from_scene[i]
+                gradients: Gradients::at(gap_behind, gap_before, s.z_mm, [n2, n]).map(Arc::new),
+                ..from_scene[i].clone()
             });
             side = side_after;
         }
@@ -138,7 +146,7 @@ impl Tracer {
 
     /// The same lens without central obstructions.
     pub(crate) fn without_obstructions(&self) -> Self {
-        let clear = |step: &Step| Step { obstruction_squared: 0.0, ..*step };
+        let clear = |step: &Step| Step { obstruction_squared: 0.0, ..step.clone() };
         Self { from_scene: self.from_scene.map(clear), from_film: self.from_film.map(clear), ..self.clone() }
     }
 
@@ -155,7 +163,7 @@ impl Tracer {
             is_stop: false,
             // A ray may come from far outside of what the rims let through.
             is_far: true,
-            ..*step
+            ..step.clone()
         };
         Self { from_scene: self.from_scene.map(open), from_film: self.from_film.map(open), ..self.clone() }
     }
@@ -173,6 +181,14 @@ impl Tracer {
             diaphragm: Arc::new(self.diaphragm.cast()),
             wavelength_nm: self.wavelength_nm,
         }
+    }
+}
+
+impl Tracer {
+    /// As [`Self::from_scene`], with the places in lens space that the ray comes by: its hits, and between them some more in
+    /// media in which it bends.
+    pub fn path_from_scene(&self, ray: Ray) -> Result<(Ray, Vec<DVec3>), Lost> {
+        self.from_scene.path(ray, &self.diaphragm)
     }
 }
 
@@ -217,7 +233,44 @@ impl<R: Real> Tracer<R> {
     }
 }
 
+/// [`Step::pass_gradients`] for one ray.
+#[cold]
+#[inline(never)]
+fn bent<R: Real>(
+    step: &Step<R>,
+    gradients: &Gradients<R>,
+    p: Vector<R>,
+    d: Vector<R>,
+    diaphragm: &Diaphragm<R>,
+) -> Passage<R> {
+    step.pass_gradients(p, d, diaphragm, None, gradients)
+}
+
 impl Way<f64> {
+    /// As [`Self::run`], with the places in lens space that the ray comes by: its hits, and some between them where it bends.
+    fn path(&self, ray: Ray, diaphragm: &Diaphragm) -> Result<(Ray, Vec<DVec3>), Lost> {
+        let (mut p, mut d) = self.enter(ray);
+        let (mut z, mut places) = (self.start_z, Vec::new());
+        for (i, step) in self.steps.iter().enumerate() {
+            z -= step.to_here;
+            let passage = match &step.gradients {
+                None => step.pass(p, d, diaphragm, None),
+                Some(gradients) => {
+                    let here = Vector { z: p.z + step.to_here, ..p };
+                    places.extend(gradients.places(step, here, d).iter().map(|place| place.with_z(place.z + z)));
+                    bent(step, gradients, p, d, diaphragm)
+                }
+            };
+            if let Some(reason) = passage.fates().failure(0) {
+                return Err(Lost { surface: self.surface(i), reason });
+            }
+            (p, d) = (passage.point, passage.direction);
+            let hit = p.of(0);
+            places.push(hit.with_z(hit.z + z));
+        }
+        Ok((self.leave(p.of(0), d.of(0)), places))
+    }
+
     fn map<R>(&self, change: impl Fn(&Step) -> Step<R>) -> Way<R> {
         let Self { travel, start_z, end_z, .. } = *self;
         Way { steps: self.steps.iter().map(change).collect(), travel, start_z, end_z }
@@ -258,7 +311,10 @@ impl<R: Real> Way<R> {
     fn run(&self, ray: Ray, diaphragm: &Diaphragm<R>, record: &mut impl FnMut(DVec3)) -> Result<Ray, Lost> {
         let (mut p, mut d) = self.enter(ray);
         for (i, step) in self.steps.iter().enumerate() {
-            let passage = step.pass(p, d, diaphragm, None);
+            let passage = match &step.gradients {
+                None => step.pass(p, d, diaphragm, None),
+                Some(gradients) => bent(step, gradients, p, d, diaphragm),
+            };
             if passage.crossing.met {
                 record(passage.point.of(0));
             }

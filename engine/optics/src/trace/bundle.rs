@@ -7,11 +7,11 @@
 use glam::DVec3;
 
 use super::fate::Fate;
+use super::gradient::Gradients;
 use super::spectral::{LINES, Leaving};
 use super::step::{Action, Step};
 use super::{Failure, Lost, Ray, Tracer, Travel, Way};
 use crate::diaphragm::Diaphragm;
-use crate::interface::Interfaces;
 use crate::lane::{Lane, LaneKernel, Level, Mask, Real};
 use crate::vector::Vector;
 
@@ -209,7 +209,7 @@ fn group<R>(column: &[R], first: usize) -> &[R; LINES] {
 
 /// A lens's interfaces at several lines, and which of them the rays of a bundle have.
 pub(super) struct Lines<'a, R> {
-    /// By step: ratios, then excesses, by line.
+    /// By step: ratios, then excesses, by line; beside a gradient the indices before and behind.
     pub(super) tables: &'a [[Box<[R]>; 2]],
     /// The first line of each group of rays; the others of a group have those that follow.
     pub(super) first: &'a [u32],
@@ -298,7 +298,11 @@ impl<R: Real> LaneKernel<R> for Trace<'_, R> {
             for (i, step) in self.way.steps.iter().enumerate() {
                 lost.surface = self.way.surface(i);
                 match &self.lines {
-                    Some(lines) if matches!(step.action, Action::Refract(_)) => {
+                    Some(lines) if matches!(step.action, Action::Refract(_)) || step.gradients.is_some() => {
+                        if step.gradients.is_some() {
+                            // Rays that only fill a register up go through a medium, too.
+                            at_lines = [[R::ONE; BLOCK]; 2];
+                        }
                         lines.fill(i, first, &mut at_lines);
                         let [ratios, excesses] = &at_lines;
                         block.step(zero, step, Some([ratios, excesses]), self.diaphragm, &mut lost);
@@ -370,11 +374,14 @@ impl<R: Real> Block<'_, R> {
         lost: &mut Losses,
     ) {
         if let Some(plain) = step.plain(false) {
-            self.pass(zero, &plain, interfaces, diaphragm, lost);
+            self.pass(zero, &plain, interfaces, diaphragm, lost, None);
         } else if let Some(plain) = step.plain(true) {
-            self.pass(zero, &plain, interfaces, diaphragm, lost);
+            self.pass(zero, &plain, interfaces, diaphragm, lost, None);
         } else {
-            self.pass(zero, step, interfaces, diaphragm, lost);
+            match &step.gradients {
+                None => self.pass(zero, step, interfaces, diaphragm, lost, None),
+                Some(gradients) => self.pass(zero, step, interfaces, diaphragm, lost, Some(gradients)),
+            }
         }
     }
 
@@ -387,18 +394,21 @@ impl<R: Real> Block<'_, R> {
         interfaces: Option<[&[R]; 2]>,
         diaphragm: &Diaphragm<R>,
         lost: &mut Losses,
+        gradients: Option<&Gradients<R>>,
     ) {
         for at in (0..self.x.len()).step_by(L::WIDTH) {
             let (p, d) = self.load(zero, at);
-            let lanes = match interfaces {
+            let numbers = match interfaces {
                 None => None,
-                Some(numbers) => {
-                    let [ratios, excesses] = numbers;
+                Some([first, second]) => {
                     let lanes = at..at + L::WIDTH;
-                    Some(Interfaces { ratio: zero.load(&ratios[lanes.clone()]), excess: zero.load(&excesses[lanes]) })
+                    Some([zero.load(&first[lanes.clone()]), zero.load(&second[lanes])])
                 }
             };
-            let passage = step.pass(p, d, diaphragm, lanes);
+            let passage = match gradients {
+                None => step.pass(p, d, diaphragm, numbers),
+                Some(gradients) => step.pass_gradients(p, d, diaphragm, numbers, gradients),
+            };
             self.store(passage.point, passage.direction, at);
             if !passage.passed().all() {
                 let fates = passage.fates();

@@ -1,11 +1,15 @@
 //! A surface as a ray comes to it: the hit, the rims, the new direction.
 
+use std::sync::Arc;
+
 use crate::diaphragm::Diaphragm;
 use crate::interface::{Interface, Interfaces, reflect};
 use crate::lane::{Lane, Mask, Real};
 use crate::surface::{Conic, Crossing, Failure, Pose, Shape};
 use crate::system::Surface;
 use crate::vector::Vector;
+
+use super::gradient::Gradients;
 
 /// What a surface does to the direction.
 #[derive(Clone, Copy, Debug)]
@@ -17,7 +21,7 @@ pub(super) enum Action<R> {
 }
 
 /// One surface, ready for rays of one wavelength in one direction of travel.
-#[derive(Clone, Copy, Debug)]
+#[derive(Clone, Debug)]
 pub(super) struct Step<R = f64> {
     pub(super) shape: Shape<R>,
     /// `None`: the surface stands on the axis, upright.
@@ -32,6 +36,8 @@ pub(super) struct Step<R = f64> {
     pub(super) is_stop: bool,
     /// True if a ray from the surface before may start so far away, in radii, that it must be carried first.
     pub(super) is_far: bool,
+    /// Where a medium beside the surface is a gradient. What `action` then says of indices does not count.
+    pub(super) gradients: Option<Arc<Gradients<R>>>,
 }
 
 /// Beyond so many radii of curvature between surfaces, a ray is carried to its point nearest the vertex: larger
@@ -55,6 +61,7 @@ impl Step {
             },
             is_stop: self.is_stop,
             is_far: self.is_far,
+            gradients: self.gradients.as_ref().map(|gradients| Arc::new(gradients.cast())),
         }
     }
 }
@@ -71,33 +78,101 @@ impl<R: Real> Step<R> {
     pub(super) fn plain(&self, is_far: bool) -> Option<Self> {
         match (self.shape, self.action) {
             (Shape::Conic(conic), Action::Refract(interface))
-                if conic.conic == R::ZERO && self.pose.is_none() && !self.is_stop && self.is_far == is_far =>
+                if conic.conic == R::ZERO
+                    && self.pose.is_none()
+                    && !self.is_stop
+                    && self.is_far == is_far
+                    && self.gradients.is_none() =>
             {
-                let shape = Shape::Conic(Conic { conic: R::ZERO, ..conic });
-                Some(Self { shape, pose: None, action: Action::Refract(interface), is_stop: false, is_far, ..*self })
+                Some(Self {
+                    shape: Shape::Conic(Conic { conic: R::ZERO, ..conic }),
+                    pose: None,
+                    to_here: self.to_here,
+                    side: self.side,
+                    clear_squared: self.clear_squared,
+                    obstruction_squared: self.obstruction_squared,
+                    action: Action::Refract(interface),
+                    is_stop: false,
+                    is_far,
+                    gradients: None,
+                })
             }
             _ => None,
         }
     }
 
-    /// The rays from `p` of the vertex before along `d` through this surface. Points on a rim pass. Where there are
-    /// `interfaces`, each lane has its own wavelength.
+    /// Where rays from `p` along `d`, seen from the vertex on the axis, meet the surface, in its own coordinates.
+    #[inline(always)]
+    pub(super) fn meet<L: Lane<Real = R>>(&self, p: Vector<L>, d: Vector<L>) -> Crossing<L> {
+        let (p, d) = self.own(p, d);
+        match self.is_far {
+            true => self.shape.meet_from_afar(p, d, self.side),
+            false => self.shape.meet(p, d, self.side),
+        }
+    }
+
+    /// A place and a direction in the surface's own coordinates.
+    #[inline(always)]
+    fn own<L: Lane<Real = R>>(&self, p: Vector<L>, d: Vector<L>) -> (Vector<L>, Vector<L>) {
+        match &self.pose {
+            Some(pose) => (pose.point_in(p), pose.direction_in(d)),
+            None => (p, d),
+        }
+    }
+
+    /// The rays from `p` of the vertex before along `d` through this surface, where no medium beside it is a gradient.
+    /// Points on a rim pass. Where there are `numbers`, each lane has its own wavelength: ratio and excess of its interface.
     #[inline(always)]
     pub(super) fn pass<L: Lane<Real = R>>(
         &self,
         mut p: Vector<L>,
         mut d: Vector<L>,
         diaphragm: &Diaphragm<R>,
-        interfaces: Option<Interfaces<L>>,
+        numbers: Option<[L; 2]>,
     ) -> Passage<L> {
         p.z = p.z + self.to_here;
-        if let Some(pose) = &self.pose {
-            (p, d) = (pose.point_in(p), pose.direction_in(d));
-        }
+        (p, d) = self.own(p, d);
         let crossing = match self.is_far {
             true => self.shape.meet_from_afar(p, d, self.side),
             false => self.shape.meet(p, d, self.side),
         };
+        let interfaces = numbers.map(|[ratio, excess]| Interfaces { ratio, excess });
+        self.act(d, crossing, diaphragm, interfaces)
+    }
+
+    /// As [`Self::pass`] where `gradients` are beside the surface; `numbers` are then the indices before and behind it without
+    /// what the gradients add.
+    #[inline(always)]
+    pub(super) fn pass_gradients<L: Lane<Real = R>>(
+        &self,
+        mut p: Vector<L>,
+        d: Vector<L>,
+        diaphragm: &Diaphragm<R>,
+        numbers: Option<[L; 2]>,
+        gradients: &Gradients<R>,
+    ) -> Passage<L> {
+        p.z = p.z + self.to_here;
+        let bases = numbers.unwrap_or_else(|| gradients.bases(p.x));
+        let (p, d, arrives) = gradients.carry(self, p, d, bases[0]);
+        let mut crossing = self.meet(p, d);
+        crossing.met = crossing.met & arrives;
+        let place = match &self.pose {
+            Some(pose) => pose.point_out(crossing.point),
+            None => crossing.point,
+        };
+        let interface = Interfaces::between(gradients.indices_at(place, bases));
+        self.act(self.own(p, d).1, crossing, diaphragm, Some(interface))
+    }
+
+    /// What the surface does to rays that have come to it along `d`, in its own coordinates.
+    #[inline(always)]
+    fn act<L: Lane<Real = R>>(
+        &self,
+        d: Vector<L>,
+        crossing: Crossing<L>,
+        diaphragm: &Diaphragm<R>,
+        interfaces: Option<Interfaces<L>>,
+    ) -> Passage<L> {
         let Vector { x, y, .. } = crossing.point;
         let squared = x * x + y * y;
         let is_transmitted;
