@@ -383,9 +383,7 @@ fn thin(surfaces: &[Surface], section: Section, wavelength_nm: f64) -> Vec<Thin>
         let behind = s.element.behind();
         let (onward, petzval_onward) = match behind.gradient() {
             None => (Matrix::travel(s.thickness_mm, to), 0.0),
-            Some(gradient) => {
-                gradient.paraxial(behind.base_index(wavelength_nm).copysign(to), s.thickness_mm)
-            }
+            Some(gradient) => gradient.paraxial(behind.base_index(wavelength_nm).copysign(to), s.thickness_mm),
         };
         Thin { curvature: s.shape.curvature_at_vertex(section), from, to, onward, petzval_onward }
     };

@@ -225,7 +225,7 @@ impl<'a> Draft<'a> {
             None => None,
             Some((parts, positions, places)) => {
                 let moving = MovingParts::new(parts, &positions, surfaces.len());
-                match moving.and_then(|moving| moving.check(&surfaces).map(|()| moving).map_err(|error| (None, error))) {
+                match moving.and_then(|moving| moving.check(&surfaces, &positions).map(|()| moving)) {
                     Ok(moving) => Some(moving),
                     Err((about, error)) => {
                         let place = about.and_then(|i| places.get(i)).or(places.first()).copied().unwrap_or(start);

@@ -54,8 +54,8 @@
 //! # position: zoom=70 focus=900 51.2 1.5
 //! ```
 //!
-//! The lens of an eye changes its shape instead. Radii, conic constants, and what is added to the index of the medium behind a
-//! surface move in the same way, among the gaps in any order:
+//! The lens of an eye changes its shape instead. Radii, conic constants, clear diameters (`diameter`), and what is added to the
+//! index of the medium behind a surface move in the same way, among the gaps in any order:
 //!
 //! ```text
 //! # moving: 2 3 radius:3 conic:3 index_shift:3

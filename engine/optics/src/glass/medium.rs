@@ -74,7 +74,10 @@ impl Medium {
 
     /// The same medium seen from a vertex `behind_mm` farther along the axis.
     pub fn seen_from(&self, behind_mm: f64) -> Self {
-        Self { gradient: self.gradient.as_ref().map(|gradient| Arc::new(gradient.seen_from(behind_mm))), ..self.clone() }
+        Self {
+            gradient: self.gradient.as_ref().map(|gradient| Arc::new(gradient.seen_from(behind_mm))),
+            ..self.clone()
+        }
     }
 
     /// The same medium with `shift` added to its index at every wavelength.

@@ -12,7 +12,7 @@ use std::str::FromStr;
 use thiserror::Error;
 
 use crate::glass::Medium;
-use crate::prescription::{Behind, SurfaceRow};
+use crate::prescription::{Behind, PrescriptionError, SurfaceRow};
 use crate::surface::Conic;
 
 /// What of a surface may change.
@@ -24,13 +24,19 @@ pub enum Quantity {
     Radius,
     /// The conic constant.
     Conic,
+    /// The clear diameter, mm.
+    Diameter,
     /// What is added at every wavelength to the index of the medium behind it.
     IndexShift,
 }
 
 /// The words for quantities in lens files; gaps go without.
-const WORDS: [(&str, Quantity); 3] =
-    [("radius", Quantity::Radius), ("conic", Quantity::Conic), ("index_shift", Quantity::IndexShift)];
+const WORDS: [(&str, Quantity); 4] = [
+    ("radius", Quantity::Radius),
+    ("conic", Quantity::Conic),
+    ("diameter", Quantity::Diameter),
+    ("index_shift", Quantity::IndexShift),
+];
 
 /// A number of a lens that changes.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
@@ -55,6 +61,7 @@ impl Part {
             Quantity::Gap => row.thickness_mm = value,
             Quantity::Radius => row.shape = row.shape.with_base(Conic { curvature: value, ..base }),
             Quantity::Conic => row.shape = row.shape.with_base(Conic { conic: value, ..base }),
+            Quantity::Diameter => row.semi_diameter_mm = value / 2.0,
             Quantity::IndexShift => {
                 if let Behind::Medium(medium) = &mut row.behind {
                     *medium = medium.with_index_shift(value);
@@ -85,9 +92,7 @@ impl FromStr for Part {
     fn from_str(text: &str) -> Result<Self, ()> {
         let (quantity, surface) = match text.split_once(':') {
             None => (Quantity::Gap, text),
-            Some((word, surface)) => {
-                (WORDS.iter().find(|(known, _)| *known == word).ok_or(())?.1, surface)
-            }
+            Some((word, surface)) => (WORDS.iter().find(|(known, _)| *known == word).ok_or(())?.1, surface),
         };
         Ok(Self { surface: surface.parse().map_err(|_| ())?, quantity })
     }
@@ -108,7 +113,7 @@ pub struct Position {
 #[derive(Clone, Debug, PartialEq, Error)]
 pub enum MovingError {
     /// A part is of no surface, or there twice.
-    #[error("'{part}' is of no surface, or there twice; name surfaces from 0 to {last}, each part once")]
+    #[error("surface {} has no such part to move, or it is named twice: '{part}'; name surfaces from 0 to {last}, each part once", .part.surface)]
     Surface {
         /// As named.
         part: Part,
@@ -138,6 +143,9 @@ pub enum MovingError {
     /// The same position again.
     #[error("this zoom and focus were given before; take one out")]
     Twice,
+    /// A position makes no lens.
+    #[error(transparent)]
+    Position(Box<PrescriptionError>),
     /// One of the lines `moving` and `position` without the other.
     #[error(
         "gaps that move need both lines, '# moving: SURFACES' and '# position: zoom=MM focus=MM GAPS'; add the other"
@@ -172,11 +180,7 @@ impl MovingParts {
     ///
     /// # Errors
     /// [`MovingError`], with the number of the position that it is about.
-    pub fn new(
-        parts: Vec<Part>,
-        positions: &[Position],
-        count: usize,
-    ) -> Result<Self, (Option<usize>, MovingError)> {
+    pub fn new(parts: Vec<Part>, positions: &[Position], count: usize) -> Result<Self, (Option<usize>, MovingError)> {
         for (i, &part) in parts.iter().enumerate() {
             if part.surface >= count || parts[..i].contains(&part) {
                 return Err((None, MovingError::Surface { part, last: count.saturating_sub(1) }));
@@ -236,11 +240,25 @@ impl MovingParts {
         &self.parts
     }
 
-    /// Says if one of the parts is the index of what is no medium of its own.
-    pub fn check(&self, rows: &[SurfaceRow]) -> Result<(), MovingError> {
+    /// Says if one of the parts is the index of what is no medium of its own, or what is wrong with the lens in one of the
+    /// positions, as they were given, and in which.
+    pub fn check(&self, rows: &[SurfaceRow], given: &[Position]) -> Result<(), (Option<usize>, MovingError)> {
         let is_medium = |row: &SurfaceRow| matches!(&row.behind, Behind::Medium(medium) if *medium != Medium::air());
         let bad = |part: &&Part| part.quantity == Quantity::IndexShift && !is_medium(&rows[part.surface]);
-        self.parts.iter().find(bad).map_or(Ok(()), |part| Err(MovingError::NoIndex { surface: part.surface }))
+        if let Some(part) = self.parts.iter().find(bad) {
+            return Err((None, MovingError::NoIndex { surface: part.surface }));
+        }
+        for (i, position) in given.iter().enumerate() {
+            let mut rows = rows.to_vec();
+            for (part, value) in self.parts.iter().zip(&position.values) {
+                part.set(&mut rows, part.even(*value));
+            }
+            for part in &self.parts {
+                let checked = rows[part.surface].check(part.surface);
+                checked.map_err(|error| (Some(i), MovingError::Position(Box::new(error))))?;
+            }
+        }
+        Ok(())
     }
 
     /// Puts all parts where they are at a zoom and a travel of the focus, as [`Self::values`] has them.
@@ -369,7 +387,10 @@ mod tests {
             |surfaces: &[usize], positions: &[Position]| MovingParts::new(gaps(surfaces), positions, 5).unwrap_err();
         let one = position(None, inf, &[1.0]);
         assert_eq!(new(&[5], std::slice::from_ref(&one)), (None, MovingError::Surface { part: Part::gap(5), last: 4 }));
-        assert_eq!(new(&[2, 2], std::slice::from_ref(&one)), (None, MovingError::Surface { part: Part::gap(2), last: 4 }));
+        assert_eq!(
+            new(&[2, 2], std::slice::from_ref(&one)),
+            (None, MovingError::Surface { part: Part::gap(2), last: 4 })
+        );
         assert_eq!(new(&[2], &[]), (None, MovingError::Incomplete));
         assert_eq!(new(&[], std::slice::from_ref(&one)), (None, MovingError::Incomplete));
         let too_few = MovingError::Gaps { found: 1, expected: 2 };

@@ -23,7 +23,7 @@ const STEPS: [u32; 17] = [2, 3, 4, 6, 8, 12, 16, 24, 32, 48, 64, 96, 128, 192, 2
 /// A ray that needs so many times the steps of the axis does not arrive.
 const LONGEST: u32 = 4;
 /// Each mends the last step as Newton's method does: the first leaves a part of the step that is its bend, 1e-2 at most.
-const LANDINGS: usize = 4;
+const LANDINGS: f64 = 4.0;
 /// Polynomials have no meaning far outside of their lens: there is no ray where the index is less than this.
 const LEAST_INDEX: f64 = 0.3;
 
@@ -96,9 +96,10 @@ impl Gradients<f64> {
 
     pub(super) fn cast<R: Real>(&self) -> Gradients<R> {
         Gradients {
-            before: self.before.as_ref().map(|(field, march)| {
-                (field.cast(), March { step: R::from_f64(march.step), most: march.most })
-            }),
+            before: self
+                .before
+                .as_ref()
+                .map(|(field, march)| (field.cast(), March { step: R::from_f64(march.step), most: march.most })),
             behind: self.behind.as_ref().map(Field::cast),
             indices: self.indices.map(R::from_f64),
         }
@@ -112,7 +113,8 @@ impl Gradients<f64> {
         let mut places = Vec::new();
         let mut flight = Flight { at: p, pace: d * field.index(p, base) };
         for _ in 0..march.most {
-            if flight.is_near(step, field, base, march.step) {
+            let crossing = step.meet(flight.at, flight.direction());
+            if crossing.met && crossing.t <= march.step * field.index(flight.at, base) {
                 break;
             }
             flight = flight.after(field, base, march.step);
@@ -140,26 +142,28 @@ impl<R: Real> Gradients<R> {
         base: L,
     ) -> (Vector<L>, Vector<L>, L::Mask) {
         let zero = p.x.like(R::ZERO);
-        let all = zero.at_most(zero);
-        let Some((field, march)) = &self.before else { return (p, d, all) };
+        let Some((field, march)) = &self.before else { return (p, d, zero.at_most(zero)) };
         let length = zero.like(march.step);
-        let mut flight = Flight { at: p, pace: d * field.index(p, base) };
-        let mut is_near = flight.is_near(step, field, base, length);
+        let (one, last) = (zero.like(R::ONE), zero.like(R::from_f64(LANDINGS)));
+        let mut here = Flight { at: p, pace: d * field.index(p, base) };
+        // Where the last step begins, how long it is, and how often it was mended.
+        let (mut from, mut t, mut landings) = (here, zero, zero);
+        let mut is_near = zero.less(zero);
+        // One loop for both, so that the surface's code is there once.
         for _ in 0..march.most {
-            if is_near.all() {
+            let crossing = step.meet(here.at, here.direction());
+            let index = field.index(here.at, base);
+            from = Flight::select(is_near, from, here);
+            t = L::select(is_near, t, zero);
+            is_near = is_near | (crossing.met & crossing.t.at_most(length * index));
+            t = L::select(is_near, t + crossing.t / index, length);
+            here = Flight::select(landings.less(last), from.after(field, base, t), here);
+            landings = landings + L::select(is_near, one, zero);
+            if landings.at_least(last).all() {
                 break;
             }
-            let next = flight.after(field, base, length);
-            flight = Flight::select(is_near, flight, next);
-            is_near = is_near | flight.is_near(step, field, base, length);
         }
-        let mut last = flight;
-        let mut t = zero;
-        for _ in 0..LANDINGS {
-            t = t + step.meet(last.at, last.direction()).t / field.index(last.at, base);
-            last = flight.after(field, base, t);
-        }
-        (last.at, last.direction(), is_near)
+        (here.at, here.direction(), landings.at_least(last))
     }
 
     /// The indices on both sides of a place on the surface.
@@ -191,13 +195,6 @@ impl<L: Lane> Flight<L> {
         self.pace * (one / self.pace.length_squared().sqrt())
     }
 
-    /// True where the surface is nearer, straight on, than a step of `length` in t would go.
-    #[inline(always)]
-    fn is_near(&self, step: &Step<L::Real>, field: &Field<L::Real>, base: L, length: L) -> L::Mask {
-        let crossing = step.meet(self.at, self.direction());
-        crossing.met & crossing.t.at_most(length * field.index(self.at, base))
-    }
-
     /// A step of `length` in t.
     #[inline(always)]
     fn after(&self, field: &Field<L::Real>, base: L, length: L) -> Self {
@@ -207,10 +204,7 @@ impl<L: Lane> Flight<L> {
         let b = field.pull(at + pace * part(0.5) + a * part(0.125), base) * length;
         let c = field.pull(at + pace * length + b * part(0.5), base) * length;
         let [two, four, sixth] = [2.0, 4.0, 1.0 / 6.0].map(|x| length.like(L::Real::from_f64(x)));
-        Self {
-            at: at + (pace + (a + b * two) * sixth) * length,
-            pace: pace + (a + b * four + c) * sixth,
-        }
+        Self { at: at + (pace + (a + b * two) * sixth) * length, pace: pace + (a + b * four + c) * sixth }
     }
 }
 
@@ -312,6 +306,6 @@ impl March<f64> {
             starts.iter().all(|start| (end(start, steps) - end(start, 2 * steps)).length() <= TOLERANCE * span)
         };
         let steps = STEPS.into_iter().find(|steps| is_enough(*steps)).unwrap_or(STEPS[STEPS.len() - 1]);
-        Self { step: whole / f64::from(steps), most: LONGEST * steps + 8 }
+        Self { step: whole / f64::from(steps), most: LONGEST * steps + 12 }
     }
 }

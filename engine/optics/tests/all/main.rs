@@ -3,10 +3,12 @@
 mod common;
 mod drawing;
 mod elements;
+mod eyes;
 mod flood;
 mod focus_scale;
 mod focusing;
 mod formats;
+mod gradients;
 mod hard_cases;
 mod hinge;
 mod hostile_files;

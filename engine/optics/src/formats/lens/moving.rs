@@ -1,7 +1,7 @@
 //! The lines of a lens file about gaps that move.
 
-use crate::prescription::{Place, SurfaceRow};
 use crate::prescription::moving::{MovingError, MovingParts, Part, Position};
+use crate::prescription::{Place, SurfaceRow};
 
 use super::{Problem, finite};
 
@@ -47,9 +47,9 @@ impl MovingLines {
             (Some((parts, place)), _) => (parts, place),
         };
         let (positions, places): (Vec<Position>, Vec<Place>) = self.positions.into_iter().unzip();
-        let moving = MovingParts::new(parts, &positions, rows.len());
-        let moving = moving.map_err(|(about, error)| (about.map_or(place, |i| places[i]), error))?;
-        moving.check(rows).map_err(|error| (place, error))?;
+        let placed = |(about, error): (Option<usize>, MovingError)| (about.map_or(place, |i| places[i]), error);
+        let moving = MovingParts::new(parts, &positions, rows.len()).map_err(placed)?;
+        moving.check(rows, &positions).map_err(placed)?;
         Ok(Some(moving))
     }
 }

@@ -2,8 +2,8 @@
 
 use glam::DVec3;
 use petzval_optics::paraxial::Paraxial;
-use petzval_optics::prescription::moving::Part;
 use petzval_optics::prescription::Behind;
+use petzval_optics::prescription::moving::Part;
 use petzval_optics::system::{FocalLength, System, SystemSettings};
 use petzval_optics::trace::Ray;
 use serde_json::Value;
