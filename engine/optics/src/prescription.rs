@@ -235,6 +235,15 @@ impl Prescription {
         fixed
     }
 
+    /// The lens with its moving parts at `values`, as a position of the table has them; from then on they stand still.
+    pub fn with_parts(&self, values: &[f64]) -> Self {
+        let mut fixed = self.clone();
+        if let Some(moving) = fixed.moving.take() {
+            moving.set(&mut fixed.surfaces, values);
+        }
+        fixed
+    }
+
     /// The same lens, its surfaces as the first position of what moves has them.
     pub fn in_first_position(self) -> Self {
         let published = self.moving.as_ref().map(|moving| moving.first_zoom_mm());

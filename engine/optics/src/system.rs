@@ -31,6 +31,8 @@ pub struct SystemSettings {
     pub focal_length: FocalLength,
     /// |efl| / diameter of the entrance pupil at d; `None`: wide open.
     pub f_number: Option<f64>,
+    /// The diameter of the entrance pupil at d, mm, instead: what is said of eyes. With an f-number this one counts.
+    pub pupil_diameter_mm: Option<f64>,
     /// Blades of the diaphragm; fewer than 3: round.
     pub blades: u32,
     /// Turn of the diaphragm, from x towards y.
@@ -160,7 +162,13 @@ impl System {
         let stop = prescription.stop;
         let clear = surfaces[stop].semi_diameter_mm;
         let widest_f_number = widest_f_number(&surfaces, stop);
-        let f_number = match (settings.f_number, widest_f_number) {
+        // The f-number is the focal length over the pupil's diameter.
+        let of_pupil = settings.pupil_diameter_mm.and_then(|mm| Some(focal_length_mm(&surfaces)?.abs() / mm));
+        if settings.pupil_diameter_mm.is_some() && of_pupil.is_none() {
+            return Err(SystemError::Afocal);
+        }
+        let asked = of_pupil.or(settings.f_number);
+        let f_number = match (asked, widest_f_number) {
             (None, widest) => widest,
             (Some(asked), Some(widest)) => Some(asked.max(widest)),
             (Some(_), None) => return Err(SystemError::Afocal),
@@ -179,7 +187,7 @@ impl System {
             scale,
             widest_f_number,
             f_number,
-            requested_f_number: settings.f_number,
+            requested_f_number: asked,
             film_radius_mm: prescription.film_radius_mm.map(|r| r * scale),
             half_field_deg: prescription.metadata.half_field_deg,
         })
@@ -337,6 +345,9 @@ fn check_settings(settings: &SystemSettings) -> Result<(), SystemError> {
     }
     if let Some(f_number) = settings.f_number {
         positive("f-number", f_number)?;
+    }
+    if let Some(diameter_mm) = settings.pupil_diameter_mm {
+        positive("pupil's diameter in mm", diameter_mm)?;
     }
     Ok(())
 }

@@ -54,6 +54,8 @@ pub enum Travel {
 #[derive(Clone, Debug)]
 struct Way<R> {
     steps: Arc<[Step<R>]>,
+    /// By step; none in a lens without gradients. What the step's `action` says of indices then does not count.
+    gradients: Arc<[Option<Gradients<R>>]>,
     travel: Travel,
     /// Vertices of the first and the last surface on the way.
     start_z: f64,
@@ -99,14 +101,17 @@ impl Tracer {
         let mut side = 1.0;
         let mut from_scene = Vec::with_capacity(surfaces.len());
         let mut from_film = Vec::with_capacity(surfaces.len());
+        let (mut bent_from_scene, mut bent_from_film) = (Vec::new(), Vec::new());
         for (i, s) in surfaces.iter().enumerate() {
             let [n, n2] = index(i);
             let is_mirror = matches!(s.element, Element::Reflect { .. });
             let (gap_before, gap_behind) = (i.checked_sub(1).and_then(|j| gaps[j].as_ref()), gaps[i].as_ref());
-            let gradients = Gradients::at(gap_before, gap_behind, s.z_mm, [n, n2]).map(Arc::new);
+            bent_from_scene.push(Gradients::at(gap_before, gap_behind, s.z_mm, [n, n2]));
+            bent_from_film.push(Gradients::at(gap_behind, gap_before, s.z_mm, [n2, n]));
+            let is_plain = gap_before.is_none() && gap_behind.is_none();
             let action = |from: f64, to: f64| match is_mirror {
                 true => Action::Reflect,
-                false if from == to && gradients.is_none() => Action::Pass,
+                false if from == to && is_plain => Action::Pass,
                 false => Action::Refract(Interface::new(from, to)),
             };
             let side_after = if is_mirror { -side } else { side };
@@ -122,23 +127,26 @@ impl Tracer {
                 action: action(n, n2),
                 is_stop: i == system.stop(),
                 is_far: before.is_some_and(|b| is_far(b, s, b.thickness_mm)),
-                gradients: gradients.clone(),
             });
             from_film.push(Step {
                 to_here: after.map_or(0.0, |_| s.thickness_mm),
                 side: -side_after,
                 action: action(n2, n),
                 is_far: after.is_some_and(|a| is_far(a, s, s.thickness_mm)),
-                gradients: Gradients::at(gap_behind, gap_before, s.z_mm, [n2, n]).map(Arc::new),
-                ..from_scene[i].clone()
+                ..from_scene[i]
             });
             side = side_after;
         }
         from_film.reverse();
+        bent_from_film.reverse();
         let last_z = system.last_vertex_z_mm();
+        let way = |steps: Vec<Step>, mut gradients: Vec<Option<Gradients<f64>>>, travel, start_z, end_z| {
+            gradients.truncate(if gaps.iter().any(Option::is_some) { steps.len() } else { 0 });
+            Way { steps: steps.into(), gradients: gradients.into(), travel, start_z, end_z }
+        };
         Self {
-            from_scene: Way { steps: from_scene.into(), travel: Travel::FromScene, start_z: 0.0, end_z: last_z },
-            from_film: Way { steps: from_film.into(), travel: Travel::FromFilm, start_z: last_z, end_z: 0.0 },
+            from_scene: way(from_scene, bent_from_scene, Travel::FromScene, 0.0, last_z),
+            from_film: way(from_film, bent_from_film, Travel::FromFilm, last_z, 0.0),
             diaphragm: Arc::new(system.diaphragm().clone()),
             wavelength_nm,
         }
@@ -146,7 +154,7 @@ impl Tracer {
 
     /// The same lens without central obstructions.
     pub(crate) fn without_obstructions(&self) -> Self {
-        let clear = |step: &Step| Step { obstruction_squared: 0.0, ..step.clone() };
+        let clear = |step: &Step| Step { obstruction_squared: 0.0, ..*step };
         Self { from_scene: self.from_scene.map(clear), from_film: self.from_film.map(clear), ..self.clone() }
     }
 
@@ -163,7 +171,7 @@ impl Tracer {
             is_stop: false,
             // A ray may come from far outside of what the rims let through.
             is_far: true,
-            ..step.clone()
+            ..*step
         };
         Self { from_scene: self.from_scene.map(open), from_film: self.from_film.map(open), ..self.clone() }
     }
@@ -253,7 +261,7 @@ impl Way<f64> {
         let (mut z, mut places) = (self.start_z, Vec::new());
         for (i, step) in self.steps.iter().enumerate() {
             z -= step.to_here;
-            let passage = match &step.gradients {
+            let passage = match self.gradients(i) {
                 None => step.pass(p, d, diaphragm, None),
                 Some(gradients) => {
                     let here = Vector { z: p.z + step.to_here, ..p };
@@ -271,13 +279,20 @@ impl Way<f64> {
         Ok((self.leave(p.of(0), d.of(0)), places))
     }
 
-    fn map<R>(&self, change: impl Fn(&Step) -> Step<R>) -> Way<R> {
+    fn map<R: Real>(&self, change: impl Fn(&Step) -> Step<R>) -> Way<R> {
         let Self { travel, start_z, end_z, .. } = *self;
-        Way { steps: self.steps.iter().map(change).collect(), travel, start_z, end_z }
+        let gradients = self.gradients.iter().map(|beside| beside.as_ref().map(Gradients::cast)).collect();
+        Way { steps: self.steps.iter().map(change).collect(), gradients, travel, start_z, end_z }
     }
 }
 
 impl<R: Real> Way<R> {
+    /// The media beside a step's surface, where one is a gradient.
+    #[inline(always)]
+    fn gradients(&self, step: usize) -> Option<&Gradients<R>> {
+        self.gradients.get(step)?.as_ref()
+    }
+
     /// Index of a step's surface, counted from the scene.
     fn surface(&self, step: usize) -> usize {
         match self.travel {
@@ -311,7 +326,7 @@ impl<R: Real> Way<R> {
     fn run(&self, ray: Ray, diaphragm: &Diaphragm<R>, record: &mut impl FnMut(DVec3)) -> Result<Ray, Lost> {
         let (mut p, mut d) = self.enter(ray);
         for (i, step) in self.steps.iter().enumerate() {
-            let passage = match &step.gradients {
+            let passage = match self.gradients(i) {
                 None => step.pass(p, d, diaphragm, None),
                 Some(gradients) => bent(step, gradients, p, d, diaphragm),
             };

@@ -250,15 +250,20 @@ impl MovingParts {
         }
         for (i, position) in given.iter().enumerate() {
             let mut rows = rows.to_vec();
-            for (part, value) in self.parts.iter().zip(&position.values) {
-                part.set(&mut rows, part.even(*value));
-            }
+            self.set(&mut rows, &position.values);
             for part in &self.parts {
                 let checked = rows[part.surface].check(part.surface);
                 checked.map_err(|error| (Some(i), MovingError::Position(Box::new(error))))?;
             }
         }
         Ok(())
+    }
+
+    /// Puts all parts where a position of the table has them.
+    pub(super) fn set(&self, rows: &mut [SurfaceRow], values: &[f64]) {
+        for (part, value) in self.parts.iter().zip(values) {
+            part.set(rows, part.even(*value));
+        }
     }
 
     /// Puts all parts where they are at a zoom and a travel of the focus, as [`Self::values`] has them.

@@ -297,17 +297,18 @@ impl<R: Real> LaneKernel<R> for Trace<'_, R> {
             let mut lost = Losses { fates: &mut fates[first..], surface: 0 };
             for (i, step) in self.way.steps.iter().enumerate() {
                 lost.surface = self.way.surface(i);
+                let gradients = self.way.gradients(i);
                 match &self.lines {
-                    Some(lines) if matches!(step.action, Action::Refract(_)) || step.gradients.is_some() => {
-                        if step.gradients.is_some() {
+                    Some(lines) if matches!(step.action, Action::Refract(_)) || gradients.is_some() => {
+                        if gradients.is_some() {
                             // Rays that only fill a register up go through a medium, too.
                             at_lines = [[R::ONE; BLOCK]; 2];
                         }
                         lines.fill(i, first, &mut at_lines);
                         let [ratios, excesses] = &at_lines;
-                        block.step(zero, step, Some([ratios, excesses]), self.diaphragm, &mut lost);
+                        block.step(zero, step, gradients, Some([ratios, excesses]), self.diaphragm, &mut lost);
                     }
-                    _ => block.step(zero, step, None, self.diaphragm, &mut lost),
+                    _ => block.step(zero, step, gradients, None, self.diaphragm, &mut lost),
                 }
             }
         }
@@ -363,25 +364,26 @@ impl<R: Real> Block<'_, R> {
         d.z.store(&mut self.dz[at..at + L::WIDTH]);
     }
 
-    /// Takes all rays through a surface; each by its own interface, if `interfaces` has them (ratios and excesses).
+    /// Takes all rays through a surface; each by its own interface, if `interfaces` has them (ratios and excesses, or beside a
+    /// gradient the indices before and behind).
     #[inline(always)]
     pub(super) fn step<L: Lane<Real = R>>(
         &mut self,
         zero: L,
         step: &Step<R>,
+        gradients: Option<&Gradients<R>>,
         interfaces: Option<[&[R]; 2]>,
         diaphragm: &Diaphragm<R>,
         lost: &mut Losses,
     ) {
-        if let Some(plain) = step.plain(false) {
-            self.pass(zero, &plain, interfaces, diaphragm, lost, None);
+        if gradients.is_some() {
+            self.pass(zero, step, gradients, interfaces, diaphragm, lost);
+        } else if let Some(plain) = step.plain(false) {
+            self.pass(zero, &plain, None, interfaces, diaphragm, lost);
         } else if let Some(plain) = step.plain(true) {
-            self.pass(zero, &plain, interfaces, diaphragm, lost, None);
+            self.pass(zero, &plain, None, interfaces, diaphragm, lost);
         } else {
-            match &step.gradients {
-                None => self.pass(zero, step, interfaces, diaphragm, lost, None),
-                Some(gradients) => self.pass(zero, step, interfaces, diaphragm, lost, Some(gradients)),
-            }
+            self.pass(zero, step, None, interfaces, diaphragm, lost);
         }
     }
 
@@ -391,10 +393,10 @@ impl<R: Real> Block<'_, R> {
         &mut self,
         zero: L,
         step: &Step<R>,
+        gradients: Option<&Gradients<R>>,
         interfaces: Option<[&[R]; 2]>,
         diaphragm: &Diaphragm<R>,
         lost: &mut Losses,
-        gradients: Option<&Gradients<R>>,
     ) {
         for at in (0..self.x.len()).step_by(L::WIDTH) {
             let (p, d) = self.load(zero, at);

@@ -109,7 +109,7 @@ impl LaneKernel<f64> for Packet<'_> {
         for (i, (step, table)) in way.steps.iter().zip(tables.iter()).enumerate() {
             lost.surface = i;
             let interfaces = table.each_ref().map(|numbers| &numbers[self.first..self.first + LINES]);
-            block.step(zero, step, Some(interfaces), &self.tracer.diaphragm, &mut lost);
+            block.step(zero, step, way.gradients(i), Some(interfaces), &self.tracer.diaphragm, &mut lost);
         }
         std::array::from_fn(|i| match fates[i].lost() {
             Some(lost) => Err(lost),
@@ -204,7 +204,7 @@ impl<R: Real> SpectralBundle<R> {
 /// The way that all lines share, and what they do not.
 fn along(lines: &[&Way<f64>]) -> (Way<f64>, Tables<f64>) {
     let at = |i: usize| {
-        let numbers = |line: &&Way<f64>| match (&line.steps[i].gradients, line.steps[i].action) {
+        let numbers = |line: &&Way<f64>| match (line.gradients(i), line.steps[i].action) {
             (Some(gradients), _) => gradients.indices,
             (None, Action::Refract(interface)) => [interface.ratio, interface.excess],
             (None, Action::Pass | Action::Reflect) => [1.0, 0.0],

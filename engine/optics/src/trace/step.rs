@@ -1,7 +1,5 @@
 //! A surface as a ray comes to it: the hit, the rims, the new direction.
 
-use std::sync::Arc;
-
 use crate::diaphragm::Diaphragm;
 use crate::interface::{Interface, Interfaces, reflect};
 use crate::lane::{Lane, Mask, Real};
@@ -21,7 +19,7 @@ pub(super) enum Action<R> {
 }
 
 /// One surface, ready for rays of one wavelength in one direction of travel.
-#[derive(Clone, Debug)]
+#[derive(Clone, Copy, Debug)]
 pub(super) struct Step<R = f64> {
     pub(super) shape: Shape<R>,
     /// `None`: the surface stands on the axis, upright.
@@ -36,8 +34,6 @@ pub(super) struct Step<R = f64> {
     pub(super) is_stop: bool,
     /// True if a ray from the surface before may start so far away, in radii, that it must be carried first.
     pub(super) is_far: bool,
-    /// Where a medium beside the surface is a gradient. What `action` then says of indices does not count.
-    pub(super) gradients: Option<Arc<Gradients<R>>>,
 }
 
 /// Beyond so many radii of curvature between surfaces, a ray is carried to its point nearest the vertex: larger
@@ -61,7 +57,6 @@ impl Step {
             },
             is_stop: self.is_stop,
             is_far: self.is_far,
-            gradients: self.gradients.as_ref().map(|gradients| Arc::new(gradients.cast())),
         }
     }
 }
@@ -78,24 +73,10 @@ impl<R: Real> Step<R> {
     pub(super) fn plain(&self, is_far: bool) -> Option<Self> {
         match (self.shape, self.action) {
             (Shape::Conic(conic), Action::Refract(interface))
-                if conic.conic == R::ZERO
-                    && self.pose.is_none()
-                    && !self.is_stop
-                    && self.is_far == is_far
-                    && self.gradients.is_none() =>
+                if conic.conic == R::ZERO && self.pose.is_none() && !self.is_stop && self.is_far == is_far =>
             {
-                Some(Self {
-                    shape: Shape::Conic(Conic { conic: R::ZERO, ..conic }),
-                    pose: None,
-                    to_here: self.to_here,
-                    side: self.side,
-                    clear_squared: self.clear_squared,
-                    obstruction_squared: self.obstruction_squared,
-                    action: Action::Refract(interface),
-                    is_stop: false,
-                    is_far,
-                    gradients: None,
-                })
+                let shape = Shape::Conic(Conic { conic: R::ZERO, ..conic });
+                Some(Self { shape, pose: None, action: Action::Refract(interface), is_stop: false, is_far, ..*self })
             }
             _ => None,
         }

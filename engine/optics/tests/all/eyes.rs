@@ -38,7 +38,7 @@ fn eyes_have_their_published_powers() {
         assert!(lens.film_radius_mm.is_some(), "{name} has no retina");
         let said =
             |key: &str| lens.metadata.all.iter().find(|(known, _)| known == key).map(|(_, value)| value.as_str());
-        assert_eq!(said("category"), Some("eye"), "{name}");
+        assert_eq!(said("group").or(said("category")), Some("eye"), "{name}");
         let system = at_rest(&lens);
         // One over the power, as the tables of eyes have it.
         let efl = 1000.0 / power_dioptres(&system, line_nm::D);
@@ -104,17 +104,42 @@ fn accommodated_eyes_are_the_ends_of_the_tables() {
         let found = front.distance_mm(&end, line_nm::D, film);
         assert!((found - near_mm).abs() < 0.1, "{name}: {found}");
     }
-    // Navarro's laws at A = 8, beside the table between its places.
+    // Navarro's laws at A = 8, a place of the table, and between its places.
     let lens = eye("eye-navarro");
-    let at = System::with_travel(&lens, &SystemSettings::default(), 0.8).unwrap();
+    let positions = lens.moving.as_ref().unwrap().positions();
+    let nearest = positions[positions.len() - 1].focus_mm;
+    let travel = nearest / positions[positions.len() - 2].focus_mm;
+    let at = System::with_travel(&lens, &SystemSettings::default(), travel).unwrap();
     let alone = at_rest(&eye("eye-navarro-accommodated"));
-    assert!((power_dioptres(&at, line_nm::D) - power_dioptres(&alone, line_nm::D)).abs() < 1e-5);
-    // A = 7 is no place of the table.
-    let log = 8f64.ln();
-    let between = lens.at_position(1.0, 0.7);
-    let radius = 1.0 / between.surfaces[3].shape.profile().base.curvature;
-    assert!((radius - (10.2 - 1.75 * log)).abs() < 0.01, "{radius}");
-    assert!((between.surfaces[3].thickness_mm - (4.0 + 0.1 * log)).abs() < 1e-3);
+    assert!((power_dioptres(&at, line_nm::D) - power_dioptres(&alone, line_nm::D)).abs() < 1e-4);
+    for travel in [0.07, 0.3, 0.55, 0.9] {
+        let between = lens.at_position(1.0, travel);
+        let lens_front = &between.surfaces[3];
+        let radius = 1.0 / lens_front.shape.profile().base.curvature;
+        // ln(A + 1) from the radius; the others have it, too.
+        let log = (10.2 - radius) / 1.75;
+        assert!((lens_front.thickness_mm - (4.0 + 0.1 * log)).abs() < 1e-3, "{travel}");
+        assert!((lens_front.shape.profile().base.conic - (-3.1316 - 0.34 * log)).abs() < 4e-3, "{travel}");
+        let a = log.exp_m1();
+        let petzval_optics::prescription::Behind::Medium(medium) = &lens_front.behind else { panic!() };
+        let shift = medium.index(line_nm::D) - medium.as_defined().index(line_nm::D);
+        assert!((shift - 9e-5 * (10.0 * a + a * a)).abs() < 1.5e-4, "{travel}: {shift} {a}");
+    }
+}
+
+/// Distances of the tables are sharp where they say, on the retina of the relaxed eye.
+#[test]
+fn positions_are_sharp_where_they_say() {
+    for name in ["eye-navarro", "eye-le-grand", "eye-gullstrand-exact", "eye-gullstrand-emsley"] {
+        let lens = eye(name);
+        let film = Paraxial::new(&at_rest(&lens), line_nm::D).film_z_mm;
+        let front = Focusing { anchor: petzval_optics::focus::Anchor::FrontVertex, ..Focusing::default() };
+        for position in lens.moving.as_ref().unwrap().positions().iter().skip(1) {
+            let system = at_rest(&lens.with_parts(&position.values));
+            let found = front.distance_mm(&system, line_nm::D, film);
+            assert!((found / position.focus_mm - 1.0).abs() < 2e-3, "{name}: {found} {}", position.focus_mm);
+        }
+    }
 }
 
 /// Root mean square distance on the retina from the middle of the spot, mm, of a far point beside the axis, pupil of 4 mm.
