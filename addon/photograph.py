@@ -61,6 +61,7 @@ class Photograph:
         began = time.perf_counter()
         width, height = camera_export.resolution(self.scene.render)
         camera = staging.camera(self.scene, width, height, self.report)
+        staging.tell_of_lens(native, camera, width, height, self.report)
         settings = render_settings.describe(self.scene, width, height, self.results.has_data)
         settings = render_settings.of_layer(settings, self.scene, self.depsgraph.view_layer_eval)
         blur, opened, moving = self._over_the_shutter(shutter, camera, width, height)

@@ -24,6 +24,18 @@ def camera(scene: bpy.types.Scene, width: int, height: int, report: Report) -> C
     return found
 
 
+def tell_of_lens(native: Any, camera: CameraDescription, width: int, height: int, report: Report) -> None:
+    """What of the lens's file could not be used, and glasses that are not known at the camera's own wavelength."""
+    if camera.model == "PINHOLE":
+        return
+    try:
+        info = json.loads(native.camera_info_json(camera, width, height))
+    except native.PetzvalError:
+        return  # said when the camera is made
+    for note in [*info["remarks"], *(info["beyond_range"] if camera.wavelength_nm is not None else [])]:
+        report.warn(note)
+
+
 def fill(
     builder: Any,
     depsgraph: bpy.types.Depsgraph,

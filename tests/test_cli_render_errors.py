@@ -3,6 +3,9 @@
 
 from __future__ import annotations
 
+import json
+from pathlib import Path
+
 import pytest
 
 from cli_render_parts import one_line
@@ -88,3 +91,17 @@ def test_a_picture_that_cannot_be_written(petzval_cli, cli_scenes):
     done = petzval_cli("render", cli_scenes / "scene.blend", "--samples", 1, "-o", "/proc/out.png")
     assert done.returncode == 1
     assert "/proc/out.png" in one_line(done)
+
+
+@pytest.mark.once
+def test_what_could_not_be_used_of_a_lens_file_is_said_once(petzval_cli, cli_scenes, tmp_path):
+    lens, stats = Path(__file__).parent / "reference" / "foreign" / "cooke.len", tmp_path / "stats.json"
+    options = ("--samples", "1", "--resolution", "16x9", "--film", "24x16", "--stats", stats, "-o", tmp_path / "x.png")
+    done = petzval_cli("render", cli_scenes / "scene.blend", "--lens", lens, *options)
+    assert done.returncode == 0, done.stderr
+    said = [note for note in json.loads(stats.read_text())["warnings"] if "cooke.len" in note]
+    # The same that `petzval lens check` says: apertures that the file leaves open, glasses of several makers.
+    told = [line.removeprefix("petzval: note: ") for line in petzval_cli("lens", "check", lens).stderr.splitlines()]
+    assert said == [note for note in told if "cooke.len" in note.split(":")[0] and "known from" not in note]
+    assert len(said) == 3 and "cooke.len:11:1: 5 of 6 surfaces have no clear aperture" in said[0]
+    assert all(done.stderr.count(note) + done.stdout.count(note) == 1 for note in said)

@@ -6,6 +6,9 @@ Run it in an environment of its own, for it needs neither Blender nor the engine
     python3 -m venv packages && packages/bin/pip install rayoptics optiland
     packages/bin/python tools/foreign-figures.py
 
+reports.json holds what optiland says of lenses of tests/reference/lenses: distortion and field curvature, their indices at d as the
+reference has them, rays aimed at the stop.
+
 Focal lengths are those at the file's reference wavelength. Rays start 10 units before the first surface; of each the hit on every
 surface is kept, in the coordinates of that surface, and the last direction. Lengths are in the file's own units.
 """
@@ -85,7 +88,56 @@ def write_oslo() -> None:
     fileio.save_oslo_file(CookeTriplet(), str(FOLDER / "cooke.len"))
 
 
+def report_by_optiland(name: str, field_deg: float) -> dict:
+    """Distortion in per cent and the foci behind the film, over evenly spaced fields, of a lens of the reference data."""
+    import numpy as np
+    from optiland.analysis import Distortion, FieldCurvature
+    from optiland.materials import IdealMaterial
+    from optiland.optic import Optic
+
+    reference = FOLDER.parent
+    lines = (reference / "lenses" / f"{name}.lens").read_text().splitlines()
+    rows = [line.split() for line in lines if line.strip() and not line.startswith("#")]
+    indices = json.loads((reference / "rays" / f"{name}.json").read_text())["n"]["d"]
+    pupil = float(json.loads((reference / "paraxial.json").read_text())[name]["d"]["enp_diameter"])
+    optic = Optic()
+    optic.add_surface(index=0, thickness=np.inf)
+    for i, (row, index) in enumerate(zip(rows, indices, strict=True), start=1):
+        optic.add_surface(
+            index=i, radius=float(row[0]) or np.inf, thickness=float(row[1]), conic=float(row[4]),
+            material=IdealMaterial(float(index)), is_stop=row[5] == "1",
+        )  # fmt: skip
+    optic.add_surface(index=len(rows) + 1)
+    optic.set_aperture("EPD", pupil)
+    optic.set_field_type("angle")
+    for field in (0.0, field_deg):
+        optic.add_field(y=field)
+    optic.add_wavelength(0.5875618, is_primary=True)
+    optic.set_ray_aiming("iterative")
+    count = 6
+    curvature = np.array(FieldCurvature(optic, wavelengths=[0.5875618], num_points=count).data)[0]
+    return {
+        "wavelength_nm": 587.5618,
+        "film_from_last_vertex_mm": float(rows[-1][1]),
+        "fields_deg": [field_deg * i / (count - 1) for i in range(count)],
+        "distortion_percent": np.array(Distortion(optic, wavelengths=[0.5875618], num_points=count).data)
+        .ravel()
+        .tolist(),
+        "tangential_focus_mm": curvature[0].tolist(),
+        "sagittal_focus_mm": curvature[1].tolist(),
+    }
+
+
 def main() -> None:
+    lenses = {
+        "cooke-triplet-50mm": 14.0,
+        "petzval-kodak": 8.0,
+        "double-gauss-f2-available": 10.0,
+        "tessar-brendel": 15.0,
+    }
+    reports = {name: report_by_optiland(name, field) for name, field in lenses.items()}
+    reports["_packages"] = {"optiland": version("optiland")}
+    (FOLDER / "reports.json").write_text(json.dumps(reports, indent=1) + "\n")
     write_oslo()
     figures = {"_packages": {name: version(name) for name in ("rayoptics", "optiland")}}
     for path in sorted(FOLDER.glob("*.*")):

@@ -12,6 +12,8 @@ from .camera_parts import LensPart, complain, fact, focus_text, lines_of
 
 #: Rows that the focus decides.
 _OF_FOCUS = {"Film Distance", "Focused At", "Magnification"}
+#: More notes would fill the panel.
+_MOST_NOTES = 4
 
 
 class PETZVAL_CAMERA_PT_info(LensPart, bpy.types.Panel):
@@ -35,6 +37,17 @@ class PETZVAL_CAMERA_PT_info(LensPart, bpy.types.Panel):
         is_open = _looks(camera) and answer is None
         for name, text in _facts(info):
             fact(column, name, "by autofocus" if is_open and name in _OF_FOCUS else text)
+        _notes(context, self.layout, [*info["remarks"], *info["beyond_range"]])
+
+
+def _notes(context: bpy.types.Context, layout: bpy.types.UILayout, notes: list[str]) -> None:
+    """What of the lens file could not be used, and glasses that are not known for all light."""
+    for note in notes[:_MOST_NOTES]:
+        column = layout.column(align=True)
+        for i, line in enumerate(lines_of(context, note)):
+            column.label(text=line, icon="BLANK1" if i else "INFO")
+    if len(notes) > _MOST_NOTES:
+        layout.label(text=f"{len(notes) - _MOST_NOTES} more: petzval lens check", icon="BLANK1")
 
 
 def _looks(camera: bpy.types.Camera) -> bool:

@@ -2,7 +2,7 @@
 
 use std::path::Path;
 
-use petzval_optics::formats::{self, agf, lens, zmx};
+use petzval_optics::formats::{self, agf, lens, rii, zmx};
 use petzval_optics::glass::Catalogue;
 use petzval_optics::system::{System, SystemSettings};
 
@@ -29,6 +29,14 @@ pub fn lens(bytes: &[u8], name: &str) {
 pub fn catalogue(bytes: &[u8]) {
     match agf::parse_bytes(bytes, "x.agf") {
         Ok((media, _)) => media.iter().for_each(|medium| assert!(medium.index(587.6).is_finite())),
+        Err(error) => assert!(!error.to_string().contains('\n'), "{error}"),
+    }
+}
+
+/// The same of a glass of refractiveindex.info.
+pub fn glass_page(bytes: &[u8]) {
+    match rii::parse_bytes(bytes, "x.yml", "X") {
+        Ok(medium) => assert!(medium.index(587.6).is_finite()),
         Err(error) => assert!(!error.to_string().contains('\n'), "{error}"),
     }
 }

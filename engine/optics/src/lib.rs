@@ -17,7 +17,7 @@
 //!
 //! A module uses only those that stand before it here: [`glass`] → [`lane`] → [`vector`] → [`surface`] → [`interface`] → [`single_surface`] → [`diaphragm`] →
 //! [`prescription`] → [`first_order`] → [`formats`] → [`system`] → [`transmission`] → [`trace`] → [`paraxial`] → [`focus`] → [`seidel`] → [`field`] → [`vignetting`] → [`drawing`] → [`gaussian`] → [`ghosts`] →
-//! [`pupil_map`] → [`entrance_map`] → [`autofocus`] → [`ray_table`].
+//! [`pupil_map`] → [`entrance_map`] → [`autofocus`] → [`analysis`] → [`ray_table`].
 //!
 //! A ray that is lost is a result: the surface and one of seven reasons. No value is ever NaN, and no input panics.
 //!
@@ -61,6 +61,7 @@
 // A comparison that NaN fails, written `!(x >= 0.0)`, is how a number that is none ends as a named reason.
 #![allow(clippy::neg_cmp_op_on_partial_ord)]
 
+pub mod analysis;
 pub mod autofocus;
 pub mod diaphragm;
 pub mod drawing;

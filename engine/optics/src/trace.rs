@@ -228,6 +228,13 @@ impl<R: Real> Tracer<R> {
         self.from_scene.run_recording(ray, &self.diaphragm, hits)
     }
 
+    /// As [`Self::from_scene`]; appends the length of the way to each surface from the one before, the first from the ray's origin,
+    /// to `lengths_mm`. A length is negative where the ray meets a surface before it has left the one in front of that. In a
+    /// gradient it is the optical path over the index on the axis just before the next surface.
+    pub fn from_scene_measuring(&self, ray: Ray, lengths_mm: &mut Vec<f64>) -> Result<Ray, Lost> {
+        self.from_scene.run_measuring(ray, &self.diaphragm, lengths_mm)
+    }
+
     /// As [`Self::from_film`]; appends the hits in lens space to `hits`, last surface first.
     pub fn from_film_recording(&self, ray: Ray, hits: &mut Vec<DVec3>) -> Result<Ray, Lost> {
         self.from_film.run_recording(ray, &self.diaphragm, hits)
@@ -336,6 +343,30 @@ impl<R: Real> Way<R> {
             if let Some(reason) = passage.fates().failure(0) {
                 return Err(Lost { surface: self.surface(i), reason });
             }
+            (p, d) = (passage.point, passage.direction);
+        }
+        Ok(self.leave(p.of(0), d.of(0)))
+    }
+
+    fn run_measuring(&self, ray: Ray, diaphragm: &Diaphragm<R>, lengths_mm: &mut Vec<f64>) -> Result<Ray, Lost> {
+        let (mut before, mut z) = (ray.origin, self.start_z);
+        let (mut p, mut d) = self.enter(ray);
+        for (i, step) in self.steps.iter().enumerate() {
+            let along: DVec3 = d.of(0);
+            z -= step.to_here.to_f64();
+            let gradients = self.gradients(i);
+            let in_gradient = gradients
+                .and_then(|gradients| gradients.reduced_length(step, Vector { z: p.z + step.to_here, ..p }, d));
+            let passage = match gradients {
+                None => step.pass(p, d, diaphragm, None),
+                Some(gradients) => bent(step, gradients, p, d, diaphragm),
+            };
+            if let Some(reason) = passage.fates().failure(0) {
+                return Err(Lost { surface: self.surface(i), reason });
+            }
+            let hit = passage.point.of(0) + DVec3::Z * z;
+            lengths_mm.push(in_gradient.map_or_else(|| (hit - before).dot(along), R::to_f64));
+            before = hit;
             (p, d) = (passage.point, passage.direction);
         }
         Ok(self.leave(p.of(0), d.of(0)))

@@ -12,8 +12,10 @@ use crate::field::Field;
 use crate::focus::Focus;
 use crate::system::System;
 
-use beam::{Probe, RimOfBeam};
-use survey::Window;
+use beam::RimOfBeam;
+
+pub(crate) use beam::Probe;
+pub(crate) use survey::Window;
 
 /// How far off the axis the beam comes through. Angles are those of the chief ray before the lens, in degrees; more
 /// than 90 for what lies behind the first vertex. `None`: the lens has no such angle.

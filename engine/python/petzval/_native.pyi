@@ -102,6 +102,69 @@ def lens_drawing_json(
     through, none where nothing does; film, a line; and of `info_json` name, wavelength_nm, efl_mm, f_number, focus_distance_mm,
     film_z_mm, the principal planes and the pupils. Without fields: the axis, 0.7 of the design's half field, and that."""
 
+class LensSetting(Protocol):
+    """How a lens is set; None: as published. `petzval/lens_setting.py` has the dataclass."""
+
+    scale: float | None
+    focal_length_mm: float | None
+    f_number: float | None
+    pupil_diameter_mm: float | None  # of the entrance pupil; goes before the f-number
+    blades: int
+    blade_curvature: float
+    blade_rotation_rad: float
+    aperture_mask: ApertureMask | None
+
+class LensLook(Protocol):
+    """How it is looked at. `petzval/lens_setting.py` has the dataclass."""
+
+    fields_deg: Sequence[float]  # angles to the axis, counted at the entrance pupil; none: the report's own
+    wavelengths_nm: Sequence[float]  # in vacuum, that nearest the d line the main one; none: F, d and C
+    azimuth_deg: float  # of the fields, from right to up
+    focus_distance_mm: float | None
+    best_focus: bool  # the film where the spot of the axis is smallest, instead of where paraxial rays of the main wavelength meet
+    defocus_mm: float  # and so far behind that
+
+# Every report is an object with name, efl_mm, f_number, focus_distance_mm, film_z_mm, wavelengths_nm, main_wavelength (its index),
+# azimuth_deg, airy_radius_mm, half_field_deg, and what stands below. Pairs are [sagittal, tangential]. A field from which nothing
+# comes has is_dark and no more. Without fields: 0, 0.7 and all of the half field, or `count` evenly over it.
+
+def lens_spots_json(lens: Lens, setting: LensSetting, look: LensLook, rays: int, defocus_mm: Sequence[float]) -> str:
+    """defocus: for each of `defocus_mm` fields: angle_deg, centroid_mm from the film's middle, chief_mm, rms_mm and largest_mm from the
+    centroid, lines: wavelength_nm, rms_mm about its own centroid_mm, points_mm. `rays` is the number over the width of a beam."""
+
+def lens_fans_json(lens: Lens, setting: LensSetting, look: LensLook, rays: int) -> str:
+    """fields: angle_deg, tangential and sagittal, each a list by wavelength of pupil (in radii of the stop), error_mm from the main
+    wavelength's ray through the stop's middle, path_waves, longer than the middle ray's of that wavelength."""
+
+def lens_mtf_json(
+    lens: Lens,
+    setting: LensSetting,
+    look: LensLook,
+    frequencies: tuple[float, int],
+    heights: tuple[int, float],
+) -> str:
+    """`frequencies`: the highest, per mm, and the steps to it; `heights`: how many, and a step of the frequencies there. Gives
+    frequencies_per_mm, steps + 1 from 0, and fields: angle_deg, height_mm, sagittal and tangential (the frequency's direction),
+    each contrast, geometric (rays alone) and limit (diffraction alone). height_frequencies_per_mm, 0 to 4 steps, and heights: the
+    same from the axis to the largest field."""
+
+def lens_distortion_json(lens: Lens, setting: LensSetting, look: LensLook, count: int) -> str:
+    """height_by_slope_mm and fields: angle_deg, and of the ray through the middle of the stop height_mm, straight_height_mm (by the
+    tangent; null from 90 degrees on), even_height_mm (by the angle), tangential_focus_mm and sagittal_focus_mm from the film, along z,
+    colour_mm: by wavelength, from the main one's height."""
+
+def lens_illumination_json(lens: Lens, setting: LensSetting, look: LensLook, count: int) -> str:
+    """fields that are lit: angle_deg, height_mm, relative to the axis (null where that is dark), projected_sr."""
+
+def glass_json(name: str, catalogue: str | None, wavelengths_nm: Sequence[float], thickness_mm: float) -> str:
+    """A glass of the shipped catalogues, or of the .agf or .yml file `catalogue`: name, source, makers (that have one of this name, the
+    first is taken), formula and coefficients (null for vacuum), range_nm ([0, null] for all), nd, abbe (null: no dispersion),
+    transmittance_is_known, remarks, and indices, a row a wavelength: wavelength_nm, index, is_known (else it is that at the end of the
+    range) and transmittance, of `thickness_mm` inside (null: not known)."""
+
+def glasses_json(catalogue: str | None) -> str:
+    """glasses: token, nd and abbe (null: no dispersion) of each of a catalogue; and remarks."""
+
 def trace_surfaces_json(cases_json: str, *, precision: str = "f64") -> str:
     """The input and output of `petzval surface trace`; `precision` is "f64", "f32" or "printed"."""
 
@@ -153,7 +216,8 @@ def camera_info_json(camera: CameraDescription, width: int, height: int) -> str:
     fov_vertical_rad, fov_diagonal_rad, picture_width_mm, picture_height_mm (the used part of the film),
     viewport_focal_length_mm with viewport_sensor_width_mm and viewport_shift (a Blender camera that frames the same picture),
     entrance_pupil_diameter_mm, lens_name, surfaces, zoom_range_mm (null: no zoom lens), focuses_inside (groups inside of
-    the lens focus it, not the film)."""
+    the lens focus it, not the film), remarks (what of the lens file could not be used), beyond_range (glasses that are not known for all
+    of the light: of wavelength_nm, or all visible)."""
 
 def autofocus_json(scene: Scene, camera: CameraDescription, width: int, height: int, point: tuple[float, float]) -> str:
     """The focus on what a picture point sees, (0, 0) lower left to (1, 1) upper right, by the smallest spot of exact

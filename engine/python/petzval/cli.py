@@ -22,6 +22,7 @@ from .processors import ProcessorError
 #: Subcommand: its module and its line in `petzval --help`.
 COMMANDS = {
     "lens": ("lens_command", "check or convert a lens file, show its first-order data, trace rays through it"),
+    "glass": ("glass_command", "say what is known of a glass, draw its dispersion, list the glasses"),
     "surface": ("surface_command", "trace rays at single surfaces"),
     "render": ("render_command", "render a .blend through a lens"),
     "plan": ("plan_command", "say what a render would simulate of the lens, and why"),

@@ -12,6 +12,7 @@ from collections.abc import Sequence
 from pathlib import Path
 from typing import Any
 
+from . import lens_report_command
 from .errors import CommandError, complain
 from .places import find_lens
 from .questions import read_list, vector_text
@@ -52,6 +53,8 @@ def add_parser(subparsers: argparse._SubParsersAction) -> None:
         "--focus-distance", type=_distance, metavar="MM|inf", help="from the entrance pupil to what is sharp"
     )
     draw.set_defaults(run=_draw)
+
+    lens_report_command.add_parsers(actions, _add_setting, KINDS)
 
     info = actions.add_parser("info", help="focal length, planes, pupils, aberrations", allow_abbrev=False)
     info.add_argument("lens", metavar="FILE", help=f"a lens file ({KINDS}), or the name of a shipped lens")

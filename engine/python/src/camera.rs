@@ -209,6 +209,8 @@ pub(crate) fn camera_info_json(py: Python<'_>, camera: PyCamera, width: u32, hei
         "entrance_pupil_diameter_mm": i.entrance_pupil_diameter_mm,
         "zoom_range_mm": i.zoom_range_mm,
         "focuses_inside": i.focuses_inside,
+        "remarks": i.remarks,
+        "beyond_range": i.beyond_range,
     })
     .to_string())
 }

@@ -19,7 +19,7 @@ pub mod zmx;
 
 use std::path::{Path, PathBuf};
 
-use crate::glass::Catalogue;
+use crate::glass::{Catalogue, Medium};
 
 pub use problem::{LensFileError, Problem};
 pub use remarks::{Reading, Remark};
@@ -87,6 +87,21 @@ pub fn read(path: &Path, catalogue: &Catalogue) -> Result<Reading, LensFileError
     let file = path.display().to_string();
     let bytes = text::bytes(path, &file, LARGEST_FILE)?;
     parse_bytes(&bytes, path, catalogue, path.parent().map(Path::to_owned))
+}
+
+/// Reads the glasses of a maker's `.agf`, or the one of a `.yml` of refractiveindex.info, which is called as the file; and what of
+/// them could not be used.
+///
+/// # Errors
+/// [`LensFileError`], one line with file, line and column.
+pub fn read_glasses(path: &Path) -> Result<(Vec<Medium>, Vec<Remark>), LensFileError> {
+    let file = path.display().to_string();
+    let bytes = text::bytes(path, &file, LARGEST_FILE)?;
+    let ending = path.extension().map(|ending| ending.to_string_lossy().to_lowercase());
+    match ending.as_deref() {
+        Some("yml" | "yaml") => Ok((vec![rii::parse_bytes(&bytes, &file, &text::stem(&file))?], Vec::new())),
+        _ => agf::parse_bytes(&bytes, &file),
+    }
 }
 
 /// Parses the bytes of a lens file of any kind, which may be anything; `path` says its kind and what errors call it.

@@ -23,7 +23,7 @@ pub(super) fn utf8(bytes: &[u8], file: &str) -> Result<String, LensFileError> {
         Ok(text) => (text, true),
         Err(error) => (std::str::from_utf8(&bytes[..error.valid_up_to()]).unwrap_or(""), false),
     };
-    let control = valid.find(|c: char| c.is_control() && !c.is_ascii_whitespace());
+    let control = valid.find(is_no_text);
     match control.or((!whole).then_some(valid.len())) {
         None => Ok(valid.trim_start_matches(MARK).to_owned()),
         Some(offset) => Err(not_text(&valid[..offset], file)),
@@ -31,7 +31,7 @@ pub(super) fn utf8(bytes: &[u8], file: &str) -> Result<String, LensFileError> {
 }
 
 /// Text of a design program: UTF-8 or UTF-16 with or without its mark, else, since older ones write their country's
-/// code page, in which only remarks and names differ, Latin-1.
+/// code page, in which only remarks and names differ, that of western Europe.
 pub(super) fn any_encoding(bytes: &[u8], file: &str) -> Result<String, LensFileError> {
     let zeros = |first: usize| bytes.iter().skip(first).step_by(2).filter(|&&byte| byte == 0).count();
     let half = bytes.len() / 2;
@@ -54,7 +54,7 @@ pub(super) fn any_encoding(bytes: &[u8], file: &str) -> Result<String, LensFileE
         }
         None => match std::str::from_utf8(bytes) {
             Ok(text) => text.to_owned(),
-            Err(_) => bytes.iter().map(|&byte| char::from(byte)).collect(),
+            Err(_) => bytes.iter().map(|&byte| western(byte)).collect(),
         },
     };
     let text = text.trim_start_matches(MARK);
@@ -70,7 +70,20 @@ pub(super) fn any_encoding(bytes: &[u8], file: &str) -> Result<String, LensFileE
 const MARK: char = '\u{feff}';
 
 fn is_no_text(c: char) -> bool {
-    c.is_ascii_control() && !c.is_ascii_whitespace() && c != '\u{b}'
+    c.is_control() && !c.is_ascii_whitespace() && c != '\u{b}'
+}
+
+/// A byte in Windows' code page 1252: Latin-1, but for letters and marks where that has control codes (Unicode Consortium,
+/// CP1252.TXT). What has no letter there is marked as unreadable.
+fn western(byte: u8) -> char {
+    const FROM_80: [char; 32] = [
+        '€', '\u{fffd}', '‚', 'ƒ', '„', '…', '†', '‡', 'ˆ', '‰', 'Š', '‹', 'Œ', '\u{fffd}', 'Ž', '\u{fffd}',
+        '\u{fffd}', '‘', '’', '“', '”', '•', '–', '—', '˜', '™', 'š', '›', 'œ', '\u{fffd}', 'ž', 'Ÿ',
+    ];
+    match byte {
+        0x80..=0x9f => FROM_80[usize::from(byte - 0x80)],
+        _ => char::from(byte),
+    }
 }
 
 fn not_text(before: &str, file: &str) -> LensFileError {
@@ -110,4 +123,20 @@ pub(super) fn not_a_number(what: &str, found: &str) -> Problem {
 /// The file's name without folders and ending: the name of a lens that has none.
 pub(super) fn stem(file: &str) -> String {
     Path::new(file).file_stem().map_or_else(|| file.to_owned(), |stem| stem.to_string_lossy().into_owned())
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    /// Writers refuse nothing that readers take: control codes are no text in any encoding.
+    #[test]
+    fn old_code_pages_have_letters_where_others_have_controls() {
+        let read = |bytes: &[u8]| any_encoding(bytes, "x");
+        assert_eq!(read(b"\x93Petzval\x94 \x80 \xe9\x81").unwrap(), "“Petzval” € é\u{fffd}");
+        for text in ["a\u{98}b", "a\u{1}b"] {
+            assert!(read(text.as_bytes()).is_err() && utf8(text.as_bytes(), "x").is_err(), "{text:?}");
+        }
+        assert_eq!(utf8("a\u{b}\tb".as_bytes(), "x").unwrap(), "a\u{b}\tb");
+    }
 }

@@ -140,6 +140,15 @@ impl Catalogue {
         Err(GlassError::Unknown { name: token.to_owned(), near: self.near(&key) })
     }
 
+    /// `maker:name` of every glass, the makers in the order in which a bare name prefers them.
+    pub fn names(&self) -> Vec<String> {
+        let rank = |maker: &str| FILES.iter().position(|(known, _)| *known == maker);
+        let mut found: Vec<(usize, &String)> =
+            self.media.keys().filter_map(|key| Some((rank(key.split_once(':')?.0)?, key))).collect();
+        found.sort_unstable();
+        found.into_iter().map(|(_, key)| key.clone()).collect()
+    }
+
     /// The makers that have a glass of this name, in any case of letters, in the order in which a bare name prefers them.
     pub fn makers_of(&self, name: &str) -> Vec<&'static str> {
         let key = name.to_lowercase();

@@ -125,6 +125,39 @@ impl Gradients<f64> {
 }
 
 impl<R: Real> Gradients<R> {
+    /// The length that the way of one ray from `p` along `d` to the surface of `step` would have in a medium of the index that is
+    /// before the vertex of that surface: its optical path over that index. `None` where the medium before is no gradient.
+    pub(super) fn reduced_length(&self, step: &Step<R>, p: Vector<R>, d: Vector<R>) -> Option<R> {
+        let (field, march) = self.before.as_ref()?;
+        let base = self.indices[0];
+        let square = |at: Vector<R>| field.index(at, base) * field.index(at, base);
+        let half = R::from_f64(0.5);
+        // ∫ n ds = ∫ n² dt, by Simpson's rule.
+        let way = |from: &Flight<R>, t: R| {
+            let (middle, end) = (from.after(field, base, t * half), from.after(field, base, t));
+            let mean =
+                (square(from.at) + square(middle.at) * R::from_f64(4.0) + square(end.at)) * R::from_f64(1.0 / 6.0);
+            (end, mean * t)
+        };
+        let mut here = Flight { at: p, pace: d * field.index(p, base) };
+        let mut path = R::ZERO;
+        for _ in 0..march.most {
+            let crossing = step.meet(here.at, here.direction());
+            if crossing.met && crossing.t <= march.step * field.index(here.at, base) {
+                break;
+            }
+            let (next, length) = way(&here, march.step);
+            (here, path) = (next, path + length);
+        }
+        let (mut t, mut last) = (R::ZERO, here);
+        for _ in 0..LANDINGS as u32 {
+            t = t + step.meet(last.at, last.direction()).t / field.index(last.at, base);
+            last = here.after(field, base, t);
+        }
+        let vertex = field.index(Vector { x: R::ZERO, y: R::ZERO, z: R::ZERO }, base);
+        Some((path + way(&here, t).1) / vertex)
+    }
+
     /// The indices without gradients, in all lanes.
     #[inline(always)]
     pub(super) fn bases<L: Lane<Real = R>>(&self, like: L) -> [L; 2] {

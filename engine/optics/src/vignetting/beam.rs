@@ -26,9 +26,9 @@ const DIFFERENCE: f64 = 1e-5;
 pub(super) const LOST: f64 = 4.0;
 
 /// Where a ray goes.
-pub(super) struct Passage {
+pub(crate) struct Passage {
     /// Where it meets the stop, in radii of its opening.
-    pub(super) stop: DVec2,
+    pub(crate) stop: DVec2,
     /// Its largest distance from the axis at the other surfaces, in radii of the rim there.
     pub(super) reach: f64,
     /// The surface where that is.
@@ -49,16 +49,16 @@ pub(super) struct RimOfBeam {
 }
 
 /// A lens without its rims.
-pub(super) struct Probe<'a> {
+pub(crate) struct Probe<'a> {
     system: &'a System,
-    tracer: Tracer,
-    pub(super) origin: Origin,
-    pupil_radius_mm: f64,
+    pub(crate) tracer: Tracer,
+    pub(crate) origin: Origin,
+    pub(crate) pupil_radius_mm: f64,
 }
 
 impl<'a> Probe<'a> {
     /// For the object plane at `object_z_mm`; `None`: at infinity. No probe if the entrance pupil is there.
-    pub(super) fn new(system: &'a System, wavelength_nm: f64, object_z_mm: Option<f64>) -> Option<Self> {
+    pub(crate) fn new(system: &'a System, wavelength_nm: f64, object_z_mm: Option<f64>) -> Option<Self> {
         let pupil = Paraxial::new(system, wavelength_nm).entrance_pupil;
         Some(Self {
             system,
@@ -74,7 +74,7 @@ impl<'a> Probe<'a> {
     }
 
     /// Where the ray of `field` goes that crosses its plane at `at`; the index of the surface that ends it before the stop.
-    pub(super) fn pass(&self, field: &Field, at: DVec2) -> Result<Passage, usize> {
+    pub(crate) fn pass(&self, field: &Field, at: DVec2) -> Result<Passage, usize> {
         let surfaces = self.system.surfaces();
         let mut hits = Vec::with_capacity(surfaces.len());
         let result = self.tracer.from_scene_recording(self.origin.ray(field, at), &mut hits);
@@ -96,7 +96,7 @@ impl<'a> Probe<'a> {
     }
 
     /// About where rays along the axis cross the plane of their field to pass the rim of the stop.
-    pub(super) fn paraxial_rim(&self) -> Vec<DVec2> {
+    pub(crate) fn paraxial_rim(&self) -> Vec<DVec2> {
         let spread = self.origin.object_z_mm.map_or(1.0, |z| z / (z - self.origin.pupil_z_mm));
         rim_targets().map(|target| target * (self.pupil_radius_mm * spread)).collect()
     }
@@ -117,7 +117,7 @@ impl<'a> Probe<'a> {
 
     /// Where the ray of `field` crosses its plane that meets the stop at `target`, by Newton's method from `start`; a
     /// surface that keeps rays from there.
-    fn aim(&self, field: &Field, target: DVec2, start: DVec2) -> Result<DVec2, usize> {
+    pub(crate) fn aim(&self, field: &Field, target: DVec2, start: DVec2) -> Result<DVec2, usize> {
         let miss = |at: DVec2| self.pass(field, at).map(|passage| passage.stop - target);
         let difference = self.pupil_radius_mm * DIFFERENCE;
         let (mut at, mut off) = (start, miss(start)?);

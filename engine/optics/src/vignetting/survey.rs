@@ -19,15 +19,15 @@ const EDGE_HALVINGS: u32 = 6;
 
 /// A rectangle of the plane of a field.
 #[derive(Clone, Copy, Debug)]
-pub(super) struct Window {
-    centre: DVec2,
-    half: DVec2,
+pub(crate) struct Window {
+    pub(crate) centre: DVec2,
+    pub(crate) half: DVec2,
 }
 
 /// What is seen through a window.
-pub(super) struct Survey {
+pub(crate) struct Survey {
     /// The window that fits the beam.
-    pub(super) window: Window,
+    pub(crate) window: Window,
     /// The area of the stop that is filled, in squares of its radius.
     pub(super) area: f64,
 }
@@ -51,7 +51,7 @@ impl Node {
 
 impl Window {
     /// The window about these places, with a margin.
-    pub(super) fn about(places: impl Iterator<Item = DVec2>) -> Option<Self> {
+    pub(crate) fn about(places: impl Iterator<Item = DVec2>) -> Option<Self> {
         let corners = places.map(|place| (place, place)).reduce(|a, b| (a.0.min(b.0), a.1.max(b.1)));
         corners.map(|(low, high)| Self { centre: 0.5 * (low + high), half: 0.5 * MARGIN * (high - low) })
     }
@@ -64,7 +64,7 @@ impl Window {
     /// The beam of `field` near this window; `None` if there is none.
     ///
     /// Where no ray of the grid passes, the neighbourhood of the best is looked at more closely.
-    pub(super) fn find(&self, probe: &Probe, field: &Field) -> Option<Survey> {
+    pub(crate) fn find(&self, probe: &Probe, field: &Field) -> Option<Survey> {
         let mut window = *self;
         for _ in 0..MOST_WINDOWS {
             let grid = Grid::new(&window, probe, field);

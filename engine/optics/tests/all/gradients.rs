@@ -70,7 +70,20 @@ fn a_rod_bends_rays_as_a_spring() {
             let out = tracer.from_scene(ray).unwrap();
             let tolerance = 1e-10 * length.max(10.0);
             assert!((out.origin.truncate() - expected).length() < tolerance, "{length}: {} {expected}", out.origin);
-            assert!((out.direction.truncate() - out_pace).length() < tolerance, "{length}: {} {out_pace}", out.direction);
+            assert!(
+                (out.direction.truncate() - out_pace).length() < tolerance,
+                "{length}: {} {out_pace}",
+                out.direction
+            );
+            // The optical path ∫ n² dt, by the same springs.
+            let mut lengths = Vec::new();
+            tracer.from_scene_measuring(ray, &mut lengths).unwrap();
+            let (t, double) = (length / along, (2.0 * omega * length / along).sin() / (4.0 * omega));
+            let squares = at.truncate().length_squared() * (0.5 * t + double)
+                + pace.length_squared() / (omega * omega) * (0.5 * t - double)
+                + at.truncate().dot(pace) * (sin / omega).powi(2);
+            let path = ROD_INDEX * ROD_INDEX * t - omega * omega * squares;
+            assert!((lengths[1] * ROD_INDEX - path).abs() < tolerance, "{length}: {} {path}", lengths[1] * ROD_INDEX);
         }
     }
 }

@@ -1,5 +1,6 @@
 //! All that the crate promises, in one program: what is generic in the tracer is compiled once.
 
+mod analysis;
 mod common;
 mod drawing;
 mod elements;

@@ -4,7 +4,7 @@ use super::{CameraDescription, CameraError};
 use glam::DVec3;
 use petzval_optics::focus::{self, FilmPlane, FocusError, Focusing, GroupsError, Relation};
 use petzval_optics::formats;
-use petzval_optics::glass::Catalogue;
+use petzval_optics::glass::{Catalogue, Medium};
 use petzval_optics::paraxial::Paraxial;
 use petzval_optics::prescription::Prescription;
 use petzval_optics::prescription::moving::MovingParts;
@@ -61,6 +61,10 @@ pub struct LensInfo {
     pub zoom_range_mm: Option<[f64; 2]>,
     /// Groups inside of the lens move to focus it, not the film.
     pub focuses_inside: bool,
+    /// What its file says that could not be used, line by line.
+    pub remarks: Vec<String>,
+    /// Glasses whose index is not known for all of the light: of the camera's wavelength, or if it has none, all visible.
+    pub beyond_range: Vec<String>,
 }
 
 /// A lens set, focused and put before its film: all that a panel needs.
@@ -77,7 +81,8 @@ impl Setup {
         if let Some(nm) = d.wavelength_nm.filter(|nm| !(100.0..=20_000.0).contains(nm)) {
             return Err(d.error(format!("the wavelength is {nm} nm; visible light is 380 to 780 nm")));
         }
-        let prescription = formats::read(&d.lens_path, Catalogue::shipped())?.prescription;
+        let reading = formats::read(&d.lens_path, Catalogue::shipped())?;
+        let prescription = reading.prescription;
         let name = prescription.name.clone();
         let wrong = |source: SystemError| CameraError::System { lens: name.clone(), source };
         let focal_length = match (d.focal_length_mm, d.focal_scale) {
@@ -156,9 +161,23 @@ impl Setup {
             entrance_pupil_diameter_mm: paraxial.entrance_pupil.diameter_mm,
             zoom_range_mm: prescription.moving.as_ref().and_then(MovingParts::zoom_range_mm),
             focuses_inside: prescription.moving.as_ref().is_some_and(MovingParts::focuses),
+            remarks: reading.remarks.iter().map(ToString::to_string).collect(),
+            beyond_range: beyond_range(&prescription, d.wavelength_nm.map_or(VISIBLE_NM, |nm| [nm; 2])),
         };
         Ok(Self { info, system, film, origin_z_mm })
     }
+}
+
+/// What the eye sees.
+const VISIBLE_NM: [f64; 2] = [380.0, 780.0];
+
+fn beyond_range(prescription: &Prescription, [shortest_nm, longest_nm]: [f64; 2]) -> Vec<String> {
+    let said = |medium: &Medium| {
+        let [start, end] = medium.range_nm();
+        let name = medium.name();
+        format!("glass {name}: its index is known from {start:.0} to {end:.0} nm, beyond it is kept as at the end")
+    };
+    prescription.media_beyond(shortest_nm, longest_nm).into_iter().map(said).collect()
 }
 
 /// The lens, and where the film's middle is to stand, lens space. Groups that focus move instead of the film, but where

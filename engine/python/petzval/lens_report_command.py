@@ -1,0 +1,153 @@
+# SPDX-License-Identifier: GPL-3.0-or-later
+"""`petzval lens spots|fans|mtf|distortion|illumination`: reads arguments, asks the engine, draws its answer. Computes nothing."""
+
+from __future__ import annotations
+
+import argparse
+import json
+from collections.abc import Callable
+from dataclasses import replace
+from functools import partial
+from pathlib import Path
+from typing import Any
+
+from .errors import CommandError
+from .lens_setting import LensSetting, add_look, look_of, number
+
+_SOME_FIELDS = "0, and 0.7 and all of the design's half field"
+_ALL_FIELDS = "from 0 to the design's half field"
+
+
+def add_parsers(actions: Any, add_setting: Callable[[argparse.ArgumentParser], None], kinds: str) -> None:
+    """Adds the five actions to those of `petzval lens`."""
+
+    def add(name: str, help_text: str, fields: str, run: Callable[..., int]) -> argparse.ArgumentParser:
+        parser = actions.add_parser(name, help=help_text, allow_abbrev=False)
+        parser.add_argument("lens", metavar="FILE", help=f"a lens file ({kinds}), or the name of a shipped lens")
+        parser.add_argument(
+            "-o", "--output", required=True, metavar="OUT", help="the picture: .svg, .png or .pdf; or .json"
+        )
+        add_look(parser, fields)
+        add_setting(parser)
+        parser.set_defaults(run=run)
+        return parser
+
+    spots = add("spots", "where the rays of a point meet the film", _SOME_FIELDS, _spots)
+    spots.add_argument("--rays", type=int, default=41, metavar="N", help="over the width of a beam; default: 41")
+    spots.add_argument(
+        "--defocus", nargs="+", type=number, default=[0.0], metavar="MM", help="a column for each place of the film"
+    )
+
+    fans = add("fans", "how far rays across the pupil land from the middle one", _SOME_FIELDS, _fans)
+    fans.add_argument("--rays", type=int, default=201, metavar="N", help="of a fan; default: 201")
+    fans.add_argument("--path", action="store_true", help="how long they take instead, in wavelengths")
+
+    mtf = add("mtf", "how much contrast is left of fine lines", _SOME_FIELDS, _mtf)
+    mtf.add_argument(
+        "--frequency", type=number, default=100.0, metavar="N", help="the highest, line pairs/mm; default: 100"
+    )
+    mtf.add_argument("--steps", type=int, default=40, metavar="N", help="of the frequency; default: 40")
+    mtf.add_argument("--heights", type=int, default=13, metavar="N", help="in the picture; default: 13")
+    mtf.add_argument(
+        "--height-frequency", type=number, default=10.0, metavar="N",
+        help="over the height are 1, 2, 3 and 4 times so many line pairs/mm; default: 10",
+    )  # fmt: skip
+
+    distortion = add("distortion", "distortion, field curvature, lateral colour", _ALL_FIELDS, _distortion)
+    distortion.add_argument("--count", type=int, default=41, metavar="N", help="of the fields; default: 41")
+
+    illumination = add("illumination", "how bright the picture is off its middle", _ALL_FIELDS, _illumination)
+    illumination.add_argument("--count", type=int, default=31, metavar="N", help="of the fields; default: 31")
+    illumination.add_argument(
+        "--f-numbers", nargs="+", type=number, default=[], metavar="N", help="a curve for each, instead of --f-number"
+    )
+
+
+def _setting(arguments: argparse.Namespace) -> LensSetting:
+    from .lens_command import _setting as given
+
+    return LensSetting(**given(arguments))
+
+
+def _lens(arguments: argparse.Namespace) -> Any:
+    from .lens_command import _load
+    from .lens_reports import page
+
+    page.check(Path(arguments.output))
+    return _load(arguments.lens)
+
+
+def _finish(arguments: argparse.Namespace, lens: Any, found: Any, title: str, report: Any, draw: Any = None) -> int:
+    """Writes the picture, and says what there is to say."""
+    from .lens_command import _beyond, _say
+    from .lens_reports import page
+
+    out = Path(arguments.output)
+    try:
+        page.write(found, out, report.size_in(found), title, draw or report.draw)
+    except OSError as error:
+        raise CommandError(f"cannot write {out}: {error.strerror or error}: choose another place") from None
+    first = found[0] if isinstance(found, list) else found
+    fields = first.get("fields") or first["defocus"][0]["fields"]
+    dark = [f"no light from {f['angle_deg']:g} degrees comes to the film" for f in fields if f.get("is_dark")]
+    _say([*lens.remarks, *_beyond(lens, first["wavelengths_nm"]), *dark])
+    print(f"{out}: {first['name']}")
+    return 0
+
+
+def _spots(arguments: argparse.Namespace) -> int:
+    from . import _native
+    from .lens_reports import spots
+
+    lens = _lens(arguments)
+    answer = _native.lens_spots_json(
+        lens, _setting(arguments), look_of(arguments), arguments.rays, list(arguments.defocus)
+    )
+    return _finish(arguments, lens, json.loads(answer), "spot diagrams, about the middle of their light", spots)
+
+
+def _fans(arguments: argparse.Namespace) -> int:
+    from . import _native
+    from .lens_reports import fans
+
+    lens = _lens(arguments)
+    found = json.loads(_native.lens_fans_json(lens, _setting(arguments), look_of(arguments), arguments.rays))
+    if arguments.path:
+        draw = partial(fans.draw, key="path_waves")
+        return _finish(arguments, lens, found, "optical path beyond the middle ray's", fans, draw)
+    return _finish(arguments, lens, found, "ray fans: where rays land, from the middle one", fans)
+
+
+def _mtf(arguments: argparse.Namespace) -> int:
+    from . import _native
+    from .lens_reports import mtf
+
+    lens = _lens(arguments)
+    frequencies, heights = (arguments.frequency, arguments.steps), (arguments.heights, arguments.height_frequency)
+    answer = _native.lens_mtf_json(lens, _setting(arguments), look_of(arguments), frequencies, heights)
+    found = json.loads(answer)
+    lines = " ".join(f"{nm:.4g}" for nm in found["wavelengths_nm"])
+    return _finish(arguments, lens, found, f"modulation transfer with diffraction, {lines} nm together", mtf)
+
+
+def _distortion(arguments: argparse.Namespace) -> int:
+    from . import _native
+    from .lens_reports import distortion
+
+    lens = _lens(arguments)
+    found = json.loads(_native.lens_distortion_json(lens, _setting(arguments), look_of(arguments), arguments.count))
+    return _finish(arguments, lens, found, "rays through the middle of the stop", distortion)
+
+
+def _illumination(arguments: argparse.Namespace) -> int:
+    from . import _native
+    from .lens_reports import illumination
+
+    if arguments.f_numbers and arguments.f_number is not None:
+        arguments.usage_error("--f-numbers stands instead of --f-number: leave out the one or the other")
+    if arguments.f_numbers and arguments.pupil_diameter is not None:
+        arguments.usage_error("--f-numbers stands instead of --pupil-diameter: leave out the one or the other")
+    lens, setting, look = _lens(arguments), _setting(arguments), look_of(arguments)
+    settings = [replace(setting, f_number=n) for n in arguments.f_numbers] or [setting]
+    found = [json.loads(_native.lens_illumination_json(lens, one, look, arguments.count)) for one in settings]
+    return _finish(arguments, lens, found, "light on the film, of a scene as bright everywhere", illumination)

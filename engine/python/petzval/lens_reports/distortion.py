@@ -1,0 +1,71 @@
+# SPDX-License-Identifier: GPL-3.0-or-later
+"""Field curvature, distortion and lateral colour, over the angle of the field."""
+
+from __future__ import annotations
+
+from typing import Any
+
+from .page import DARK, lengths, line_colours, line_names
+
+#: From this half field on a picture by the tangent is none that anybody wants: distortion is that from heights by the angle.
+_FISHEYE_DEG = 60.0
+
+
+def size_in(found: dict[str, Any]) -> tuple[float, float]:
+    """Of the report."""
+    return 10.0, 4.2
+
+
+def draw(found: dict[str, Any], figure: Any) -> None:
+    """Into a figure."""
+    curvature, distortion, colour = figure.subplots(1, 3, sharey=True)
+    lit = [field for field in found["fields"] if not field["is_dark"]]
+    for axes in (curvature, distortion, colour):
+        axes.axvline(0.0, color=DARK, linewidth=0.6)
+    _curvature(lit, curvature)
+    _distortion(lit, distortion)
+    _colour(found, lit, colour)
+    if lit:
+        low, high = min(field["angle_deg"] for field in lit), max(field["angle_deg"] for field in lit)
+        curvature.set_ylim(low, high if high > low else low + 1.0)
+    curvature.set_ylabel("field, degrees")
+
+
+def _curvature(lit: list[dict[str, Any]], axes: Any) -> None:
+    found = [abs(f[key]) for f in lit for key in ("sagittal_focus_mm", "tangential_focus_mm") if f[key] is not None]
+    factor, unit = lengths(max(found, default=0.0))
+    for key, name, dashes in (("sagittal_focus_mm", "sagittal", ()), ("tangential_focus_mm", "tangential", (4, 2))):
+        points = [(f[key] * factor, f["angle_deg"]) for f in lit if f[key] is not None]
+        if points:
+            axes.plot(*zip(*points, strict=True), color="#1f5fae", linewidth=1.4, dashes=dashes, label=name)
+    axes.set_title("field curvature", color=DARK)
+    axes.set_xlabel(f"focus behind the film, {unit}")
+    axes.legend(loc="best", fontsize=8)
+
+
+def _distortion(lit: list[dict[str, Any]], axes: Any) -> None:
+    is_fisheye = any(abs(field["angle_deg"]) >= _FISHEYE_DEG for field in lit)
+    key = "even_height_mm" if is_fisheye else "straight_height_mm"
+    # On the axis there is none.
+    points = [
+        (100.0 * (f["height_mm"] / f[key] - 1.0) if f[key] else 0.0, f["angle_deg"]) for f in lit if f[key] is not None
+    ]
+    if points:
+        axes.plot(*zip(*points, strict=True), color="#c0392b", linewidth=1.4)
+        widest = max(1.1 * max(abs(x) for x, _ in points), 0.1)
+        axes.set_xlim(-widest, widest)
+    axes.set_title("distortion from f θ" if is_fisheye else "distortion from f tan θ", color=DARK)
+    axes.set_xlabel("per cent of the height")
+
+
+def _colour(found: dict[str, Any], lit: list[dict[str, Any]], axes: Any) -> None:
+    every = [abs(value) for field in lit for value in field["colour_mm"] if value is not None]
+    factor, unit = lengths(max(every, default=0.0))
+    wavelengths = found["wavelengths_nm"]
+    for i, (colour, name) in enumerate(zip(line_colours(wavelengths), line_names(wavelengths), strict=True)):
+        points = [(f["colour_mm"][i] * factor, f["angle_deg"]) for f in lit if f["colour_mm"][i] is not None]
+        if points:
+            axes.plot(*zip(*points, strict=True), color=colour, linewidth=1.4, label=name)
+    axes.set_title("lateral colour", color=DARK)
+    axes.set_xlabel(f"height from that at {wavelengths[found['main_wavelength']]:.4g} nm, {unit}")
+    axes.legend(loc="best", fontsize=8)

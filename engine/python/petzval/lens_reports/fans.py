@@ -1,0 +1,44 @@
+# SPDX-License-Identifier: GPL-3.0-or-later
+"""Fans: a row a field, the tangential on the left, the sagittal on the right."""
+
+from __future__ import annotations
+
+from typing import Any
+
+from .page import DARK, degrees, lengths, line_colours, line_names
+
+
+def size_in(found: dict[str, Any]) -> tuple[float, float]:
+    """Of the report."""
+    return 8.5, 1.9 * len(found["fields"]) + 0.7
+
+
+def draw(found: dict[str, Any], figure: Any, key: str = "error_mm") -> None:
+    """Into a figure: `error_mm`, where rays land, or `path_waves`, how long they take; all to one scale."""
+    fields = found["fields"]
+    lit = [line for f in fields if not f["is_dark"] for kind in ("tangential", "sagittal") for line in f[kind]]
+    largest = max((abs(value) for line in lit for value in line[key]), default=0.0)
+    factor, unit = lengths(largest) if key == "error_mm" else (1.0, "waves")
+    axes = figure.subplots(len(fields), 2, squeeze=False, sharex=True, sharey=True)
+    colours, names = line_colours(found["wavelengths_nm"]), line_names(found["wavelengths_nm"])
+    for row, field in enumerate(fields):
+        for column, kind in enumerate(("tangential", "sagittal")):
+            at = axes[row][column]
+            at.axhline(0.0, color=DARK, linewidth=0.6)
+            at.axvline(0.0, color=DARK, linewidth=0.6)
+            if row == 0:
+                at.set_title(kind, color=DARK)
+            if column == 0:
+                at.set_ylabel(f"{degrees(field['angle_deg'])}\n{unit}")
+            if row == len(fields) - 1:
+                at.set_xlabel("place in the stop, of its radius")
+            if field["is_dark"]:
+                at.text(0.5, 0.6, "dark", transform=at.transAxes, ha="center", color=DARK)
+                continue
+            for line, colour in zip(field[kind], colours, strict=True):
+                at.plot(line["pupil"], [v * factor for v in line[key]], color=colour, linewidth=1.2)
+    axes[0][0].set_xlim(-1.05, 1.05)
+    limit = 1.08 * largest * factor or 1.0
+    axes[0][0].set_ylim(-limit, limit)
+    handles = [axes[0][0].plot([], [], color=c, label=n)[0] for c, n in zip(colours, names, strict=True)]
+    figure.legend(handles=handles, loc="outside lower center", ncols=len(handles), fontsize=8)

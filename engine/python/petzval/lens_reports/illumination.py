@@ -1,0 +1,45 @@
+# SPDX-License-Identifier: GPL-3.0-or-later
+"""How bright the film is off the axis, at one or several f-numbers."""
+
+from __future__ import annotations
+
+import math
+from typing import Any
+
+from .page import PALE, field_colour
+
+
+def size_in(found: list[dict[str, Any]]) -> tuple[float, float]:
+    """Of the report."""
+    return 7.0, 4.2
+
+
+def draw(found: list[dict[str, Any]], figure: Any) -> None:
+    """Into a figure, a curve a setting."""
+    axes = figure.subplots()
+    most = 1.0
+    for i, setting in enumerate(found):
+        lit = [field for field in setting["fields"] if field["relative"] is not None]
+        heights = [abs(field["height_mm"]) for field in lit]
+        most = max([most, *(field["relative"] for field in lit)])
+        axes.plot(
+            heights,
+            [100.0 * f["relative"] for f in lit],
+            color=field_colour(i),
+            linewidth=1.5,
+            label=f"F/{setting['f_number']:.3g}",
+        )
+        if i == 0 and heights:
+            fourth = [100.0 * math.cos(math.radians(field["angle_deg"])) ** 4 for field in lit]
+            if all(abs(field["angle_deg"]) < 90.0 for field in lit):
+                axes.plot(heights, fourth, color=PALE, linewidth=1.0, dashes=(4, 2), label="cos⁴ of the field")
+            axes.set_xlim(0.0, max(heights) or 1.0)
+    axes.set_ylim(0.0, 100.0 * 1.05 * most)
+    axes.set_xlabel("height in the picture, mm")
+    axes.set_ylabel("light, per cent of the middle")
+    # The same in stops, where there is light enough to say so.
+    stops = axes.secondary_yaxis("right")
+    marks = [0.0, 0.5, 1.0, 1.5, 2.0, 3.0, 4.0]
+    stops.set_yticks([100.0 * 0.5**stop for stop in marks], [f"−{stop:g}" if stop else "0" for stop in marks])
+    stops.set_ylabel("stops")
+    axes.legend(loc="lower left", fontsize=8)

@@ -1,0 +1,110 @@
+# SPDX-License-Identifier: GPL-3.0-or-later
+"""The page that a report stands on: what is said of the lens above it, colours, files. Needs matplotlib."""
+
+from __future__ import annotations
+
+import json
+from collections.abc import Callable
+from pathlib import Path
+from typing import Any
+
+from ..errors import CommandError
+
+#: By ending, what is written.
+PICTURES = (".svg", ".png", ".pdf")
+PALE, DARK, GRID = "#8a939a", "#444444", "#e3e7ea"
+#: By field, as designers have them: the axis blue, then green and red.
+_FIELDS = ("#1f5fae", "#2d8a3e", "#c0392b", "#8e44ad", "#c77700", "#128a8a")
+#: From short to long waves.
+_LINES = ("#7b3fa0", "#1f5fae", "#128a8a", "#2d8a3e", "#c77700", "#c0392b", "#7a1f1f")
+_BLUE, _GREEN, _RED = _LINES[1], _LINES[3], _LINES[5]
+#: Inches above a report for its head.
+_HEAD_IN = 0.75
+
+
+def check(out: Path) -> None:
+    """Raises `CommandError` where nothing can be written so."""
+    if out.suffix.lower() not in (*PICTURES, ".json"):
+        raise CommandError(f"cannot draw into {out}: its ending is not .svg, .png, .pdf or .json: change --output")
+    if out.suffix.lower() != ".json":
+        try:
+            import matplotlib  # noqa: F401
+        except ImportError:
+            raise CommandError(f"cannot draw {out}: there is no matplotlib: pip install 'petzval[plots]'") from None
+
+
+def write(found: Any, out: Path, size_in: tuple[float, float], title: str, draw: Callable[[Any, Any], None]) -> None:
+    """Writes a report: its picture, `draw(found, figure)`, that size without its head; or it as it is, into .json."""
+    if out.suffix.lower() == ".json":
+        out.write_text(json.dumps(found) + "\n", encoding="utf-8")
+        return
+    import matplotlib
+
+    matplotlib.use("Agg")
+    from matplotlib import pyplot
+
+    with pyplot.rc_context(
+        {
+            "font.size": 9, "svg.hashsalt": "petzval", "svg.fonttype": "none", "axes.edgecolor": PALE,
+            "axes.labelcolor": DARK, "xtick.color": DARK, "ytick.color": DARK, "axes.titlesize": 9.5,
+            "axes.spines.top": False, "axes.spines.right": False, "axes.grid": True, "grid.color": GRID,
+            "grid.linewidth": 0.7, "axes.axisbelow": True, "legend.frameon": False,
+        }
+    ):  # fmt: skip
+        width, height = size_in
+        figure = pyplot.figure(figsize=(width, height + _HEAD_IN), layout="constrained")
+        figure.get_layout_engine().set(rect=(0.01, 0.01, 0.98, height / (height + _HEAD_IN) - 0.01))
+        draw(found, figure)
+        top = found[0] if isinstance(found, list) else found
+        above = height + _HEAD_IN
+        figure.text(0.02, 1.0 - 0.12 / above, top["name"], fontsize=11, weight="bold", va="top")
+        figure.text(0.02, 1.0 - 0.36 / above, title, color=DARK, va="top")
+        figure.text(0.98, 1.0 - 0.36 / above, facts(top), color=DARK, va="top", ha="right")
+        metadata = {".svg": {"Date": None}, ".png": {"Software": None}, ".pdf": {"CreationDate": None}}
+        figure.savefig(out, dpi=150, metadata=metadata[out.suffix.lower()])
+        pyplot.close(figure)
+
+
+def facts(found: dict[str, Any]) -> str:
+    """Focal length, f-number, focus; of a glass index and Abbe number."""
+    if "nd" in found:
+        abbe = "no dispersion" if found["abbe"] is None else f"V = {found['abbe']:.2f}"
+        return f"n = {found['nd']:.6f}   {abbe}"
+    said = []
+    if found["efl_mm"] is not None:
+        said.append(f"f = {found['efl_mm']:.5g} mm")
+    if found["f_number"] is not None:
+        said.append(f"F/{found['f_number']:.3g}")
+    distance = found["focus_distance_mm"]
+    said.append("focused at infinity" if distance is None else f"focused at {distance:.5g} mm")
+    return "   ".join(said)
+
+
+def field_colour(i: int) -> str:
+    """Of the field of that number."""
+    return _FIELDS[i % len(_FIELDS)]
+
+
+def line_colours(wavelengths_nm: list[float]) -> list[str]:
+    """By wavelength: the shorter the bluer, three of them as F, d and C are drawn."""
+    order = sorted(range(len(wavelengths_nm)), key=lambda i: wavelengths_nm[i])
+    few = {1: [_GREEN], 2: [_BLUE, _RED], 3: [_BLUE, _GREEN, _RED]}.get(len(order))
+    colours = [""] * len(order)
+    for rank, i in enumerate(order):
+        colours[i] = few[rank] if few else _LINES[round(rank * (len(_LINES) - 1) / (len(order) - 1))]
+    return colours
+
+
+def line_names(wavelengths_nm: list[float]) -> list[str]:
+    """By wavelength."""
+    return [f"{nm:.4g} nm" for nm in wavelengths_nm]
+
+
+def degrees(angle: float) -> str:
+    """An angle as it is written."""
+    return f"{angle:.4g}°"
+
+
+def lengths(largest_mm: float) -> tuple[float, str]:
+    """What a length in mm is multiplied by to be read, and the unit then."""
+    return (1e3, "µm") if largest_mm < 0.5 else (1.0, "mm")

@@ -1,0 +1,311 @@
+//! Reports of a lens, for `petzval lens spots`, `fans`, `mtf`, `distortion` and `illumination`.
+
+use crate::doorway::away;
+use crate::error::{Error, refused};
+use crate::lens::{Lens, check_wavelength, focus_at};
+use crate::setting::Setting;
+use petzval_optics::analysis::Analysis;
+use petzval_optics::analysis::fan::FanLine;
+use petzval_optics::analysis::mtf::Curve;
+use petzval_optics::glass::line_nm;
+use petzval_optics::paraxial::Paraxial;
+use petzval_optics::system::System;
+use pyo3::prelude::*;
+use serde_json::{Value, json};
+
+/// More make no picture.
+const MOST: usize = 2000;
+const MOST_RAYS_OF_A_SIDE: usize = 500;
+
+/// How a lens is looked at. Read by attribute; `petzval/lens_setting.py` has the dataclass.
+#[derive(FromPyObject)]
+pub(crate) struct Look {
+    /// Angles to the axis; none: the report's own.
+    fields_deg: Vec<f64>,
+    /// In vacuum; that nearest the d line is the main one. None: F, d and C.
+    wavelengths_nm: Vec<f64>,
+    /// From right to up.
+    azimuth_deg: f64,
+    focus_distance_mm: Option<f64>,
+    /// The film where the axis is sharpest, instead of where paraxial rays meet.
+    best_focus: bool,
+    /// From there.
+    defocus_mm: f64,
+}
+
+impl Look {
+    /// The wavelengths asked for.
+    fn lines(&self) -> &[f64] {
+        match self.wavelengths_nm.as_slice() {
+            [] => &[line_nm::F, line_nm::D, line_nm::C],
+            given => given,
+        }
+    }
+
+    /// The main wavelength and the distance that is to be sharp at it.
+    fn focus(&self) -> (f64, Option<f64>) {
+        let lines = self.lines();
+        (lines[self.main(lines)], self.focus_distance_mm)
+    }
+
+    /// Everything that was asked for, checked; `most` of fields.
+    fn analysis<'a>(&self, system: &'a System) -> Result<Analysis<'a>, Error> {
+        let lines = self.lines();
+        lines.iter().try_for_each(|&nm| check_wavelength(nm))?;
+        if let Some(angle) = self.fields_deg.iter().find(|angle| !(-180.0..=180.0).contains(*angle)) {
+            return Err(refused(format!("a field of {angle} degrees: give angles from -180 to 180")));
+        }
+        if lines.len().max(self.fields_deg.len()) > MOST || !self.defocus_mm.is_finite() {
+            return Err(refused(format!(
+                "more than {MOST} fields or wavelengths, or a defocus without end: give less"
+            )));
+        }
+        let main = self.main(lines);
+        let focus = focus_at(system, lines[main], self.focus_distance_mm)?;
+        let azimuth = self.azimuth_deg.to_radians();
+        let analysis = Analysis::new(system, focus, lines, main, azimuth).ok_or_else(|| {
+            refused(format!(
+                "lens '{}': its entrance pupil lies at infinity, so there is nothing to count fields from: only `lens draw` and `lens trace` show it",
+                system.name()
+            ))
+        })?;
+        let analysis =
+            if self.best_focus { analysis.at_best_focus().map_err(|e| refused(e.to_string()))? } else { analysis };
+        Ok(analysis.with_defocus(self.defocus_mm))
+    }
+
+    fn main(&self, lines: &[f64]) -> usize {
+        let from_d = |i: &usize| (lines[*i] - line_nm::D).abs();
+        (0..lines.len()).min_by(|a, b| from_d(a).total_cmp(&from_d(b))).unwrap_or(0)
+    }
+
+    /// What every report says of the lens.
+    fn head(&self, system: &System, analysis: &Analysis<'_>) -> Value {
+        let lines: Vec<f64> = analysis.wavelengths_nm().collect();
+        let main = self.main(&lines);
+        let p = Paraxial::new(system, lines[main]);
+        json!({
+            "name": system.name(),
+            "efl_mm": p.efl_mm,
+            "f_number": p.f_number,
+            "focus_distance_mm": self.focus_distance_mm.filter(|d| d.is_finite()),
+            "film_z_mm": analysis.film().z_mm,
+            "wavelengths_nm": lines,
+            "main_wavelength": main,
+            "azimuth_deg": self.azimuth_deg,
+            "airy_radius_mm": analysis.airy_radius_mm(),
+            "half_field_deg": analysis.half_field_deg(),
+        })
+    }
+
+    /// The fields asked for; else some parts of the half field.
+    fn fields(&self, analysis: &Analysis<'_>, parts: &[f64]) -> Vec<f64> {
+        if !self.fields_deg.is_empty() {
+            return self.fields_deg.clone();
+        }
+        let half = analysis.half_field_deg();
+        if half > 0.0 { parts.iter().map(|part| part * half).collect() } else { vec![0.0] }
+    }
+}
+
+/// Parts of the half field.
+const SOME: [f64; 3] = [0.0, 0.7, 1.0];
+
+fn evenly(count: usize) -> Vec<f64> {
+    (0..count).map(|i| i as f64 / (count - 1).max(1) as f64).collect()
+}
+
+fn with(mut head: Value, entries: Value) -> String {
+    if let (Value::Object(head), Value::Object(entries)) = (&mut head, entries) {
+        head.extend(entries);
+    }
+    head.to_string()
+}
+
+fn within(count: usize, most: usize, what: &str) -> Result<(), Error> {
+    let is_good = (2..=most).contains(&count);
+    is_good.then_some(()).ok_or_else(|| refused(format!("{count} {what}: give 2 to {most}")))
+}
+
+/// See the stub.
+#[pyfunction]
+pub(crate) fn lens_spots_json(
+    py: Python<'_>,
+    lens: &Lens,
+    setting: Setting,
+    look: Look,
+    rays: usize,
+    defocus_mm: Vec<f64>,
+) -> Result<String, Error> {
+    within(rays, MOST_RAYS_OF_A_SIDE, "rays over the width of a beam")?;
+    let system = setting.system(lens, look.focus())?;
+    away(py, || {
+        let analysis = look.analysis(&system)?;
+        let fields = look.fields(&analysis, &SOME);
+        let head = look.head(&system, &analysis);
+        let mut through = Vec::new();
+        for mm in defocus_mm {
+            let analysis = look.analysis(&system)?.with_defocus(mm);
+            let spot = |&angle: &f64| {
+                let Some(spot) = analysis.spot(angle, rays) else {
+                    return json!({ "angle_deg": angle, "is_dark": true });
+                };
+                let lines = spot.lines.iter().map(|line| {
+                    json!({ "wavelength_nm": line.wavelength_nm, "rms_mm": line.rms_mm, "centroid_mm": line.centroid_mm,
+                            "points_mm": line.points_mm })
+                });
+                json!({
+                    "angle_deg": angle,
+                    "is_dark": false,
+                    "centroid_mm": spot.centroid_mm,
+                    "chief_mm": spot.chief_mm,
+                    "rms_mm": spot.rms_mm,
+                    "largest_mm": spot.largest_mm,
+                    "lines": lines.collect::<Vec<_>>(),
+                })
+            };
+            through.push(json!({ "defocus_mm": mm, "fields": fields.iter().map(spot).collect::<Vec<_>>() }));
+        }
+        Ok(with(head, json!({ "defocus": through })))
+    })?
+}
+
+/// See the stub.
+#[pyfunction]
+pub(crate) fn lens_fans_json(
+    py: Python<'_>,
+    lens: &Lens,
+    setting: Setting,
+    look: Look,
+    rays: usize,
+) -> Result<String, Error> {
+    within(rays, MOST, "rays of a fan")?;
+    let system = setting.system(lens, look.focus())?;
+    away(py, || {
+        let analysis = look.analysis(&system)?;
+        let fan = |lines: &[FanLine]| -> Vec<Value> {
+            let ray = |line: &FanLine| {
+                json!({
+                    "wavelength_nm": line.wavelength_nm,
+                    "pupil": line.rays.iter().map(|ray| ray.pupil).collect::<Vec<_>>(),
+                    "error_mm": line.rays.iter().map(|ray| ray.error_mm).collect::<Vec<_>>(),
+                    "path_waves": line.rays.iter().map(|ray| ray.path_waves).collect::<Vec<_>>(),
+                })
+            };
+            lines.iter().map(ray).collect()
+        };
+        let field = |&angle: &f64| match analysis.fans(angle, rays) {
+            Some(fans) => json!({ "angle_deg": angle, "is_dark": false, "tangential": fan(&fans.tangential),
+                                  "sagittal": fan(&fans.sagittal) }),
+            None => json!({ "angle_deg": angle, "is_dark": true }),
+        };
+        let fields: Vec<Value> = look.fields(&analysis, &SOME).iter().map(field).collect();
+        Ok(with(look.head(&system, &analysis), json!({ "fields": fields })))
+    })?
+}
+
+/// See the stub.
+#[pyfunction]
+pub(crate) fn lens_mtf_json(
+    py: Python<'_>,
+    lens: &Lens,
+    setting: Setting,
+    look: Look,
+    frequencies: (f64, usize),
+    heights: (usize, f64),
+) -> Result<String, Error> {
+    let ((highest_per_mm, steps), (heights, height_step_per_mm)) = (frequencies, heights);
+    within(steps, MOST, "steps of the frequency")?;
+    within(heights, MOST, "heights")?;
+    let is_good = |frequency: f64| (1e-6..=1e6).contains(&frequency);
+    if !is_good(highest_per_mm) || !is_good(height_step_per_mm) {
+        return Err(refused(format!(
+            "frequencies to {highest_per_mm} and {height_step_per_mm} lines/mm: give more than 0"
+        )));
+    }
+    let system = setting.system(lens, look.focus())?;
+    away(py, || {
+        let analysis = look.analysis(&system)?;
+        let curve = |c: &Curve| json!({ "contrast": c.contrast, "geometric": c.geometric, "limit": c.limit });
+        let entry = |angle: f64, step_per_mm: f64, count: usize| match analysis.mtf(angle, step_per_mm, count) {
+            Ok(mtf) => Ok(json!({ "angle_deg": angle, "is_dark": false, "height_mm": mtf.height_mm,
+                                  "sagittal": curve(&mtf.sagittal), "tangential": curve(&mtf.tangential) })),
+            Err(petzval_optics::analysis::mtf::MtfError::Dark) => Ok(json!({ "angle_deg": angle, "is_dark": true })),
+            Err(error) => Err(refused(format!("lens '{}': {error}", system.name()))),
+        };
+        let step = highest_per_mm / steps as f64;
+        let fields = look.fields(&analysis, &SOME);
+        let by_frequency = fields.iter().map(|&angle| entry(angle, step, steps + 1));
+        let by_frequency = by_frequency.collect::<Result<Vec<_>, Error>>()?;
+        // Frequencies 0, 1, 2, 3 and 4 steps up.
+        let half = fields.iter().fold(0.0, |most: f64, angle| most.max(angle.abs()));
+        let angles: Vec<f64> =
+            if half > 0.0 { evenly(heights).iter().map(|part| part * half).collect() } else { vec![0.0] };
+        let by_height = angles.iter().map(|&angle| entry(angle, height_step_per_mm, 5));
+        let by_height = by_height.collect::<Result<Vec<_>, Error>>()?;
+        let frequencies = |step: f64, count: usize| (0..count).map(|i| i as f64 * step).collect::<Vec<_>>();
+        Ok(with(
+            look.head(&system, &analysis),
+            json!({
+                "frequencies_per_mm": frequencies(step, steps + 1),
+                "fields": by_frequency,
+                "height_frequencies_per_mm": frequencies(height_step_per_mm, 5),
+                "heights": by_height,
+            }),
+        ))
+    })?
+}
+
+/// See the stub.
+#[pyfunction]
+pub(crate) fn lens_distortion_json(
+    py: Python<'_>,
+    lens: &Lens,
+    setting: Setting,
+    look: Look,
+    count: usize,
+) -> Result<String, Error> {
+    within(count, MOST, "fields")?;
+    let system = setting.system(lens, look.focus())?;
+    away(py, || {
+        let analysis = look.analysis(&system)?;
+        let chief = |&angle: &f64| match analysis.chief_ray(angle) {
+            Some(ray) => json!({
+                "angle_deg": angle,
+                "is_dark": false,
+                "height_mm": ray.height_mm,
+                "straight_height_mm": ray.straight_height_mm,
+                "even_height_mm": ray.even_height_mm,
+                "tangential_focus_mm": ray.tangential_focus_mm,
+                "sagittal_focus_mm": ray.sagittal_focus_mm,
+                "colour_mm": ray.colour_mm,
+            }),
+            None => json!({ "angle_deg": angle, "is_dark": true }),
+        };
+        let fields: Vec<Value> = look.fields(&analysis, &evenly(count)).iter().map(chief).collect();
+        let head = look.head(&system, &analysis);
+        Ok(with(head, json!({ "height_by_slope_mm": analysis.height_by_slope_mm(), "fields": fields })))
+    })?
+}
+
+/// See the stub.
+#[pyfunction]
+pub(crate) fn lens_illumination_json(
+    py: Python<'_>,
+    lens: &Lens,
+    setting: Setting,
+    look: Look,
+    count: usize,
+) -> Result<String, Error> {
+    within(count, MOST, "fields")?;
+    let system = setting.system(lens, look.focus())?;
+    away(py, || {
+        let analysis = look.analysis(&system)?;
+        let lit = analysis.illumination(&look.fields(&analysis, &evenly(count)));
+        let field = |light: &petzval_optics::analysis::illumination::Illumination| {
+            json!({ "angle_deg": light.angle_deg, "height_mm": light.height_mm, "relative": light.relative,
+                    "projected_sr": light.projected_sr })
+        };
+        Ok(with(look.head(&system, &analysis), json!({ "fields": lit.iter().map(field).collect::<Vec<_>>() })))
+    })?
+}

@@ -1,0 +1,121 @@
+# SPDX-License-Identifier: GPL-3.0-or-later
+"""`petzval lens spots|fans|mtf|distortion|illumination`: pictures, and the numbers that they show."""
+
+import json
+import struct
+from xml.etree import ElementTree
+
+import pytest
+
+pytestmark = pytest.mark.once
+LENS = "double-gauss-f2-tronnier"
+
+
+def reported(petzval_cli, tmp_path, kind, *more, name="report.json"):
+    out = tmp_path / name
+    done = petzval_cli("lens", kind, *more, "-o", out)
+    assert done.returncode == 0, done.stderr
+    assert done.stdout.startswith(str(out))
+    return out, done
+
+
+def numbers(petzval_cli, tmp_path, kind, *more):
+    return json.loads(reported(petzval_cli, tmp_path, kind, *more)[0].read_text())
+
+
+@pytest.mark.parametrize(
+    "kind, words",
+    [
+        ("spots", ["15.4°", "sagittal", "Airy", "RMS"]),
+        ("fans", ["22°", "tangential", "place in the stop", "µm"]),
+        ("mtf", ["line pairs per mm", "diffraction alone", "20 per mm", "22° tangential"]),
+        ("distortion", ["field curvature", "f tan θ", "lateral colour", "486.1 nm"]),
+        ("illumination", ["per cent of the middle", "cos⁴", "stops"]),
+    ],
+)
+def test_a_report_is_a_picture_that_names_what_it_shows(petzval_cli, tmp_path, kind, words):
+    out, _ = reported(petzval_cli, tmp_path, kind, LENS, name="report.svg")
+    text = out.read_text()
+    assert ElementTree.fromstring(text).tag.endswith("svg")
+    missing = [word for word in ["Tronnier", "f = 100.72 mm", "F/2.03", *words] if word not in text]
+    assert not missing
+    # The same bytes another time, and no line of the file longer than a reader bears.
+    again, _ = reported(petzval_cli, tmp_path, kind, LENS, name="again.svg")
+    assert again.read_bytes() == out.read_bytes() and len(text) < 400_000
+    png, _ = reported(petzval_cli, tmp_path, kind, LENS, name="report.png")
+    width, height = struct.unpack(">II", png.read_bytes()[16:24])
+    assert width > 900 and height > 500
+
+
+def test_spots_grow_with_defocus_and_shrink_at_best_focus(petzval_cli, tmp_path):
+    found = numbers(petzval_cli, tmp_path, "spots", LENS, "--defocus", "-1", "0", "1", "--wavelengths", "587.5618")
+    on_axis = [place["fields"][0]["rms_mm"] for place in found["defocus"]]
+    # A film 1 mm off shows the cone's section, of radius 1 / 2N and a root mean square of that over the root of 2.
+    cone = 1.0 / (2.0 * found["f_number"]) / 2.0**0.5
+    assert min(on_axis) == on_axis[1]
+    assert on_axis[0] == pytest.approx(cone, rel=0.25) and on_axis[2] == pytest.approx(cone, rel=0.25)
+    best = numbers(petzval_cli, tmp_path, "spots", LENS, "--best-focus", "--wavelengths", "587.5618")
+    assert best["defocus"][0]["fields"][0]["rms_mm"] < 0.98 * on_axis[1]
+    assert best["film_z_mm"] != found["film_z_mm"]
+
+
+def test_a_stopped_down_lens_is_as_sharp_as_diffraction_lets_it(petzval_cli, tmp_path):
+    open_, closed = (
+        numbers(petzval_cli, tmp_path, "mtf", LENS, "--f-number", n, "--wavelengths", "550", "--fields", "0")["fields"][
+            0
+        ]
+        for n in ("2.03", "22")
+    )
+    assert open_["sagittal"]["limit"][-1] > 0.8 > closed["sagittal"]["limit"][-1]
+    shortfall = [
+        limit - got for limit, got in zip(closed["sagittal"]["limit"], closed["sagittal"]["contrast"], strict=True)
+    ]
+    assert min(shortfall) > -1e-9 and max(shortfall) < 0.03
+    assert open_["sagittal"]["contrast"][-1] < 0.3
+
+
+def test_fields_of_the_drawing_and_of_the_reports_agree(petzval_cli, tmp_path):
+    info = json.loads(petzval_cli("lens", "info", LENS, "--json").stdout)
+    found = numbers(petzval_cli, tmp_path, "distortion", LENS, "--fields", "0.01")
+    # So near the axis there is no distortion: the height is that of the focal length, to a part in 10⁷.
+    assert found["height_by_slope_mm"] == pytest.approx(info["efl_mm"], rel=1e-7)
+    assert found["fields"][0]["height_mm"] == pytest.approx(found["fields"][0]["straight_height_mm"], rel=1e-6)
+    lit = numbers(petzval_cli, tmp_path, "illumination", LENS, "--f-numbers", "2.03", "8", "--count", "5")
+    assert [round(setting["f_number"], 2) for setting in lit] == [2.03, 8.0]
+    corner = [setting["fields"][-1]["relative"] for setting in lit]
+    assert corner[0] < 0.3 < corner[1]
+    # The axis as bright as its cone: π sin² of half of the angle, that of the f-number for a lens without coma.
+    for setting in lit:
+        n = setting["f_number"]
+        assert setting["fields"][0]["projected_sr"] == pytest.approx(3.14159 / (4 * n * n), rel=0.03)
+
+
+def test_fans_of_paths_and_of_rays(petzval_cli, tmp_path):
+    found = numbers(petzval_cli, tmp_path, "fans", LENS, "--fields", "0", "--rays", "5", "--wavelengths", "587.5618")
+    fan = found["fields"][0]["tangential"][0]
+    middle = fan["pupil"].index(min(fan["pupil"], key=abs))
+    assert fan["pupil"][middle] == pytest.approx(0.0, abs=1e-6)
+    assert fan["error_mm"][middle] == pytest.approx(0.0, abs=1e-9) and fan["path_waves"][middle] == pytest.approx(
+        0, abs=1e-6
+    )
+    reported(petzval_cli, tmp_path, "fans", LENS, "--path", name="paths.svg")
+    assert "waves" in (tmp_path / "paths.svg").read_text()
+
+
+def test_what_is_dark_or_cannot_be_said_is_named(petzval_cli, tmp_path):
+    out, done = reported(petzval_cli, tmp_path, "spots", LENS, "--fields", "0", "60", name="dark.svg")
+    assert "note: no light from 60 degrees comes to the film" in done.stderr and ">dark<" in out.read_text()
+    for more, words in (
+        (["mtf", LENS, "--frequency", "0"], "give more than 0"),
+        (["mtf", LENS, "--frequency", "1", "--steps", "1000"], "too near each other"),
+        (["fans", LENS, "--rays", "1"], "give 2 to 2000"),
+        (["spots", LENS, "--wavelengths", "5"], "wavelength 5 nm"),
+        (["distortion", LENS, "--fields", "400"], "give angles from -180 to 180"),
+        (["spots", "no-such-lens"], "no-such-lens"),
+    ):
+        done = petzval_cli("lens", *more, "-o", tmp_path / "x.json")
+        assert done.returncode == 1 and done.stderr.count("\n") == 1 and words in done.stderr, done.stderr
+    done = petzval_cli("lens", "illumination", LENS, "--f-number", "4", "--f-numbers", "4", "-o", tmp_path / "x.json")
+    assert done.returncode == 2 and "leave out the one" in done.stderr
+    done = petzval_cli("lens", "mtf", LENS, "-o", tmp_path / "x.gif")
+    assert done.returncode == 1 and "change --output" in done.stderr
