@@ -73,31 +73,38 @@ def step(base: float, terms: tuple[float, float, float], state: list[float], z: 
     return moved([(a + 2 * b + 2 * c + d) / 6 for a, b, c, d in zip(k1, k2, k3, k4, strict=True)], dz)
 
 
+def straight(
+    at: tuple[float, float, float], along: tuple[float, float, float], radius: float, conic: float
+) -> tuple[float, float, float]:
+    """Where a straight ray meets a surface, by bisection."""
+
+    def there(t: float) -> tuple[float, float, float]:
+        return (at[0] + along[0] / along[2] * t, at[1] + along[1] / along[2] * t, at[2] + t)
+
+    low, high = -at[2] - 4.0, -at[2] + 4.0
+    for _ in range(200):
+        t = (low + high) / 2
+        x, y, z = there(t)
+        if radius and (1.0 + conic) * (x * x + y * y) >= radius * radius:
+            raise ValueError("the ray goes beyond the surface")
+        low, high = (low, t) if z > sag(radius, conic, x, y) else (t, high)
+    return there((low + high) / 2)
+
+
 def trace(origin: list[float], direction: list[float], um: float) -> dict:
     shift = dispersion(um)
     x, y, z = origin
     n, terms, base = 1.0, None, 1.0
     p, q = direction[0], direction[1]
+    before = 0.0
     hits = []
     for radius, conic, thickness, behind, gradient in EYE:
-        # To the surface, z counted from its vertex; `start` is where the medium's own vertex lies.
-        start = 0.0 if terms is None else -last
+        # To the surface, z counted from its vertex.
         if terms is None:
-            h = math.sqrt(n * n - p * p - q * q)
-
-            def there(t: float) -> tuple[float, float, float]:
-                return (x + p / h * t, y + q / h * t, z + t)
-
-            low, high = -z - 4.0, -z + 4.0
-            for _ in range(200):
-                t = (low + high) / 2
-                px, py, pz = there(t)
-                inside = px * px + py * py
-                if radius and (1.0 + conic) * inside >= radius * radius:
-                    raise ValueError("the ray goes beyond the surface")
-                low, high = (low, t) if pz > sag(radius, conic, px, py) else (t, high)
-            x, y, z = there((low + high) / 2)
+            x, y, z = straight((x, y, z), (p, q, math.sqrt(n * n - p * p - q * q)), radius, conic)
         else:
+            # Where the medium's own vertex lies.
+            start = -before
             state = [x, y, p, q]
             dz = -z / STEPS * 1.5
             while True:
@@ -121,7 +128,7 @@ def trace(origin: list[float], direction: list[float], um: float) -> dict:
         along = v[0] * nx + v[1] * ny + v[2] * nz
         root = math.sqrt(n2 * n2 - n * n + along * along)
         p, q = v[0] + (root - along) * nx, v[1] + (root - along) * ny
-        n, terms, base, last = n2, gradient, behind + shift, thickness
+        n, terms, base, before = n2, gradient, behind + shift, thickness
         z -= thickness
     z += EYE[-1][2]
     h = math.sqrt(n * n - p * p - q * q)
@@ -143,7 +150,9 @@ def main() -> None:
                 rays.append({"um": um, "from": origin, "along": direction, **trace(origin, direction, um)})
     out = Path(__file__).resolve().parent.parent / "tests/reference/gradient-rays.json"
     lines = ",\n".join(json.dumps(ray) for ray in rays)
-    out.write_text(f'{{"lens": "eye-liou-brennan", "made_by": "tools/reference-gradients.py", "rays": [\n{lines}\n]}}\n')
+    out.write_text(
+        f'{{"lens": "eye-liou-brennan", "made_by": "tools/reference-gradients.py", "rays": [\n{lines}\n]}}\n'
+    )
 
 
 if __name__ == "__main__":

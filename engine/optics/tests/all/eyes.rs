@@ -51,7 +51,9 @@ fn eyes_have_their_published_powers() {
         let wavelength_nm: f64 = wavelength.strip_suffix(" nm").unwrap().parse().unwrap();
         let digits = power.split_once('.').map_or(0, |(_, digits)| digits.len());
         let computed = power_dioptres(&system, wavelength_nm);
-        assert_eq!(format!("{computed:.digits$}"), power, "{name}: {computed}");
+        // Half a unit of the last digit, and a little: Gullstrand's 70.57 is 70.5750 with the digits of his surfaces.
+        let room = 0.51 * 0.1f64.powi(digits as i32);
+        assert!((computed - power.parse::<f64>().unwrap()).abs() < room, "{name}: {computed}, not {power}");
         stated += 1;
     }
     assert!(stated >= 8, "{stated}");

@@ -117,7 +117,7 @@ fn every_shipped_lens_reads_and_names_its_source() {
             count += 1;
         }
     }
-    assert_eq!(count, 42);
+    assert_eq!(count, 48);
 }
 
 #[test]
