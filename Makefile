@@ -7,7 +7,7 @@ BENCH_OPTIONS =
 PARITY_OPTIONS =
 INSTRUCTIONS_OPTIONS =
 
-.PHONY: help demo test test-all lint setup build extension speed price accuracy-cost bench parity instructions numerics clean
+.PHONY: help demo test test-all lint setup build extension speed price accuracy-cost bench parity lens-index instructions numerics clean
 
 help: ## what there is to make
 	@sed -n 's/^\([a-z-]*\):.*## \(.*\)/\1\t\2/p' Makefile | expand -t 12
@@ -60,6 +60,9 @@ bench: build ## Petzval beside Cycles and Mitsuba, into docs/performance.md; BEN
 parity: build ## Petzval beside Cycles, scene by scene, into docs/parity.md; PARITY_OPTIONS="--only sun" to try
 	@tools/setup-python.sh bench
 	@PYTHONPATH=tools .venv-bench/bin/python -m parity $(PARITY_OPTIONS)
+
+lens-index: build ## the lens library's page with a drawing of each lens, docs/lenses.md
+	@$(dir $(PETZVAL))python tools/lens_index.py
 
 instructions: ## count the instructions of a sample, beside those kept; INSTRUCTIONS_OPTIONS=--keep keeps them
 	@cargo build --quiet --release --locked -p petzval-render --example path_kernel

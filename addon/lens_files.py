@@ -3,7 +3,7 @@
 
 from __future__ import annotations
 
-from pathlib import Path
+from typing import Any
 
 import bpy
 
@@ -26,23 +26,38 @@ def resolve(lens_file: str, library: bpy.types.Library | None = None) -> str:
         raise LensMissing(str(error)) from None
 
 
-def shipped() -> list[Path]:
-    """The lenses that come with Petzval, by name."""
-    from petzval.places import lenses_folder
-
-    return sorted(lenses_folder().glob("*.lens"))
+def file_name(entry: dict[str, Any]) -> str:
+    """What a camera's settings say for a lens of the library."""
+    return f"{entry['id']}.lens"
 
 
-def title(path: Path) -> str:
-    """What a lens file calls itself; its file's name where it does not say."""
-    try:
-        with path.open(encoding="utf-8", errors="replace") as lines:
-            for line in lines:
-                key, found, value = line.partition(":")
-                if found and key.strip(" #").lower() == "name":
-                    return value.strip()
-                if not line.startswith("#"):
-                    break
-    except OSError:
-        pass
-    return path.stem
+def shipped() -> list[dict[str, Any]]:
+    """The lenses that come with Petzval, as `petzval.lens_library` has them. Raises `EngineMissing`."""
+    from .native import engine
+
+    engine()
+    from petzval import lens_library
+
+    return lens_library.entries()
+
+
+def groups() -> list[str]:
+    """Their groups, in the order of lists. Raises `EngineMissing`."""
+    from .native import engine
+
+    return engine().lens_groups()
+
+
+def description(entry: dict[str, Any]) -> str:
+    """One line on a lens for a tooltip."""
+    from petzval import lens_library
+
+    facts = [entry["group"] or "lens", f"{lens_library.focal_text(entry)} mm", f"F/{lens_library.f_number_text(entry)}"]
+    facts.append(f"sees {lens_library.field_text(entry)}°")
+    film = lens_library.film_text(entry)
+    if film:
+        facts.append(f"covers {film} mm")
+    if entry["focuses_inside"]:
+        facts.append("focuses inside")
+    text = ", ".join(facts)
+    return text[0].upper() + text[1:]

@@ -23,7 +23,13 @@ _film_list: list[tuple[str, str, str]] = []
 
 def _shipped_items(_operator: bpy.types.Operator, _context: bpy.types.Context) -> list[tuple[str, str, str]]:
     if not _items:
-        _items.extend((path.name, lens_files.title(path), path.name) for path in lens_files.shipped())
+        try:
+            entries = lens_files.shipped()
+        except EngineMissing:
+            return _items
+        first = [entry for entry in entries if entry["is_first_choice"]]
+        for entry in [*first, *(entry for entry in entries if not entry["is_first_choice"])]:
+            _items.append((lens_files.file_name(entry), entry["name"], lens_files.description(entry)))
     return _items
 
 

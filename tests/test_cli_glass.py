@@ -47,12 +47,17 @@ def test_a_glass_is_told_line_by_line(petzval_cli):
     done = petzval_cli("glass", "n-bk7")
     assert done.returncode == 0 and done.stderr == ""
     # Schott's data sheet: n_F 1.52238, n_e 1.51872, n_C' 1.51472, V_d 64.17.
-    rows = {
-        line.split()[0]: line.split()[-1] for line in done.stdout.splitlines() if line[:2].strip() and line[3:5].strip()
-    }
+    table = [
+        line.split()
+        for line in done.stdout.splitlines()
+        if line[:1] in ("F", "d", "C", "e") and line[3:4].strip() == ""
+    ]
+    rows = {words[0]: words[2] for words in table if len(words) == 4}
     assert float(rows["F"]) == pytest.approx(1.52238, abs=6e-6)
     assert float(rows["e"]) == pytest.approx(1.51872, abs=6e-6)
     assert float(rows["C'"]) == pytest.approx(1.51472, abs=6e-6)
+    # 10 mm of it let through 0.998 at e, says the sheet.
+    assert [float(words[3]) for words in table if words[0] == "e"] == [pytest.approx(0.998, abs=1.1e-3)]
     assert "64.167" in done.stdout and "300.0 to 2500.0 nm" in done.stdout
 
 

@@ -10,6 +10,7 @@ from ..description import OF_LENS_FILE
 from .camera_parts import AperturePart, CameraPanel, LensPart
 from .focus import PETZVAL_CAMERA_PT_focus, PETZVAL_CAMERA_PT_sharp
 from .lens_data import PETZVAL_CAMERA_PT_info
+from .lens_menu import GROUP_MENUS, PETZVAL_MT_lenses
 from .mixin import columns
 
 #: Models that have one wavelength, whichever spectrum is chosen.
@@ -33,6 +34,7 @@ class PETZVAL_CAMERA_PT_lens(CameraPanel, bpy.types.Panel):
             return
         row = layout.row(align=True)
         row.prop(settings, "lens_file")
+        row.menu(PETZVAL_MT_lenses.bl_idname, text="", icon="DOWNARROW_HLT")
         row.operator("petzval.choose_lens", text="", icon="VIEWZOOM")
         layout.prop(settings, "focal_mode")
         if settings.focal_mode == "LENGTH":
@@ -157,6 +159,8 @@ class PETZVAL_CAMERA_PT_scale(AperturePart, bpy.types.Panel):
 
 
 CLASSES = (
+    *GROUP_MENUS,
+    PETZVAL_MT_lenses,
     PETZVAL_CAMERA_PT_lens,
     PETZVAL_CAMERA_PT_info,
     PETZVAL_CAMERA_PT_aperture,

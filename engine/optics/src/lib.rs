@@ -63,6 +63,7 @@
 
 pub mod analysis;
 pub mod autofocus;
+pub mod axial_beam;
 pub mod diaphragm;
 pub mod drawing;
 pub mod entrance_map;
@@ -77,6 +78,7 @@ pub mod interface;
 pub mod lane;
 pub mod paraxial;
 pub mod prescription;
+pub mod published;
 pub mod pupil_map;
 pub mod ray_table;
 pub mod seidel;

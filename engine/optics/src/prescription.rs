@@ -1,5 +1,6 @@
 //! A lens as it was published: one row a surface, checked, each row with its place in the file.
 
+mod metadata;
 pub mod moving;
 
 use thiserror::Error;
@@ -8,6 +9,8 @@ use crate::glass::Medium;
 use crate::surface::{Pose, Section, Shape};
 
 use moving::MovingParts;
+
+pub use metadata::{LensGroup, Metadata};
 
 /// What follows a surface.
 #[derive(Clone, Debug, PartialEq)]
@@ -44,23 +47,6 @@ pub struct SurfaceRow {
     pub obstruction_mm: f64,
     /// Where the row begins in its file.
     pub place: Place,
-}
-
-/// What the header of a lens file says beside the surfaces.
-#[derive(Clone, Debug, Default, PartialEq)]
-pub struct Metadata {
-    /// Where the numbers come from.
-    pub source: Option<String>,
-    /// Nominal focal length in mm.
-    pub focal_length_mm: Option<f64>,
-    /// Nominal f-number.
-    pub f_number: Option<f64>,
-    /// Half of the field of view that the design is for, in degrees.
-    pub half_field_deg: Option<f64>,
-    /// Width and height in mm of the film that the design is for.
-    pub film_mm: Option<[f64; 2]>,
-    /// Every `# key: text` of the header, in order.
-    pub all: Vec<(String, String)>,
 }
 
 /// The column of a row that a problem is about.

@@ -37,6 +37,9 @@ class Lens:
         """The text of a `lens` or `zmx` file, and what of the lens cannot stand in one."""
     @property
     def surface_count(self) -> int: ...
+    def summary_json(self) -> str:
+        """What `petzval lens list --json` has of it: its header, focal length, f-number of the beam that comes through wide open and
+        back focus at the d line, and those numbers beside the source's (`published`)."""
     def info_json(
         self,
         *,
@@ -79,6 +82,9 @@ class Lens:
         aperture_mask: ApertureMask | None = None,
     ) -> str:
         """The input and output of `petzval lens trace`; `precision` is "f64" or "f32"."""
+
+def lens_groups() -> list[str]:
+    """The words that `# group:` of a lens file may have, in the order of lists."""
 
 def lens_drawing_json(
     lens: Lens,

@@ -1,5 +1,5 @@
 # SPDX-License-Identifier: GPL-3.0-or-later
-"""`petzval lens check|convert|draw|info|trace`: reads arguments, asks the engine, prints its answer. Computes nothing."""
+"""`petzval lens check|convert|draw|info|list|trace`: reads arguments, asks the engine, prints its answer. Computes nothing."""
 
 from __future__ import annotations
 
@@ -12,7 +12,7 @@ from collections.abc import Sequence
 from pathlib import Path
 from typing import Any
 
-from . import lens_report_command
+from . import lens_list, lens_report_command
 from .errors import CommandError, complain
 from .places import find_lens
 from .questions import read_list, vector_text
@@ -22,7 +22,7 @@ KINDS = ".lens, .zmx, .seq, .len, .dat or .txt (a table of the Optical Bench)"
 
 
 def add_parser(subparsers: argparse._SubParsersAction) -> None:
-    """Adds `lens` with its three actions."""
+    """Adds `lens` with its actions."""
     lens = subparsers.add_parser("lens", help="check, convert, describe or trace a lens", allow_abbrev=False)
     actions = lens.add_subparsers(dest="action", metavar="ACTION", required=True)
 
@@ -65,6 +65,8 @@ def add_parser(subparsers: argparse._SubParsersAction) -> None:
     )
     info.add_argument("--json", action="store_true", help="print one JSON object")
     info.set_defaults(run=_info)
+
+    lens_list.add_parser(actions)
 
     trace = actions.add_parser("trace", help="trace given rays through the lens", allow_abbrev=False)
     trace.add_argument("lens", metavar="FILE", help=f"a lens file ({KINDS}), or the name of a shipped lens")

@@ -3,6 +3,7 @@
 use crate::camera::PyApertureMask;
 use crate::doorway::away;
 use crate::error::{Error, refused};
+use crate::library;
 use glam::DVec3;
 use petzval_optics::focus::{Focus, Focusing};
 use petzval_optics::formats;
@@ -65,6 +66,10 @@ impl Lens {
     #[getter]
     fn surface_count(&self) -> usize {
         self.prescription.surfaces.len()
+    }
+
+    fn summary_json(&self) -> Result<String, Error> {
+        library::summary(&self.prescription)
     }
 
     #[pyo3(signature = (*, wavelength_nm = 587.5618, scale = None, focal_length_mm = None, f_number = None,

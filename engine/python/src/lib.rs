@@ -14,6 +14,7 @@ mod graph;
 mod job;
 mod layer;
 mod lens;
+mod library;
 mod material;
 mod memory;
 mod mesh;
@@ -57,6 +58,7 @@ fn _native(m: &Bound<'_, PyModule>) -> PyResult<()> {
     m.add_function(wrap_pyfunction!(focusing::autofocus_by_json, m)?)?;
     m.add_function(wrap_pyfunction!(focusing::sharp_points_json, m)?)?;
     m.add_function(wrap_pyfunction!(drawing::lens_drawing_json, m)?)?;
+    m.add_function(wrap_pyfunction!(library::lens_groups, m)?)?;
     m.add_function(wrap_pyfunction!(glass::glass_json, m)?)?;
     m.add_function(wrap_pyfunction!(glass::glasses_json, m)?)?;
     m.add_function(wrap_pyfunction!(report::lens_spots_json, m)?)?;

@@ -158,7 +158,7 @@ impl<'a> Reader<'a> {
         match cell(1).text {
             "AS" => {
                 if let Some(first) = self.draft.stop {
-                    let what = format!("a second stop beside surface {first}; it is taken for a plane with a rim");
+                    let what = format!("a second stop beside surface {first}; it is taken for a fixed one");
                     self.draft.remarks.say(place, what);
                 } else {
                     self.draft.stop = Some(index);

@@ -11,6 +11,33 @@
 //! The glass is the medium after the surface: a name of the catalogues, `air`, `vacuum`, `water`, `mirror`, `n/V`,
 //! or a bare index.
 //!
+//! `isstop 1` stands in one row, that of the diaphragm: it opens and closes, and what the lens sees is counted from it. Further stops are
+//! fixed: a row with `isstop 0` and the same medium before and behind, whose diameter is the hole. A flat glass surface is a row of
+//! radius 0 with glass before or behind, and may be the diaphragm's own.
+//!
+//! ```text
+//! 40.0 4.0 1.5168/64.17 20.0 0.0 0
+//! 0.0  0.0 air          19.0 0.0 0    flat glass
+//! 0.0  3.0 air          12.0 0.0 1    the diaphragm, on it
+//! 0.0  30.0 air         14.0 0.0 0    a fixed stop
+//! 0.0  1.0 air          18.0 0.0 0    a field stop before the film
+//! ```
+//!
+//! The header may say more of the lens. Numbers are the source's, or `not published`; the group is one of wide angle, normal, portrait,
+//! macro, telephoto, zoom, fisheye, mirror, anamorphic, historical, eye, test.
+//!
+//! ```text
+//! # group: normal
+//! # first_choice: yes
+//! # source: US 2,799,207 emb. I (Lange)
+//! # focal_length: 80
+//! # f_number: 2.8
+//! # back_focus: not published
+//! # half_field_deg: 28
+//! # film: 56 x 56
+//! # differs: f_number: why the surfaces give another
+//! ```
+//!
 //! More columns may follow; they must be named in the header row:
 //!
 //! - `obstruction`: the diameter of a central obstruction.

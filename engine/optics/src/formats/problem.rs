@@ -6,7 +6,7 @@ use thiserror::Error;
 
 use crate::glass::GlassError;
 use crate::prescription::moving::MovingError;
-use crate::prescription::{Place, PrescriptionError};
+use crate::prescription::{LensGroup, Place, PrescriptionError};
 
 /// What is wrong in a lens file.
 #[derive(Clone, Debug, PartialEq, Error)]
@@ -75,6 +75,12 @@ pub enum Problem {
     /// The header row names a column twice.
     #[error("column '{0}' stands here a second time; take one out")]
     SecondColumn(String),
+    /// A group of lenses that there is not.
+    #[error("'{0}' is no group of lenses; write one of {words}", words = LensGroup::ALL.map(LensGroup::word).join(", "))]
+    Group(String),
+    /// Neither yes nor no.
+    #[error("'{0}' is neither yes nor no; write one of them")]
+    YesOrNo(String),
     /// A line about an element cannot be understood.
     #[error("'{0}' is no element; write first and last surface, then moves: 2-3 decenter_x=0.05 tilt_y=0.1")]
     Element(String),
@@ -130,7 +136,9 @@ pub enum Problem {
     #[error("no surface is the stop; write isstop 1 in the row of the diaphragm")]
     NoStop,
     /// A second surface is the stop.
-    #[error("a second stop, the first is in line {first_line}; write isstop 1 in one row only")]
+    #[error(
+        "a second stop, the first is in line {first_line}; write isstop 1 in the row of the diaphragm only: a fixed stop is a row with isstop 0 and the same medium before and behind"
+    )]
     SecondStop {
         /// Line of the first.
         first_line: usize,

@@ -11,8 +11,14 @@ use super::text::{Token, finite, not_a_number, tokens};
 
 /// pbrt's: radius, thickness, index behind the surface and diameter, mm, object side first; radius 0 is the stop, and 0 the index
 /// there. (Pharr, Jakob and Humphreys, *Physically Based Rendering*, third edition, §6.4.1.)
+///
+/// So pbrt cannot write a flat glass surface. Here a row of radius 0 is the stop where nothing is refracted: the medium is the same
+/// before and behind. Further ones are fixed stops; where the medium changes, the surface is taken for a flat one. Both are said. If the
+/// medium changes at every one of them, the first is the stop, on its glass.
 pub fn parse_pbrt(text: &str, file: &str, catalogue: &Catalogue) -> Result<Reading, LensFileError> {
     let mut table = Table::new(file, catalogue);
+    // Rows of radius 0 where the medium changes.
+    let mut flat: Vec<(usize, Place)> = Vec::new();
     for (i, line) in text.lines().enumerate() {
         if let Some(comment) = line.trim_start().strip_prefix('#') {
             // The first remark names the lens, as in the files that come with pbrt.
@@ -34,9 +40,25 @@ pub fn parse_pbrt(text: &str, file: &str, catalogue: &Catalogue) -> Result<Readi
         let [radius, thickness] = [table.number(i, &words[0], "radius")?, table.number(i, &words[1], "thickness")?];
         let diameter = table.number(i, &words[3], "diameter")?;
         let index = table.number(i, &words[2], "index")?;
-        let is_stop = radius == 0.0;
         let medium = if index == 0.0 { Ok(Medium::air()) } else { table.medium(i, &words[2], index, 0.0) }?;
+        let before = match table.draft.rows.last().map(|row| &row.behind) {
+            Some(Behind::Medium(before)) => before.clone(),
+            _ => Medium::air(),
+        };
+        let is_stop = radius == 0.0 && medium == before;
+        if radius == 0.0 && !is_stop {
+            flat.push((table.draft.rows.len(), Place { line: i + 1, column: words[0].column }));
+        }
         table.row(i, &words[0], is_stop, [radius, thickness, diameter / 2.0], medium)?;
+    }
+    if table.draft.stop.is_none() && !flat.is_empty() {
+        table.draft.stop = Some(flat.remove(0).0);
+    }
+    for (_, place) in flat {
+        table
+            .draft
+            .remarks
+            .say(place, "radius 0 where the medium changes; it is taken for flat glass, where pbrt has a stop");
     }
     table.draft.finish()
 }
@@ -124,7 +146,7 @@ impl<'a> Table<'a> {
         if is_stop {
             match self.draft.stop {
                 None => self.draft.stop = Some(self.draft.rows.len()),
-                Some(_) => self.draft.remarks.say(place, "a second stop; it is taken for a plane with a rim"),
+                Some(_) => self.draft.remarks.say(place, "a second stop; it is taken for a fixed one"),
             }
         }
         let mut row = DraftRow::new(place);

@@ -45,6 +45,9 @@ const BAD: &[(&str, &str, &str)] = &[
     ("# film_radius: flat\n50 5 1.5 20 0 1\n", "1:16", "film_radius 'flat'"),
     ("# film_radius: 0\n50 5 1.5 20 0 1\n", "1:16", "film's radius"),
     ("# f_number: fast\n50 5 1.5 20 0 1\n", "1:13", "f_number 'fast'"),
+    ("# back_focus: far\n50 5 1.5 20 0 1\n", "1:15", "back_focus 'far'"),
+    ("# group: large\n50 5 1.5 20 0 1\n", "1:10", "write one of wide angle, normal"),
+    ("# first_choice: maybe\n50 5 1.5 20 0 1\n", "1:17", "neither yes nor no"),
     ("# film: 36xtall\n50 5 1.5 20 0 1\n", "1:9", "film 'tall'"),
 ];
 
@@ -83,6 +86,19 @@ fn what_surrounds_the_table_does_not_matter() {
 }
 
 #[test]
+fn the_header_says_what_the_source_states() {
+    use petzval_optics::prescription::LensGroup;
+    let text = "# group: Wide Angle\n# first_choice: yes\n# focal_length: not published\n# f_number: 2.8\n# back_focus: 40.1\n\
+        # differs: f_number: the rims are modelled\n# differs: zoom: rounded\n50 5 1.5 20 0 1";
+    let metadata = parse(text, "header", Catalogue::shipped()).unwrap().metadata;
+    assert_eq!((metadata.group, metadata.is_first_choice), (Some(LensGroup::WideAngle), true));
+    assert_eq!((metadata.focal_length_mm, metadata.f_number, metadata.back_focus_mm), (None, Some(2.8), Some(40.1)));
+    assert_eq!(metadata.text("focal_length"), Some("not published"));
+    assert_eq!(metadata.difference("f_number"), Some("the rims are modelled"));
+    assert_eq!((metadata.difference("zoom"), metadata.difference("back_focus")), (Some("rounded"), None));
+}
+
+#[test]
 fn more_columns_say_more_of_a_surface() {
     let text = "# element: 2-3 decenter_x=0.5 tilt_y=90\n\
         #radius thickness glass diameter conic isstop radius_x A4 a20 a3 tilt_x decenter_y obstruction\n\
@@ -117,7 +133,7 @@ fn every_shipped_lens_reads_and_names_its_source() {
             count += 1;
         }
     }
-    assert_eq!(count, 48);
+    assert!(count >= 50, "{count}");
 }
 
 #[test]

@@ -1,7 +1,7 @@
 //! The lines `# key: text` before the rows of a lens file.
 
 use crate::glass::{Dispersion, Gradient, GradientTerm, InternalTransmittance, Medium};
-use crate::prescription::{Metadata, Place, PrescriptionError};
+use crate::prescription::{LensGroup, Metadata, Place, PrescriptionError};
 
 use super::columns::{ElementLine, element};
 use super::moving::MovingLines;
@@ -48,11 +48,24 @@ pub(crate) fn line(
 impl Header {
     fn take(&mut self, metadata: &mut Metadata, key: &str, value: &str, place: Place) -> Result<(), Problem> {
         let number = |text: &str| finite(text).ok_or_else(|| not_a_number(key, text));
+        let published = |text: &str| if text == Metadata::NOT_PUBLISHED { Ok(None) } else { number(text).map(Some) };
         match key {
             "name" => self.name = Some(value.to_owned()),
             "source" => metadata.source = Some(value.to_owned()),
-            "focal_length" => metadata.focal_length_mm = Some(number(value)?),
-            "f_number" => metadata.f_number = Some(number(value)?),
+            "group" => {
+                let group = LensGroup::of_word(value);
+                metadata.group = Some(group.ok_or_else(|| Problem::Group(value.to_owned()))?);
+            }
+            "first_choice" => {
+                metadata.is_first_choice = match value {
+                    "yes" => true,
+                    "no" => false,
+                    other => return Err(Problem::YesOrNo(other.to_owned())),
+                }
+            }
+            "focal_length" => metadata.focal_length_mm = published(value)?,
+            "f_number" => metadata.f_number = published(value)?,
+            "back_focus" => metadata.back_focus_mm = published(value)?,
             "half_field_deg" => metadata.half_field_deg = Some(number(value)?),
             "element" => {
                 let element = element(value, place);

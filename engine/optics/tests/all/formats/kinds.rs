@@ -167,6 +167,13 @@ fn tables_of_renderers() {
     let lens = parse("a.dat", dat).unwrap().prescription;
     assert_eq!((lens.name.as_str(), lens.surfaces.len(), lens.stop), ("A lens of pbrt", 3, 1));
     assert_eq!(lens.surfaces[1].semi_diameter_mm, 10.0);
+    // Flat glass beside the stop, and a second, fixed stop: nothing is refracted at either stop.
+    let dat = "60 6 1.5168 30\n0 2 1 30\n0 3 0 20\n0 4 1.6 24\n-60 5 1 30\n0 50 0 18\n";
+    let reading = parse("a.dat", dat).unwrap();
+    assert_eq!((reading.prescription.surfaces.len(), reading.prescription.stop), (6, 2));
+    let said = remarks(&reading);
+    assert!(said.contains("a.dat:2:1: radius 0 where the medium changes") && said.contains("a.dat:4:1:"), "{said}");
+    assert!(said.contains("a.dat:6:1: a second stop; it is taken for a fixed one"), "{said}");
     let flare = "name: Flare\nfocal_length: 50\nsurfaces:\n60 6 1.5168 64.17 15 1\nstop 2 1.0 0 10 0\ninf 3 1.6 0 15 0\n-60 55 1 0 15 1\n";
     let reading = parse("a.lens", flare).unwrap();
     assert_eq!((reading.prescription.stop, reading.prescription.metadata.focal_length_mm), (1, Some(50.0)));
