@@ -138,6 +138,7 @@ class CameraDescription:
     focal_length_mm: float | None = None
     focal_scale: float | None = None
     f_number: float | None = None
+    pupil_diameter_mm: float | None = None
     blades: int = 0
     blade_rotation_rad: float = 0.0
     blade_curvature: float = 0.0  # 0: straight blades, 1: a round opening

@@ -95,6 +95,16 @@ class PetzvalCamera(bpy.types.PropertyGroup):
         precision=2,
         update=_changed,
     )
+    pupil_diameter: FloatProperty(
+        name="Pupil",
+        description="Diameter of the entrance pupil in mm, as of an eye's, instead of the f-number. 0: by the f-number",
+        default=0.0,
+        min=0.0,
+        soft_max=100.0,
+        step=10,
+        precision=2,
+        update=_changed,
+    )
     blades: IntProperty(
         name="Blades",
         description="Blades of the diaphragm; fewer than three make a round opening",

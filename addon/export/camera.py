@@ -45,6 +45,7 @@ def describe(
         pinhole_film_width_mm=picture_width_mm,
         pinhole_shift=(camera.shift_x * side / larger, camera.shift_y * side / larger),
         f_number=(None if wide_open else settings.f_number) if of_lens else _thin_f_number(camera),
+        pupil_diameter_mm=(settings.pupil_diameter or None) if of_lens and not wide_open else None,
         blades=_blades(settings.blades if of_lens or settings.blades else camera.dof.aperture_blades),
         blade_rotation_rad=settings.blade_rotation,
         blade_curvature=settings.blade_curvature,

@@ -67,7 +67,11 @@ class PETZVAL_CAMERA_PT_aperture(AperturePart, bpy.types.Panel):
         else:
             layout.prop(settings, "wide_open", text="Blender's F-Stop")
         if not settings.wide_open:
-            layout.prop(settings, "f_number")
+            row = layout.row()
+            row.active = settings.model not in OF_LENS_FILE or settings.pupil_diameter == 0.0
+            row.prop(settings, "f_number")
+            if settings.model in OF_LENS_FILE:
+                layout.prop(settings, "pupil_diameter")
         elif settings.model == "THIN":
             layout.prop(camera.dof, "aperture_fstop")
         column = layout.column(align=True)

@@ -188,8 +188,7 @@ impl Beams<'_> {
 
     /// Where a ray that comes through goes.
     fn path(&self, ray: Ray) -> Option<Vec<[f64; 2]>> {
-        let mut hits = Vec::with_capacity(self.surfaces.len());
-        let out = self.tracer.from_scene_recording(ray, &mut hits).ok()?;
+        let (out, hits) = self.tracer.path_from_scene(ray).ok()?;
         let first = *hits.first()?;
         let [front, rear] = self.extent();
         let approach = APPROACH * (rear - front);

@@ -32,6 +32,11 @@ impl Matrix {
         Self { b: thickness_mm / index, ..Self::IDENTITY }
     }
 
+    /// The same way back: light that comes from the other side, its indices and ways turned round.
+    pub fn reversed(&self) -> Self {
+        Self { a: self.d, d: self.a, ..*self }
+    }
+
     /// The ray (y′, ν′).
     pub fn apply(&self, y: f64, nu: f64) -> [f64; 2] {
         [self.a * y + self.b * nu, self.c * y + self.d * nu]
@@ -61,8 +66,10 @@ pub struct Thin {
     pub from: f64,
     /// Signed index after.
     pub to: f64,
-    /// Signed distance to the next vertex in mm.
-    pub thickness_mm: f64,
+    /// The way to the next vertex; behind the last surface as far as the film is published.
+    pub onward: Matrix,
+    /// What that way adds to the Petzval sum, 1/mm: nothing, but in a gradient.
+    pub petzval_onward: f64,
 }
 
 /// From the first vertex to the last: every surface, and the travel between them.
@@ -70,8 +77,7 @@ pub fn between_vertices(surfaces: &[Thin]) -> Matrix {
     let mut matrix = Matrix::IDENTITY;
     for (i, s) in surfaces.iter().enumerate() {
         if i > 0 {
-            let before = &surfaces[i - 1];
-            matrix = Matrix::travel(before.thickness_mm, before.to) * matrix;
+            matrix = surfaces[i - 1].onward * matrix;
         }
         matrix = Matrix::surface(s.curvature, s.from, s.to) * matrix;
     }
@@ -82,10 +88,7 @@ pub fn between_vertices(surfaces: &[Thin]) -> Matrix {
 pub fn front_of(surfaces: &[Thin], stop: usize) -> Matrix {
     match stop.checked_sub(1) {
         None => Matrix::IDENTITY,
-        Some(last) => {
-            let before = &surfaces[last];
-            Matrix::travel(before.thickness_mm, before.to) * between_vertices(&surfaces[..stop])
-        }
+        Some(last) => surfaces[last].onward * between_vertices(&surfaces[..stop]),
     }
 }
 
@@ -94,6 +97,5 @@ pub fn rear_of(surfaces: &[Thin], stop: usize) -> Matrix {
     if stop + 1 == surfaces.len() {
         return Matrix::IDENTITY;
     }
-    let at = &surfaces[stop];
-    between_vertices(&surfaces[stop + 1..]) * Matrix::travel(at.thickness_mm, at.to)
+    between_vertices(&surfaces[stop + 1..]) * surfaces[stop].onward
 }

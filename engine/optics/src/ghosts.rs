@@ -64,26 +64,25 @@ impl Path {
         // There.
         for (k, s) in surfaces[..later].iter().enumerate() {
             walk.meet(k, Matrix::surface(s.curvature, s.from, s.to));
-            walk.go(s.thickness_mm, s.to);
+            walk.go(s.onward);
         }
         let s = &surfaces[later];
         walk.meet(later, mirror(s.curvature, s.from));
         // Back: indices and ways turned round.
         for k in (earlier + 1..later).rev() {
             let s = &surfaces[k];
-            walk.go(-s.thickness_mm, -s.to);
+            walk.go(s.onward.reversed());
             walk.meet(k, Matrix::surface(s.curvature, -s.to, -s.from));
         }
         let s = &surfaces[earlier];
-        walk.go(-s.thickness_mm, -s.to);
+        walk.go(s.onward.reversed());
         walk.meet(earlier, mirror(s.curvature, -s.to));
         // And on.
         for (k, s) in surfaces.iter().enumerate().skip(earlier) {
             if k > earlier {
                 walk.meet(k, Matrix::surface(s.curvature, s.from, s.to));
             }
-            let way = if k + 1 < surfaces.len() { s.thickness_mm } else { to_film };
-            walk.go(way, s.to);
+            walk.go(if k + 1 < surfaces.len() { s.onward } else { Matrix::travel(to_film, s.to) });
         }
         Self { at_film: walk.ray[0], beam: walk.beam }
     }
@@ -106,8 +105,8 @@ impl Walk<'_> {
         self.ray = matrix.apply(self.ray[0], self.ray[1]);
     }
 
-    fn go(&mut self, way_mm: f64, index: f64) {
-        self.ray = Matrix::travel(way_mm, index).apply(self.ray[0], self.ray[1]);
+    fn go(&mut self, way: Matrix) {
+        self.ray = way.apply(self.ray[0], self.ray[1]);
     }
 }
 

@@ -4,10 +4,12 @@
 
 mod catalogue;
 mod dispersion;
+mod gradient;
 mod medium;
 mod transmittance;
 
 pub use catalogue::{Catalogue, GlassError};
 pub use dispersion::Dispersion;
+pub use gradient::{Gradient, GradientTerm, LAST_GRADIENT_POWER};
 pub use medium::{AIR_NAME, Medium, line_nm};
 pub use transmittance::InternalTransmittance;

@@ -56,6 +56,12 @@ pub struct Interfaces<L> {
 }
 
 impl<L: Lane> Interfaces<L> {
+    /// From one index to the other, in each lane.
+    #[inline(always)]
+    pub fn between([from, to]: [L; 2]) -> Self {
+        Self { ratio: from / to, excess: (from - to) * (from + to) / (to * to) }
+    }
+
     /// As [`Interface::refract`]; `may_be_critical` if any excess is positive.
     #[inline(always)]
     pub fn refract(

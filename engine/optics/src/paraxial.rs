@@ -74,7 +74,9 @@ impl Paraxial {
         let entrance_pupil = entrance_pupil(system, &surfaces);
         let exit_pupil = exit_pupil(system, &surfaces);
         let f_number = focal.and_then(|f| Some(f.abs() / entrance_pupil.diameter_mm?));
-        let petzval: f64 = surfaces.iter().map(|s| s.curvature * (s.to - s.from) / (s.to * s.from)).sum();
+        let last = surfaces.len().saturating_sub(1);
+        let petzval: f64 = surfaces.iter().map(|s| s.curvature * (s.to - s.from) / (s.to * s.from)).sum::<f64>()
+            + surfaces[..last].iter().map(|s| s.petzval_onward).sum::<f64>();
         let film_z_mm = bfd_mm.map_or(system.film_z_published_mm(), |bfd| last_z + bfd);
         Self {
             wavelength_nm,

@@ -8,7 +8,7 @@ use thiserror::Error;
 use crate::glass::Medium;
 use crate::surface::{Pose, Section, Shape};
 
-use moving::MovingGaps;
+use moving::MovingParts;
 
 pub use metadata::{LensGroup, Metadata};
 
@@ -56,6 +56,8 @@ pub enum Column {
     Radius,
     /// Thickness.
     Thickness,
+    /// The medium behind.
+    Glass,
     /// Clear diameter.
     Diameter,
     /// Conic constant.
@@ -122,6 +124,12 @@ pub enum PrescriptionError {
         /// Number of surfaces.
         surfaces: usize,
     },
+    /// The film lies in a gradient, where rays are not followed.
+    #[error("the medium before the film, behind surface {surface}, has a gradient; give it a surface to end at")]
+    GradientAtFilm {
+        /// Index of the last surface.
+        surface: usize,
+    },
     /// The film's radius of curvature is 0, infinite or none.
     #[error("the film's radius is {radius_mm} mm; give a number other than 0")]
     FilmRadius {
@@ -137,6 +145,7 @@ impl PrescriptionError {
             Self::NotFinite { surface, column } => Some((surface, column)),
             Self::NoAperture { surface, .. } | Self::Unreachable { surface, .. } => Some((surface, Column::Diameter)),
             Self::Obstruction { surface, .. } => Some((surface, Column::Obstruction)),
+            Self::GradientAtFilm { surface } => Some((surface, Column::Glass)),
             Self::Empty | Self::NoSuchStop { .. } | Self::FilmRadius { .. } => None,
         }
     }
@@ -158,8 +167,8 @@ pub struct Prescription {
     pub metadata: Metadata,
     /// Radius of curvature of the film (a retina) in mm, signed as a surface's; `None`: plane.
     pub film_radius_mm: Option<f64>,
-    /// Gaps that change with zoom and focus, if any do; the surfaces have them as in the first position.
-    pub moving: Option<MovingGaps>,
+    /// What changes with zoom and focus, if anything does; the surfaces have them as in the first position.
+    pub moving: Option<MovingParts>,
     /// The file it was read from, as it was named.
     pub source_file: String,
 }
@@ -203,15 +212,29 @@ impl SurfaceRow {
 
 impl Prescription {
     /// The lens with its moving groups at a zoom (nominal focal length, mm) and a travel of the focus, as
-    /// [`MovingGaps::gaps_mm`] has them; from then on they stand still.
+    /// [`MovingParts::values`] has them; from then on they stand still.
     pub fn at_position(&self, zoom_mm: f64, travel: f64) -> Self {
         let mut fixed = self.clone();
         if let Some(moving) = fixed.moving.take() {
-            for (&surface, gap_mm) in moving.surfaces().iter().zip(moving.gaps_mm(zoom_mm, travel)) {
-                fixed.surfaces[surface].thickness_mm = gap_mm;
-            }
+            moving.place(&mut fixed.surfaces, zoom_mm, travel);
         }
         fixed
+    }
+
+    /// The lens with its moving parts at `values`, as a position of the table has them; from then on they stand still.
+    pub fn with_parts(&self, values: &[f64]) -> Self {
+        let mut fixed = self.clone();
+        if let Some(moving) = fixed.moving.take() {
+            moving.set(&mut fixed.surfaces, values);
+        }
+        fixed
+    }
+
+    /// The same lens, its surfaces as the first position of what moves has them.
+    pub fn in_first_position(self) -> Self {
+        let published = self.moving.as_ref().map(|moving| moving.first_zoom_mm());
+        let surfaces = published.map(|zoom_mm| self.at_position(zoom_mm, 0.0).surfaces);
+        Self { surfaces: surfaces.unwrap_or_else(|| self.surfaces.clone()), ..self }
     }
 
     /// The media whose index is not known everywhere between two wavelengths, each once; beyond its range a medium keeps the index
@@ -240,6 +263,13 @@ impl Prescription {
         let surfaces = self.surfaces.len();
         if self.stop >= surfaces {
             return Err(PrescriptionError::NoSuchStop { stop: self.stop, surfaces });
+        }
+        let media = self.surfaces.iter().filter_map(|row| match &row.behind {
+            Behind::Medium(medium) => Some(medium),
+            Behind::Mirror => None,
+        });
+        if media.last().is_some_and(|medium| medium.gradient().is_some()) {
+            return Err(PrescriptionError::GradientAtFilm { surface: surfaces - 1 });
         }
         match self.film_radius_mm {
             Some(radius_mm) if radius_mm == 0.0 || !radius_mm.is_finite() => {

@@ -55,7 +55,8 @@ impl Seidel {
     /// The sums at a vacuum wavelength in nm, for an object plane at `object_z_mm` (`None`: at infinity), at the half
     /// field of the design where the lens file tells it, but no farther out than 30 degrees; else at 20.
     ///
-    /// `None` if the entrance pupil is at infinity, the object in it, or an index no number.
+    /// `None` if the entrance pupil is at infinity, the object in it, an index no number, or a medium a gradient: what
+    /// light does between two surfaces then has its own share, which is not worked out here.
     pub fn new(system: &System, wavelength_nm: f64, object_z_mm: Option<f64>) -> Option<Self> {
         let half_field = system.half_field_deg().filter(|d| *d > 0.0).unwrap_or(USUAL_FIELD_DEG);
         Self::at_field(system, wavelength_nm, object_z_mm, half_field.min(WIDEST_FIELD_DEG))
@@ -63,6 +64,9 @@ impl Seidel {
 
     /// As [`Self::new`], for the chief ray from `field_deg` degrees beside the axis.
     pub fn at_field(system: &System, wavelength_nm: f64, object_z_mm: Option<f64>, field_deg: f64) -> Option<Self> {
+        if system.has_gradients() {
+            return None;
+        }
         let rays = Rays::at_first_vertex(system, wavelength_nm, object_z_mm, field_deg.to_radians())?;
         let by_surface = by_surface(system, wavelength_nm, rays);
         let total: Sums = by_surface.iter().copied().sum();
@@ -119,7 +123,7 @@ fn by_surface(system: &System, wavelength_nm: f64, mut rays: Rays) -> Vec<Sums> 
             seidel: seidel_terms(s, asphericity, rays, refracted.marginal, lagrange),
             chromatic: invariants(s, rays).map(|a| a * rays.marginal[0] * spread),
         });
-        rays = refracted.map(|[y, nu]| [y + nu / s.to * s.thickness_mm, nu]);
+        rays = refracted.map(|[y, nu]| s.onward.apply(y, nu));
     }
     sums
 }

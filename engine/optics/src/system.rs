@@ -7,7 +7,7 @@ use std::sync::Arc;
 use thiserror::Error;
 
 use crate::diaphragm::{ApertureMask, Diaphragm, DiaphragmError};
-use crate::first_order::{Thin, between_vertices, front_of};
+use crate::first_order::{Matrix, Thin, between_vertices, front_of};
 use crate::glass::{Medium, line_nm};
 use crate::prescription::{Behind, Prescription, PrescriptionError};
 use crate::surface::{Pose, Section, Shape};
@@ -31,6 +31,8 @@ pub struct SystemSettings {
     pub focal_length: FocalLength,
     /// |efl| / diameter of the entrance pupil at d; `None`: wide open.
     pub f_number: Option<f64>,
+    /// The diameter of the entrance pupil at d, mm, instead: what is said of eyes. With an f-number this one counts.
+    pub pupil_diameter_mm: Option<f64>,
     /// Blades of the diaphragm; fewer than 3: round.
     pub blades: u32,
     /// Turn of the diaphragm, from x towards y.
@@ -93,6 +95,15 @@ pub enum Element {
     },
 }
 
+impl Element {
+    /// The medium on the film side, seen from this surface; of a mirror that on both sides.
+    pub fn behind(&self) -> &Medium {
+        match self {
+            Self::Refract { to: medium, .. } | Self::Reflect { medium } => medium,
+        }
+    }
+}
+
 /// One surface in its place. Lengths in mm.
 #[derive(Clone, Debug, PartialEq)]
 pub struct Surface {
@@ -151,7 +162,13 @@ impl System {
         let stop = prescription.stop;
         let clear = surfaces[stop].semi_diameter_mm;
         let widest_f_number = widest_f_number(&surfaces, stop);
-        let f_number = match (settings.f_number, widest_f_number) {
+        // The f-number is the focal length over the pupil's diameter.
+        let of_pupil = settings.pupil_diameter_mm.and_then(|mm| Some(focal_length_mm(&surfaces)?.abs() / mm));
+        if settings.pupil_diameter_mm.is_some() && of_pupil.is_none() {
+            return Err(SystemError::Afocal);
+        }
+        let asked = of_pupil.or(settings.f_number);
+        let f_number = match (asked, widest_f_number) {
             (None, widest) => widest,
             (Some(asked), Some(widest)) => Some(asked.max(widest)),
             (Some(_), None) => return Err(SystemError::Afocal),
@@ -170,7 +187,7 @@ impl System {
             scale,
             widest_f_number,
             f_number,
-            requested_f_number: settings.f_number,
+            requested_f_number: asked,
             film_radius_mm: prescription.film_radius_mm.map(|r| r * scale),
             half_field_deg: prescription.metadata.half_field_deg,
         })
@@ -300,6 +317,11 @@ impl System {
         })
     }
 
+    /// True if the index of some medium changes from place to place.
+    pub fn has_gradients(&self) -> bool {
+        self.surfaces.iter().any(|s| s.element.behind().gradient().is_some())
+    }
+
     /// The surfaces as Gaussian optics sees them, in the y-z plane.
     pub(crate) fn thin(&self, wavelength_nm: f64) -> Vec<Thin> {
         self.thin_in(Section::Y, wavelength_nm)
@@ -324,6 +346,9 @@ fn check_settings(settings: &SystemSettings) -> Result<(), SystemError> {
     if let Some(f_number) = settings.f_number {
         positive("f-number", f_number)?;
     }
+    if let Some(diameter_mm) = settings.pupil_diameter_mm {
+        positive("pupil's diameter in mm", diameter_mm)?;
+    }
     Ok(())
 }
 
@@ -335,10 +360,12 @@ fn place(prescription: &Prescription, scale: f64) -> Vec<Surface> {
         let element = match &row.behind {
             Behind::Mirror => Element::Reflect { medium: medium.clone() },
             Behind::Medium(to) => {
-                let from = std::mem::replace(&mut medium, to.clone());
-                Element::Refract { from, to: to.clone() }
+                let to = if scale == 1.0 { to.clone() } else { to.scaled(scale) };
+                Element::Refract { from: medium, to }
             }
         };
+        // As the next surface sees it.
+        medium = element.behind().seen_from(row.thickness_mm * scale);
         placed.push(Surface {
             shape: if scale == 1.0 { row.shape } else { row.shape.scaled(scale) },
             pose: row.pose.scaled(scale),
@@ -364,17 +391,19 @@ fn thin(surfaces: &[Surface], section: Section, wavelength_nm: f64) -> Vec<Thin>
                 (index, -index)
             }
         };
-        Thin { curvature: s.shape.curvature_at_vertex(section), from, to, thickness_mm: s.thickness_mm }
+        let behind = s.element.behind();
+        let (onward, petzval_onward) = match behind.gradient() {
+            None => (Matrix::travel(s.thickness_mm, to), 0.0),
+            Some(gradient) => gradient.paraxial(behind.base_index(wavelength_nm).copysign(to), s.thickness_mm),
+        };
+        Thin { curvature: s.shape.curvature_at_vertex(section), from, to, onward, petzval_onward }
     };
     surfaces.iter().map(one).collect()
 }
 
 /// Index of the last medium; of air if there is no surface.
 fn image_index(surfaces: &[Surface], wavelength_nm: f64) -> f64 {
-    match surfaces.last().map(|s| &s.element) {
-        Some(Element::Refract { to: medium, .. } | Element::Reflect { medium }) => medium.index(wavelength_nm),
-        None => 1.0,
-    }
+    surfaces.last().map_or(1.0, |s| s.element.behind().index(wavelength_nm))
 }
 
 /// 1 / power at d in mm; `None` without power.

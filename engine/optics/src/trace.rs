@@ -2,6 +2,7 @@
 
 mod bundle;
 mod fate;
+mod gradient;
 mod spectral;
 mod step;
 
@@ -15,7 +16,8 @@ use crate::lane::Real;
 use crate::system::{Element, System};
 use crate::vector::Vector;
 
-use step::{Action, Step, is_far};
+use gradient::{Gap, Gradients};
+use step::{Action, Passage, Step, is_far};
 
 pub use crate::surface::Failure;
 pub use bundle::{Bundle, Traced};
@@ -52,6 +54,8 @@ pub enum Travel {
 #[derive(Clone, Debug)]
 struct Way<R> {
     steps: Arc<[Step<R>]>,
+    /// By step; none in a lens without gradients. What the step's `action` says of indices then does not count.
+    gradients: Arc<[Option<Gradients<R>>]>,
     travel: Travel,
     /// Vertices of the first and the last surface on the way.
     start_z: f64,
@@ -73,13 +77,14 @@ impl System {
     /// The tracer for rays of one vacuum wavelength in nm.
     pub fn at_wavelength(&self, wavelength_nm: f64) -> Tracer {
         let index = |i: usize| match &self.surfaces()[i].element {
-            Element::Refract { from, to } => [from.index(wavelength_nm), to.index(wavelength_nm)],
-            Element::Reflect { medium } => [medium.index(wavelength_nm); 2],
+            Element::Refract { from, to } => [from.base_index(wavelength_nm), to.base_index(wavelength_nm)],
+            Element::Reflect { medium } => [medium.base_index(wavelength_nm); 2],
         };
         Tracer::new(self, wavelength_nm, index)
     }
 
-    /// As [`Self::at_wavelength`], with the index after each surface given instead of taken from the media.
+    /// As [`Self::at_wavelength`], with the index after each surface given instead of taken from the media; of a gradient,
+    /// where its terms are 0.
     ///
     /// For comparison with tables that state their indices. Missing ones count as 1.
     pub fn with_indices(&self, wavelength_nm: f64, after: &[f64]) -> Tracer {
@@ -92,15 +97,21 @@ impl System {
 impl Tracer {
     fn new(system: &System, wavelength_nm: f64, index: impl Fn(usize) -> [f64; 2]) -> Self {
         let surfaces = system.surfaces();
+        let gaps = Gap::all(surfaces);
         let mut side = 1.0;
         let mut from_scene = Vec::with_capacity(surfaces.len());
         let mut from_film = Vec::with_capacity(surfaces.len());
+        let (mut bent_from_scene, mut bent_from_film) = (Vec::new(), Vec::new());
         for (i, s) in surfaces.iter().enumerate() {
             let [n, n2] = index(i);
             let is_mirror = matches!(s.element, Element::Reflect { .. });
+            let (gap_before, gap_behind) = (i.checked_sub(1).and_then(|j| gaps[j].as_ref()), gaps[i].as_ref());
+            bent_from_scene.push(Gradients::at(gap_before, gap_behind, s.z_mm, [n, n2]));
+            bent_from_film.push(Gradients::at(gap_behind, gap_before, s.z_mm, [n2, n]));
+            let is_plain = gap_before.is_none() && gap_behind.is_none();
             let action = |from: f64, to: f64| match is_mirror {
                 true => Action::Reflect,
-                false if from == to => Action::Pass,
+                false if from == to && is_plain => Action::Pass,
                 false => Action::Refract(Interface::new(from, to)),
             };
             let side_after = if is_mirror { -side } else { side };
@@ -127,10 +138,15 @@ impl Tracer {
             side = side_after;
         }
         from_film.reverse();
+        bent_from_film.reverse();
         let last_z = system.last_vertex_z_mm();
+        let way = |steps: Vec<Step>, mut gradients: Vec<Option<Gradients<f64>>>, travel, start_z, end_z| {
+            gradients.truncate(if gaps.iter().any(Option::is_some) { steps.len() } else { 0 });
+            Way { steps: steps.into(), gradients: gradients.into(), travel, start_z, end_z }
+        };
         Self {
-            from_scene: Way { steps: from_scene.into(), travel: Travel::FromScene, start_z: 0.0, end_z: last_z },
-            from_film: Way { steps: from_film.into(), travel: Travel::FromFilm, start_z: last_z, end_z: 0.0 },
+            from_scene: way(from_scene, bent_from_scene, Travel::FromScene, 0.0, last_z),
+            from_film: way(from_film, bent_from_film, Travel::FromFilm, last_z, 0.0),
             diaphragm: Arc::new(system.diaphragm().clone()),
             wavelength_nm,
         }
@@ -176,6 +192,14 @@ impl Tracer {
     }
 }
 
+impl Tracer {
+    /// As [`Self::from_scene`], with the places in lens space that the ray comes by: its hits, and between them some more in
+    /// media in which it bends.
+    pub fn path_from_scene(&self, ray: Ray) -> Result<(Ray, Vec<DVec3>), Lost> {
+        self.from_scene.path(ray, &self.diaphragm)
+    }
+}
+
 impl<R: Real> Tracer<R> {
     /// The vacuum wavelength in nm.
     pub fn wavelength_nm(&self) -> f64 {
@@ -205,7 +229,8 @@ impl<R: Real> Tracer<R> {
     }
 
     /// As [`Self::from_scene`]; appends the length of the way to each surface from the one before, the first from the ray's origin,
-    /// to `lengths_mm`. A length is negative where the ray meets a surface before it has left the one in front of that.
+    /// to `lengths_mm`. A length is negative where the ray meets a surface before it has left the one in front of that. In a
+    /// gradient it is the optical path over the index on the axis just before the next surface.
     pub fn from_scene_measuring(&self, ray: Ray, lengths_mm: &mut Vec<f64>) -> Result<Ray, Lost> {
         self.from_scene.run_measuring(ray, &self.diaphragm, lengths_mm)
     }
@@ -223,14 +248,58 @@ impl<R: Real> Tracer<R> {
     }
 }
 
+/// [`Step::pass_gradients`] for one ray.
+#[cold]
+#[inline(never)]
+fn bent<R: Real>(
+    step: &Step<R>,
+    gradients: &Gradients<R>,
+    p: Vector<R>,
+    d: Vector<R>,
+    diaphragm: &Diaphragm<R>,
+) -> Passage<R> {
+    step.pass_gradients(p, d, diaphragm, None, gradients)
+}
+
 impl Way<f64> {
-    fn map<R>(&self, change: impl Fn(&Step) -> Step<R>) -> Way<R> {
+    /// As [`Self::run`], with the places in lens space that the ray comes by: its hits, and some between them where it bends.
+    fn path(&self, ray: Ray, diaphragm: &Diaphragm) -> Result<(Ray, Vec<DVec3>), Lost> {
+        let (mut p, mut d) = self.enter(ray);
+        let (mut z, mut places) = (self.start_z, Vec::new());
+        for (i, step) in self.steps.iter().enumerate() {
+            z -= step.to_here;
+            let passage = match self.gradients(i) {
+                None => step.pass(p, d, diaphragm, None),
+                Some(gradients) => {
+                    let here = Vector { z: p.z + step.to_here, ..p };
+                    places.extend(gradients.places(step, here, d).iter().map(|place| place.with_z(place.z + z)));
+                    bent(step, gradients, p, d, diaphragm)
+                }
+            };
+            if let Some(reason) = passage.fates().failure(0) {
+                return Err(Lost { surface: self.surface(i), reason });
+            }
+            (p, d) = (passage.point, passage.direction);
+            let hit = p.of(0);
+            places.push(hit.with_z(hit.z + z));
+        }
+        Ok((self.leave(p.of(0), d.of(0)), places))
+    }
+
+    fn map<R: Real>(&self, change: impl Fn(&Step) -> Step<R>) -> Way<R> {
         let Self { travel, start_z, end_z, .. } = *self;
-        Way { steps: self.steps.iter().map(change).collect(), travel, start_z, end_z }
+        let gradients = self.gradients.iter().map(|beside| beside.as_ref().map(Gradients::cast)).collect();
+        Way { steps: self.steps.iter().map(change).collect(), gradients, travel, start_z, end_z }
     }
 }
 
 impl<R: Real> Way<R> {
+    /// The media beside a step's surface, where one is a gradient.
+    #[inline(always)]
+    fn gradients(&self, step: usize) -> Option<&Gradients<R>> {
+        self.gradients.get(step)?.as_ref()
+    }
+
     /// Index of a step's surface, counted from the scene.
     fn surface(&self, step: usize) -> usize {
         match self.travel {
@@ -264,7 +333,10 @@ impl<R: Real> Way<R> {
     fn run(&self, ray: Ray, diaphragm: &Diaphragm<R>, record: &mut impl FnMut(DVec3)) -> Result<Ray, Lost> {
         let (mut p, mut d) = self.enter(ray);
         for (i, step) in self.steps.iter().enumerate() {
-            let passage = step.pass(p, d, diaphragm, None);
+            let passage = match self.gradients(i) {
+                None => step.pass(p, d, diaphragm, None),
+                Some(gradients) => bent(step, gradients, p, d, diaphragm),
+            };
             if passage.crossing.met {
                 record(passage.point.of(0));
             }
@@ -282,12 +354,18 @@ impl<R: Real> Way<R> {
         for (i, step) in self.steps.iter().enumerate() {
             let along: DVec3 = d.of(0);
             z -= step.to_here.to_f64();
-            let passage = step.pass(p, d, diaphragm, None);
+            let gradients = self.gradients(i);
+            let in_gradient = gradients
+                .and_then(|gradients| gradients.reduced_length(step, Vector { z: p.z + step.to_here, ..p }, d));
+            let passage = match gradients {
+                None => step.pass(p, d, diaphragm, None),
+                Some(gradients) => bent(step, gradients, p, d, diaphragm),
+            };
             if let Some(reason) = passage.fates().failure(0) {
                 return Err(Lost { surface: self.surface(i), reason });
             }
             let hit = passage.point.of(0) + DVec3::Z * z;
-            lengths_mm.push((hit - before).dot(along));
+            lengths_mm.push(in_gradient.map_or_else(|| (hit - before).dot(along), R::to_f64));
             before = hit;
             (p, d) = (passage.point, passage.direction);
         }

@@ -47,6 +47,7 @@ class Lens:
         scale: float | None = None,
         focal_length_mm: float | None = None,
         f_number: float | None = None,
+        pupil_diameter_mm: float | None = None,
         blades: int = 0,
         blade_curvature: float = 0.0,
         blade_rotation_rad: float = 0.0,
@@ -54,7 +55,8 @@ class Lens:
         focus_distance_mm: float | None = None,
     ) -> str:
         """The object of `petzval lens info --json`. `focus_distance_mm` is measured along the axis from the
-        entrance pupil's centre to the plane of sharp focus; None or inf is infinity.
+        entrance pupil's centre to the plane of sharp focus; None or inf is infinity. A lens that focuses by what moves inside
+        does so, the eye's lens too; of others the film moves. `pupil_diameter_mm`, of the entrance pupil, goes before `f_number`.
 
         `f_number` counts the circle that holds the opening, `f_number_by_area` a round one of the opening's area
         `stop_area_mm2`. Beside what its keys say: `film_z_mm` and `total_track_mm` are those of the film in force; `seidel` and
@@ -63,7 +65,7 @@ class Lens:
         up to `vignetting_free_field_deg` no rim but the stop's cuts any of the beam, at
         `half_vignetted_field_deg` half as much of the stop's area is filled as on the axis, beyond
         `largest_field_deg` nothing comes through. `axial_beam_cut_by_surface`: the index of a surface that cuts
-        the beam on the axis; the first angle is then 0. What is infinite or does not exist is null."""
+        the beam on the axis; the first angle is then 0. `seidel_missing`: why there are no sums. What is infinite or does not exist is null."""
     def trace_json(
         self,
         rays_json: str,
@@ -73,6 +75,7 @@ class Lens:
         scale: float | None = None,
         focal_length_mm: float | None = None,
         f_number: float | None = None,
+        pupil_diameter_mm: float | None = None,
         blades: int = 0,
         blade_curvature: float = 0.0,
         blade_rotation_rad: float = 0.0,
@@ -92,6 +95,7 @@ def lens_drawing_json(
     scale: float | None = None,
     focal_length_mm: float | None = None,
     f_number: float | None = None,
+    pupil_diameter_mm: float | None = None,
     blades: int = 0,
     blade_curvature: float = 0.0,
     blade_rotation_rad: float = 0.0,
@@ -110,6 +114,7 @@ class LensSetting(Protocol):
     scale: float | None
     focal_length_mm: float | None
     f_number: float | None
+    pupil_diameter_mm: float | None  # of the entrance pupil; goes before the f-number
     blades: int
     blade_curvature: float
     blade_rotation_rad: float
@@ -191,6 +196,7 @@ class CameraDescription(Protocol):
     focal_length_mm: float | None  # or
     focal_scale: float | None
     f_number: float | None
+    pupil_diameter_mm: float | None  # of the entrance pupil; goes before the f-number
     blades: int  # 0: round, else 3..24
     blade_rotation_rad: float
     blade_curvature: float  # 0: straight blades, 1: a round opening

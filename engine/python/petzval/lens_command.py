@@ -79,7 +79,11 @@ def add_parser(subparsers: argparse._SubParsersAction) -> None:
 
 def _add_setting(parser: argparse.ArgumentParser) -> None:
     parser.add_argument("--focal-length", type=_number, metavar="MM", help="scale the lens to this focal length")
-    parser.add_argument("--f-number", type=_number, metavar="N", help="stop the diaphragm down to this f-number")
+    opening = parser.add_mutually_exclusive_group()
+    opening.add_argument("--f-number", type=_number, metavar="N", help="stop the diaphragm down to this f-number")
+    opening.add_argument(
+        "--pupil-diameter", type=_number, metavar="MM", help="or to this diameter of the entrance pupil, as of an eye's"
+    )
     parser.add_argument("--blades", type=_count, metavar="N", help="blades of the diaphragm, 3 to 24; 0 is round")
     parser.add_argument(
         "--blade-curvature", type=_number, metavar="C", help="of the blades' edges: 0 straight, 1 round"
@@ -97,6 +101,7 @@ def _setting(arguments: argparse.Namespace) -> dict[str, Any]:
     return _given(
         focal_length_mm=arguments.focal_length,
         f_number=arguments.f_number,
+        pupil_diameter_mm=arguments.pupil_diameter,
         blades=arguments.blades,
         blade_curvature=arguments.blade_curvature,
         blade_rotation_rad=None if rotation is None else math.radians(rotation),
@@ -356,7 +361,7 @@ def _table(info: dict[str, Any]) -> str:
 def _sum_lines(info: dict[str, Any]) -> list[str]:
     """The Seidel and chromatic sums: a line a surface, and one of all."""
     if info["seidel"] is None:
-        return ["no Seidel sums: the entrance pupil is at infinity"]
+        return [f"no Seidel sums: {info['seidel_missing'] or 'they are no numbers'}"]
     rows = [
         [*seidel, *chromatic]
         for seidel, chromatic in zip(info["seidel_by_surface"], info["chromatic_by_surface"], strict=True)

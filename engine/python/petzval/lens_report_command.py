@@ -145,6 +145,8 @@ def _illumination(arguments: argparse.Namespace) -> int:
 
     if arguments.f_numbers and arguments.f_number is not None:
         arguments.usage_error("--f-numbers stands instead of --f-number: leave out the one or the other")
+    if arguments.f_numbers and arguments.pupil_diameter is not None:
+        arguments.usage_error("--f-numbers stands instead of --pupil-diameter: leave out the one or the other")
     lens, setting, look = _lens(arguments), _setting(arguments), look_of(arguments)
     settings = [replace(setting, f_number=n) for n in arguments.f_numbers] or [setting]
     found = [json.loads(_native.lens_illumination_json(lens, one, look, arguments.count)) for one in settings]

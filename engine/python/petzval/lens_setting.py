@@ -16,6 +16,7 @@ class LensSetting:
     scale: float | None = None
     focal_length_mm: float | None = None
     f_number: float | None = None
+    pupil_diameter_mm: float | None = None
     blades: int = 0
     blade_curvature: float = 0.0
     blade_rotation_rad: float = 0.0

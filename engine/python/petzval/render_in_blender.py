@@ -253,7 +253,11 @@ def _apply_camera(scene: Any, data: Any, o: dict, addon: Any) -> None:
             data.lens = o["focal_length_mm"]
     if o["f_number"] is not None:
         own.wide_open = False
+        own.pupil_diameter = 0.0
         own.f_number = o["f_number"]
+    if o["pupil_diameter_mm"] is not None:
+        own.wide_open = False
+        own.pupil_diameter = o["pupil_diameter_mm"]
     if o["blades"] is not None:
         own.blades = o["blades"]
     for name, option in (("blade_curvature", "blade_curvature"), ("blade_rotation", "blade_rotation_rad")):

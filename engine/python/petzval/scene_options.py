@@ -38,7 +38,11 @@ def add(p: argparse.ArgumentParser) -> None:
     )
     p.set_defaults(usage_error=p.error)
     p.add_argument("--focal-length", type=types.positive, metavar="MM", help="scale the lens to this focal length")
-    p.add_argument("--f-number", type=types.positive, metavar="N", help="default: as the file has it")
+    opening = p.add_mutually_exclusive_group()
+    opening.add_argument("--f-number", type=types.positive, metavar="N", help="default: as the file has it")
+    opening.add_argument(
+        "--pupil-diameter", type=types.positive, metavar="MM", help="of the entrance pupil, as of an eye's"
+    )
     p.add_argument("--blades", type=int, metavar="N", help="blades of the diaphragm, 3 to 24; 0 is round")
     p.add_argument("--shutter", type=types.positive, metavar="S", help="expose physically, so many seconds")
     p.add_argument("--iso", type=types.positive, metavar="N", help="expose physically, with a film of that speed")
@@ -106,6 +110,8 @@ def checked(a: argparse.Namespace) -> dict:
         raise CommandError(f"no such scene: {scene}: name a .blend file")
     if a.lens and a.camera in {"pinhole", "thin"}:
         a.usage_error(f"--camera {a.camera} has no lens: leave out the one or the other")
+    if a.pupil_diameter is not None and a.camera in {"pinhole", "thin"}:
+        a.usage_error(f"--pupil-diameter is a lens's, and --camera {a.camera} has none: leave out the one or the other")
     if a.blades is not None and a.blades != 0 and not 3 <= a.blades <= 24:
         raise CommandError(f"{a.blades} blades: a diaphragm has 3 to 24, or 0 for a round one: change --blades")
     if a.aperture_mask and a.blades:
@@ -123,6 +129,7 @@ def checked(a: argparse.Namespace) -> dict:
         "camera": a.camera,
         "focal_length_mm": a.focal_length,
         "f_number": a.f_number,
+        "pupil_diameter_mm": a.pupil_diameter,
         "blades": a.blades,
         "shutter_s": a.shutter,
         "iso": a.iso,

@@ -5,12 +5,13 @@ use crate::doorway::away;
 use crate::error::{Error, refused};
 use crate::library;
 use glam::DVec3;
-use petzval_optics::focus::Focus;
+use petzval_optics::focus::{Focus, Focusing};
 use petzval_optics::formats;
 use petzval_optics::glass::Catalogue;
 use petzval_optics::lane::Real;
 use petzval_optics::paraxial::{Paraxial, Pupil};
 use petzval_optics::prescription::Prescription;
+use petzval_optics::prescription::moving::MovingParts;
 use petzval_optics::seidel::Seidel;
 use petzval_optics::surface::Section;
 use petzval_optics::system::{FocalLength, System, SystemSettings};
@@ -72,7 +73,8 @@ impl Lens {
     }
 
     #[pyo3(signature = (*, wavelength_nm = 587.5618, scale = None, focal_length_mm = None, f_number = None,
-        blades = 0, blade_curvature = 0.0, blade_rotation_rad = 0.0, aperture_mask = None, focus_distance_mm = None))]
+        pupil_diameter_mm = None, blades = 0, blade_curvature = 0.0, blade_rotation_rad = 0.0, aperture_mask = None,
+        focus_distance_mm = None))]
     #[allow(clippy::too_many_arguments)]
     fn info_json(
         &self,
@@ -81,6 +83,7 @@ impl Lens {
         scale: Option<f64>,
         focal_length_mm: Option<f64>,
         f_number: Option<f64>,
+        pupil_diameter_mm: Option<f64>,
         blades: u32,
         blade_curvature: f64,
         blade_rotation_rad: f64,
@@ -91,12 +94,12 @@ impl Lens {
         let settings = SystemSettings {
             focal_length: focal_length(scale, focal_length_mm),
             f_number,
+            pupil_diameter_mm,
             blades,
             blade_rotation_rad,
             blade_curvature,
         };
-        let system = self.system(&settings, aperture_mask)?;
-        let focus = focus_at(&system, wavelength_nm, focus_distance_mm)?;
+        let (system, focus) = self.focused(&settings, aperture_mask, wavelength_nm, focus_distance_mm)?;
         let p = Paraxial::new(&system, wavelength_nm);
         let seidel = Seidel::new(&system, wavelength_nm, focus.object_plane_mm);
         let fields = away(py, || Vignetting::new(&system, wavelength_nm, &focus))?;
@@ -140,6 +143,7 @@ impl Lens {
             "seidel_by_surface": by_surface.map(|all| all.iter().map(|sums| sums.seidel).collect::<Vec<_>>()),
             "chromatic": total.map(|sums| sums.chromatic),
             "chromatic_by_surface": by_surface.map(|all| all.iter().map(|sums| sums.chromatic).collect::<Vec<_>>()),
+            "seidel_missing": no_seidel(&system, &p),
             "seidel_field_deg": seidel.as_ref().map(|s| s.field_deg),
             "vignetting_free_field_deg": fields.free_field_deg,
             "half_vignetted_field_deg": fields.half_field_deg,
@@ -152,7 +156,8 @@ impl Lens {
     }
 
     #[pyo3(signature = (rays_json, *, from_film = false, precision = "f64", scale = None, focal_length_mm = None,
-        f_number = None, blades = 0, blade_curvature = 0.0, blade_rotation_rad = 0.0, aperture_mask = None))]
+        f_number = None, pupil_diameter_mm = None, blades = 0, blade_curvature = 0.0, blade_rotation_rad = 0.0,
+        aperture_mask = None))]
     #[allow(clippy::too_many_arguments)]
     fn trace_json(
         &self,
@@ -163,6 +168,7 @@ impl Lens {
         scale: Option<f64>,
         focal_length_mm: Option<f64>,
         f_number: Option<f64>,
+        pupil_diameter_mm: Option<f64>,
         blades: u32,
         blade_curvature: f64,
         blade_rotation_rad: f64,
@@ -176,6 +182,7 @@ impl Lens {
         let settings = SystemSettings {
             focal_length: focal_length(scale, focal_length_mm),
             f_number,
+            pupil_diameter_mm,
             blades,
             blade_rotation_rad,
             blade_curvature,
@@ -197,15 +204,47 @@ impl Lens {
 
 impl Lens {
     pub(crate) fn system(&self, settings: &SystemSettings, mask: Option<PyApertureMask>) -> Result<System, Error> {
-        let system = System::new(&self.prescription, settings)?;
-        match mask {
-            Some(mask) => {
-                let shape = mask.read(&format!("lens '{}'", system.name()))?;
-                Ok(system.with_aperture_mask(shape, settings.blade_rotation_rad)?)
-            }
-            None => Ok(system),
-        }
+        masked(System::new(&self.prescription, settings)?, settings, mask)
     }
+
+    /// The lens set and focused on a distance from the entrance pupil; `None` is infinity. What moves inside to focus does so, and the
+    /// film stays; else the film moves.
+    pub(crate) fn focused(
+        &self,
+        settings: &SystemSettings,
+        mask: Option<PyApertureMask>,
+        wavelength_nm: f64,
+        distance_mm: Option<f64>,
+    ) -> Result<(System, Focus), Error> {
+        let moves = self.prescription.moving.as_ref().is_some_and(MovingParts::focuses);
+        let system = match distance_mm.filter(|mm| moves && *mm != f64::INFINITY) {
+            Some(mm) => {
+                let done = Focusing::default().by_groups(&self.prescription, settings, wavelength_nm, mm);
+                masked(done.map_err(|error| refused(error.to_string()))?.system, settings, mask)?
+            }
+            None => self.system(settings, mask)?,
+        };
+        let focus = focus_at(&system, wavelength_nm, distance_mm)?;
+        Ok((system, focus))
+    }
+}
+
+fn masked(system: System, settings: &SystemSettings, mask: Option<PyApertureMask>) -> Result<System, Error> {
+    match mask {
+        Some(mask) => {
+            let shape = mask.read(&format!("lens '{}'", system.name()))?;
+            Ok(system.with_aperture_mask(shape, settings.blade_rotation_rad)?)
+        }
+        None => Ok(system),
+    }
+}
+
+/// Why there are no Seidel sums; `None`: there are.
+fn no_seidel(system: &System, p: &Paraxial) -> Option<&'static str> {
+    if system.has_gradients() {
+        return Some("a medium has a gradient, whose own share is not worked out");
+    }
+    p.entrance_pupil.z_mm.is_none().then_some("the entrance pupil is at infinity")
 }
 
 pub(crate) fn focal_length(scale: Option<f64>, focal_mm: Option<f64>) -> FocalLength {

@@ -34,12 +34,23 @@ pub(crate) struct Look {
 }
 
 impl Look {
-    /// Everything that was asked for, checked; `most` of fields.
-    fn analysis<'a>(&self, system: &'a System) -> Result<Analysis<'a>, Error> {
-        let lines = match self.wavelengths_nm.as_slice() {
+    /// The wavelengths asked for.
+    fn lines(&self) -> &[f64] {
+        match self.wavelengths_nm.as_slice() {
             [] => &[line_nm::F, line_nm::D, line_nm::C],
             given => given,
-        };
+        }
+    }
+
+    /// The main wavelength and the distance that is to be sharp at it.
+    fn focus(&self) -> (f64, Option<f64>) {
+        let lines = self.lines();
+        (lines[self.main(lines)], self.focus_distance_mm)
+    }
+
+    /// Everything that was asked for, checked; `most` of fields.
+    fn analysis<'a>(&self, system: &'a System) -> Result<Analysis<'a>, Error> {
+        let lines = self.lines();
         lines.iter().try_for_each(|&nm| check_wavelength(nm))?;
         if let Some(angle) = self.fields_deg.iter().find(|angle| !(-180.0..=180.0).contains(*angle)) {
             return Err(refused(format!("a field of {angle} degrees: give angles from -180 to 180")));
@@ -127,7 +138,7 @@ pub(crate) fn lens_spots_json(
     defocus_mm: Vec<f64>,
 ) -> Result<String, Error> {
     within(rays, MOST_RAYS_OF_A_SIDE, "rays over the width of a beam")?;
-    let system = setting.system(lens)?;
+    let system = setting.system(lens, look.focus())?;
     away(py, || {
         let analysis = look.analysis(&system)?;
         let fields = look.fields(&analysis, &SOME);
@@ -169,7 +180,7 @@ pub(crate) fn lens_fans_json(
     rays: usize,
 ) -> Result<String, Error> {
     within(rays, MOST, "rays of a fan")?;
-    let system = setting.system(lens)?;
+    let system = setting.system(lens, look.focus())?;
     away(py, || {
         let analysis = look.analysis(&system)?;
         let fan = |lines: &[FanLine]| -> Vec<Value> {
@@ -212,7 +223,7 @@ pub(crate) fn lens_mtf_json(
             "frequencies to {highest_per_mm} and {height_step_per_mm} lines/mm: give more than 0"
         )));
     }
-    let system = setting.system(lens)?;
+    let system = setting.system(lens, look.focus())?;
     away(py, || {
         let analysis = look.analysis(&system)?;
         let curve = |c: &Curve| json!({ "contrast": c.contrast, "geometric": c.geometric, "limit": c.limit });
@@ -255,7 +266,7 @@ pub(crate) fn lens_distortion_json(
     count: usize,
 ) -> Result<String, Error> {
     within(count, MOST, "fields")?;
-    let system = setting.system(lens)?;
+    let system = setting.system(lens, look.focus())?;
     away(py, || {
         let analysis = look.analysis(&system)?;
         let chief = |&angle: &f64| match analysis.chief_ray(angle) {
@@ -287,7 +298,7 @@ pub(crate) fn lens_illumination_json(
     count: usize,
 ) -> Result<String, Error> {
     within(count, MOST, "fields")?;
-    let system = setting.system(lens)?;
+    let system = setting.system(lens, look.focus())?;
     away(py, || {
         let analysis = look.analysis(&system)?;
         let lit = analysis.illumination(&look.fields(&analysis, &evenly(count)));

@@ -9,7 +9,7 @@
 use std::collections::HashMap;
 
 use crate::glass::{Catalogue, Medium};
-use crate::prescription::moving::Position;
+use crate::prescription::moving::{Part, Position};
 use crate::prescription::{Behind, Place};
 
 use super::draft::{Draft, DraftRow, MOST_SURFACES};
@@ -336,10 +336,10 @@ impl<'a> Reader<'a> {
             let is_new = |position: &Position| {
                 !positions.iter().any(|p| p.zoom_mm == position.zoom_mm && p.focus_mm == position.focus_mm)
             };
-            let position = gaps.filter(|_| object > 0.0).map(|gaps_mm| Position {
+            let position = gaps.filter(|_| object > 0.0).map(|values| Position {
                 zoom_mm: focal.filter(|_| zooms > 1),
                 focus_mm: object,
-                gaps_mm,
+                values,
             });
             match position.filter(is_new) {
                 Some(position) => positions.push(position),
@@ -361,7 +361,8 @@ impl<'a> Reader<'a> {
         }
         if positions.len() > 1 {
             let places = vec![place; positions.len()];
-            self.draft.moving = Some((moving.iter().map(|(surface, ..)| *surface).collect(), positions, places));
+            let parts = moving.iter().map(|(surface, ..)| Part::gap(*surface)).collect();
+            self.draft.moving = Some((parts, positions, places));
         }
     }
 

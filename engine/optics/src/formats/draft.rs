@@ -1,9 +1,9 @@
 //! A lens while it is read from a design program's file, which says less of it than a prescription needs: how wide the stop is
 //! follows from the beam, clear apertures from the fields, and surfaces where nothing happens are none.
 
-use crate::first_order::{Thin, between_vertices, front_of};
+use crate::first_order::{Matrix, Thin, between_vertices, front_of};
 use crate::glass::Medium;
-use crate::prescription::moving::{MovingGaps, Position};
+use crate::prescription::moving::{MovingParts, Part, Position};
 use crate::prescription::{Behind, Metadata, Place, Prescription, SurfaceRow};
 use crate::surface::{Conic, LAST_POWER, Pose, Shape};
 
@@ -100,7 +100,7 @@ pub(super) struct Draft<'a> {
     pub(super) film_radius_mm: Option<f64>,
     pub(super) metadata: Metadata,
     /// Surfaces with gaps that move, and where they are.
-    pub(super) moving: Option<(Vec<usize>, Vec<Position>, Vec<Place>)>,
+    pub(super) moving: Option<(Vec<Part>, Vec<Position>, Vec<Place>)>,
     pub(super) remarks: Remarks,
 }
 
@@ -223,13 +223,16 @@ impl<'a> Draft<'a> {
         }
         let moving = match self.moving.take() {
             None => None,
-            Some((gaps, positions, places)) => match MovingGaps::new(gaps, &positions, surfaces.len()) {
-                Ok(moving) => Some(moving),
-                Err((about, error)) => {
-                    let place = about.and_then(|i| places.get(i)).or(places.first()).copied().unwrap_or(start);
-                    return self.fail(place, error.into());
+            Some((parts, positions, places)) => {
+                let moving = MovingParts::new(parts, &positions, surfaces.len());
+                match moving.and_then(|moving| moving.check(&surfaces, &positions).map(|()| moving)) {
+                    Ok(moving) => Some(moving),
+                    Err((about, error)) => {
+                        let place = about.and_then(|i| places.get(i)).or(places.first()).copied().unwrap_or(start);
+                        return self.fail(place, error.into());
+                    }
                 }
-            },
+            }
         };
         let prescription = Prescription {
             name: self.name.take().filter(|name| !name.is_empty()).unwrap_or_else(|| stem(self.file)),
@@ -240,6 +243,7 @@ impl<'a> Draft<'a> {
             moving,
             source_file: self.file.to_owned(),
         };
+        let prescription = prescription.in_first_position();
         if let Err(error) = prescription.check() {
             return self.fail(start, error.into());
         }
@@ -248,8 +252,7 @@ impl<'a> Draft<'a> {
 
     /// Takes out planes between one medium and the same that neither are the stop nor have a rim: marks of the design program.
     fn drop_inert(&mut self) {
-        let moving: Vec<usize> = self.moving.iter().flat_map(|(gaps, ..)| gaps.clone()).collect();
-        if !moving.is_empty() {
+        if self.moving.as_ref().is_some_and(|(parts, ..)| !parts.is_empty()) {
             return;
         }
         let mut before = Medium::air();
@@ -286,7 +289,9 @@ impl<'a> Draft<'a> {
                 Behind::Mirror => sign = -sign,
             }
             let square = row.terms.iter().filter(|(power, _)| *power == 2).map(|(_, a)| 2.0 * a).sum::<f64>();
-            Thin { curvature: row.curvature + square, from, to: sign * medium, thickness_mm: row.thickness_mm }
+            let to = sign * medium;
+            let onward = Matrix::travel(row.thickness_mm, to);
+            Thin { curvature: row.curvature + square, from, to, onward, petzval_onward: 0.0 }
         };
         self.rows.iter().map(one).collect()
     }
@@ -360,8 +365,8 @@ impl<'a> Draft<'a> {
             }
             FieldKind::ImageHeight => {
                 let (height, slope) = through_centre(1.0);
-                let last = between_vertices(&thin).apply(height, slope);
-                let end = thin.last().map_or(0.0, |s| last[0] + last[1] * s.thickness_mm / s.to);
+                let [height, slope] = between_vertices(&thin).apply(height, slope);
+                let end = thin.last().map_or(0.0, |s| s.onward.apply(height, slope)[0]);
                 through_centre(y / end)
             }
         };

@@ -61,6 +61,14 @@
 //! # catalogue: maker.agf
 //! ```
 //!
+//! The index of such a glass may change from place to place: what is added to it is a sum of terms, named by powers of z and even
+//! powers of r, in mm. z is counted along the axis of the surface that the glass follows, from its vertex or from a place so
+//! far behind it as `from` says.
+//!
+//! ```text
+//! # gradient: MYCROWN from=0.5 z1=0.049 z2=-0.0154 r2=-0.00198 z1r2=0.0001
+//! ```
+//!
 //! Gaps that change when the lens is zoomed, or focused by groups inside, are named in the header by the surfaces before
 //! them, counted from 0, and given for each position that is known: nominal focal length, distance of what is sharp from
 //! the first vertex, gaps. A prime leaves `zoom` out; `focus=inf` may be left out. The rows hold any one of them.
@@ -72,6 +80,15 @@
 //! # position: zoom=70 focus=inf 48.7 1.5
 //! # position: zoom=70 focus=900 51.2 1.5
 //! ```
+//!
+//! The lens of an eye changes its shape instead. Radii, conic constants, clear diameters (`diameter`), and what is added to the
+//! index of the medium behind a surface move in the same way, among the gaps in any order:
+//!
+//! ```text
+//! # moving: 2 3 radius:3 conic:3 index_shift:3
+//! # position: focus=inf 3.05 4.0 10.2 -3.13 0
+//! # position: focus=250 2.97 4.16 7.38 -3.68 0.005
+//! ```
 
 mod columns;
 pub(super) mod header;
@@ -81,7 +98,7 @@ mod write;
 use std::path::{Path, PathBuf};
 
 use crate::glass::Catalogue;
-use crate::prescription::{Behind, Column, Metadata, Place, Prescription, SurfaceRow};
+use crate::prescription::{Behind, Column, Metadata, Place, Prescription, PrescriptionError, SurfaceRow};
 use crate::surface::{Conic, Shape};
 
 use super::glass_names::Glasses;
@@ -317,6 +334,7 @@ impl<'a> Reader<'a> {
         match column {
             Column::Radius => 0,
             Column::Thickness => 1,
+            Column::Glass => 2,
             Column::Diameter => 3,
             Column::Conic => 4,
             Column::Obstruction => extra(&|name| name == OBSTRUCTION),
@@ -351,8 +369,8 @@ impl<'a> Reader<'a> {
         let Some((stop, _)) = self.stop else {
             return self.fail(self.first_flag.line, self.first_flag.column, Problem::NoStop);
         };
-        let gaps = self.header.moving.gaps(self.rows.len());
-        let moving = gaps.map_err(|(place, error)| at(self.file, place.line, place.column, error.into()))?;
+        let moving = self.header.moving.of(&self.rows);
+        let moving = moving.map_err(|(place, error)| at(self.file, place.line, place.column, error.into()))?;
         let prescription = Prescription {
             name: self.header.name.unwrap_or_else(|| stem(self.file)),
             surfaces: self.rows,
@@ -362,9 +380,11 @@ impl<'a> Reader<'a> {
             moving,
             source_file: self.file.to_owned(),
         };
-        // Groups stand where the first position has them.
-        let published = prescription.moving.as_ref().map(|moving| moving.first_zoom_mm());
-        let surfaces = published.map(|zoom_mm| prescription.at_position(zoom_mm, 0.0).surfaces);
-        Ok(Prescription { surfaces: surfaces.unwrap_or_else(|| prescription.surfaces.clone()), ..prescription })
+        let prescription = prescription.in_first_position();
+        if let Err(error @ PrescriptionError::GradientAtFilm { surface }) = prescription.check() {
+            let place = prescription.surfaces[surface].place;
+            return Err(at(self.file, place.line, place.column, error.into()));
+        }
+        Ok(prescription)
     }
 }

@@ -94,9 +94,9 @@ pub enum Problem {
     },
     /// A line about moving gaps cannot be understood.
     #[error(
-        "'{0}' is no list of surfaces; write the numbers of those before the gaps that move, counted from 0: 4 9 12"
+        "'{0}' is no list of surfaces; write the numbers of those before the gaps that move, counted from 0, and what else changes: 4 9 radius:5 conic:5 index_shift:5"
     )]
-    Moving(String),
+    MovingLine(String),
     /// A line about a position of the groups cannot be understood.
     #[error("'{0}' is no position; write zoom and focus in mm, then the gaps: zoom=35 focus=inf 1.9 36.9")]
     Position(String),
@@ -105,6 +105,11 @@ pub enum Problem {
         "'{0}' is no glass; write name, formula, range in nm and the formula's numbers: MYGLASS cauchy 400-700 1.5 0.004 -2"
     )]
     GlassLine(String),
+    /// A line about a gradient cannot be understood.
+    #[error(
+        "'{0}' makes no gradient; write a glass defined above, then coefficients by powers of z and even ones of r, and where z is 0: MYGLASS from=1.5 z1=0.05 r2=-0.002 z1r2=0.001"
+    )]
+    GradientLine(String),
     /// A line about what a glass lets through cannot be understood.
     #[error(
         "'{0}' is no transmittance; write a glass defined above, then nm:part@mm: MYGLASS 400:0.997@10 500:0.998@10"
@@ -112,7 +117,7 @@ pub enum Problem {
     TransmittanceLine(String),
     /// Gaps and positions do not fit together.
     #[error(transparent)]
-    MovingGaps(#[from] MovingError),
+    Moving(#[from] MovingError),
     /// Not a finite number.
     #[error("{what} '{found}' is not a finite number; write one, as in 12.5")]
     NotANumber {

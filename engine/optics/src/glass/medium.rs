@@ -4,6 +4,7 @@ use std::fmt;
 use std::sync::Arc;
 
 use super::dispersion::Dispersion;
+use super::gradient::Gradient;
 use super::transmittance::InternalTransmittance;
 
 /// The name of the medium that surrounds every lens.
@@ -27,6 +28,9 @@ pub struct Medium {
     range_nm: [f64; 2],
     source: String,
     transmittance: Option<Arc<InternalTransmittance>>,
+    gradient: Option<Arc<Gradient>>,
+    /// Added to what the formula says, at every wavelength.
+    shift: f64,
 }
 
 impl Medium {
@@ -35,13 +39,55 @@ impl Medium {
     pub fn new(name: &str, dispersion: Dispersion, range_nm: [f64; 2], source: &str) -> Self {
         let is_range = range_nm[0] <= range_nm[1];
         let range_nm = if is_range { range_nm } else { [0.0, f64::INFINITY] };
-        Self { name: name.to_owned(), dispersion, range_nm, source: source.to_owned(), transmittance: None }
+        Self {
+            name: name.to_owned(),
+            dispersion,
+            range_nm,
+            source: source.to_owned(),
+            transmittance: None,
+            gradient: None,
+            shift: 0.0,
+        }
     }
 
     /// The same medium, which lets through so much of the light.
     pub fn with_transmittance(mut self, transmittance: InternalTransmittance) -> Self {
         self.transmittance = Some(Arc::new(transmittance));
         self
+    }
+
+    /// The same medium with an index that changes from place to place.
+    pub fn with_gradient(mut self, gradient: Gradient) -> Self {
+        self.gradient = Some(Arc::new(gradient));
+        self
+    }
+
+    /// How its index changes from place to place; `None`: it does not.
+    pub fn gradient(&self) -> Option<&Gradient> {
+        self.gradient.as_deref()
+    }
+
+    /// The same medium in a lens `factor` times as large.
+    pub fn scaled(&self, factor: f64) -> Self {
+        Self { gradient: self.gradient.as_ref().map(|gradient| Arc::new(gradient.scaled(factor))), ..self.clone() }
+    }
+
+    /// The same medium seen from a vertex `behind_mm` farther along the axis.
+    pub fn seen_from(&self, behind_mm: f64) -> Self {
+        Self {
+            gradient: self.gradient.as_ref().map(|gradient| Arc::new(gradient.seen_from(behind_mm))),
+            ..self.clone()
+        }
+    }
+
+    /// The same medium with `shift` added to its index at every wavelength.
+    pub fn with_index_shift(&self, shift: f64) -> Self {
+        Self { shift, ..self.clone() }
+    }
+
+    /// The medium as its formula has it, without what [`Self::with_index_shift`] has added.
+    pub fn as_defined(&self) -> Self {
+        Self { shift: 0.0, ..self.clone() }
     }
 
     /// The part of the light of a wavelength that is left after `thickness_mm` of the medium; `None` if that is not known.
@@ -94,10 +140,16 @@ impl Medium {
         self.range_nm
     }
 
-    /// Refractive index at a vacuum wavelength in nm, relative to air.
+    /// Refractive index at a vacuum wavelength in nm, relative to air. Of a gradient, at the vertex that it is seen from.
     pub fn index(&self, wavelength_nm: f64) -> f64 {
+        let there = self.gradient.as_ref().map_or(0.0, |gradient| gradient.on_axis(0.0)[0]);
+        self.base_index(wavelength_nm) + there
+    }
+
+    /// The index without what a gradient adds.
+    pub fn base_index(&self, wavelength_nm: f64) -> f64 {
         let [shortest, longest] = self.range_nm;
-        self.dispersion.index(wavelength_nm.max(shortest).min(longest) / 1000.0)
+        self.dispersion.index(wavelength_nm.max(shortest).min(longest) / 1000.0) + self.shift
     }
 
     /// True if the formula was made for all wavelengths between these, but for a nanometre.

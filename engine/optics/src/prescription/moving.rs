@@ -1,36 +1,132 @@
-//! Lenses that move inside: gaps that change when the lens is zoomed, or focused by some of its groups.
+//! Lenses that move inside: gaps that change when the lens is zoomed, or focused by some of its groups; and eyes, whose lens
+//! changes its shape.
 //!
-//! Published tables give the gaps at some positions. Between them each gap follows a smooth curve that never turns where
+//! Published tables give the gaps, and what else changes, at some positions. Between them each gap, curvature, conic constant
+//! or index follows a smooth curve that never turns where
 //! the table does not (Fritsch and Butland 1984): over the logarithm of the focal length from zoom position to zoom
 //! position, and over the nearness, one over the distance, from one focus to the next.
 
+use std::fmt;
+use std::str::FromStr;
+
 use thiserror::Error;
 
-/// The gaps at one position of the groups.
+use crate::glass::Medium;
+use crate::prescription::{Behind, PrescriptionError, SurfaceRow};
+use crate::surface::Conic;
+
+/// What of a surface may change.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub enum Quantity {
+    /// The thickness behind it, mm.
+    Gap,
+    /// The radius of curvature, mm; 0 is a plane. Between positions it is the curvature that changes evenly.
+    Radius,
+    /// The conic constant.
+    Conic,
+    /// The clear diameter, mm.
+    Diameter,
+    /// What is added at every wavelength to the index of the medium behind it.
+    IndexShift,
+}
+
+/// The words for quantities in lens files; gaps go without.
+const WORDS: [(&str, Quantity); 4] = [
+    ("radius", Quantity::Radius),
+    ("conic", Quantity::Conic),
+    ("diameter", Quantity::Diameter),
+    ("index_shift", Quantity::IndexShift),
+];
+
+/// A number of a lens that changes.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub struct Part {
+    /// Index of the surface.
+    pub surface: usize,
+    /// Which of its numbers.
+    pub quantity: Quantity,
+}
+
+impl Part {
+    /// The gap behind a surface.
+    pub fn gap(surface: usize) -> Self {
+        Self { surface, quantity: Quantity::Gap }
+    }
+
+    /// Puts a value in its place; the curvature for a radius.
+    fn set(self, rows: &mut [SurfaceRow], value: f64) {
+        let row = &mut rows[self.surface];
+        let base = row.shape.profile().base;
+        match self.quantity {
+            Quantity::Gap => row.thickness_mm = value,
+            Quantity::Radius => row.shape = row.shape.with_base(Conic { curvature: value, ..base }),
+            Quantity::Conic => row.shape = row.shape.with_base(Conic { conic: value, ..base }),
+            Quantity::Diameter => row.semi_diameter_mm = value / 2.0,
+            Quantity::IndexShift => {
+                if let Behind::Medium(medium) = &mut row.behind {
+                    *medium = medium.with_index_shift(value);
+                }
+            }
+        }
+    }
+
+    /// The number that changes evenly for a value of the table.
+    fn even(self, value: f64) -> f64 {
+        if self.quantity == Quantity::Radius { Conic::new(value, 0.0).curvature } else { value }
+    }
+}
+
+/// As in lens files: `4`, `radius:4`.
+impl fmt::Display for Part {
+    fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
+        if let Some((word, _)) = WORDS.iter().find(|(_, quantity)| *quantity == self.quantity) {
+            write!(f, "{word}:")?;
+        }
+        write!(f, "{}", self.surface)
+    }
+}
+
+impl FromStr for Part {
+    type Err = ();
+
+    fn from_str(text: &str) -> Result<Self, ()> {
+        let (quantity, surface) = match text.split_once(':') {
+            None => (Quantity::Gap, text),
+            Some((word, surface)) => (WORDS.iter().find(|(known, _)| *known == word).ok_or(())?.1, surface),
+        };
+        Ok(Self { surface: surface.parse().map_err(|_| ())?, quantity })
+    }
+}
+
+/// The numbers at one position of the groups.
 #[derive(Clone, Debug, PartialEq)]
 pub struct Position {
     /// Nominal focal length, mm; `None` for a lens that does not zoom.
     pub zoom_mm: Option<f64>,
     /// Distance of what is sharp, from the first vertex, mm; may be infinite.
     pub focus_mm: f64,
-    /// By moving gap, mm.
-    pub gaps_mm: Vec<f64>,
+    /// By moving part.
+    pub values: Vec<f64>,
 }
 
 /// Why gaps and positions do not fit together.
 #[derive(Clone, Debug, PartialEq, Error)]
 pub enum MovingError {
-    /// A gap stands behind no surface, or twice.
-    #[error(
-        "surface {surface} has no gap of its own to move, or is named twice; name surfaces from 0 to {last}, each once"
-    )]
+    /// A part is of no surface, or there twice.
+    #[error("surface {} has no such part to move, or it is named twice: '{part}'; name surfaces from 0 to {last}, each part once", .part.surface)]
     Surface {
         /// As named.
-        surface: usize,
+        part: Part,
         /// The last surface of the lens.
         last: usize,
     },
-    /// Too many or too few gaps.
+    /// The index of what is no medium.
+    #[error("behind surface {surface} is a mirror, or air, whose index does not change; name another surface")]
+    NoIndex {
+        /// Index of the surface.
+        surface: usize,
+    },
+    /// Too many or too few numbers.
     #[error("{found} gaps where {expected} move; give one for each surface that the line 'moving' names")]
     Gaps {
         /// In this position.
@@ -47,6 +143,9 @@ pub enum MovingError {
     /// The same position again.
     #[error("this zoom and focus were given before; take one out")]
     Twice,
+    /// A position makes no lens.
+    #[error(transparent)]
+    Position(Box<PrescriptionError>),
     /// One of the lines `moving` and `position` without the other.
     #[error(
         "gaps that move need both lines, '# moving: SURFACES' and '# position: zoom=MM focus=MM GAPS'; add the other"
@@ -54,7 +153,7 @@ pub enum MovingError {
     Incomplete,
 }
 
-/// Gaps at one zoom.
+/// The numbers at one zoom.
 #[derive(Clone, Debug, PartialEq)]
 struct Zoom {
     mm: f64,
@@ -62,36 +161,32 @@ struct Zoom {
     nearness_per_mm: Vec<f64>,
     /// The distances as the table has them.
     focus_mm: Vec<f64>,
-    /// By distance, then by gap.
-    gaps_mm: Vec<Vec<f64>>,
+    /// By distance, then by part.
+    values: Vec<Vec<f64>>,
 }
 
-/// The gaps of a lens that move, by zoom and focus.
+/// What of a lens moves, by zoom and focus.
 #[derive(Clone, Debug, PartialEq)]
-pub struct MovingGaps {
-    surfaces: Vec<usize>,
+pub struct MovingParts {
+    parts: Vec<Part>,
     zooms_in: bool,
     first_zoom_mm: f64,
     /// By rising focal length.
     zooms: Vec<Zoom>,
 }
 
-impl MovingGaps {
-    /// Of the gaps behind `surfaces`, at each position; the first is the one the lens is published in.
+impl MovingParts {
+    /// Of `parts` of a lens of `count` surfaces, at each position; the first is the one the lens is published in.
     ///
     /// # Errors
     /// [`MovingError`], with the number of the position that it is about.
-    pub fn new(
-        surfaces: Vec<usize>,
-        positions: &[Position],
-        count: usize,
-    ) -> Result<Self, (Option<usize>, MovingError)> {
-        for (i, &surface) in surfaces.iter().enumerate() {
-            if surface >= count || surfaces[..i].contains(&surface) {
-                return Err((None, MovingError::Surface { surface, last: count.saturating_sub(1) }));
+    pub fn new(parts: Vec<Part>, positions: &[Position], count: usize) -> Result<Self, (Option<usize>, MovingError)> {
+        for (i, &part) in parts.iter().enumerate() {
+            if part.surface >= count || parts[..i].contains(&part) {
+                return Err((None, MovingError::Surface { part, last: count.saturating_sub(1) }));
             }
         }
-        let Some(first) = positions.first().filter(|_| !surfaces.is_empty()) else {
+        let Some(first) = positions.first().filter(|_| !parts.is_empty()) else {
             return Err((None, MovingError::Incomplete));
         };
         // A prime is a zoom with one place.
@@ -105,8 +200,8 @@ impl MovingGaps {
         for i in order {
             let p = &positions[i];
             let fail = |error| Err((Some(i), error));
-            if p.gaps_mm.len() != surfaces.len() {
-                return fail(MovingError::Gaps { found: p.gaps_mm.len(), expected: surfaces.len() });
+            if p.values.len() != parts.len() {
+                return fail(MovingError::Gaps { found: p.values.len(), expected: parts.len() });
             }
             if p.zoom_mm.is_some() != first.zoom_mm.is_some() {
                 return fail(MovingError::ZoomMissing);
@@ -117,17 +212,17 @@ impl MovingGaps {
                 Some(last) => {
                     last.nearness_per_mm.push(nearness);
                     last.focus_mm.push(p.focus_mm);
-                    last.gaps_mm.push(p.gaps_mm.clone());
+                    last.values.push(p.values.clone());
                 }
                 None if nearness != 0.0 => return fail(MovingError::NoInfinity),
                 None => {
-                    let gaps_mm = vec![p.gaps_mm.clone()];
+                    let values = vec![p.values.clone()];
                     let (nearness_per_mm, focus_mm) = (vec![0.0], vec![f64::INFINITY]);
-                    zooms.push(Zoom { mm: zoom(p), nearness_per_mm, focus_mm, gaps_mm });
+                    zooms.push(Zoom { mm: zoom(p), nearness_per_mm, focus_mm, values });
                 }
             }
         }
-        Ok(Self { surfaces, zooms_in: zooms.len() > 1, first_zoom_mm: zoom(first), zooms })
+        Ok(Self { parts, zooms_in: zooms.len() > 1, first_zoom_mm: zoom(first), zooms })
     }
 
     /// Nominal focal lengths of the shortest and the longest zoom, mm; `None` if the lens does not zoom.
@@ -140,18 +235,51 @@ impl MovingGaps {
         self.zooms.iter().all(|zoom| zoom.nearness_per_mm.len() > 1)
     }
 
-    /// The surfaces before the gaps that move.
-    pub fn surfaces(&self) -> &[usize] {
-        &self.surfaces
+    /// What moves.
+    pub fn parts(&self) -> &[Part] {
+        &self.parts
+    }
+
+    /// Says if one of the parts is the index of what is no medium of its own, or what is wrong with the lens in one of the
+    /// positions, as they were given, and in which.
+    pub fn check(&self, rows: &[SurfaceRow], given: &[Position]) -> Result<(), (Option<usize>, MovingError)> {
+        let is_medium = |row: &SurfaceRow| matches!(&row.behind, Behind::Medium(medium) if *medium != Medium::air());
+        let bad = |part: &&Part| part.quantity == Quantity::IndexShift && !is_medium(&rows[part.surface]);
+        if let Some(part) = self.parts.iter().find(bad) {
+            return Err((None, MovingError::NoIndex { surface: part.surface }));
+        }
+        for (i, position) in given.iter().enumerate() {
+            let mut rows = rows.to_vec();
+            self.set(&mut rows, &position.values);
+            for part in &self.parts {
+                let checked = rows[part.surface].check(part.surface);
+                checked.map_err(|error| (Some(i), MovingError::Position(Box::new(error))))?;
+            }
+        }
+        Ok(())
+    }
+
+    /// Puts all parts where a position of the table has them.
+    pub(super) fn set(&self, rows: &mut [SurfaceRow], values: &[f64]) {
+        for (part, value) in self.parts.iter().zip(values) {
+            part.set(rows, part.even(*value));
+        }
+    }
+
+    /// Puts all parts where they are at a zoom and a travel of the focus, as [`Self::values`] has them.
+    pub(super) fn place(&self, rows: &mut [SurfaceRow], zoom_mm: f64, travel: f64) {
+        for (part, value) in self.parts.iter().zip(self.values(zoom_mm, travel)) {
+            part.set(rows, value);
+        }
     }
 
     /// The positions of the table, the published one first.
     pub fn positions(&self) -> Vec<Position> {
         let of_zoom = |zoom: &Zoom| {
             let zoom_mm = self.zooms_in.then_some(zoom.mm);
-            let focuses = zoom.focus_mm.iter().zip(&zoom.gaps_mm);
+            let focuses = zoom.focus_mm.iter().zip(&zoom.values);
             let position =
-                |(&focus_mm, gaps_mm): (&f64, &Vec<f64>)| Position { zoom_mm, focus_mm, gaps_mm: gaps_mm.clone() };
+                |(&focus_mm, values): (&f64, &Vec<f64>)| Position { zoom_mm, focus_mm, values: values.clone() };
             focuses.map(position).collect::<Vec<_>>()
         };
         let (first, others): (Vec<&Zoom>, Vec<&Zoom>) =
@@ -164,20 +292,20 @@ impl MovingGaps {
         self.first_zoom_mm
     }
 
-    /// The gaps at a zoom and a travel of the focus: 0 at infinity, 1 at the nearest distance of the table. Somewhat
-    /// beyond both they go on straight.
-    pub fn gaps_mm(&self, zoom_mm: f64, travel: f64) -> Vec<f64> {
-        let at_zoom = |zoom: &Zoom, gap: usize| {
+    /// The parts at a zoom and a travel of the focus: 0 at infinity, 1 at the nearest distance of the table. Somewhat
+    /// beyond both they go on straight. Curvatures, in 1/mm, for radii.
+    pub fn values(&self, zoom_mm: f64, travel: f64) -> Vec<f64> {
+        let at_zoom = |zoom: &Zoom, part: usize| {
             let nearest = zoom.nearness_per_mm[zoom.nearness_per_mm.len() - 1];
-            let values: Vec<f64> = zoom.gaps_mm.iter().map(|gaps| gaps[gap]).collect();
+            let values: Vec<f64> = zoom.values.iter().map(|values| self.parts[part].even(values[part])).collect();
             smooth(&zoom.nearness_per_mm, &values, travel * nearest)
         };
         let places: Vec<f64> = self.zooms.iter().map(|zoom| zoom.mm.ln()).collect();
-        let gap = |gap: usize| {
-            let values: Vec<f64> = self.zooms.iter().map(|zoom| at_zoom(zoom, gap)).collect();
+        let part = |part: usize| {
+            let values: Vec<f64> = self.zooms.iter().map(|zoom| at_zoom(zoom, part)).collect();
             smooth(&places, &values, zoom_mm.ln())
         };
-        (0..self.surfaces.len()).map(gap).collect()
+        (0..self.parts.len()).map(part).collect()
     }
 }
 
@@ -216,8 +344,12 @@ fn smooth(x: &[f64], y: &[f64], at: f64) -> f64 {
 mod tests {
     use super::*;
 
-    fn position(zoom_mm: Option<f64>, focus_mm: f64, gaps_mm: &[f64]) -> Position {
-        Position { zoom_mm, focus_mm, gaps_mm: gaps_mm.to_vec() }
+    fn gaps(surfaces: &[usize]) -> Vec<Part> {
+        surfaces.iter().map(|&surface| Part::gap(surface)).collect()
+    }
+
+    fn position(zoom_mm: Option<f64>, focus_mm: f64, values: &[f64]) -> Position {
+        Position { zoom_mm, focus_mm, values: values.to_vec() }
     }
 
     #[test]
@@ -230,26 +362,26 @@ mod tests {
             position(Some(50.0), 1000.0, &[1.5, 9.5]),
             position(Some(50.0), 2000.0, &[1.5, 9.1]),
         ];
-        let moving = MovingGaps::new(vec![3, 7], &positions, 8).unwrap();
+        let moving = MovingParts::new(gaps(&[3, 7]), &positions, 8).unwrap();
         assert_eq!(moving.zoom_range_mm(), Some([20.0, 50.0]));
         assert_eq!(moving.first_zoom_mm(), 50.0);
         assert!(moving.focuses());
         let close = |found: Vec<f64>, expected: [f64; 2]| {
             assert!(found.iter().zip(expected).all(|(a, b)| (a - b).abs() < 1e-12), "{found:?} {expected:?}");
         };
-        close(moving.gaps_mm(20.0, 0.0), [7.0, 2.0]);
-        close(moving.gaps_mm(20.0, 1.0), [8.0, 3.0]);
-        close(moving.gaps_mm(50.0, 0.5), [1.5, 9.1]);
-        close(moving.gaps_mm(50.0, 1.0), [1.5, 9.5]);
-        let mut last = moving.gaps_mm(20.0, 0.0);
+        close(moving.values(20.0, 0.0), [7.0, 2.0]);
+        close(moving.values(20.0, 1.0), [8.0, 3.0]);
+        close(moving.values(50.0, 0.5), [1.5, 9.1]);
+        close(moving.values(50.0, 1.0), [1.5, 9.5]);
+        let mut last = moving.values(20.0, 0.0);
         for i in 1..=100 {
-            let now = moving.gaps_mm(20.0 + 0.3 * f64::from(i), 0.0);
+            let now = moving.values(20.0 + 0.3 * f64::from(i), 0.0);
             assert!(now[0] < last[0] && now[1] > last[1], "{i}: {last:?} {now:?}");
             last = now;
         }
         // Where the table stands still, so does the gap.
         for i in 50..=100 {
-            assert!((moving.gaps_mm(50.0, f64::from(i) / 100.0)[0] - 1.5).abs() < 1e-12);
+            assert!((moving.values(50.0, f64::from(i) / 100.0)[0] - 1.5).abs() < 1e-12);
         }
     }
 
@@ -257,14 +389,17 @@ mod tests {
     fn tables_that_do_not_fit_are_named() {
         let inf = f64::INFINITY;
         let new =
-            |surfaces: &[usize], positions: &[Position]| MovingGaps::new(surfaces.to_vec(), positions, 5).unwrap_err();
+            |surfaces: &[usize], positions: &[Position]| MovingParts::new(gaps(surfaces), positions, 5).unwrap_err();
         let one = position(None, inf, &[1.0]);
-        assert_eq!(new(&[5], std::slice::from_ref(&one)), (None, MovingError::Surface { surface: 5, last: 4 }));
-        assert_eq!(new(&[2, 2], std::slice::from_ref(&one)), (None, MovingError::Surface { surface: 2, last: 4 }));
+        assert_eq!(new(&[5], std::slice::from_ref(&one)), (None, MovingError::Surface { part: Part::gap(5), last: 4 }));
+        assert_eq!(
+            new(&[2, 2], std::slice::from_ref(&one)),
+            (None, MovingError::Surface { part: Part::gap(2), last: 4 })
+        );
         assert_eq!(new(&[2], &[]), (None, MovingError::Incomplete));
         assert_eq!(new(&[], std::slice::from_ref(&one)), (None, MovingError::Incomplete));
-        let gaps = MovingError::Gaps { found: 1, expected: 2 };
-        assert_eq!(new(&[2, 3], std::slice::from_ref(&one)), (Some(0), gaps));
+        let too_few = MovingError::Gaps { found: 1, expected: 2 };
+        assert_eq!(new(&[2, 3], std::slice::from_ref(&one)), (Some(0), too_few));
         assert_eq!(new(&[2], &[one.clone(), position(Some(3.0), inf, &[1.0])]), (Some(1), MovingError::ZoomMissing));
         assert_eq!(new(&[2], &[one.clone(), one.clone()]), (Some(1), MovingError::Twice));
         assert_eq!(new(&[2], &[position(None, 100.0, &[1.0])]), (Some(0), MovingError::NoInfinity));

@@ -49,6 +49,11 @@ impl Asphere {
         Self { base, even, odd, even_count, odd_count }
     }
 
+    /// The same terms on another conicoid.
+    pub fn with_base(&self, base: Conic) -> Self {
+        Self { base, ..*self }
+    }
+
     /// (power, coefficient) of the terms that are not 0, by power.
     pub fn terms(&self) -> Vec<(u32, f64)> {
         let even = self.even.iter().zip(0u32..).map(|(a, i)| (2 * i + 2, *a));

@@ -162,6 +162,15 @@ impl Shape {
         }
     }
 
+    /// The same shape on another conicoid.
+    pub fn with_base(&self, base: Conic) -> Self {
+        match *self {
+            Self::Conic(_) => Self::Conic(base),
+            Self::Asphere(asphere) => Self::Asphere(asphere.with_base(base)),
+            Self::Toroid(toroid) => Self::Toroid(Toroid { profile: toroid.profile.with_base(base), ..toroid }),
+        }
+    }
+
     /// Sag z in mm at (x, y); `None` where the surface does not reach.
     pub fn sag_mm(&self, x_mm: f64, y_mm: f64) -> Option<f64> {
         match self {

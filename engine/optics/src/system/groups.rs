@@ -3,7 +3,7 @@
 use super::{FocalLength, System, SystemError, SystemSettings, focal_length_mm, image_index, place};
 use crate::glass::line_nm;
 use crate::prescription::Prescription;
-use crate::prescription::moving::MovingGaps;
+use crate::prescription::moving::MovingParts;
 
 /// A focal length this much beyond the end of a zoom, relative, still means the end.
 const ZOOM_ROUNDING: f64 = 2e-3;
@@ -25,7 +25,7 @@ impl System {
 
     pub(super) fn with_groups(
         prescription: &Prescription,
-        moving: &MovingGaps,
+        moving: &MovingParts,
         settings: &SystemSettings,
         travel: f64,
     ) -> Result<Self, SystemError> {

@@ -7,11 +7,11 @@
 use glam::DVec3;
 
 use super::fate::Fate;
+use super::gradient::Gradients;
 use super::spectral::{LINES, Leaving};
 use super::step::{Action, Step};
 use super::{Failure, Lost, Ray, Tracer, Travel, Way};
 use crate::diaphragm::Diaphragm;
-use crate::interface::Interfaces;
 use crate::lane::{Lane, LaneKernel, Level, Mask, Real};
 use crate::vector::Vector;
 
@@ -209,7 +209,7 @@ fn group<R>(column: &[R], first: usize) -> &[R; LINES] {
 
 /// A lens's interfaces at several lines, and which of them the rays of a bundle have.
 pub(super) struct Lines<'a, R> {
-    /// By step: ratios, then excesses, by line.
+    /// By step: ratios, then excesses, by line; beside a gradient the indices before and behind.
     pub(super) tables: &'a [[Box<[R]>; 2]],
     /// The first line of each group of rays; the others of a group have those that follow.
     pub(super) first: &'a [u32],
@@ -297,13 +297,18 @@ impl<R: Real> LaneKernel<R> for Trace<'_, R> {
             let mut lost = Losses { fates: &mut fates[first..], surface: 0 };
             for (i, step) in self.way.steps.iter().enumerate() {
                 lost.surface = self.way.surface(i);
+                let gradients = self.way.gradients(i);
                 match &self.lines {
-                    Some(lines) if matches!(step.action, Action::Refract(_)) => {
+                    Some(lines) if matches!(step.action, Action::Refract(_)) || gradients.is_some() => {
+                        if gradients.is_some() {
+                            // Rays that only fill a register up go through a medium, too.
+                            at_lines = [[R::ONE; BLOCK]; 2];
+                        }
                         lines.fill(i, first, &mut at_lines);
                         let [ratios, excesses] = &at_lines;
-                        block.step(zero, step, Some([ratios, excesses]), self.diaphragm, &mut lost);
+                        block.step(zero, step, gradients, Some([ratios, excesses]), self.diaphragm, &mut lost);
                     }
-                    _ => block.step(zero, step, None, self.diaphragm, &mut lost),
+                    _ => block.step(zero, step, gradients, None, self.diaphragm, &mut lost),
                 }
             }
         }
@@ -359,22 +364,26 @@ impl<R: Real> Block<'_, R> {
         d.z.store(&mut self.dz[at..at + L::WIDTH]);
     }
 
-    /// Takes all rays through a surface; each by its own interface, if `interfaces` has them (ratios and excesses).
+    /// Takes all rays through a surface; each by its own interface, if `interfaces` has them (ratios and excesses, or beside a
+    /// gradient the indices before and behind).
     #[inline(always)]
     pub(super) fn step<L: Lane<Real = R>>(
         &mut self,
         zero: L,
         step: &Step<R>,
+        gradients: Option<&Gradients<R>>,
         interfaces: Option<[&[R]; 2]>,
         diaphragm: &Diaphragm<R>,
         lost: &mut Losses,
     ) {
-        if let Some(plain) = step.plain(false) {
-            self.pass(zero, &plain, interfaces, diaphragm, lost);
+        if gradients.is_some() {
+            self.pass(zero, step, gradients, interfaces, diaphragm, lost);
+        } else if let Some(plain) = step.plain(false) {
+            self.pass(zero, &plain, None, interfaces, diaphragm, lost);
         } else if let Some(plain) = step.plain(true) {
-            self.pass(zero, &plain, interfaces, diaphragm, lost);
+            self.pass(zero, &plain, None, interfaces, diaphragm, lost);
         } else {
-            self.pass(zero, step, interfaces, diaphragm, lost);
+            self.pass(zero, step, None, interfaces, diaphragm, lost);
         }
     }
 
@@ -384,21 +393,24 @@ impl<R: Real> Block<'_, R> {
         &mut self,
         zero: L,
         step: &Step<R>,
+        gradients: Option<&Gradients<R>>,
         interfaces: Option<[&[R]; 2]>,
         diaphragm: &Diaphragm<R>,
         lost: &mut Losses,
     ) {
         for at in (0..self.x.len()).step_by(L::WIDTH) {
             let (p, d) = self.load(zero, at);
-            let lanes = match interfaces {
+            let numbers = match interfaces {
                 None => None,
-                Some(numbers) => {
-                    let [ratios, excesses] = numbers;
+                Some([first, second]) => {
                     let lanes = at..at + L::WIDTH;
-                    Some(Interfaces { ratio: zero.load(&ratios[lanes.clone()]), excess: zero.load(&excesses[lanes]) })
+                    Some([zero.load(&first[lanes.clone()]), zero.load(&second[lanes])])
                 }
             };
-            let passage = step.pass(p, d, diaphragm, lanes);
+            let passage = match gradients {
+                None => step.pass(p, d, diaphragm, numbers),
+                Some(gradients) => step.pass_gradients(p, d, diaphragm, numbers, gradients),
+            };
             self.store(passage.point, passage.direction, at);
             if !passage.passed().all() {
                 let fates = passage.fates();

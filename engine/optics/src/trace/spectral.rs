@@ -12,13 +12,12 @@ use super::fate::Fate;
 use super::step::Action;
 use super::{Lost, Ray, Tracer, Travel, Way};
 use crate::diaphragm::Diaphragm;
-use crate::interface::Interface;
 use crate::lane::{Lane, LaneKernel, Level, Real};
 
 /// Lines in a group: a multiple of the numbers in the widest register of f64.
 pub const LINES: usize = 8;
 
-/// By step: ratios and excesses of the interfaces, by line.
+/// By step: ratios and excesses of the interfaces, by line; beside a gradient the indices before and behind without it.
 type Tables<R> = Arc<[[Box<[R]>; 2]]>;
 
 /// A lens at several wavelengths: its lines, in the order in which they were given.
@@ -110,7 +109,7 @@ impl LaneKernel<f64> for Packet<'_> {
         for (i, (step, table)) in way.steps.iter().zip(tables.iter()).enumerate() {
             lost.surface = i;
             let interfaces = table.each_ref().map(|numbers| &numbers[self.first..self.first + LINES]);
-            block.step(zero, step, Some(interfaces), &self.tracer.diaphragm, &mut lost);
+            block.step(zero, step, way.gradients(i), Some(interfaces), &self.tracer.diaphragm, &mut lost);
         }
         std::array::from_fn(|i| match fates[i].lost() {
             Some(lost) => Err(lost),
@@ -205,12 +204,13 @@ impl<R: Real> SpectralBundle<R> {
 /// The way that all lines share, and what they do not.
 fn along(lines: &[&Way<f64>]) -> (Way<f64>, Tables<f64>) {
     let at = |i: usize| {
-        let interface = |line: &&Way<f64>| match line.steps[i].action {
-            Action::Refract(interface) => interface,
-            Action::Pass | Action::Reflect => Interface { ratio: 1.0, excess: 0.0 },
+        let numbers = |line: &&Way<f64>| match (line.gradients(i), line.steps[i].action) {
+            (Some(gradients), _) => gradients.indices,
+            (None, Action::Refract(interface)) => [interface.ratio, interface.excess],
+            (None, Action::Pass | Action::Reflect) => [1.0, 0.0],
         };
-        let interfaces: Vec<Interface> = lines.iter().map(interface).collect();
-        [interfaces.iter().map(|at| at.ratio).collect(), interfaces.iter().map(|at| at.excess).collect()]
+        let numbers: Vec<[f64; 2]> = lines.iter().map(numbers).collect();
+        [0, 1].map(|which| numbers.iter().map(|at| at[which]).collect())
     };
     let tables = (0..lines[0].steps.len()).map(at).collect();
     let mut steps = lines[0].steps.to_vec();

@@ -7,6 +7,8 @@ use crate::surface::{Conic, Crossing, Failure, Pose, Shape};
 use crate::system::Surface;
 use crate::vector::Vector;
 
+use super::gradient::Gradients;
+
 /// What a surface does to the direction.
 #[derive(Clone, Copy, Debug)]
 pub(super) enum Action<R> {
@@ -80,24 +82,78 @@ impl<R: Real> Step<R> {
         }
     }
 
-    /// The rays from `p` of the vertex before along `d` through this surface. Points on a rim pass. Where there are
-    /// `interfaces`, each lane has its own wavelength.
+    /// Where rays from `p` along `d`, seen from the vertex on the axis, meet the surface, in its own coordinates.
+    #[inline(always)]
+    pub(super) fn meet<L: Lane<Real = R>>(&self, p: Vector<L>, d: Vector<L>) -> Crossing<L> {
+        let (p, d) = self.own(p, d);
+        match self.is_far {
+            true => self.shape.meet_from_afar(p, d, self.side),
+            false => self.shape.meet(p, d, self.side),
+        }
+    }
+
+    /// A place and a direction in the surface's own coordinates.
+    #[inline(always)]
+    fn own<L: Lane<Real = R>>(&self, p: Vector<L>, d: Vector<L>) -> (Vector<L>, Vector<L>) {
+        match &self.pose {
+            Some(pose) => (pose.point_in(p), pose.direction_in(d)),
+            None => (p, d),
+        }
+    }
+
+    /// The rays from `p` of the vertex before along `d` through this surface, where no medium beside it is a gradient.
+    /// Points on a rim pass. Where there are `numbers`, each lane has its own wavelength: ratio and excess of its interface.
     #[inline(always)]
     pub(super) fn pass<L: Lane<Real = R>>(
         &self,
         mut p: Vector<L>,
         mut d: Vector<L>,
         diaphragm: &Diaphragm<R>,
-        interfaces: Option<Interfaces<L>>,
+        numbers: Option<[L; 2]>,
     ) -> Passage<L> {
         p.z = p.z + self.to_here;
-        if let Some(pose) = &self.pose {
-            (p, d) = (pose.point_in(p), pose.direction_in(d));
-        }
+        (p, d) = self.own(p, d);
         let crossing = match self.is_far {
             true => self.shape.meet_from_afar(p, d, self.side),
             false => self.shape.meet(p, d, self.side),
         };
+        let interfaces = numbers.map(|[ratio, excess]| Interfaces { ratio, excess });
+        self.act(d, crossing, diaphragm, interfaces)
+    }
+
+    /// As [`Self::pass`] where `gradients` are beside the surface; `numbers` are then the indices before and behind it without
+    /// what the gradients add.
+    #[inline(always)]
+    pub(super) fn pass_gradients<L: Lane<Real = R>>(
+        &self,
+        mut p: Vector<L>,
+        d: Vector<L>,
+        diaphragm: &Diaphragm<R>,
+        numbers: Option<[L; 2]>,
+        gradients: &Gradients<R>,
+    ) -> Passage<L> {
+        p.z = p.z + self.to_here;
+        let bases = numbers.unwrap_or_else(|| gradients.bases(p.x));
+        let (p, d, arrives) = gradients.carry(self, p, d, bases[0]);
+        let mut crossing = self.meet(p, d);
+        crossing.met = crossing.met & arrives;
+        let place = match &self.pose {
+            Some(pose) => pose.point_out(crossing.point),
+            None => crossing.point,
+        };
+        let interface = Interfaces::between(gradients.indices_at(place, bases));
+        self.act(self.own(p, d).1, crossing, diaphragm, Some(interface))
+    }
+
+    /// What the surface does to rays that have come to it along `d`, in its own coordinates.
+    #[inline(always)]
+    fn act<L: Lane<Real = R>>(
+        &self,
+        d: Vector<L>,
+        crossing: Crossing<L>,
+        diaphragm: &Diaphragm<R>,
+        interfaces: Option<Interfaces<L>>,
+    ) -> Passage<L> {
         let Vector { x, y, .. } = crossing.point;
         let squared = x * x + y * y;
         let is_transmitted;

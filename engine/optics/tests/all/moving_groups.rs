@@ -131,7 +131,13 @@ fn lines_that_make_no_table_are_named_with_their_place() {
     let rows = "#radius thickness glass diameter conic isstop\n50 4 1.5 20 0 1\n0 40 air 20 0 0\n";
     let cases = [
         ("# moving: 0 x\n", "1:11: '0 x' is no list of surfaces"),
-        ("# moving: 7\n# position: 4\n", "1:11: surface 7 has no gap"),
+        ("# moving: 7\n# position: 4\n", "1:11: surface 7 has no such part"),
+        (
+            "# moving: radius:1 radius:1\n# position: 4 4\n",
+            "1:11: surface 1 has no such part to move, or it is named twice",
+        ),
+        ("# moving: colour:1\n", "1:11: 'colour:1' is no list of surfaces"),
+        ("# moving: index_shift:1\n# position: 0.1\n", "1:11: behind surface 1 is a mirror, or air"),
         ("# moving: 1\n", "1:11: gaps that move need both lines"),
         ("# position: 4\n", "1:13: gaps that move need both lines"),
         ("# moving: 1\n# position: 40 3\n", "2:13: 2 gaps where 1 move"),

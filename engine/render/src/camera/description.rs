@@ -113,6 +113,8 @@ pub struct CameraDescription {
     pub focal_scale: Option<f64>,
     /// Stop; `None` is wide open.
     pub f_number: Option<f64>,
+    /// The diameter of the entrance pupil, mm, of a lens; it goes before the f-number.
+    pub pupil_diameter_mm: Option<f64>,
     /// Diaphragm blades; 0 is round.
     pub blades: u32,
     /// Turn of the diaphragm.
@@ -172,6 +174,7 @@ impl Default for CameraDescription {
             focal_length_mm: None,
             focal_scale: None,
             f_number: None,
+            pupil_diameter_mm: None,
             blades: 0,
             blade_rotation_rad: 0.0,
             blade_curvature: 0.0,

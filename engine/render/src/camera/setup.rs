@@ -7,7 +7,7 @@ use petzval_optics::formats;
 use petzval_optics::glass::{Catalogue, Medium};
 use petzval_optics::paraxial::Paraxial;
 use petzval_optics::prescription::Prescription;
-use petzval_optics::prescription::moving::MovingGaps;
+use petzval_optics::prescription::moving::MovingParts;
 use petzval_optics::system::{FocalLength, System, SystemError, SystemSettings};
 use petzval_optics::trace::{Ray as LensRay, Tracer};
 
@@ -93,6 +93,7 @@ impl Setup {
         let settings = SystemSettings {
             focal_length,
             f_number: d.f_number,
+            pupil_diameter_mm: d.pupil_diameter_mm,
             blades: d.blades,
             blade_rotation_rad: d.blade_rotation_rad,
             blade_curvature: d.blade_curvature,
@@ -158,8 +159,8 @@ impl Setup {
             viewport_focal_length_mm,
             viewport_shift: d.shift_mm.map(|s| s / picture_width_mm.max(picture_height_mm)),
             entrance_pupil_diameter_mm: paraxial.entrance_pupil.diameter_mm,
-            zoom_range_mm: prescription.moving.as_ref().and_then(MovingGaps::zoom_range_mm),
-            focuses_inside: prescription.moving.as_ref().is_some_and(MovingGaps::focuses),
+            zoom_range_mm: prescription.moving.as_ref().and_then(MovingParts::zoom_range_mm),
+            focuses_inside: prescription.moving.as_ref().is_some_and(MovingParts::focuses),
             remarks: reading.remarks.iter().map(ToString::to_string).collect(),
             beyond_range: beyond_range(&prescription, d.wavelength_nm.map_or(VISIBLE_NM, |nm| [nm; 2])),
         };
@@ -188,7 +189,7 @@ fn focused(
     line_nm: f64,
 ) -> Result<(System, f64), CameraError> {
     let system_error = |source| CameraError::System { lens: prescription.name.clone(), source };
-    if d.film_distance_mm.is_none() && prescription.moving.as_ref().is_some_and(MovingGaps::focuses) {
+    if d.film_distance_mm.is_none() && prescription.moving.as_ref().is_some_and(MovingParts::focuses) {
         let (focusing, distance_mm) = d.focus_request()?;
         let done = focusing.by_groups(prescription, settings, line_nm, distance_mm).map_err(|error| match error {
             GroupsError::System(source) => system_error(source),

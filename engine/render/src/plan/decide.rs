@@ -94,7 +94,7 @@ impl CameraChoice {
             None => d.wavelength_nm = Some(d.wavelength_nm.unwrap_or(D_LINE_NM)),
         }
         if let Some(f_number) = self.round_f_number {
-            (d.blades, d.aperture_mask, d.f_number) = (0, None, Some(f_number));
+            (d.blades, d.aperture_mask, d.f_number, d.pupil_diameter_mm) = (0, None, Some(f_number), None);
         }
         match self.way {
             Way::Given | Way::Exact => {}

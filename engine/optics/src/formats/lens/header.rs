@@ -1,6 +1,6 @@
 //! The lines `# key: text` before the rows of a lens file.
 
-use crate::glass::{Dispersion, InternalTransmittance, Medium};
+use crate::glass::{Dispersion, Gradient, GradientTerm, InternalTransmittance, Medium};
 use crate::prescription::{LensGroup, Metadata, Place, PrescriptionError};
 
 use super::columns::{ElementLine, element};
@@ -25,8 +25,8 @@ pub(crate) struct Header {
 }
 
 /// Keys whose lines are written from the lens itself, not from what its file said.
-pub(super) const OF_THE_LENS: [&str; 7] =
-    ["name", "film_radius", "element", "moving", "position", "glass", "transmittance"];
+pub(super) const OF_THE_LENS: [&str; 8] =
+    ["name", "film_radius", "element", "moving", "position", "glass", "gradient", "transmittance"];
 
 /// Takes a line without its `#`; `place` is where it begins. One without a colon is a remark.
 pub(crate) fn line(
@@ -71,7 +71,7 @@ impl Header {
                 let element = element(value, place);
                 self.elements.push(element.ok_or_else(|| Problem::Element(value.to_owned()))?);
             }
-            "moving" => self.moving.surfaces(value, place)?,
+            "moving" => self.moving.moved(value, place)?,
             "position" => self.moving.position(value, place)?,
             "glass" if value.contains('=') => {
                 let (name, token) = value.split_once('=').unwrap_or_default();
@@ -81,6 +81,7 @@ impl Header {
             "glass" if !is_formula(value) => {}
             "glass" => self.glasses.push(glass(value).ok_or_else(|| Problem::GlassLine(value.to_owned()))?),
             "transmittance" if value.contains('@') => self.transmittance(value)?,
+            "gradient" => self.gradient(value)?,
             "catalogue" if is_glass_file(value) => self.catalogues.push((value.to_owned(), place)),
             "film_radius" => self.film_radius_mm = Some(number(value)?),
             "film" => {
@@ -112,11 +113,33 @@ impl Header {
         Ok(())
     }
 
+    /// `NAME from=1.59 z1=0.05 r2=-0.002 z1r2=0.001`: what is added to the index of a glass that was defined before, by powers of
+    /// z and r, and where z is 0.
+    fn gradient(&mut self, value: &str) -> Result<(), Problem> {
+        let bad = |found: &str| Problem::GradientLine(found.to_owned());
+        let mut words = value.split_whitespace();
+        let name = words.next().ok_or_else(|| bad(value))?;
+        let glass = self.glasses.iter_mut().find(|glass| glass.name() == name).ok_or_else(|| bad(name))?;
+        let (mut terms, mut from_mm) = (Vec::new(), 0.0);
+        for word in words {
+            let (key, number) = word.split_once('=').ok_or_else(|| bad(word))?;
+            let number = finite(number).ok_or_else(|| bad(word))?;
+            match (key, powers(key)) {
+                ("from", _) => from_mm = number,
+                (_, Some([z, r])) => terms.push(GradientTerm { z, r, coefficient: number }),
+                _ => return Err(bad(word)),
+            }
+        }
+        let gradient = Gradient::new(terms, from_mm).ok_or_else(|| bad(value))?;
+        *glass = glass.clone().with_gradient(gradient);
+        Ok(())
+    }
+
     /// What the lines say, into a lens that is read from another program's file.
     pub(crate) fn apply(self, draft: &mut Draft<'_>) -> Result<(), LensFileError> {
         draft.name = self.name.or(draft.name.take());
-        if let Some((surfaces, positions, places)) = self.moving.parts() {
-            draft.moving = Some((surfaces, positions, places));
+        if let Some((parts, positions, places)) = self.moving.parts() {
+            draft.moving = Some((parts, positions, places));
         }
         Ok(())
     }
@@ -131,6 +154,16 @@ fn is_formula(value: &str) -> bool {
 fn is_glass_file(value: &str) -> bool {
     let lower = value.to_lowercase();
     lower.ends_with(".agf") || lower.ends_with(".yml")
+}
+
+/// `z2`, `r4`, `z1r2`: the powers of z and r.
+fn powers(key: &str) -> Option<[u32; 2]> {
+    let (z, r) = match key.split_once('r') {
+        Some((z, r)) => (z, r.parse().ok()?),
+        None => (key, 0),
+    };
+    let z = if z.is_empty() { 0 } else { z.strip_prefix('z')?.parse().ok()? };
+    Some([z, r])
 }
 
 /// `NAME FORMULA FROM-TO NUMBERS`: the range in nm, the formula and its numbers as glass files have them.
@@ -154,6 +187,13 @@ pub(super) fn glass_lines(medium: &Medium) -> Option<Vec<String>> {
     let [from, to] = medium.range_nm();
     let numbers: Vec<String> = numbers.iter().map(f64::to_string).collect();
     let mut lines = vec![format!("glass: {} {word} {from}-{to} {}", medium.name(), numbers.join(" "))];
+    if let Some(gradient) = medium.gradient() {
+        let from = if gradient.from_mm() == 0.0 { String::new() } else { format!(" from={}", gradient.from_mm()) };
+        let power = |letter: &str, power: u32| if power == 0 { String::new() } else { format!("{letter}{power}") };
+        let term = |t: &GradientTerm| format!(" {}{}={}", power("z", t.z), power("r", t.r), t.coefficient);
+        let terms: String = gradient.terms().iter().map(term).collect();
+        lines.push(format!("gradient: {}{from}{terms}", medium.name()));
+    }
     if let Some(known) = medium.transmittance() {
         let points: Vec<String> = known.points().iter().map(|[nm, part, mm]| format!("{nm}:{part}@{mm}")).collect();
         lines.push(format!("transmittance: {} {}", medium.name(), points.join(" ")));

@@ -1,27 +1,27 @@
 //! The lines of a lens file about gaps that move.
 
-use crate::prescription::Place;
-use crate::prescription::moving::{MovingError, MovingGaps, Position};
+use crate::prescription::moving::{MovingError, MovingParts, Part, Position};
+use crate::prescription::{Place, SurfaceRow};
 
 use super::{Problem, finite};
 
 /// What they say, with their places.
 #[derive(Clone, Default)]
 pub(super) struct MovingLines {
-    surfaces: Option<(Vec<usize>, Place)>,
+    parts: Option<(Vec<Part>, Place)>,
     positions: Vec<(Position, Place)>,
 }
 
 impl MovingLines {
-    /// `4 9 12`: the surfaces before the gaps.
-    pub(super) fn surfaces(&mut self, text: &str, place: Place) -> Result<(), Problem> {
-        let list: Result<Vec<usize>, _> = text.split_whitespace().map(str::parse).collect();
+    /// `4 9 radius:3`: the surfaces before the gaps, and what else changes.
+    pub(super) fn moved(&mut self, text: &str, place: Place) -> Result<(), Problem> {
+        let list: Result<Vec<Part>, _> = text.split_whitespace().map(str::parse).collect();
         match list {
             Ok(list) if !list.is_empty() => {
-                self.surfaces = Some((list, place));
+                self.parts = Some((list, place));
                 Ok(())
             }
-            _ => Err(Problem::Moving(text.to_owned())),
+            _ => Err(Problem::MovingLine(text.to_owned())),
         }
     }
 
@@ -32,28 +32,30 @@ impl MovingLines {
         Ok(())
     }
 
-    /// Surfaces and positions as they stand in the file, if any do.
-    pub(super) fn parts(self) -> Option<(Vec<usize>, Vec<Position>, Vec<Place>)> {
-        let (surfaces, _) = self.surfaces?;
+    /// What moves, and positions, as they stand in the file, if any do.
+    pub(super) fn parts(self) -> Option<(Vec<Part>, Vec<Position>, Vec<Place>)> {
+        let (parts, _) = self.parts?;
         let (positions, places) = self.positions.into_iter().unzip();
-        Some((surfaces, positions, places))
+        Some((parts, positions, places))
     }
 
-    /// The gaps of a lens with so many surfaces; `None` if none moves.
-    pub(super) fn gaps(self, count: usize) -> Result<Option<MovingGaps>, (Place, MovingError)> {
-        let (surfaces, place) = match (self.surfaces, self.positions.first()) {
+    /// What moves of a lens with these rows; `None` if nothing does.
+    pub(super) fn of(self, rows: &[SurfaceRow]) -> Result<Option<MovingParts>, (Place, MovingError)> {
+        let (parts, place) = match (self.parts, self.positions.first()) {
             (None, None) => return Ok(None),
             (None, Some((_, place))) => return Err((*place, MovingError::Incomplete)),
-            (Some((surfaces, place)), _) => (surfaces, place),
+            (Some((parts, place)), _) => (parts, place),
         };
         let (positions, places): (Vec<Position>, Vec<Place>) = self.positions.into_iter().unzip();
-        let gaps = MovingGaps::new(surfaces, &positions, count);
-        gaps.map(Some).map_err(|(about, error)| (about.map_or(place, |i| places[i]), error))
+        let placed = |(about, error): (Option<usize>, MovingError)| (about.map_or(place, |i| places[i]), error);
+        let moving = MovingParts::new(parts, &positions, rows.len()).map_err(placed)?;
+        moving.check(rows, &positions).map_err(placed)?;
+        Ok(Some(moving))
     }
 }
 
 fn position(text: &str) -> Option<Position> {
-    let mut found = Position { zoom_mm: None, focus_mm: f64::INFINITY, gaps_mm: Vec::new() };
+    let mut found = Position { zoom_mm: None, focus_mm: f64::INFINITY, values: Vec::new() };
     let positive = |text: &str| finite(text).filter(|x| *x > 0.0);
     for word in text.split_whitespace() {
         match word.split_once('=') {
@@ -61,7 +63,7 @@ fn position(text: &str) -> Option<Position> {
             Some(("focus", "inf")) => found.focus_mm = f64::INFINITY,
             Some(("focus", value)) => found.focus_mm = positive(value)?,
             Some(_) => return None,
-            None => found.gaps_mm.push(finite(word)?),
+            None => found.values.push(finite(word)?),
         }
     }
     Some(found)

@@ -58,15 +58,15 @@ pub(in crate::formats) fn header_lines(
     if let Some(radius_mm) = lens.film_radius_mm {
         lines.push(format!("film_radius: {radius_mm}"));
     }
-    let mut defined: Vec<&Medium> = Vec::new();
-    for medium in lens
-        .surfaces
-        .iter()
-        .filter_map(|row| if let Behind::Medium(medium) = &row.behind { Some(medium) } else { None })
-    {
-        let is_known = catalogue.token_of(medium).is_some() || defined.contains(&medium);
+    let mut defined: Vec<Medium> = Vec::new();
+    let media = lens.surfaces.iter().filter_map(|row| match &row.behind {
+        Behind::Medium(medium) => Some(medium.as_defined()),
+        Behind::Mirror => None,
+    });
+    for medium in media {
+        let is_known = catalogue.token_of(&medium).is_some() || defined.contains(&medium);
         if !is_known {
-            match glass_lines(medium) {
+            match glass_lines(&medium) {
                 Some(glass) => lines.extend(glass),
                 None => lost.push(format!("the medium '{}' cannot be written", medium.name())),
             }
@@ -74,12 +74,12 @@ pub(in crate::formats) fn header_lines(
         }
     }
     if let Some(moving) = &lens.moving {
-        let surfaces: Vec<String> = moving.surfaces().iter().map(usize::to_string).collect();
-        lines.push(format!("moving: {}", surfaces.join(" ")));
+        let parts: Vec<String> = moving.parts().iter().map(ToString::to_string).collect();
+        lines.push(format!("moving: {}", parts.join(" ")));
         for position in moving.positions() {
             let zoom = position.zoom_mm.map_or(String::new(), |mm| format!("zoom={mm} "));
-            let gaps: Vec<String> = position.gaps_mm.iter().map(f64::to_string).collect();
-            lines.push(format!("position: {zoom}focus={} {}", position.focus_mm, gaps.join(" ")));
+            let values: Vec<String> = position.values.iter().map(f64::to_string).collect();
+            lines.push(format!("position: {zoom}focus={} {}", position.focus_mm, values.join(" ")));
         }
     }
     lines
@@ -92,7 +92,7 @@ pub(in crate::formats) fn one_line(text: &str) -> String {
 
 /// What to write for a medium: its name in the catalogues, or that of a glass defined in the header.
 fn token(medium: &Medium, catalogue: &Catalogue) -> String {
-    catalogue.token_of(medium).unwrap_or_else(|| medium.name().to_owned())
+    catalogue.token_of(&medium.as_defined()).unwrap_or_else(|| medium.name().to_owned())
 }
 
 /// The shortest radius whose reciprocal is `curvature`, or `1/curvature` where no number has that.

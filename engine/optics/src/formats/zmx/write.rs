@@ -120,6 +120,9 @@ fn surface(text: &mut String, row: &SurfaceRow, glass: &Glass, i: usize, lost: &
     }
     let semi = row.semi_diameter_mm;
     let _ = writeln!(text, "  DIAM {semi} 1 0 0 1 \"\"\n  CLAP {} {semi} 0", row.obstruction_mm);
+    if matches!(&row.behind, Behind::Medium(medium) if medium.gradient().is_some()) {
+        lost.push(format!("surface {i}: the gradient of its medium stands in the notes only"));
+    }
     if !row.pose.is_identity() {
         lost.push(format!("surface {i} stands beside its place; it is written on the axis"));
     }

@@ -3,6 +3,7 @@
 use glam::DVec3;
 use petzval_optics::paraxial::Paraxial;
 use petzval_optics::prescription::Behind;
+use petzval_optics::prescription::moving::Part;
 use petzval_optics::system::{FocalLength, System, SystemSettings};
 use petzval_optics::trace::Ray;
 use serde_json::Value;
@@ -114,9 +115,9 @@ fn a_table_with_near_objects_moves_its_groups() {
     let reading = parse("prime.txt", table).unwrap();
     let lens = &reading.prescription;
     let moving = lens.moving.as_ref().unwrap();
-    assert_eq!((moving.surfaces(), moving.zoom_range_mm()), (&[1, 4][..], None));
+    assert_eq!((moving.parts(), moving.zoom_range_mm()), (&[1, 4].map(Part::gap)[..], None));
     assert_eq!(moving.positions()[1].focus_mm, 500.0);
-    assert_eq!(moving.positions()[1].gaps_mm, [5.5, 36.5]);
+    assert_eq!(moving.positions()[1].values, [5.5, 36.5]);
     assert_eq!(lens.surfaces[1].thickness_mm, 2.0);
     assert_eq!(lens.surfaces[1].shape.profile().terms(), [(2, 1e-5), (4, 2e-7)]);
     assert_eq!(lens.surfaces[1].shape.profile().base.conic, -1.0);

@@ -1,0 +1,56 @@
+# SPDX-License-Identifier: GPL-3.0-or-later
+"""Eyes at the command line: they accommodate, their pupils have diameters, and a gradient bends the rays of a drawing."""
+
+from __future__ import annotations
+
+import json
+
+import pytest
+
+from cli_parts import answer, assert_complains
+
+pytestmark = pytest.mark.once
+
+
+def test_an_eye_accommodates_and_its_retina_stays(petzval_cli):
+    far = answer(petzval_cli("lens", "info", "eye-navarro", "--json"))
+    near = answer(petzval_cli("lens", "info", "eye-navarro", "--focus-distance", "250", "--json"))
+    # The film is found for the distance, and stands where it stood: the lens has been bisected to a rounding.
+    assert near["film_z_mm"] == pytest.approx(far["film_z_mm"], abs=1e-6)
+    assert near["object_plane_mm"] == pytest.approx(near["entrance_pupil"]["z_mm"] - 250.0, abs=1e-9)
+    # 4 dioptres more before the eye; behind it somewhat more, as the power is not all at the cornea.
+    power = [1336.05 / info["efl_mm"] for info in (far, near)]
+    assert 4.0 < power[1] - power[0] < 6.0
+    assert_complains(
+        petzval_cli("lens", "info", "eye-navarro", "--focus-distance", "60"), "60.0 mm", "too close", "108.1 mm"
+    )
+
+
+def test_a_pupil_has_a_diameter(petzval_cli):
+    info = answer(petzval_cli("lens", "info", "eye-le-grand", "--pupil-diameter", "3", "--json"))
+    assert info["entrance_pupil"]["diameter_mm"] == pytest.approx(3.0, rel=1e-12)
+    done = petzval_cli("lens", "info", "eye-le-grand", "--pupil-diameter", "3", "--f-number", "4")
+    assert_complains(done, "--pupil-diameter", status=2)
+    assert_complains(petzval_cli("lens", "info", "eye-le-grand", "--pupil-diameter", "0"), "pupil's diameter")
+    # Wider than the iris opens: as wide as it opens.
+    wide = answer(petzval_cli("lens", "info", "eye-le-grand", "--pupil-diameter", "30", "--json"))
+    assert wide["stop_diameter_mm"] == 4.0
+
+
+def test_a_gradient_is_no_guess(petzval_cli, tmp_path):
+    info = answer(petzval_cli("lens", "info", "eye-liou-brennan", "--wavelength", "555", "--json"))
+    # 1 / 60.35 D in the vitreous of 1.33605.
+    assert info["efl_mm"] == pytest.approx(1336.05 / 60.35, rel=1e-4)
+    assert info["seidel"] is None and "gradient" in info["seidel_missing"]
+    assert "no Seidel sums: a medium has a gradient" in petzval_cli("lens", "info", "eye-liou-brennan").stdout
+    out = tmp_path / "eye.json"
+    assert petzval_cli("lens", "draw", "eye-liou-brennan", "--fields", "0", "-o", out).returncode == 0
+    drawn = json.loads(out.read_text())
+    # More places than the start, six surfaces and the film; in the gradients they do not lie on a line.
+    path = drawn["fields"][0]["rays"][0]
+    assert len(path) > 10
+    slopes = [(b[1] - a[1]) / (b[0] - a[0]) for a, b in zip(path, path[1:], strict=False) if a[0] > 3.8 and b[0] < 7.0]
+    assert len(slopes) > 4 and max(slopes) - min(slopes) > 1e-3
+    written = tmp_path / "eye.zmx"
+    done = petzval_cli("lens", "convert", "eye-liou-brennan", written)
+    assert done.returncode == 0 and "the gradient of its medium stands in the notes only" in done.stderr
