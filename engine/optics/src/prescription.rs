@@ -264,11 +264,11 @@ impl Prescription {
         if self.stop >= surfaces {
             return Err(PrescriptionError::NoSuchStop { stop: self.stop, surfaces });
         }
-        let media = self.surfaces.iter().filter_map(|row| match &row.behind {
+        let mut media = self.surfaces.iter().filter_map(|row| match &row.behind {
             Behind::Medium(medium) => Some(medium),
             Behind::Mirror => None,
         });
-        if media.last().is_some_and(|medium| medium.gradient().is_some()) {
+        if media.next_back().is_some_and(|medium| medium.gradient().is_some()) {
             return Err(PrescriptionError::GradientAtFilm { surface: surfaces - 1 });
         }
         match self.film_radius_mm {

@@ -39,7 +39,7 @@ impl Gradient {
         terms.sort_by_key(|term| (term.r, term.z));
         let powers = |term: &GradientTerm| (term.z, term.r);
         let is_term = |term: &GradientTerm| {
-            let is_power = term.z <= LAST_GRADIENT_POWER && term.r <= LAST_GRADIENT_POWER && term.r % 2 == 0;
+            let is_power = term.z <= LAST_GRADIENT_POWER && term.r <= LAST_GRADIENT_POWER && term.r.is_multiple_of(2);
             is_power && term.z + term.r > 0 && term.coefficient.is_finite()
         };
         let is_good = !terms.is_empty() && from_mm.is_finite() && terms.iter().all(is_term);
