@@ -93,7 +93,7 @@ def test_every_shipped_lens_can_be_drawn(petzval_cli, tmp_path):
     from petzval.places import lenses_folder
 
     for path in sorted(lenses_folder().glob("*.lens")):
-        found = json.loads(_native.lens_drawing_json(_native.Lens(str(path)), [], 5))
+        found = json.loads(_native.lens_drawing_json(_native.Lens(str(path)), None, [], 5))
         assert len(found["fields"][0]["rays"]) == 5, path.name
         for field in found["fields"]:
             places = [number for ray in field["rays"] for place in ray for number in place]

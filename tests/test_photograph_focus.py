@@ -10,6 +10,7 @@ import numpy as np
 import pytest
 
 from petzval import _native
+from petzval.lens_setting import LensSetting
 from photograph.chart import LENSES, Studio, spots
 
 WIDE_ANGLE = "wide-angle-smith-f3.4"
@@ -36,7 +37,7 @@ def studio(blender, tmp_path):
 
 def exact_film_z(focus_mm: float | None, **settings) -> float:
     lens = _native.Lens(str(LENSES / f"{WIDE_ANGLE}.lens"))
-    return json.loads(lens.info_json(focus_distance_mm=focus_mm, **settings))["film_z_mm"]
+    return json.loads(lens.info_json(LensSetting(**settings), focus_distance_mm=focus_mm))["film_z_mm"]
 
 
 def test_the_film_stands_where_newton_says(studio):

@@ -54,8 +54,10 @@ OUTSIDE = 0.003
 
 def settings_of(lens: str, native, subject, focus_m: float | None, is_narrow: bool = False):
     """The scene's camera with this lens, wide open on as much film as it fills, or stopped down on a little of it."""
+    from petzval.lens_setting import LensSetting
+
     path = TOP / "lenses" / f"{lens}.lens"
-    info = json.loads(native.Lens(str(path)).info_json(focal_length_mm=FOCAL_MM))
+    info = json.loads(native.Lens(str(path)).info_json(LensSetting(focal_length_mm=FOCAL_MM)))
     # Where half of the light still comes; a lens that does not say so by a stop of its own gets a small field.
     half_field = min(math.radians(info["half_vignetted_field_deg"] or 15.0), WIDEST_RAD)
     diagonal = 2.0 * FOCAL_MM * math.tan(0.9 * half_field)

@@ -18,6 +18,7 @@ from pathlib import Path
 import numpy as np
 
 from petzval import _native
+from petzval.lens_setting import LensSetting
 
 D_LINE_NM = 587.5618
 
@@ -79,7 +80,8 @@ class Camera:
     def info(self) -> dict:
         return json.loads(
             self._lens.info_json(
-                wavelength_nm=self.wavelength_nm, focal_length_mm=self.focal_length_mm, f_number=self.f_number
+                LensSetting(focal_length_mm=self.focal_length_mm, f_number=self.f_number),
+                wavelength_nm=self.wavelength_nm,
             )
         )
 
@@ -118,9 +120,8 @@ class Camera:
         ]
         answer = self._lens.trace_json(
             json.dumps({"rays": rays}),
+            LensSetting(focal_length_mm=self.focal_length_mm, f_number=self.f_number),
             from_film=from_film,
-            focal_length_mm=self.focal_length_mm,
-            f_number=self.f_number,
         )
         return json.loads(answer)["rays"]
 

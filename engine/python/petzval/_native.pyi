@@ -42,16 +42,9 @@ class Lens:
         back focus at the d line, and those numbers beside the source's (`published`)."""
     def info_json(
         self,
+        setting: LensSetting | None = None,
         *,
         wavelength_nm: float = ...,
-        scale: float | None = None,
-        focal_length_mm: float | None = None,
-        f_number: float | None = None,
-        pupil_diameter_mm: float | None = None,
-        blades: int = 0,
-        blade_curvature: float = 0.0,
-        blade_rotation_rad: float = 0.0,
-        aperture_mask: ApertureMask | None = None,
         focus_distance_mm: float | None = None,
     ) -> str:
         """The object of `petzval lens info --json`. `focus_distance_mm` is measured along the axis from the
@@ -69,17 +62,10 @@ class Lens:
     def trace_json(
         self,
         rays_json: str,
+        setting: LensSetting | None = None,
         *,
         from_film: bool = False,
         precision: str = "f64",
-        scale: float | None = None,
-        focal_length_mm: float | None = None,
-        f_number: float | None = None,
-        pupil_diameter_mm: float | None = None,
-        blades: int = 0,
-        blade_curvature: float = 0.0,
-        blade_rotation_rad: float = 0.0,
-        aperture_mask: ApertureMask | None = None,
     ) -> str:
         """The input and output of `petzval lens trace`; `precision` is "f64" or "f32"."""
 
@@ -88,18 +74,11 @@ def lens_groups() -> list[str]:
 
 def lens_drawing_json(
     lens: Lens,
+    setting: LensSetting | None = None,
     fields_deg: Sequence[float] = (),
     rays: int = 7,
     *,
     wavelength_nm: float = ...,
-    scale: float | None = None,
-    focal_length_mm: float | None = None,
-    f_number: float | None = None,
-    pupil_diameter_mm: float | None = None,
-    blades: int = 0,
-    blade_curvature: float = 0.0,
-    blade_rotation_rad: float = 0.0,
-    aperture_mask: ApertureMask | None = None,
     focus_distance_mm: float | None = None,
 ) -> str:
     """What `petzval lens draw` draws, in the y-z plane; places are [z, y] in lens space, mm. surfaces: a row each (points from the

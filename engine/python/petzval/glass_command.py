@@ -8,7 +8,8 @@ import json
 from pathlib import Path
 from typing import Any
 
-from .errors import CommandError, complain
+from .errors import CommandError
+from .lens_loading import say
 from .lens_setting import number
 
 #: F, d and C, and e, F' and C' of mercury and cadmium, nm.
@@ -58,7 +59,7 @@ def _list(arguments: argparse.Namespace) -> int:
     width = max((len(glass["token"]) for glass in found["glasses"]), default=0)
     for glass in found["glasses"]:
         print(f"{glass['token']:<{width}}  {glass['nd']:.6f}  {_abbe(glass['abbe'])}")
-    _say(found["remarks"])
+    say(found["remarks"])
     return 0
 
 
@@ -74,7 +75,7 @@ def _glass(arguments: argparse.Namespace) -> int:
         print(answer)
         return 0
     print("\n".join(_rows(found, with_names=not arguments.wavelength)))
-    _say(_notes(found))
+    say(_notes(found))
     return 0
 
 
@@ -118,11 +119,6 @@ def _notes(found: dict[str, Any]) -> list[str]:
             f"glasses of this name are made by {', '.join(found['makers'])}: name one as {found['makers'][0]}:NAME"
         )
     return notes
-
-
-def _say(notes: list[str]) -> None:
-    for note in notes:
-        complain(f"note: {note}")
 
 
 def _draw(arguments: argparse.Namespace, found: dict[str, Any]) -> None:

@@ -6,15 +6,13 @@ from __future__ import annotations
 import argparse
 import json
 import math
-import os
-import sys
-from collections.abc import Sequence
 from pathlib import Path
 from typing import Any
 
 from . import lens_list, lens_report_command
 from .errors import CommandError, complain
-from .places import find_lens
+from .lens_loading import VISIBLE_NM, beyond, load, say
+from .lens_setting import add_setting, distance, number, setting_of
 from .questions import read_list, vector_text
 
 #: What is read, by ending; tables of the Optical Bench are known by their sections.
@@ -43,25 +41,25 @@ def add_parser(subparsers: argparse._SubParsersAction) -> None:
     draw.add_argument("lens", metavar="FILE", help=f"a lens file ({KINDS}), or the name of a shipped lens")
     draw.add_argument("-o", "--output", required=True, metavar="OUT", help="the picture: .svg, .png or .pdf; or .json")
     draw.add_argument(
-        "--fields", nargs="+", type=_number, default=[], metavar="DEG",
+        "--fields", nargs="+", type=number, default=[], metavar="DEG",
         help="angles to the axis; default: 0, and 0.7 and all of the design's half field",
     )  # fmt: skip
     draw.add_argument("--rays", type=int, default=7, metavar="N", help="of each field; default: 7")
-    draw.add_argument("--wavelength", type=_number, metavar="NM", help="nanometres; default: the d line")
-    _add_setting(draw)
+    draw.add_argument("--wavelength", type=number, metavar="NM", help="nanometres; default: the d line")
+    add_setting(draw)
     draw.add_argument(
-        "--focus-distance", type=_distance, metavar="MM|inf", help="from the entrance pupil to what is sharp"
+        "--focus-distance", type=distance, metavar="MM|inf", help="from the entrance pupil to what is sharp"
     )
     draw.set_defaults(run=_draw)
 
-    lens_report_command.add_parsers(actions, _add_setting, KINDS)
+    lens_report_command.add_parsers(actions, KINDS)
 
     info = actions.add_parser("info", help="focal length, planes, pupils, aberrations", allow_abbrev=False)
     info.add_argument("lens", metavar="FILE", help=f"a lens file ({KINDS}), or the name of a shipped lens")
-    info.add_argument("--wavelength", type=_number, metavar="NM", help="nanometres; default: the d line")
-    _add_setting(info)
+    info.add_argument("--wavelength", type=number, metavar="NM", help="nanometres; default: the d line")
+    add_setting(info)
     info.add_argument(
-        "--focus-distance", type=_distance, metavar="MM|inf", help="from the entrance pupil to what is sharp"
+        "--focus-distance", type=distance, metavar="MM|inf", help="from the entrance pupil to what is sharp"
     )
     info.add_argument("--json", action="store_true", help="print one JSON object")
     info.set_defaults(run=_info)
@@ -72,69 +70,9 @@ def add_parser(subparsers: argparse._SubParsersAction) -> None:
     trace.add_argument("lens", metavar="FILE", help=f"a lens file ({KINDS}), or the name of a shipped lens")
     trace.add_argument("--rays", required=True, metavar="RAYS.json|-", help="the rays; - reads them from stdin")
     trace.add_argument("--precision", choices=("f64", "f32"), default="f64", help="default: f64")
-    _add_setting(trace)
+    add_setting(trace)
     trace.add_argument("--json", action="store_true", help="print one JSON object")
     trace.set_defaults(run=_trace)
-
-
-def _add_setting(parser: argparse.ArgumentParser) -> None:
-    parser.add_argument("--focal-length", type=_number, metavar="MM", help="scale the lens to this focal length")
-    opening = parser.add_mutually_exclusive_group()
-    opening.add_argument("--f-number", type=_number, metavar="N", help="stop the diaphragm down to this f-number")
-    opening.add_argument(
-        "--pupil-diameter", type=_number, metavar="MM", help="or to this diameter of the entrance pupil, as of an eye's"
-    )
-    parser.add_argument("--blades", type=_count, metavar="N", help="blades of the diaphragm, 3 to 24; 0 is round")
-    parser.add_argument(
-        "--blade-curvature", type=_number, metavar="C", help="of the blades' edges: 0 straight, 1 round"
-    )
-    parser.add_argument("--blade-rotation", type=_number, metavar="DEG", help="turn of the diaphragm about the axis")
-    parser.add_argument("--aperture-mask", metavar="FILE", help="a square picture of the opening, instead of blades")
-    parser.set_defaults(usage_error=parser.error)
-
-
-def _setting(arguments: argparse.Namespace) -> dict[str, Any]:
-    """What `_add_setting` asked for, as the engine takes it."""
-    if arguments.aperture_mask and arguments.blades:
-        arguments.usage_error("--aperture-mask stands instead of --blades: leave out the one or the other")
-    rotation = arguments.blade_rotation
-    return _given(
-        focal_length_mm=arguments.focal_length,
-        f_number=arguments.f_number,
-        pupil_diameter_mm=arguments.pupil_diameter,
-        blades=arguments.blades,
-        blade_curvature=arguments.blade_curvature,
-        blade_rotation_rad=None if rotation is None else math.radians(rotation),
-        aperture_mask=_mask(arguments.aperture_mask) if arguments.aperture_mask else None,
-    )
-
-
-def _mask(path: str) -> Any:
-    """The picture of an opening, read by Blender as `petzval render` reads it."""
-    if not Path(path).is_file():
-        raise CommandError(f"no such picture: {path}: change --aperture-mask")
-    _keep_own_voice()
-    try:
-        import bpy  # noqa: F401
-    except ImportError as error:
-        raise CommandError(f"no Blender in this Python to read {path}: {error}: pip install bpy") from None
-    from .places import load_addon
-
-    export = load_addon().export
-    try:
-        return export.aperture_mask.of_image(export.aperture_mask.load(str(Path(path).absolute())))
-    except (RuntimeError, export.errors.ExportError) as error:
-        raise CommandError(f"cannot read {path}: {' '.join(str(error).split())}: give a square picture") from None
-
-
-def _keep_own_voice() -> None:
-    """From here on stdout and stderr are Python's alone: what Blender's own code says must not stand in the answer."""
-    nowhere = os.open(os.devnull, os.O_WRONLY)
-    for name, number in (("stdout", 1), ("stderr", 2)):
-        getattr(sys, name).flush()
-        setattr(sys, name, os.fdopen(os.dup(number), "w", encoding="utf-8", errors="replace"))
-        os.dup2(nowhere, number)
-    os.close(nowhere)
 
 
 def _given(**options: Any) -> dict[str, Any]:
@@ -144,57 +82,6 @@ def _given(**options: Any) -> dict[str, Any]:
 def run(arguments: argparse.Namespace) -> int:
     """Runs the action; returns the exit status."""
     return arguments.run(arguments)
-
-
-def _number(text: str) -> float:
-    value = float(text)
-    if not math.isfinite(value):
-        raise argparse.ArgumentTypeError(f"not a finite number: {text}")
-    return value
-
-
-def _count(text: str) -> int:
-    value = int(text)
-    if value != 0 and not 3 <= value <= 24:
-        raise argparse.ArgumentTypeError(f"a diaphragm has 3 to 24 blades, or 0 for a round one: {text}")
-    return value
-
-
-def _distance(text: str) -> float:
-    value = float(text)
-    if math.isnan(value):
-        raise argparse.ArgumentTypeError(f"not a number: {text}")
-    return value
-
-
-# argparse names the type in its message: "invalid number value: 'x'".
-_number.__name__ = "number"
-_distance.__name__ = "distance"
-_count.__name__ = "number"
-
-
-def _load(name_or_path: str) -> Any:
-    from . import _native
-
-    return _native.Lens(str(find_lens(name_or_path)))
-
-
-#: What the eye sees, nm: for this the index of a lens's glasses should be known.
-_VISIBLE_NM = (380.0, 780.0)
-
-
-def _beyond(lens: Any, wavelengths_nm: Sequence[float]) -> list[str]:
-    """The glasses that are asked for an index beyond what is known of them."""
-    known = lens.media_beyond(min(wavelengths_nm), max(wavelengths_nm)) if wavelengths_nm else []
-    return [
-        f"glass {name}: its index is known from {start:.0f} to {end:.0f} nm, beyond it is kept as at the end"
-        for name, start, end in known
-    ]
-
-
-def _say(notes: list[str]) -> None:
-    for note in notes:
-        complain(f"note: {note}")
 
 
 def _with_notes(answer: str, notes: list[str]) -> str:
@@ -208,22 +95,22 @@ def _check(arguments: argparse.Namespace) -> int:
     failures = 0
     for name in arguments.lenses:
         try:
-            lens = _load(name)
+            lens = load(name)
         except (_native.PetzvalError, CommandError) as error:
             failures += 1
             complain(str(error))
         else:
-            _say(lens.remarks)
-            _say([f"{name}: {note}" for note in _beyond(lens, _VISIBLE_NM)])
+            say(lens.remarks)
+            say([f"{name}: {note}" for note in beyond(lens, VISIBLE_NM)])
             print(f"ok: {lens.name}, {lens.surface_count} surfaces")
     return 1 if failures else 0
 
 
 def _convert(arguments: argparse.Namespace) -> int:
     out = Path(arguments.out)
-    lens = _load(arguments.lens)
+    lens = load(arguments.lens)
     text, lost = lens.written(out.suffix.lower().removeprefix("."))
-    _say([*lens.remarks, *(f"{out}: {what}" for what in lost)])
+    say([*lens.remarks, *(f"{out}: {what}" for what in lost)])
     try:
         out.write_text(text, encoding="utf-8")
     except OSError as error:
@@ -234,12 +121,13 @@ def _convert(arguments: argparse.Namespace) -> int:
 
 def _draw(arguments: argparse.Namespace) -> int:
     from . import _native, lens_drawing
+    from .lens_reports import page
 
     out = Path(arguments.output)
-    lens_drawing.check(out)
+    page.check(out)
     options = _given(wavelength_nm=arguments.wavelength, focus_distance_mm=arguments.focus_distance)
-    lens = _load(arguments.lens)
-    answer = _native.lens_drawing_json(lens, arguments.fields, arguments.rays, **options, **_setting(arguments))
+    lens = load(arguments.lens)
+    answer = _native.lens_drawing_json(lens, setting_of(arguments), arguments.fields, arguments.rays, **options)
     found = json.loads(answer)
     try:
         lens_drawing.write(found, out)
@@ -248,21 +136,21 @@ def _draw(arguments: argparse.Namespace) -> int:
     dark = [
         f"nothing comes through from {field['angle_deg']:g} degrees" for field in found["fields"] if not field["rays"]
     ]
-    _say([*lens.remarks, *_beyond(lens, [found["wavelength_nm"]]), *dark])
+    say([*lens.remarks, *beyond(lens, [found["wavelength_nm"]]), *dark])
     print(f"{out}: {found['name']}")
     return 0
 
 
 def _info(arguments: argparse.Namespace) -> int:
     options = _given(wavelength_nm=arguments.wavelength, focus_distance_mm=arguments.focus_distance)
-    lens = _load(arguments.lens)
-    notes = [*lens.remarks, *_beyond(lens, [] if arguments.wavelength is None else [arguments.wavelength])]
-    answer = lens.info_json(**options, **_setting(arguments))
+    lens = load(arguments.lens)
+    notes = [*lens.remarks, *beyond(lens, [] if arguments.wavelength is None else [arguments.wavelength])]
+    answer = lens.info_json(setting_of(arguments), **options)
     if arguments.json:
         print(_with_notes(answer, notes))
     else:
         print(_table(json.loads(answer)))
-        _say(notes)
+        say(notes)
     return 0
 
 
@@ -271,16 +159,16 @@ def _trace(arguments: argparse.Namespace) -> int:
     side = question.get("from", "scene")
     if side not in ("scene", "film"):
         raise CommandError(f'unknown "from": {arguments.rays}: {json.dumps(side)}: give "scene" or "film"')
-    options = _setting(arguments)
-    lens = _load(arguments.lens)
-    answer = lens.trace_json(text, from_film=side == "film", precision=arguments.precision, **options)
+    setting = setting_of(arguments)
+    lens = load(arguments.lens)
+    answer = lens.trace_json(text, setting, from_film=side == "film", precision=arguments.precision)
     asked = [ray["wavelength_nm"] for ray in question["rays"] if ray.get("wavelength_nm") is not None]
-    notes = [*lens.remarks, *_beyond(lens, asked)]
+    notes = [*lens.remarks, *beyond(lens, asked)]
     if arguments.json:
         print(_with_notes(answer, notes))
     else:
         print(_ray_lines(json.loads(answer)["rays"]))
-        _say(notes)
+        say(notes)
     return 0
 
 
@@ -381,10 +269,10 @@ def _sum_lines(info: dict[str, Any]) -> list[str]:
 def _ray_lines(rays: list[dict[str, Any]]) -> str:
     """One line a ray: what became of it, and where it is then."""
     lines = []
-    for number, ray in enumerate(rays):
+    for i, ray in enumerate(rays):
         if ray["status"] == "ok":
             text = f"ok, from ({vector_text(ray['origin'])}) mm along ({vector_text(ray['direction'])})"
         else:
             text = f"{ray['status']} at surface {ray['surface']}"
-        lines.append(f"{number}: {text}")
+        lines.append(f"{i}: {text}")
     return "\n".join(lines)

@@ -7,10 +7,6 @@ import json
 from pathlib import Path
 from typing import Any
 
-from .errors import CommandError
-
-#: By ending, what is written.
-PICTURES = (".svg", ".png", ".pdf")
 _GLASS, _RIM, _MIRROR, _PALE = "#d3e5f2", "#33566f", "#20262b", "#8a939a"
 #: By field, as designers have them: the axis blue, then green and red.
 _FIELDS = ("#1f5fae", "#2d8a3e", "#c0392b", "#8e44ad", "#c77700", "#128a8a")
@@ -19,17 +15,6 @@ _WIDTH_IN, _LEAST_IN, _MOST_IN = 10.0, 3.2, 8.0
 _MARK, _ROOM = 0.09, 0.06
 #: Names of planes that are nearer, parts of the picture's width, would stand on one another.
 _NEAR = 0.03
-
-
-def check(out: Path) -> None:
-    """Raises `CommandError` where nothing can be written so."""
-    if out.suffix.lower() not in (*PICTURES, ".json"):
-        raise CommandError(f"cannot draw into {out}: its ending is not .svg, .png, .pdf or .json: change --output")
-    if out.suffix.lower() != ".json":
-        try:
-            import matplotlib  # noqa: F401
-        except ImportError:
-            raise CommandError(f"cannot draw {out}: there is no matplotlib: pip install 'petzval[plots]'") from None
 
 
 def write(found: dict[str, Any], out: Path) -> None:

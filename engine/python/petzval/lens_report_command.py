@@ -12,13 +12,14 @@ from pathlib import Path
 from typing import Any
 
 from .errors import CommandError
-from .lens_setting import LensSetting, add_look, look_of, number
+from .lens_loading import beyond, load, say
+from .lens_setting import add_look, add_setting, look_of, number, setting_of
 
 _SOME_FIELDS = "0, and 0.7 and all of the design's half field"
 _ALL_FIELDS = "from 0 to the design's half field"
 
 
-def add_parsers(actions: Any, add_setting: Callable[[argparse.ArgumentParser], None], kinds: str) -> None:
+def add_parsers(actions: Any, kinds: str) -> None:
     """Adds the five actions to those of `petzval lens`."""
 
     def add(name: str, help_text: str, fields: str, run: Callable[..., int]) -> argparse.ArgumentParser:
@@ -63,23 +64,15 @@ def add_parsers(actions: Any, add_setting: Callable[[argparse.ArgumentParser], N
     )
 
 
-def _setting(arguments: argparse.Namespace) -> LensSetting:
-    from .lens_command import _setting as given
-
-    return LensSetting(**given(arguments))
-
-
 def _lens(arguments: argparse.Namespace) -> Any:
-    from .lens_command import _load
     from .lens_reports import page
 
     page.check(Path(arguments.output))
-    return _load(arguments.lens)
+    return load(arguments.lens)
 
 
 def _finish(arguments: argparse.Namespace, lens: Any, found: Any, title: str, report: Any, draw: Any = None) -> int:
     """Writes the picture, and says what there is to say."""
-    from .lens_command import _beyond, _say
     from .lens_reports import page
 
     out = Path(arguments.output)
@@ -90,7 +83,7 @@ def _finish(arguments: argparse.Namespace, lens: Any, found: Any, title: str, re
     first = found[0] if isinstance(found, list) else found
     fields = first.get("fields") or first["defocus"][0]["fields"]
     dark = [f"no light from {f['angle_deg']:g} degrees comes to the film" for f in fields if f.get("is_dark")]
-    _say([*lens.remarks, *_beyond(lens, first["wavelengths_nm"]), *dark])
+    say([*lens.remarks, *beyond(lens, first["wavelengths_nm"]), *dark])
     print(f"{out}: {first['name']}")
     return 0
 
@@ -101,7 +94,7 @@ def _spots(arguments: argparse.Namespace) -> int:
 
     lens = _lens(arguments)
     answer = _native.lens_spots_json(
-        lens, _setting(arguments), look_of(arguments), arguments.rays, list(arguments.defocus)
+        lens, setting_of(arguments), look_of(arguments), arguments.rays, list(arguments.defocus)
     )
     return _finish(arguments, lens, json.loads(answer), "spot diagrams, about the middle of their light", spots)
 
@@ -111,7 +104,7 @@ def _fans(arguments: argparse.Namespace) -> int:
     from .lens_reports import fans
 
     lens = _lens(arguments)
-    found = json.loads(_native.lens_fans_json(lens, _setting(arguments), look_of(arguments), arguments.rays))
+    found = json.loads(_native.lens_fans_json(lens, setting_of(arguments), look_of(arguments), arguments.rays))
     if arguments.path:
         draw = partial(fans.draw, key="path_waves")
         return _finish(arguments, lens, found, "optical path beyond the middle ray's", fans, draw)
@@ -124,7 +117,7 @@ def _mtf(arguments: argparse.Namespace) -> int:
 
     lens = _lens(arguments)
     frequencies, heights = (arguments.frequency, arguments.steps), (arguments.heights, arguments.height_frequency)
-    answer = _native.lens_mtf_json(lens, _setting(arguments), look_of(arguments), frequencies, heights)
+    answer = _native.lens_mtf_json(lens, setting_of(arguments), look_of(arguments), frequencies, heights)
     found = json.loads(answer)
     lines = " ".join(f"{nm:.4g}" for nm in found["wavelengths_nm"])
     return _finish(arguments, lens, found, f"modulation transfer with diffraction, {lines} nm together", mtf)
@@ -135,7 +128,7 @@ def _distortion(arguments: argparse.Namespace) -> int:
     from .lens_reports import distortion
 
     lens = _lens(arguments)
-    found = json.loads(_native.lens_distortion_json(lens, _setting(arguments), look_of(arguments), arguments.count))
+    found = json.loads(_native.lens_distortion_json(lens, setting_of(arguments), look_of(arguments), arguments.count))
     return _finish(arguments, lens, found, "rays through the middle of the stop", distortion)
 
 
@@ -147,7 +140,7 @@ def _illumination(arguments: argparse.Namespace) -> int:
         arguments.usage_error("--f-numbers stands instead of --f-number: leave out the one or the other")
     if arguments.f_numbers and arguments.pupil_diameter is not None:
         arguments.usage_error("--f-numbers stands instead of --pupil-diameter: leave out the one or the other")
-    lens, setting, look = _lens(arguments), _setting(arguments), look_of(arguments)
+    lens, setting, look = _lens(arguments), setting_of(arguments), look_of(arguments)
     settings = [replace(setting, f_number=n) for n in arguments.f_numbers] or [setting]
     found = [json.loads(_native.lens_illumination_json(lens, one, look, arguments.count)) for one in settings]
     return _finish(arguments, lens, found, "light on the film, of a scene as bright everywhere", illumination)

@@ -5,8 +5,13 @@ from __future__ import annotations
 
 import argparse
 import math
+import os
+import sys
 from dataclasses import dataclass
+from pathlib import Path
 from typing import Any
+
+from .errors import CommandError
 
 
 @dataclass(frozen=True)
@@ -51,8 +56,74 @@ def distance(text: str) -> float:
     return value
 
 
+def _count(text: str) -> int:
+    value = int(text)
+    if value != 0 and not 3 <= value <= 24:
+        raise argparse.ArgumentTypeError(f"a diaphragm has 3 to 24 blades, or 0 for a round one: {text}")
+    return value
+
+
 # argparse names the type in its message: "invalid number value: 'x'".
-distance.__name__ = "distance"
+_count.__name__ = "number"
+
+
+def add_setting(parser: argparse.ArgumentParser) -> None:
+    """The options of `LensSetting`."""
+    parser.add_argument("--focal-length", type=number, metavar="MM", help="scale the lens to this focal length")
+    opening = parser.add_mutually_exclusive_group()
+    opening.add_argument("--f-number", type=number, metavar="N", help="stop the diaphragm down to this f-number")
+    opening.add_argument(
+        "--pupil-diameter", type=number, metavar="MM", help="or to this diameter of the entrance pupil, as of an eye's"
+    )
+    parser.add_argument("--blades", type=_count, metavar="N", help="blades of the diaphragm, 3 to 24; 0 is round")
+    parser.add_argument("--blade-curvature", type=number, metavar="C", help="of the blades' edges: 0 straight, 1 round")
+    parser.add_argument("--blade-rotation", type=number, metavar="DEG", help="turn of the diaphragm about the axis")
+    parser.add_argument("--aperture-mask", metavar="FILE", help="a square picture of the opening, instead of blades")
+    parser.set_defaults(usage_error=parser.error)
+
+
+def setting_of(arguments: argparse.Namespace) -> LensSetting:
+    """What `add_setting` asked for."""
+    if arguments.aperture_mask and arguments.blades:
+        arguments.usage_error("--aperture-mask stands instead of --blades: leave out the one or the other")
+    rotation = arguments.blade_rotation
+    return LensSetting(
+        focal_length_mm=arguments.focal_length,
+        f_number=arguments.f_number,
+        pupil_diameter_mm=arguments.pupil_diameter,
+        blades=arguments.blades or 0,
+        blade_curvature=arguments.blade_curvature or 0.0,
+        blade_rotation_rad=math.radians(rotation or 0.0),
+        aperture_mask=_mask(arguments.aperture_mask) if arguments.aperture_mask else None,
+    )
+
+
+def _mask(path: str) -> Any:
+    """The picture of an opening, read by Blender as `petzval render` reads it."""
+    if not Path(path).is_file():
+        raise CommandError(f"no such picture: {path}: change --aperture-mask")
+    _keep_own_voice()
+    try:
+        import bpy  # noqa: F401
+    except ImportError as error:
+        raise CommandError(f"no Blender in this Python to read {path}: {error}: pip install bpy") from None
+    from .places import load_addon
+
+    export = load_addon().export
+    try:
+        return export.aperture_mask.of_image(export.aperture_mask.load(str(Path(path).absolute())))
+    except (RuntimeError, export.errors.ExportError) as error:
+        raise CommandError(f"cannot read {path}: {' '.join(str(error).split())}: give a square picture") from None
+
+
+def _keep_own_voice() -> None:
+    """From here on stdout and stderr are Python's alone: what Blender's own code says must not stand in the answer."""
+    nowhere = os.open(os.devnull, os.O_WRONLY)
+    for name, number in (("stdout", 1), ("stderr", 2)):
+        getattr(sys, name).flush()
+        setattr(sys, name, os.fdopen(os.dup(number), "w", encoding="utf-8", errors="replace"))
+        os.dup2(nowhere, number)
+    os.close(nowhere)
 
 
 def add_look(parser: argparse.ArgumentParser, fields: str) -> None:

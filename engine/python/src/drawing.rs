@@ -1,12 +1,11 @@
 //! Drawings of lenses, for `petzval lens draw`.
 
-use crate::camera::PyApertureMask;
 use crate::doorway::away;
 use crate::error::{Error, refused};
-use crate::lens::{Lens, check_wavelength, focal_length};
+use crate::lens::{Lens, check_wavelength};
+use crate::setting::Setting;
 use petzval_optics::drawing::Drawing;
 use petzval_optics::paraxial::{Paraxial, Pupil};
-use petzval_optics::system::SystemSettings;
 use pyo3::prelude::*;
 use serde_json::json;
 
@@ -15,24 +14,15 @@ const MOST_RAYS: usize = 1000;
 
 /// See the stub.
 #[pyfunction]
-#[pyo3(signature = (lens, fields_deg = Vec::new(), rays = 7, *, wavelength_nm = 587.5618, scale = None,
-    focal_length_mm = None, f_number = None, pupil_diameter_mm = None, blades = 0, blade_curvature = 0.0,
-    blade_rotation_rad = 0.0, aperture_mask = None, focus_distance_mm = None))]
-#[allow(clippy::too_many_arguments)]
+#[pyo3(signature = (lens, setting = None, fields_deg = Vec::new(), rays = 7, *, wavelength_nm = 587.5618,
+    focus_distance_mm = None))]
 pub(crate) fn lens_drawing_json(
     py: Python<'_>,
     lens: &Lens,
+    setting: Option<Setting>,
     fields_deg: Vec<f64>,
     rays: usize,
     wavelength_nm: f64,
-    scale: Option<f64>,
-    focal_length_mm: Option<f64>,
-    f_number: Option<f64>,
-    pupil_diameter_mm: Option<f64>,
-    blades: u32,
-    blade_curvature: f64,
-    blade_rotation_rad: f64,
-    aperture_mask: Option<PyApertureMask>,
     focus_distance_mm: Option<f64>,
 ) -> Result<String, Error> {
     check_wavelength(wavelength_nm)?;
@@ -42,10 +32,7 @@ pub(crate) fn lens_drawing_json(
     if let Some(angle) = fields_deg.iter().find(|angle| !(-180.0..=180.0).contains(*angle)) {
         return Err(refused(format!("a field of {angle} degrees: give angles from -180 to 180")));
     }
-    let focal_length = focal_length(scale, focal_length_mm);
-    let settings =
-        SystemSettings { focal_length, f_number, pupil_diameter_mm, blades, blade_rotation_rad, blade_curvature };
-    let (system, focus) = lens.focused(&settings, aperture_mask, wavelength_nm, focus_distance_mm)?;
+    let (system, focus) = setting.unwrap_or_default().focused(lens, wavelength_nm, focus_distance_mm)?;
     let drawing = away(py, || {
         let usual = || Drawing::usual_angles_deg(&system, &focus, wavelength_nm);
         let angles = if fields_deg.is_empty() { usual() } else { fields_deg };

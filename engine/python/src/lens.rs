@@ -1,20 +1,18 @@
 //! Lens files for `petzval lens`.
 
-use crate::camera::PyApertureMask;
 use crate::doorway::away;
 use crate::error::{Error, refused};
 use crate::library;
+use crate::setting::Setting;
 use glam::DVec3;
-use petzval_optics::focus::{Focus, Focusing};
 use petzval_optics::formats;
 use petzval_optics::glass::Catalogue;
 use petzval_optics::lane::Real;
 use petzval_optics::paraxial::{Paraxial, Pupil};
 use petzval_optics::prescription::Prescription;
-use petzval_optics::prescription::moving::MovingParts;
 use petzval_optics::seidel::Seidel;
 use petzval_optics::surface::Section;
-use petzval_optics::system::{FocalLength, System, SystemSettings};
+use petzval_optics::system::System;
 use petzval_optics::trace::{Ray, Tracer};
 use petzval_optics::vignetting::Vignetting;
 use pyo3::prelude::*;
@@ -26,7 +24,7 @@ use std::path::Path;
 /// A checked lens prescription.
 #[pyclass(frozen)]
 pub(crate) struct Lens {
-    prescription: Prescription,
+    pub(crate) prescription: Prescription,
     remarks: Vec<String>,
 }
 
@@ -72,34 +70,16 @@ impl Lens {
         library::summary(&self.prescription)
     }
 
-    #[pyo3(signature = (*, wavelength_nm = 587.5618, scale = None, focal_length_mm = None, f_number = None,
-        pupil_diameter_mm = None, blades = 0, blade_curvature = 0.0, blade_rotation_rad = 0.0, aperture_mask = None,
-        focus_distance_mm = None))]
-    #[allow(clippy::too_many_arguments)]
+    #[pyo3(signature = (setting = None, *, wavelength_nm = 587.5618, focus_distance_mm = None))]
     fn info_json(
         &self,
         py: Python<'_>,
+        setting: Option<Setting>,
         wavelength_nm: f64,
-        scale: Option<f64>,
-        focal_length_mm: Option<f64>,
-        f_number: Option<f64>,
-        pupil_diameter_mm: Option<f64>,
-        blades: u32,
-        blade_curvature: f64,
-        blade_rotation_rad: f64,
-        aperture_mask: Option<PyApertureMask>,
         focus_distance_mm: Option<f64>,
     ) -> Result<String, Error> {
         check_wavelength(wavelength_nm)?;
-        let settings = SystemSettings {
-            focal_length: focal_length(scale, focal_length_mm),
-            f_number,
-            pupil_diameter_mm,
-            blades,
-            blade_rotation_rad,
-            blade_curvature,
-        };
-        let (system, focus) = self.focused(&settings, aperture_mask, wavelength_nm, focus_distance_mm)?;
+        let (system, focus) = setting.unwrap_or_default().focused(self, wavelength_nm, focus_distance_mm)?;
         let p = Paraxial::new(&system, wavelength_nm);
         let seidel = Seidel::new(&system, wavelength_nm, focus.object_plane_mm);
         let fields = away(py, || Vignetting::new(&system, wavelength_nm, &focus))?;
@@ -155,39 +135,21 @@ impl Lens {
         .to_string())
     }
 
-    #[pyo3(signature = (rays_json, *, from_film = false, precision = "f64", scale = None, focal_length_mm = None,
-        f_number = None, pupil_diameter_mm = None, blades = 0, blade_curvature = 0.0, blade_rotation_rad = 0.0,
-        aperture_mask = None))]
-    #[allow(clippy::too_many_arguments)]
+    #[pyo3(signature = (rays_json, setting = None, *, from_film = false, precision = "f64"))]
     fn trace_json(
         &self,
         py: Python<'_>,
         rays_json: &str,
+        setting: Option<Setting>,
         from_film: bool,
         precision: &str,
-        scale: Option<f64>,
-        focal_length_mm: Option<f64>,
-        f_number: Option<f64>,
-        pupil_diameter_mm: Option<f64>,
-        blades: u32,
-        blade_curvature: f64,
-        blade_rotation_rad: f64,
-        aperture_mask: Option<PyApertureMask>,
     ) -> Result<String, Error> {
         let trace = match precision {
             "f64" => trace_all::<f64>,
             "f32" => trace_all::<f32>,
             _ => return Err(refused(format!("precision {precision}: there is no such; give f64 or f32"))),
         };
-        let settings = SystemSettings {
-            focal_length: focal_length(scale, focal_length_mm),
-            f_number,
-            pupil_diameter_mm,
-            blades,
-            blade_rotation_rad,
-            blade_curvature,
-        };
-        let system = self.system(&settings, aperture_mask)?;
+        let system = setting.unwrap_or_default().system(self)?;
         let document: Value =
             serde_json::from_str(rays_json).map_err(|e| refused(format!("the rays are not JSON: {e}")))?;
         let rays = document["rays"]
@@ -202,65 +164,12 @@ impl Lens {
     }
 }
 
-impl Lens {
-    pub(crate) fn system(&self, settings: &SystemSettings, mask: Option<PyApertureMask>) -> Result<System, Error> {
-        masked(System::new(&self.prescription, settings)?, settings, mask)
-    }
-
-    /// The lens set and focused on a distance from the entrance pupil; `None` is infinity. What moves inside to focus does so, and the
-    /// film stays; else the film moves.
-    pub(crate) fn focused(
-        &self,
-        settings: &SystemSettings,
-        mask: Option<PyApertureMask>,
-        wavelength_nm: f64,
-        distance_mm: Option<f64>,
-    ) -> Result<(System, Focus), Error> {
-        let moves = self.prescription.moving.as_ref().is_some_and(MovingParts::focuses);
-        let system = match distance_mm.filter(|mm| moves && *mm != f64::INFINITY) {
-            Some(mm) => {
-                let done = Focusing::default().by_groups(&self.prescription, settings, wavelength_nm, mm);
-                masked(done.map_err(|error| refused(error.to_string()))?.system, settings, mask)?
-            }
-            None => self.system(settings, mask)?,
-        };
-        let focus = focus_at(&system, wavelength_nm, distance_mm)?;
-        Ok((system, focus))
-    }
-}
-
-fn masked(system: System, settings: &SystemSettings, mask: Option<PyApertureMask>) -> Result<System, Error> {
-    match mask {
-        Some(mask) => {
-            let shape = mask.read(&format!("lens '{}'", system.name()))?;
-            Ok(system.with_aperture_mask(shape, settings.blade_rotation_rad)?)
-        }
-        None => Ok(system),
-    }
-}
-
 /// Why there are no Seidel sums; `None`: there are.
 fn no_seidel(system: &System, p: &Paraxial) -> Option<&'static str> {
     if system.has_gradients() {
         return Some("a medium has a gradient, whose own share is not worked out");
     }
     p.entrance_pupil.z_mm.is_none().then_some("the entrance pupil is at infinity")
-}
-
-pub(crate) fn focal_length(scale: Option<f64>, focal_mm: Option<f64>) -> FocalLength {
-    match (focal_mm, scale) {
-        (Some(mm), _) => FocalLength::Millimetres(mm),
-        (None, Some(s)) => FocalLength::Scale(s),
-        (None, None) => FocalLength::AsPublished,
-    }
-}
-
-/// A distance from the entrance pupil; `None` is infinity.
-pub(crate) fn focus_at(system: &System, wavelength_nm: f64, distance_mm: Option<f64>) -> Result<Focus, Error> {
-    Ok(match distance_mm.filter(|d| *d != f64::INFINITY) {
-        Some(distance) => Focus::at_distance(system, wavelength_nm, distance)?,
-        None => Focus::at_infinity(system, wavelength_nm),
-    })
 }
 
 /// How much wider in radius than a round opening of the diaphragm's own area is the circle that holds it.

@@ -2,8 +2,8 @@
 
 use crate::doorway::away;
 use crate::error::{Error, refused};
-use crate::lens::{Lens, check_wavelength, focus_at};
-use crate::setting::Setting;
+use crate::lens::{Lens, check_wavelength};
+use crate::setting::{Setting, focus_at};
 use petzval_optics::analysis::Analysis;
 use petzval_optics::analysis::fan::FanLine;
 use petzval_optics::analysis::mtf::Curve;
@@ -42,10 +42,10 @@ impl Look {
         }
     }
 
-    /// The main wavelength and the distance that is to be sharp at it.
-    fn focus(&self) -> (f64, Option<f64>) {
+    /// The main wavelength, at which the lens is focused.
+    fn main_nm(&self) -> f64 {
         let lines = self.lines();
-        (lines[self.main(lines)], self.focus_distance_mm)
+        lines[self.main(lines)]
     }
 
     /// Everything that was asked for, checked; `most` of fields.
@@ -138,7 +138,7 @@ pub(crate) fn lens_spots_json(
     defocus_mm: Vec<f64>,
 ) -> Result<String, Error> {
     within(rays, MOST_RAYS_OF_A_SIDE, "rays over the width of a beam")?;
-    let system = setting.system(lens, look.focus())?;
+    let system = setting.focused(lens, look.main_nm(), look.focus_distance_mm)?.0;
     away(py, || {
         let analysis = look.analysis(&system)?;
         let fields = look.fields(&analysis, &SOME);
@@ -180,7 +180,7 @@ pub(crate) fn lens_fans_json(
     rays: usize,
 ) -> Result<String, Error> {
     within(rays, MOST, "rays of a fan")?;
-    let system = setting.system(lens, look.focus())?;
+    let system = setting.focused(lens, look.main_nm(), look.focus_distance_mm)?.0;
     away(py, || {
         let analysis = look.analysis(&system)?;
         let fan = |lines: &[FanLine]| -> Vec<Value> {
@@ -223,7 +223,7 @@ pub(crate) fn lens_mtf_json(
             "frequencies to {highest_per_mm} and {height_step_per_mm} lines/mm: give more than 0"
         )));
     }
-    let system = setting.system(lens, look.focus())?;
+    let system = setting.focused(lens, look.main_nm(), look.focus_distance_mm)?.0;
     away(py, || {
         let analysis = look.analysis(&system)?;
         let curve = |c: &Curve| json!({ "contrast": c.contrast, "geometric": c.geometric, "limit": c.limit });
@@ -266,7 +266,7 @@ pub(crate) fn lens_distortion_json(
     count: usize,
 ) -> Result<String, Error> {
     within(count, MOST, "fields")?;
-    let system = setting.system(lens, look.focus())?;
+    let system = setting.focused(lens, look.main_nm(), look.focus_distance_mm)?.0;
     away(py, || {
         let analysis = look.analysis(&system)?;
         let chief = |&angle: &f64| match analysis.chief_ray(angle) {
@@ -298,7 +298,7 @@ pub(crate) fn lens_illumination_json(
     count: usize,
 ) -> Result<String, Error> {
     within(count, MOST, "fields")?;
-    let system = setting.system(lens, look.focus())?;
+    let system = setting.focused(lens, look.main_nm(), look.focus_distance_mm)?.0;
     away(py, || {
         let analysis = look.analysis(&system)?;
         let lit = analysis.illumination(&look.fields(&analysis, &evenly(count)));

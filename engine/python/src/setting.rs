@@ -1,13 +1,15 @@
 //! How a lens is set, as the commands of `petzval lens` say it.
 
 use crate::camera::PyApertureMask;
-use crate::error::Error;
-use crate::lens::{Lens, focal_length};
-use petzval_optics::system::{System, SystemSettings};
+use crate::error::{Error, refused};
+use crate::lens::Lens;
+use petzval_optics::focus::{Focus, Focusing};
+use petzval_optics::prescription::moving::MovingParts;
+use petzval_optics::system::{FocalLength, System, SystemSettings};
 use pyo3::prelude::*;
 
 /// Read by attribute; `petzval/lens_setting.py` has the dataclass. `None`: as published.
-#[derive(FromPyObject)]
+#[derive(Default, FromPyObject)]
 pub(crate) struct Setting {
     scale: Option<f64>,
     focal_length_mm: Option<f64>,
@@ -20,16 +22,60 @@ pub(crate) struct Setting {
 }
 
 impl Setting {
-    /// The lens so set; what moves inside it to focus stands where it makes this distance sharp at this wavelength.
-    pub(crate) fn system(self, lens: &Lens, (wavelength_nm, distance_mm): (f64, Option<f64>)) -> Result<System, Error> {
-        let settings = SystemSettings {
-            focal_length: focal_length(self.scale, self.focal_length_mm),
-            f_number: self.f_number,
-            pupil_diameter_mm: self.pupil_diameter_mm,
-            blades: self.blades,
-            blade_rotation_rad: self.blade_rotation_rad,
-            blade_curvature: self.blade_curvature,
+    /// The lens so set, and focused on a distance from the entrance pupil at a wavelength; `None` is infinity. What moves inside to
+    /// focus does so, and the film stays; else the film moves.
+    pub(crate) fn focused(
+        self,
+        lens: &Lens,
+        wavelength_nm: f64,
+        distance_mm: Option<f64>,
+    ) -> Result<(System, Focus), Error> {
+        let (settings, mask) = self.parts();
+        let moving = lens.prescription.moving.as_ref().is_some_and(MovingParts::focuses);
+        let system = match distance_mm.filter(|mm| moving && *mm != f64::INFINITY) {
+            Some(mm) => {
+                let done = Focusing::default().by_groups(&lens.prescription, &settings, wavelength_nm, mm);
+                masked(done.map_err(|error| refused(error.to_string()))?.system, &settings, mask)?
+            }
+            None => masked(System::new(&lens.prescription, &settings)?, &settings, mask)?,
         };
-        Ok(lens.focused(&settings, self.aperture_mask, wavelength_nm, distance_mm)?.0)
+        let focus = focus_at(&system, wavelength_nm, distance_mm)?;
+        Ok((system, focus))
     }
+
+    /// The lens so set, as it is focused in its file.
+    pub(crate) fn system(self, lens: &Lens) -> Result<System, Error> {
+        let (settings, mask) = self.parts();
+        masked(System::new(&lens.prescription, &settings)?, &settings, mask)
+    }
+
+    fn parts(self) -> (SystemSettings, Option<PyApertureMask>) {
+        let focal_length = match (self.focal_length_mm, self.scale) {
+            (Some(mm), _) => FocalLength::Millimetres(mm),
+            (None, Some(scale)) => FocalLength::Scale(scale),
+            (None, None) => FocalLength::AsPublished,
+        };
+        let Self { f_number, pupil_diameter_mm, blades, blade_rotation_rad, blade_curvature, aperture_mask, .. } = self;
+        let settings =
+            SystemSettings { focal_length, f_number, pupil_diameter_mm, blades, blade_rotation_rad, blade_curvature };
+        (settings, aperture_mask)
+    }
+}
+
+fn masked(system: System, settings: &SystemSettings, mask: Option<PyApertureMask>) -> Result<System, Error> {
+    match mask {
+        Some(mask) => {
+            let shape = mask.read(&format!("lens '{}'", system.name()))?;
+            Ok(system.with_aperture_mask(shape, settings.blade_rotation_rad)?)
+        }
+        None => Ok(system),
+    }
+}
+
+/// A distance from the entrance pupil; `None` is infinity.
+pub(crate) fn focus_at(system: &System, wavelength_nm: f64, distance_mm: Option<f64>) -> Result<Focus, Error> {
+    Ok(match distance_mm.filter(|d| *d != f64::INFINITY) {
+        Some(distance) => Focus::at_distance(system, wavelength_nm, distance)?,
+        None => Focus::at_infinity(system, wavelength_nm),
+    })
 }
