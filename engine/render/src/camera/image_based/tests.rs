@@ -146,12 +146,14 @@ fn every_lens_can_be_a_table() {
         let retina = lens::read(&path, Catalogue::shipped()).unwrap().film_radius_mm.map_or(f64::INFINITY, f64::abs);
         let half = (efl_mm * half_field_deg.unwrap_or(5.0).min(60.0).to_radians().sin()).min(0.8 * retina);
         let difference = difference(&description(file, [1.6 * half, 1.1 * half]));
-        // Measured: at most 0.032 rms (Biotar f/1.4), the worst ray 0.37 px (the phone's aspheres).
+        // Measured: at most 0.032 rms (Biotar f/1.4), the worst ray 0.37 px (the phone's aspheres), but for what is named.
         let [rms_px, worst_px] = match file {
             // Twelve aspheres at F/1.8 turn rays more between two places of the table than a cubic follows: 1.35 rms.
             "phone-4.1-f1.8.lens" => [2.0, 40.0],
             // At F/1.4 and 75 degrees: 0.16 rms, 3.0 px at worst.
             "nikkor-28-f1.4.lens" => [0.25, 5.0],
+            // Its core is nearly a ball, and rays by the core's rim part as fast: 0.36 rms, 10 px at worst.
+            "eye-gullstrand-exact-accommodated.lens" => [0.6, 20.0],
             _ => [0.05, 0.7],
         };
         println!("{file}: {difference:?}");
