@@ -20,6 +20,7 @@ import math
 import warnings
 from importlib.metadata import version
 from pathlib import Path
+from typing import Any
 
 warnings.filterwarnings("ignore")
 
@@ -67,17 +68,41 @@ def by_rayoptics(path: Path) -> dict:
     return figures
 
 
+def _spot(optic: Any, part: float) -> dict:
+    """Of a part of the field: of rays to the middle of the paraxial entrance pupil and six rings in it, the last at 0.95 of its radius."""
+    import numpy as np
+
+    places = [(0.0, 0.0)]
+    for ring in range(1, 7):
+        turns = np.arange(6 * ring) * (2.0 * math.pi / (6 * ring))
+        places += [(0.95 * ring / 6.0 * math.cos(turn), 0.95 * ring / 6.0 * math.sin(turn)) for turn in turns]
+    x, y = (np.array(values) for values in zip(*places, strict=True))
+    rays = optic.trace_generic(0.0, part, x, y, float(optic.primary_wavelength))
+    x, y = np.asarray(rays.x), np.asarray(rays.y)
+    distances = np.hypot(x - x.mean(), y - y.mean())
+    return {
+        "field_deg": part * float(optic.fields.max_field),
+        "rms": float(np.sqrt((distances**2).mean())),
+        "largest": float(distances.max()),
+    }
+
+
 def by_optiland(path: Path) -> dict:
-    """Focal lengths, of what it reads."""
+    """Focal lengths, of what it reads, and spots on the axis and at half of the field, of 127 rays."""
     from optiland import fileio
 
     read = {".zmx": "load_zemax_file", ".len": "load_oslo_file", ".seq": "load_codev_file"}[path.suffix]
     optic = getattr(fileio, read)(str(path))
-    return {
+    figures = {
         "wavelength_nm": float(optic.primary_wavelength) * 1000.0,
         "efl": float(optic.paraxial.f2()),
         "entrance_pupil_radius": float(optic.paraxial.EPD()) / 2.0,
     }
+    spots = [_spot(optic, part) for part in (0.0, 0.5)]
+    # It loses rays where it has not understood the file.
+    if all(math.isfinite(value) for spot in spots for value in spot.values()):
+        figures["spots"] = spots
+    return figures
 
 
 def write_oslo() -> None:
