@@ -89,6 +89,8 @@
 //! # position: focus=inf 3.05 4.0 10.2 -3.13 0
 //! # position: focus=250 2.97 4.16 7.38 -3.68 0.005
 //! ```
+//!
+//! A diaphragm that opens with the focal length is the `diameter` of its row.
 
 mod columns;
 pub(super) mod header;

@@ -151,3 +151,18 @@ fn lines_that_make_no_table_are_named_with_their_place() {
         assert!(error.starts_with("x.lens:") && error.contains(expected), "{lines:?}: {error}");
     }
 }
+
+/// The diaphragm of a zoom may open with the focal length: F/4 from end to end, and nearly so between the positions of the table.
+#[test]
+fn a_zoom_keeps_its_f_number() {
+    let path = crate::common::repository("lenses/nikkor-z-24-70-f4.lens");
+    let prescription = lens::read(&path, Catalogue::shipped()).unwrap();
+    for (focal_mm, allowed) in [(24.72, 1e-4), (30.0, 0.02), (46.31, 1e-4), (55.0, 0.02), (67.91, 1e-4)] {
+        let settings = SystemSettings { focal_length: FocalLength::Millimetres(focal_mm), ..SystemSettings::default() };
+        let system = System::new(&prescription, &settings).unwrap();
+        assert!((system.f_number() / 4.0 - 1.0).abs() < allowed, "{focal_mm}: {}", system.f_number());
+        let stopped = SystemSettings { f_number: Some(8.0), ..settings };
+        let stopped = System::new(&prescription, &stopped).unwrap();
+        assert!((stopped.f_number() - 8.0).abs() < 1e-9 && !stopped.f_number_was_clamped());
+    }
+}
