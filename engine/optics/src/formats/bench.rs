@@ -9,7 +9,7 @@
 use std::collections::HashMap;
 
 use crate::glass::{Catalogue, Medium};
-use crate::prescription::moving::{Part, Position};
+use crate::prescription::moving::{Part, Position, Quantity};
 use crate::prescription::{Behind, Place};
 
 use super::draft::{Draft, DraftRow, MOST_SURFACES};
@@ -20,6 +20,8 @@ use super::text::{Token, finite, not_a_number};
 
 /// Radii of the two tables that differ by more, relative, are of different surfaces.
 const SAME_RADIUS: f64 = 1e-3;
+/// The line that says how wide the diaphragm is.
+const STOP: &str = "Aperture Diameter";
 /// A table of more positions is none.
 const MOST_POSITIONS: usize = 100;
 
@@ -325,14 +327,18 @@ impl<'a> Reader<'a> {
             return;
         }
         let zooms = self.zooms();
+        // How wide the diaphragm is, where that changes and every position says it.
+        let opening = |i: usize| self.value(STOP, i).or_else(|| self.value(STOP, i % zooms.max(1)));
+        let opens = self.stop_opens() && (0..count).all(|i| opening(i).is_some_and(|x| x.is_finite() && x > 0.0));
+        let stop = self.draft.stop.filter(|_| opens);
         let mut positions: Vec<Position> = Vec::new();
         let mut left_out = 0;
         for i in 0..count {
             // Positions of near objects say no focal length: they repeat the zooms in their order.
             let focal = self.value("Focal Length", i).or_else(|| self.value("Focal Length", i % zooms.max(1)));
             let object = self.value("d0", i).unwrap_or(if i < zooms.max(1) { f64::INFINITY } else { f64::NAN });
-            let gaps: Option<Vec<f64>> =
-                moving.iter().map(|(_, name, _)| self.value(name, i).filter(|x| x.is_finite())).collect();
+            let gaps = moving.iter().map(|(_, name, _)| self.value(name, i).filter(|x| x.is_finite()));
+            let gaps: Option<Vec<f64>> = gaps.chain(stop.map(|_| opening(i))).collect();
             let is_new = |position: &Position| {
                 !positions.iter().any(|p| p.zoom_mm == position.zoom_mm && p.focus_mm == position.focus_mm)
             };
@@ -361,8 +367,9 @@ impl<'a> Reader<'a> {
         }
         if positions.len() > 1 {
             let places = vec![place; positions.len()];
-            let parts = moving.iter().map(|(surface, ..)| Part::gap(*surface)).collect();
-            self.draft.moving = Some((parts, positions, places));
+            let gaps = moving.iter().map(|(surface, ..)| Part::gap(*surface));
+            let diaphragm = stop.map(|surface| Part { surface, quantity: Quantity::Diameter });
+            self.draft.moving = Some((gaps.chain(diaphragm).collect(), positions, places));
         }
     }
 
@@ -376,17 +383,26 @@ impl<'a> Reader<'a> {
         if focal.values.iter().take(known).all(|value| *value == focal.values[0]) { 1 } else { distinct }
     }
 
-    /// The stop of a zoom may open and close as it moves; the lens keeps one diameter.
+    /// True if the table has the diaphragm more than one diameter wide.
+    fn stop_opens(&self) -> bool {
+        let Some(diameter) = self.variables.get(STOP) else { return false };
+        let mut known = diameter.values.iter().flatten();
+        known.next().is_some_and(|first| known.any(|x| x != first))
+    }
+
+    /// A diaphragm whose diameters are not known at every position is as wide as the widest of them.
     fn note_other_stops(&mut self) {
-        let Some(diameter) = self.variables.get("Aperture Diameter") else { return };
-        let known: Vec<f64> = diameter.values.iter().flatten().copied().filter(|x| x.is_finite() && *x > 0.0).collect();
-        let widest = known.iter().copied().fold(0.0, f64::max);
-        if known.iter().any(|x| *x != widest) {
-            let what = format!("the stop opens with the zoom, to {widest} mm; it is kept that wide");
-            self.draft.remarks.say(diameter.place, what);
-            if let Some(stop) = self.draft.stop {
-                self.draft.rows[stop].semi_diameter_mm = Some(widest / 2.0);
-            }
+        let Some(diameter) = self.variables.get(STOP).filter(|_| self.stop_opens()) else { return };
+        let is_moved = |part: &Part| part.quantity == Quantity::Diameter;
+        if self.draft.moving.as_ref().is_some_and(|(parts, ..)| parts.iter().any(is_moved)) {
+            return;
+        }
+        let known = diameter.values.iter().flatten().copied().filter(|x| x.is_finite() && *x > 0.0);
+        let widest = known.fold(0.0, f64::max);
+        let what = format!("the stop opens with the zoom, to {widest} mm; it is kept that wide");
+        self.draft.remarks.say(diameter.place, what);
+        if let Some(stop) = self.draft.stop.filter(|_| widest > 0.0) {
+            self.draft.rows[stop].semi_diameter_mm = Some(widest / 2.0);
         }
     }
 }

@@ -12,7 +12,7 @@ use petzval_optics::trace::Ray;
 use serde_json::Value;
 
 use super::{foreign, parse, refused, remarks, system};
-use crate::common::reference_json;
+use crate::common::{reference_json, repository};
 use petzval_optics::glass::line_nm;
 
 fn vector(value: &Value) -> DVec3 {
@@ -104,7 +104,13 @@ fn a_published_zoom_has_its_focal_lengths() {
         assert!((info.bfd_mm.unwrap() - back_mm).abs() < 0.06, "{zoom_mm}: {:?}", info.bfd_mm);
         let tracer = system.at_wavelength(line_nm::D);
         assert!(tracer.from_scene(Ray { origin: DVec3::new(0.0, 0.5, -10.0), direction: DVec3::Z }).is_ok());
+        // The diaphragm opens with the zoom, to what the patent calls F/4.12 throughout; by first order it is a little more.
+        assert!((4.12 / system.f_number() - 1.0).abs() < 0.04, "{zoom_mm}: {}", system.f_number());
     }
+    assert!(!remarks(&reading).contains("the stop opens"), "{}", remarks(&reading));
+    // Where one position does not say how wide it is, it keeps one width, and that is said.
+    let table = std::fs::read_to_string(repository("tests/reference/foreign/canon-11-24.txt")).unwrap();
+    let reading = parse("canon.txt", &table.replace("\t16.201", "\tundefined")).unwrap();
     assert!(remarks(&reading).contains("the stop opens with the zoom, to 18.91 mm"), "{}", remarks(&reading));
 }
 
