@@ -44,14 +44,23 @@ def glass_index(name: str, catalogues: Path) -> float:
     raise LookupError(f"no Sellmeier formula for {name} in {catalogues}")
 
 
+def focal_length(radius: np.ndarray, thickness: np.ndarray, behind: np.ndarray) -> float:
+    """By a paraxial ray along the axis."""
+    height, slope, index = 1.0, 0.0, 1.0
+    for r, t, after in zip(radius, thickness, behind, strict=True):
+        bend = 0.0 if r == 0.0 else height * (after - index) / r
+        slope, index = (index * slope - bend) / after, after
+        height += t * slope
+    return -1.0 / (index * slope)
+
+
 def read(path: Path, info: dict) -> Lens:
     """From a lens file of spheres, and what `petzval lens info --json` says of it at the wanted size and focus."""
     lines = [line.split() for line in path.read_text().splitlines() if line.strip() and not line.startswith("#")]
     radius, thickness, diameter = (np.array([float(line[k]) for line in lines]) for k in (0, 1, 3))
     behind = np.array([glass_index(line[2], path.parent / "glass") for line in lines])
     is_stop = np.array([line[5] == "1" for line in lines])
-    published = float(next(line for line in path.read_text().splitlines() if "efl computed" in line).split()[-1])
-    scale = info["efl_mm"] / published
+    scale = info["efl_mm"] / focal_length(radius, thickness, behind)
     aperture = 0.5 * scale * diameter
     aperture[is_stop] = 0.5 * info["stop_diameter_mm"]
     return Lens(
