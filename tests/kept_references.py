@@ -3,7 +3,7 @@
 
 The same Cycles takes the same picture of the same scene, so that only Petzval's has to be taken again. A picture is kept in
 .cache/cycles under the name of its test, and counts as long as Blender's version, the sources that the test imports of this
-folder, the .blend that is open and the camera are what they were. PETZVAL_CYCLES_AGAIN=1 has all of them taken anew.
+folder, the .blend that is open, the meshes and the camera are what they were. PETZVAL_CYCLES_AGAIN=1 has all of them taken anew.
 """
 
 from __future__ import annotations
@@ -14,6 +14,7 @@ import hashlib
 import os
 import re
 import shutil
+from array import array
 from pathlib import Path
 
 import bpy
@@ -57,13 +58,29 @@ def _place() -> Path | None:
     name = test.rpartition(" ")[0]
     file = TESTS / Path(name.partition("::")[0]).name
     digest = hashlib.blake2b(digest_size=12)
-    for part in (*_state(), _digest_of_sources(file)):
+    for part in (*_state(), _meshes(), _digest_of_sources(file)):
         digest.update(repr(part).encode())
     digest.update(repr((test, _asked)).encode())
     # Names of tests may be longer than those of files.
     told = hashlib.blake2b(f"{test} {_asked}".encode(), digest_size=6).hexdigest()
     short = re.sub(r"\W+", "-", name.partition("::")[2])[:80]
     return KEPT / f"{short}-{told}-{'.'.join(map(str, bpy.app.version[:2]))}-{digest.hexdigest()}.exr"
+
+
+#: Meshes of more vertices come from files, which count themselves.
+_MOST_VERTICES = 100_000
+
+
+def _meshes() -> bytes:
+    """A digest of the meshes in memory: what bmesh cuts comes in another order each time that Blender runs."""
+    digest = hashlib.blake2b(digest_size=12)
+    for mesh in sorted(bpy.data.meshes, key=lambda mesh: mesh.name_full):
+        if 0 < len(mesh.vertices) <= _MOST_VERTICES:
+            places, corners = array("f", bytes(12 * len(mesh.vertices))), array("i", bytes(4 * len(mesh.loops)))
+            mesh.vertices.foreach_get("co", places)
+            mesh.loops.foreach_get("vertex_index", corners)
+            digest.update(places.tobytes() + corners.tobytes())
+    return digest.digest()
 
 
 def _state() -> tuple:
