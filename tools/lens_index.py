@@ -16,6 +16,8 @@ import sys
 from pathlib import Path
 from typing import Any
 
+from petzval import lens_library as texts
+
 ROOT = Path(__file__).resolve().parent.parent
 PAGE = ROOT / "docs/lenses.md"
 DRAWINGS = ROOT / "docs/images/lenses"
@@ -49,28 +51,6 @@ def petzval(*arguments: str) -> str:
     return done.stdout
 
 
-def number(value: float | None, digits: int = 5) -> str:
-    """Five digits, without an exponent."""
-    if value is None:
-        return "none"
-    text = f"{value:.{digits}g}"
-    return f"{float(text):.0f}" if "e" in text else text
-
-
-def focal(entry: dict[str, Any], digits: int = 4) -> str:
-    if entry["zoom_range_mm"]:
-        return " to ".join(number(end, digits) for end in entry["zoom_range_mm"])
-    return number(entry["focal_length_mm"], digits)
-
-
-def field(entry: dict[str, Any]) -> str:
-    return number(2.0 * entry["half_field_deg"], 4)
-
-
-def film(entry: dict[str, Any]) -> str:
-    return " x ".join(f"{side:g}" for side in entry["film_mm"] or [])
-
-
 def cell(text: str) -> str:
     return text.replace("|", "\\|")
 
@@ -84,7 +64,7 @@ def by_group(found: dict[str, Any]) -> list[tuple[str, list[dict[str, Any]]]]:
 def table(entries: list[dict[str, Any]], link) -> list[str]:
     lines = ["| lens | focal length, mm | f-number | field | film, mm |", "|---|---:|---:|---:|---|"]
     for entry in entries:
-        facts = [focal(entry), number(entry["f_number"], 3), field(entry), film(entry)]
+        facts = [texts.focal_text(entry), texts.f_number_text(entry), texts.field_text(entry), texts.film_text(entry)]
         lines.append(f"| {link(entry)} | " + " | ".join(facts) + " |")
     return lines
 
@@ -102,9 +82,9 @@ def section(entry: dict[str, Any]) -> list[str]:
     star = " ★" if entry["is_first_choice"] else ""
     lines = [f"### {entry['name']}{star}", "", f'<a id="{entry["id"]}"></a>']
     lines += [f"![{cell(entry['name'])}](images/lenses/{entry['id']}.svg)", ""]
-    facts = [f"`{entry['id']}`", entry["design"] or "", f"field {field(entry)}°"]
+    facts = [f"`{entry['id']}`", entry["design"] or "", f"field {texts.field_text(entry)}°"]
     if entry["film_mm"]:
-        facts.append(f"film {film(entry)} mm")
+        facts.append(f"film {texts.film_text(entry)} mm")
     if entry["focuses_inside"]:
         facts.append("focuses by groups inside")
     lines += [", ".join(fact for fact in facts if fact) + f". Source: {entry['source']}.", ""]
@@ -112,7 +92,7 @@ def section(entry: dict[str, Any]) -> list[str]:
     for row in entry["published"]:
         said = row["text"] if row["text"] is not None else "not published"
         why = f"differs: {row['why']}" if row["why"] else "agrees" if row["agrees"] else ""
-        lines.append(f"| {WORDS[row['key']]} | {said} | {number(row['computed'])} | {cell(why)} |")
+        lines.append(f"| {WORDS[row['key']]} | {said} | {texts.number(row['computed'])} | {cell(why)} |")
     if entry["notes"]:
         lines += ["", entry["notes"]]
     return [*lines, ""]

@@ -85,9 +85,9 @@ impl<'a> Analysis<'a> {
         Some(Self { system, focus, film, lines, main, azimuth: DVec2::from_angle(azimuth_rad) })
     }
 
-    /// The film, which stays where it is while the object plane does: `mm` along z from where it stands.
-    pub fn with_defocus(mut self, mm: f64) -> Self {
-        self.film.z_mm += mm;
+    /// The film at this z in lens space; the object plane stays.
+    pub fn with_film_at(mut self, z_mm: f64) -> Self {
+        self.film.z_mm = z_mm;
         self
     }
 
@@ -230,16 +230,12 @@ struct Touching {
 impl Touching {
     fn new(frame: &FilmFrame, film: DVec2, [sagittal, tangential]: [DVec2; 2]) -> Self {
         let place = frame.at(film.x, film.y);
-        // Of the film's own two directions what lies in the plane: light that comes along the film's axis sees them as they are.
-        let flat = FilmPlane::upright(0.0).frame();
-        let along = |d: DVec2| {
-            let there = flat.at(d.x, d.y).point;
-            (there - place.normal * there.dot(place.normal)).normalize_or(DVec3::X)
-        };
+        // Of the film's own two directions what lies in the plane: light that comes along the axis sees them as they are.
+        let along = |d: DVec2| d.extend(0.0).reject_from_normalized(place.normal).normalize_or(DVec3::X);
         let tangential = along(tangential);
         // At right angles to it, also where the film is steep in between.
         let side = along(sagittal);
-        let sagittal = (side - tangential * side.dot(tangential)).normalize_or(DVec3::X);
+        let sagittal = side.reject_from_normalized(tangential).normalize_or(DVec3::X);
         Self { point: place.point, sagittal, tangential }
     }
 

@@ -11,5 +11,5 @@ mod transmittance;
 pub use catalogue::{Catalogue, GlassError};
 pub use dispersion::Dispersion;
 pub use gradient::{Gradient, GradientTerm, LAST_GRADIENT_POWER};
-pub use medium::{AIR_NAME, Medium, line_nm};
+pub use medium::{AIR_NAME, Medium, VISIBLE_NM, line_nm};
 pub use transmittance::InternalTransmittance;

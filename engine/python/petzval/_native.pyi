@@ -30,9 +30,9 @@ class Lens:
     @property
     def remarks(self) -> list[str]:
         """What of the file is not in the lens, or was taken for something else: lines `FILE:LINE:COLUMN: what`."""
-    def media_beyond(self, shortest_nm: float, longest_nm: float) -> list[tuple[str, float, float]]:
-        """Media whose index is not known everywhere between two wavelengths: name, and the range in nm in which it is.
-        Beyond it they keep the index of its end."""
+    def range_notes(self, wavelengths_nm: Sequence[float] = ...) -> list[str]:
+        """A sentence on each glass whose index is not known at all of these wavelengths, or between them; of none given, at those
+        that are seen, 380 to 780 nm. Beyond what is known they keep the index of its end."""
     def written(self, kind: str) -> tuple[str, list[str]]:
         """The text of a `lens` or `zmx` file, and what of the lens cannot stand in one."""
     @property
@@ -144,8 +144,9 @@ def lens_illumination_json(lens: Lens, setting: LensSetting, look: LensLook, cou
 def glass_json(name: str, catalogue: str | None, wavelengths_nm: Sequence[float], thickness_mm: float) -> str:
     """A glass of the shipped catalogues, or of the .agf or .yml file `catalogue`: name, source, makers (that have one of this name, the
     first is taken), formula and coefficients (null for vacuum), range_nm ([0, null] for all), nd, abbe (null: no dispersion),
-    transmittance_is_known, remarks, and indices, a row a wavelength: wavelength_nm, index, is_known (else it is that at the end of the
-    range) and transmittance, of `thickness_mm` inside (null: not known)."""
+    transmittance_is_known, remarks, range_note (on wavelengths where the index is not known; null: there are none), and indices, a row
+    a wavelength: wavelength_nm, index, is_known (else it is that at the end of the range) and transmittance, of `thickness_mm` inside
+    (null: not known)."""
 
 def glasses_json(catalogue: str | None) -> str:
     """glasses: token, nd and abbe (null: no dispersion) of each of a catalogue; and remarks."""

@@ -8,9 +8,9 @@ import json
 from pathlib import Path
 from typing import Any
 
+from .argument_types import number
 from .errors import CommandError
 from .lens_loading import say
-from .lens_setting import number
 
 #: F, d and C, and e, F' and C' of mercury and cadmium, nm.
 _LINES = (("F", 486.1327), ("d", 587.5618), ("C", 656.2725), ("F'", 479.9914), ("e", 546.0740), ("C'", 643.8469))
@@ -108,12 +108,8 @@ def _abbe(value: float | None) -> str:
 
 def _notes(found: dict[str, Any]) -> list[str]:
     notes = list(found["remarks"])
-    beyond = [row for row in found["indices"] if not row["is_known"]]
-    if beyond:
-        start, end = found["range_nm"]
-        notes.append(
-            f"glass {found['name']}: its index is known from {start:.0f} to {end:.0f} nm, beyond it is kept as at the end"
-        )
+    if found["range_note"]:
+        notes.append(found["range_note"])
     if len(found["makers"]) > 1:
         notes.append(
             f"glasses of this name are made by {', '.join(found['makers'])}: name one as {found['makers'][0]}:NAME"
@@ -136,7 +132,4 @@ def _draw(arguments: argparse.Namespace, found: dict[str, Any]) -> None:
     places = [start + (end - start) * i / (_PLACES - 1) for i in range(_PLACES)]
     drawn = json.loads(_native.glass_json(arguments.name, arguments.catalogue, places, arguments.thickness))
     drawn["others"] = json.loads(_native.glasses_json(arguments.catalogue))["glasses"]
-    try:
-        page.write(drawn, out, glass.SIZE_IN, drawn["source"], glass.draw)
-    except OSError as error:
-        raise CommandError(f"cannot write {out}: {error.strerror or error}: choose another place") from None
+    page.write(drawn, out, glass.SIZE_IN, drawn["source"], glass.draw)

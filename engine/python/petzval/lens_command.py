@@ -10,9 +10,10 @@ from pathlib import Path
 from typing import Any
 
 from . import lens_list, lens_report_command
+from .argument_types import number
 from .errors import CommandError, complain
-from .lens_loading import VISIBLE_NM, beyond, load, say
-from .lens_setting import add_setting, distance, number, setting_of
+from .lens_loading import load, say
+from .lens_setting import add_focus, add_setting, setting_of
 from .questions import read_list, vector_text
 
 #: What is read, by ending; tables of the Optical Bench are known by their sections.
@@ -47,9 +48,7 @@ def add_parser(subparsers: argparse._SubParsersAction) -> None:
     draw.add_argument("--rays", type=int, default=7, metavar="N", help="of each field; default: 7")
     draw.add_argument("--wavelength", type=number, metavar="NM", help="nanometres; default: the d line")
     add_setting(draw)
-    draw.add_argument(
-        "--focus-distance", type=distance, metavar="MM|inf", help="from the entrance pupil to what is sharp"
-    )
+    add_focus(draw)
     draw.set_defaults(run=_draw)
 
     lens_report_command.add_parsers(actions, KINDS)
@@ -58,9 +57,7 @@ def add_parser(subparsers: argparse._SubParsersAction) -> None:
     info.add_argument("lens", metavar="FILE", help=f"a lens file ({KINDS}), or the name of a shipped lens")
     info.add_argument("--wavelength", type=number, metavar="NM", help="nanometres; default: the d line")
     add_setting(info)
-    info.add_argument(
-        "--focus-distance", type=distance, metavar="MM|inf", help="from the entrance pupil to what is sharp"
-    )
+    add_focus(info)
     info.add_argument("--json", action="store_true", help="print one JSON object")
     info.set_defaults(run=_info)
 
@@ -101,7 +98,7 @@ def _check(arguments: argparse.Namespace) -> int:
             complain(str(error))
         else:
             say(lens.remarks)
-            say([f"{name}: {note}" for note in beyond(lens, VISIBLE_NM)])
+            say([f"{name}: {note}" for note in lens.range_notes()])
             print(f"ok: {lens.name}, {lens.surface_count} surfaces")
     return 1 if failures else 0
 
@@ -129,14 +126,11 @@ def _draw(arguments: argparse.Namespace) -> int:
     lens = load(arguments.lens)
     answer = _native.lens_drawing_json(lens, setting_of(arguments), arguments.fields, arguments.rays, **options)
     found = json.loads(answer)
-    try:
-        lens_drawing.write(found, out)
-    except OSError as error:
-        raise CommandError(f"cannot write {out}: {error.strerror or error}: choose another place") from None
+    lens_drawing.write(found, out)
     dark = [
         f"nothing comes through from {field['angle_deg']:g} degrees" for field in found["fields"] if not field["rays"]
     ]
-    say([*lens.remarks, *beyond(lens, [found["wavelength_nm"]]), *dark])
+    say([*lens.remarks, *lens.range_notes([found["wavelength_nm"]]), *dark])
     print(f"{out}: {found['name']}")
     return 0
 
@@ -144,7 +138,7 @@ def _draw(arguments: argparse.Namespace) -> int:
 def _info(arguments: argparse.Namespace) -> int:
     options = _given(wavelength_nm=arguments.wavelength, focus_distance_mm=arguments.focus_distance)
     lens = load(arguments.lens)
-    notes = [*lens.remarks, *beyond(lens, [] if arguments.wavelength is None else [arguments.wavelength])]
+    notes = [*lens.remarks, *lens.range_notes([] if arguments.wavelength is None else [arguments.wavelength])]
     answer = lens.info_json(setting_of(arguments), **options)
     if arguments.json:
         print(_with_notes(answer, notes))
@@ -163,7 +157,7 @@ def _trace(arguments: argparse.Namespace) -> int:
     lens = load(arguments.lens)
     answer = lens.trace_json(text, setting, from_film=side == "film", precision=arguments.precision)
     asked = [ray["wavelength_nm"] for ray in question["rays"] if ray.get("wavelength_nm") is not None]
-    notes = [*lens.remarks, *beyond(lens, asked)]
+    notes = [*lens.remarks, *lens.range_notes(asked)]
     if arguments.json:
         print(_with_notes(answer, notes))
     else:

@@ -3,13 +3,12 @@
 
 from __future__ import annotations
 
-import json
 from pathlib import Path
 from typing import Any
 
-_GLASS, _RIM, _MIRROR, _PALE = "#d3e5f2", "#33566f", "#20262b", "#8a939a"
-#: By field, as designers have them: the axis blue, then green and red.
-_FIELDS = ("#1f5fae", "#2d8a3e", "#c0392b", "#8e44ad", "#c77700", "#128a8a")
+from .lens_reports.page import DARK, FIELDS, PALE, facts, field_colour, save
+
+_GLASS, _RIM, _MIRROR = "#d3e5f2", "#33566f", "#20262b"
 _WIDTH_IN, _LEAST_IN, _MOST_IN = 10.0, 3.2, 8.0
 #: The stop's marks, of the lens's height, and the room about all, of its.
 _MARK, _ROOM = 0.09, 0.06
@@ -18,27 +17,21 @@ _NEAR = 0.03
 
 
 def write(found: dict[str, Any], out: Path) -> None:
-    """Writes `lens_drawing_json`'s object, drawn or as it is."""
-    if out.suffix.lower() == ".json":
-        out.write_text(json.dumps(found) + "\n", encoding="utf-8")
-        return
-    import matplotlib
+    """Writes `lens_drawing_json`'s object, drawn or as it is. Raises `CommandError`."""
 
-    matplotlib.use("Agg")
-    from matplotlib import pyplot
-
-    with pyplot.rc_context({"font.size": 9, "svg.hashsalt": "petzval", "svg.fonttype": "none"}):
+    def make(pyplot: Any) -> Any:
         left, right, low, high = _extent(found)
         height = min(max(_WIDTH_IN * (high - low) / (right - left), _LEAST_IN), _MOST_IN)
         figure = pyplot.figure(figsize=(_WIDTH_IN, height + 1.0))
         axes = figure.add_axes((0.03, 0.55 / (height + 1.0), 0.94, (height - 0.05) / (height + 1.0)))
         draw(found, axes)
-        figure.legend(loc="lower left", bbox_to_anchor=(0.02, 0.0), ncols=len(_FIELDS), frameon=False, handlelength=1.4)
+        figure.legend(loc="lower left", bbox_to_anchor=(0.02, 0.0), ncols=len(FIELDS), frameon=False, handlelength=1.4)
         figure.text(0.03, 0.985, found["name"], fontsize=11, weight="bold", va="top")
-        figure.text(0.97, 0.985, _facts(found), color="#444444", va="top", ha="right")
-        metadata = {".svg": {"Date": None}, ".png": {"Software": None}, ".pdf": {"CreationDate": None}}
-        figure.savefig(out, dpi=150, metadata=metadata[out.suffix.lower()])
-        pyplot.close(figure)
+        said = f"{facts(found)}   {found['wavelength_nm']:.4g} nm"
+        figure.text(0.97, 0.985, said, color=DARK, va="top", ha="right")
+        return figure
+
+    save(found, out, {}, make)
 
 
 def draw(found: dict[str, Any], axes: Any) -> None:
@@ -47,7 +40,7 @@ def draw(found: dict[str, Any], axes: Any) -> None:
     axes.set_xlim(left, right)
     axes.set_ylim(low, high)
     axes.set_aspect("equal")
-    axes.axhline(0.0, color=_PALE, linewidth=0.6, dashes=(12, 3, 2, 3), zorder=0)
+    axes.axhline(0.0, color=PALE, linewidth=0.6, dashes=(12, 3, 2, 3), zorder=0)
     _elements(found, axes)
     for field, colour in zip(found["fields"], _colours(found), strict=True):
         for ray in field["rays"]:
@@ -61,13 +54,13 @@ def draw(found: dict[str, Any], axes: Any) -> None:
         axes.plot([], [], color=colour, linewidth=1.5, label=said)
     axes.spines[["top", "left", "right"]].set_visible(False)
     axes.set_yticks([])
-    axes.set_xlabel("mm from the first vertex", loc="right", color="#444444")
-    axes.tick_params(axis="x", colors="#444444", length=3)
-    axes.spines["bottom"].set_color(_PALE)
+    axes.set_xlabel("mm from the first vertex", loc="right", color=DARK)
+    axes.tick_params(axis="x", colors=DARK, length=3)
+    axes.spines["bottom"].set_color(PALE)
 
 
 def _colours(found: dict[str, Any]) -> list[str]:
-    return [_FIELDS[i % len(_FIELDS)] for i in range(len(found["fields"]))]
+    return [field_colour(i) for i in range(len(found["fields"]))]
 
 
 def _extent(found: dict[str, Any]) -> tuple[float, float, float, float]:
@@ -141,7 +134,7 @@ def _planes(found: dict[str, Any], axes: Any, seen: tuple[float, float], height:
     for name, z in planes.items():
         is_first = (z, name) == min((z, name) for name, z in planes.items())
         side = ("right" if is_first else "left") if are_near else "center"
-        axes.plot([z, z], [-0.82 * short, 0.82 * short], color=_PALE, linewidth=0.8, dashes=(5, 3), zorder=1)
+        axes.plot([z, z], [-0.82 * short, 0.82 * short], color=PALE, linewidth=0.8, dashes=(5, 3), zorder=1)
         axes.text(z, 0.84 * short, name, color="#555555", ha=side, va="bottom")
     for key, name in (("entrance_pupil", "EP"), ("exit_pupil", "XP")):
         z, diameter = found[key]["z_mm"], found[key]["diameter_mm"]
@@ -151,15 +144,3 @@ def _planes(found: dict[str, Any], axes: Any, seen: tuple[float, float], height:
             axes.plot(z, side * diameter, marker="_", markersize=9, color="#7d3c98", zorder=6)
         axes.plot([z, z], [-0.5 * diameter, 0.5 * diameter], color="#7d3c98", linewidth=0.7, dashes=(2, 2), zorder=1)
         axes.text(z, -0.5 * diameter - 0.012 * height, name, color="#7d3c98", ha="center", va="top", fontsize=8)
-
-
-def _facts(found: dict[str, Any]) -> str:
-    facts = []
-    if found["efl_mm"] is not None:
-        facts.append(f"f = {found['efl_mm']:.5g} mm")
-    if found["f_number"] is not None:
-        facts.append(f"F/{found['f_number']:.3g}")
-    distance = found["focus_distance_mm"]
-    facts.append("focused at infinity" if distance is None else f"focused at {distance:.5g} mm")
-    facts.append(f"{found['wavelength_nm']:.4g} nm")
-    return "   ".join(facts)

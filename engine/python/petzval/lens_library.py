@@ -43,22 +43,29 @@ def entries() -> list[dict[str, Any]]:
     return list(_entries(lenses_folder()))
 
 
+def number(value: float | None, digits: int = 5) -> str:
+    """So many digits, without an exponent."""
+    if value is None:
+        return "none"
+    text = f"{value:.{digits}g}"
+    return f"{float(text):.0f}" if "e" in text and abs(value) > 1.0 else text
+
+
 def focal_text(entry: dict[str, Any]) -> str:
     """Focal length in mm, or its range."""
-    zoom = entry["zoom_range_mm"]
-    if zoom:
-        return f"{zoom[0]:.4g} to {zoom[1]:.4g}"
-    return "infinite" if entry["focal_length_mm"] is None else f"{abs(entry['focal_length_mm']):.4g}"
+    if entry["zoom_range_mm"]:
+        return " to ".join(number(end, 4) for end in entry["zoom_range_mm"])
+    return "infinite" if entry["focal_length_mm"] is None else number(entry["focal_length_mm"], 4)
 
 
 def f_number_text(entry: dict[str, Any]) -> str:
     """F-number wide open."""
-    return "none" if entry["f_number"] is None else f"{entry['f_number']:.3g}"
+    return number(entry["f_number"], 3)
 
 
 def field_text(entry: dict[str, Any]) -> str:
     """The whole field in degrees."""
-    return "unknown" if entry["half_field_deg"] is None else f"{2.0 * entry['half_field_deg']:.3g}"
+    return "unknown" if entry["half_field_deg"] is None else number(2.0 * entry["half_field_deg"], 4)
 
 
 def film_text(entry: dict[str, Any]) -> str:

@@ -3,7 +3,6 @@
 
 from __future__ import annotations
 
-from collections.abc import Sequence
 from typing import Any
 
 from .errors import complain
@@ -14,19 +13,6 @@ def load(name_or_path: str) -> Any:
     from . import _native
 
     return _native.Lens(str(find_lens(name_or_path)))
-
-
-#: What the eye sees, nm: for this the index of a lens's glasses should be known.
-VISIBLE_NM = (380.0, 780.0)
-
-
-def beyond(lens: Any, wavelengths_nm: Sequence[float]) -> list[str]:
-    """The glasses that are asked for an index beyond what is known of them."""
-    known = lens.media_beyond(min(wavelengths_nm), max(wavelengths_nm)) if wavelengths_nm else []
-    return [
-        f"glass {name}: its index is known from {start:.0f} to {end:.0f} nm, beyond it is kept as at the end"
-        for name, start, end in known
-    ]
 
 
 def say(notes: list[str]) -> None:

@@ -11,9 +11,9 @@ from functools import partial
 from pathlib import Path
 from typing import Any
 
-from .errors import CommandError
-from .lens_loading import beyond, load, say
-from .lens_setting import add_look, add_setting, look_of, number, setting_of
+from .argument_types import number
+from .lens_loading import load, say
+from .lens_setting import add_look, add_setting, look_of, setting_of
 
 _SOME_FIELDS = "0, and 0.7 and all of the design's half field"
 _ALL_FIELDS = "from 0 to the design's half field"
@@ -76,14 +76,11 @@ def _finish(arguments: argparse.Namespace, lens: Any, found: Any, title: str, re
     from .lens_reports import page
 
     out = Path(arguments.output)
-    try:
-        page.write(found, out, report.size_in(found), title, draw or report.draw)
-    except OSError as error:
-        raise CommandError(f"cannot write {out}: {error.strerror or error}: choose another place") from None
+    page.write(found, out, report.size_in(found), title, draw or report.draw)
     first = found[0] if isinstance(found, list) else found
     fields = first.get("fields") or first["defocus"][0]["fields"]
     dark = [f"no light from {f['angle_deg']:g} degrees comes to the film" for f in fields if f.get("is_dark")]
-    say([*lens.remarks, *beyond(lens, first["wavelengths_nm"]), *dark])
+    say([*lens.remarks, *lens.range_notes(first["wavelengths_nm"]), *dark])
     print(f"{out}: {first['name']}")
     return 0
 

@@ -11,6 +11,7 @@ from dataclasses import dataclass
 from pathlib import Path
 from typing import Any
 
+from .argument_types import number
 from .errors import CommandError
 
 
@@ -40,16 +41,8 @@ class LensLook:
     defocus_mm: float = 0.0
 
 
-def number(text: str) -> float:
-    """A finite one."""
-    value = float(text)
-    if not math.isfinite(value):
-        raise argparse.ArgumentTypeError(f"not a finite number: {text}")
-    return value
-
-
-def distance(text: str) -> float:
-    """May be infinite."""
+def _distance(text: str) -> float:
+    """May be infinite, or behind."""
     value = float(text)
     if math.isnan(value):
         raise argparse.ArgumentTypeError(f"not a number: {text}")
@@ -64,7 +57,7 @@ def _count(text: str) -> int:
 
 
 # argparse names the type in its message: "invalid number value: 'x'".
-_count.__name__ = "number"
+_count.__name__, _distance.__name__ = "number", "distance"
 
 
 def add_setting(parser: argparse.ArgumentParser) -> None:
@@ -119,11 +112,18 @@ def _mask(path: str) -> Any:
 def _keep_own_voice() -> None:
     """From here on stdout and stderr are Python's alone: what Blender's own code says must not stand in the answer."""
     nowhere = os.open(os.devnull, os.O_WRONLY)
-    for name, number in (("stdout", 1), ("stderr", 2)):
+    for name, descriptor in (("stdout", 1), ("stderr", 2)):
         getattr(sys, name).flush()
-        setattr(sys, name, os.fdopen(os.dup(number), "w", encoding="utf-8", errors="replace"))
-        os.dup2(nowhere, number)
+        setattr(sys, name, os.fdopen(os.dup(descriptor), "w", encoding="utf-8", errors="replace"))
+        os.dup2(nowhere, descriptor)
     os.close(nowhere)
+
+
+def add_focus(parser: argparse.ArgumentParser) -> None:
+    """The option of where a lens is focused."""
+    parser.add_argument(
+        "--focus-distance", type=_distance, metavar="MM|inf", help="from the entrance pupil to what is sharp"
+    )
 
 
 def add_look(parser: argparse.ArgumentParser, fields: str) -> None:
@@ -139,9 +139,7 @@ def add_look(parser: argparse.ArgumentParser, fields: str) -> None:
         "--azimuth", type=number, default=90.0, metavar="DEG",
         help="direction of the fields, 0 to the right, 90 up; default: 90",
     )  # fmt: skip
-    parser.add_argument(
-        "--focus-distance", type=distance, metavar="MM|inf", help="from the entrance pupil to what is sharp"
-    )
+    add_focus(parser)
     parser.add_argument(
         "--best-focus", action="store_true", help="the film where the axis is sharpest, not where paraxial rays meet"
     )

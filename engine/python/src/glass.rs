@@ -62,6 +62,7 @@ pub(crate) fn glass_json(
         "abbe": finite(medium.abbe()),
         "transmittance_is_known": medium.transmittance().is_some(),
         "thickness_mm": thickness_mm,
+        "range_note": (!wavelengths_nm.iter().all(|&nm| medium.is_known_between(nm, nm))).then(|| medium.range_note()),
         "indices": wavelengths_nm.iter().map(row).collect::<Vec<Value>>(),
         "remarks": remarks,
     })

@@ -6,7 +6,7 @@ use crate::library;
 use crate::setting::Setting;
 use glam::DVec3;
 use petzval_optics::formats;
-use petzval_optics::glass::Catalogue;
+use petzval_optics::glass::{Catalogue, Medium, VISIBLE_NM};
 use petzval_optics::lane::Real;
 use petzval_optics::paraxial::{Paraxial, Pupil};
 use petzval_optics::prescription::Prescription;
@@ -42,9 +42,11 @@ impl Lens {
         self.remarks.clone()
     }
 
-    fn media_beyond(&self, shortest_nm: f64, longest_nm: f64) -> Vec<(String, f64, f64)> {
-        let beyond = self.prescription.media_beyond(shortest_nm, longest_nm);
-        beyond.iter().map(|m| (m.name().to_owned(), m.range_nm()[0], m.range_nm()[1])).collect()
+    #[pyo3(signature = (wavelengths_nm = VISIBLE_NM.to_vec()))]
+    fn range_notes(&self, wavelengths_nm: Vec<f64>) -> Vec<String> {
+        let ends = wavelengths_nm.into_iter().map(|nm| (nm, nm));
+        let Some((shortest, longest)) = ends.reduce(|a, b| (a.0.min(b.0), a.1.max(b.1))) else { return Vec::new() };
+        self.prescription.media_beyond(shortest, longest).into_iter().map(Medium::range_note).collect()
     }
 
     fn written(&self, kind: &str) -> Result<(String, Vec<String>), Error> {

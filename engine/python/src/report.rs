@@ -6,7 +6,8 @@ use crate::lens::{Lens, check_wavelength};
 use crate::setting::{Setting, focus_at};
 use petzval_optics::analysis::Analysis;
 use petzval_optics::analysis::fan::FanLine;
-use petzval_optics::analysis::mtf::Curve;
+use petzval_optics::analysis::illumination::Illumination;
+use petzval_optics::analysis::mtf::{Curve, MtfError};
 use petzval_optics::glass::line_nm;
 use petzval_optics::paraxial::Paraxial;
 use petzval_optics::system::System;
@@ -48,7 +49,7 @@ impl Look {
         lines[self.main(lines)]
     }
 
-    /// Everything that was asked for, checked; `most` of fields.
+    /// Everything that was asked for, checked.
     fn analysis<'a>(&self, system: &'a System) -> Result<Analysis<'a>, Error> {
         let lines = self.lines();
         lines.iter().try_for_each(|&nm| check_wavelength(nm))?;
@@ -71,7 +72,8 @@ impl Look {
         })?;
         let analysis =
             if self.best_focus { analysis.at_best_focus().map_err(|e| refused(e.to_string()))? } else { analysis };
-        Ok(analysis.with_defocus(self.defocus_mm))
+        let film_z_mm = analysis.film().z_mm + self.defocus_mm;
+        Ok(analysis.with_film_at(film_z_mm))
     }
 
     fn main(&self, lines: &[f64]) -> usize {
@@ -79,32 +81,34 @@ impl Look {
         (0..lines.len()).min_by(|a, b| from_d(a).total_cmp(&from_d(b))).unwrap_or(0)
     }
 
-    /// What every report says of the lens.
-    fn head(&self, system: &System, analysis: &Analysis<'_>) -> Value {
-        let lines: Vec<f64> = analysis.wavelengths_nm().collect();
-        let main = self.main(&lines);
-        let p = Paraxial::new(system, lines[main]);
-        json!({
+    /// The lens looked at, its fields, those asked for or else some parts of the half field, and what every report says of it.
+    fn open<'a>(&self, system: &'a System, parts: &[f64]) -> Result<(Analysis<'a>, Vec<f64>, Value), Error> {
+        let analysis = self.analysis(system)?;
+        let half_field_deg = analysis.half_field_deg();
+        let fields = match self.fields_deg.as_slice() {
+            [] if half_field_deg > 0.0 => parts.iter().map(|part| part * half_field_deg).collect(),
+            [] => vec![0.0],
+            given => given.to_vec(),
+        };
+        let p = Paraxial::new(system, self.main_nm());
+        let head = json!({
             "name": system.name(),
             "efl_mm": p.efl_mm,
             "f_number": p.f_number,
             "focus_distance_mm": self.focus_distance_mm.filter(|d| d.is_finite()),
             "film_z_mm": analysis.film().z_mm,
-            "wavelengths_nm": lines,
-            "main_wavelength": main,
+            "wavelengths_nm": self.lines(),
+            "main_wavelength": self.main(self.lines()),
             "azimuth_deg": self.azimuth_deg,
             "airy_radius_mm": analysis.airy_radius_mm(),
-            "half_field_deg": analysis.half_field_deg(),
-        })
+            "half_field_deg": half_field_deg,
+        });
+        Ok((analysis, fields, head))
     }
 
-    /// The fields asked for; else some parts of the half field.
-    fn fields(&self, analysis: &Analysis<'_>, parts: &[f64]) -> Vec<f64> {
-        if !self.fields_deg.is_empty() {
-            return self.fields_deg.clone();
-        }
-        let half = analysis.half_field_deg();
-        if half > 0.0 { parts.iter().map(|part| part * half).collect() } else { vec![0.0] }
+    /// The lens set and focused for this look.
+    fn system(&self, lens: &Lens, setting: Setting) -> Result<System, Error> {
+        Ok(setting.focused(lens, self.main_nm(), self.focus_distance_mm)?.0)
     }
 }
 
@@ -138,14 +142,13 @@ pub(crate) fn lens_spots_json(
     defocus_mm: Vec<f64>,
 ) -> Result<String, Error> {
     within(rays, MOST_RAYS_OF_A_SIDE, "rays over the width of a beam")?;
-    let system = setting.focused(lens, look.main_nm(), look.focus_distance_mm)?.0;
+    let system = look.system(lens, setting)?;
     away(py, || {
-        let analysis = look.analysis(&system)?;
-        let fields = look.fields(&analysis, &SOME);
-        let head = look.head(&system, &analysis);
+        let (mut analysis, fields, head) = look.open(&system, &SOME)?;
+        let film_z_mm = analysis.film().z_mm;
         let mut through = Vec::new();
         for mm in defocus_mm {
-            let analysis = look.analysis(&system)?.with_defocus(mm);
+            analysis = analysis.with_film_at(film_z_mm + mm);
             let spot = |&angle: &f64| {
                 let Some(spot) = analysis.spot(angle, rays) else {
                     return json!({ "angle_deg": angle, "is_dark": true });
@@ -180,9 +183,9 @@ pub(crate) fn lens_fans_json(
     rays: usize,
 ) -> Result<String, Error> {
     within(rays, MOST, "rays of a fan")?;
-    let system = setting.focused(lens, look.main_nm(), look.focus_distance_mm)?.0;
+    let system = look.system(lens, setting)?;
     away(py, || {
-        let analysis = look.analysis(&system)?;
+        let (analysis, fields, head) = look.open(&system, &SOME)?;
         let fan = |lines: &[FanLine]| -> Vec<Value> {
             let ray = |line: &FanLine| {
                 json!({
@@ -199,8 +202,7 @@ pub(crate) fn lens_fans_json(
                                   "sagittal": fan(&fans.sagittal) }),
             None => json!({ "angle_deg": angle, "is_dark": true }),
         };
-        let fields: Vec<Value> = look.fields(&analysis, &SOME).iter().map(field).collect();
-        Ok(with(look.head(&system, &analysis), json!({ "fields": fields })))
+        Ok(with(head, json!({ "fields": fields.iter().map(field).collect::<Vec<_>>() })))
     })?
 }
 
@@ -223,18 +225,17 @@ pub(crate) fn lens_mtf_json(
             "frequencies to {highest_per_mm} and {height_step_per_mm} lines/mm: give more than 0"
         )));
     }
-    let system = setting.focused(lens, look.main_nm(), look.focus_distance_mm)?.0;
+    let system = look.system(lens, setting)?;
     away(py, || {
-        let analysis = look.analysis(&system)?;
+        let (analysis, fields, head) = look.open(&system, &SOME)?;
         let curve = |c: &Curve| json!({ "contrast": c.contrast, "geometric": c.geometric, "limit": c.limit });
         let entry = |angle: f64, step_per_mm: f64, count: usize| match analysis.mtf(angle, step_per_mm, count) {
             Ok(mtf) => Ok(json!({ "angle_deg": angle, "is_dark": false, "height_mm": mtf.height_mm,
                                   "sagittal": curve(&mtf.sagittal), "tangential": curve(&mtf.tangential) })),
-            Err(petzval_optics::analysis::mtf::MtfError::Dark) => Ok(json!({ "angle_deg": angle, "is_dark": true })),
+            Err(MtfError::Dark) => Ok(json!({ "angle_deg": angle, "is_dark": true })),
             Err(error) => Err(refused(format!("lens '{}': {error}", system.name()))),
         };
         let step = highest_per_mm / steps as f64;
-        let fields = look.fields(&analysis, &SOME);
         let by_frequency = fields.iter().map(|&angle| entry(angle, step, steps + 1));
         let by_frequency = by_frequency.collect::<Result<Vec<_>, Error>>()?;
         // Frequencies 0, 1, 2, 3 and 4 steps up.
@@ -245,7 +246,7 @@ pub(crate) fn lens_mtf_json(
         let by_height = by_height.collect::<Result<Vec<_>, Error>>()?;
         let frequencies = |step: f64, count: usize| (0..count).map(|i| i as f64 * step).collect::<Vec<_>>();
         Ok(with(
-            look.head(&system, &analysis),
+            head,
             json!({
                 "frequencies_per_mm": frequencies(step, steps + 1),
                 "fields": by_frequency,
@@ -266,9 +267,9 @@ pub(crate) fn lens_distortion_json(
     count: usize,
 ) -> Result<String, Error> {
     within(count, MOST, "fields")?;
-    let system = setting.focused(lens, look.main_nm(), look.focus_distance_mm)?.0;
+    let system = look.system(lens, setting)?;
     away(py, || {
-        let analysis = look.analysis(&system)?;
+        let (analysis, fields, head) = look.open(&system, &evenly(count))?;
         let chief = |&angle: &f64| match analysis.chief_ray(angle) {
             Some(ray) => json!({
                 "angle_deg": angle,
@@ -282,8 +283,7 @@ pub(crate) fn lens_distortion_json(
             }),
             None => json!({ "angle_deg": angle, "is_dark": true }),
         };
-        let fields: Vec<Value> = look.fields(&analysis, &evenly(count)).iter().map(chief).collect();
-        let head = look.head(&system, &analysis);
+        let fields: Vec<Value> = fields.iter().map(chief).collect();
         Ok(with(head, json!({ "height_by_slope_mm": analysis.height_by_slope_mm(), "fields": fields })))
     })?
 }
@@ -298,14 +298,14 @@ pub(crate) fn lens_illumination_json(
     count: usize,
 ) -> Result<String, Error> {
     within(count, MOST, "fields")?;
-    let system = setting.focused(lens, look.main_nm(), look.focus_distance_mm)?.0;
+    let system = look.system(lens, setting)?;
     away(py, || {
-        let analysis = look.analysis(&system)?;
-        let lit = analysis.illumination(&look.fields(&analysis, &evenly(count)));
-        let field = |light: &petzval_optics::analysis::illumination::Illumination| {
+        let (analysis, fields, head) = look.open(&system, &evenly(count))?;
+        let lit = analysis.illumination(&fields);
+        let field = |light: &Illumination| {
             json!({ "angle_deg": light.angle_deg, "height_mm": light.height_mm, "relative": light.relative,
                     "projected_sr": light.projected_sr })
         };
-        Ok(with(look.head(&system, &analysis), json!({ "fields": lit.iter().map(field).collect::<Vec<_>>() })))
+        Ok(with(head, json!({ "fields": lit.iter().map(field).collect::<Vec<_>>() })))
     })?
 }

@@ -20,6 +20,9 @@ pub mod line_nm {
     pub const C: f64 = 656.2725;
 }
 
+/// The shortest and the longest wave that the eye sees, nm: between them the index of a lens's glasses should be known.
+pub const VISIBLE_NM: [f64; 2] = [380.0, 780.0];
+
 /// A transparent medium.
 #[derive(Clone, PartialEq)]
 pub struct Medium {
@@ -156,6 +159,12 @@ impl Medium {
     pub fn is_known_between(&self, shortest_nm: f64, longest_nm: f64) -> bool {
         const ROUNDING_NM: f64 = 1.0;
         shortest_nm >= self.range_nm[0] - ROUNDING_NM && longest_nm <= self.range_nm[1] + ROUNDING_NM
+    }
+
+    /// What there is to say to somebody who asks for an index outside of that range.
+    pub fn range_note(&self) -> String {
+        let Self { name, range_nm: [start, end], .. } = self;
+        format!("glass {name}: its index is known from {start:.0} to {end:.0} nm, beyond it is kept as at the end")
     }
 
     /// Abbe number V_d = (n_d − 1) / (n_F − n_C); infinite without dispersion.

@@ -2,9 +2,8 @@
 //! changes its shape.
 //!
 //! Published tables give the gaps, and what else changes, at some positions. Between them each gap, curvature, conic constant
-//! or index follows a smooth curve that never turns where
-//! the table does not (Fritsch and Butland 1984): over the logarithm of the focal length from zoom position to zoom
-//! position, and over the nearness, one over the distance, from one focus to the next.
+//! or index follows a smooth curve that never turns where the table does not (Fritsch and Butland 1984): over the logarithm of the
+//! focal length from zoom position to zoom position, and over the nearness, one over the distance, from one focus to the next.
 
 use std::fmt;
 use std::str::FromStr;
@@ -127,7 +126,7 @@ pub enum MovingError {
         surface: usize,
     },
     /// Too many or too few numbers.
-    #[error("{found} gaps where {expected} move; give one for each surface that the line 'moving' names")]
+    #[error("{found} numbers where {expected} parts move; give one for each that the line 'moving' names")]
     Gaps {
         /// In this position.
         found: usize,

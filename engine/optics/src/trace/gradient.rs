@@ -108,19 +108,7 @@ impl Gradients<f64> {
     /// Places on the way of a ray from `p` along `d` to the surface of `step`, from the vertex of which they are seen;
     /// neither the start nor the end.
     pub(super) fn places(&self, step: &Step, p: Vector<f64>, d: Vector<f64>) -> Vec<DVec3> {
-        let Some((field, march)) = &self.before else { return Vec::new() };
-        let base = self.indices[0];
-        let mut places = Vec::new();
-        let mut flight = Flight { at: p, pace: d * field.index(p, base) };
-        for _ in 0..march.most {
-            let crossing = step.meet(flight.at, flight.direction());
-            if crossing.met && crossing.t <= march.step * field.index(flight.at, base) {
-                break;
-            }
-            flight = flight.after(field, base, march.step);
-            places.push(flight.at.of(0));
-        }
-        places
+        self.stations(step, p, d).iter().skip(1).map(|flight| flight.at.of(0)).collect()
     }
 }
 
@@ -135,27 +123,36 @@ impl<R: Real> Gradients<R> {
         // ∫ n ds = ∫ n² dt, by Simpson's rule.
         let way = |from: &Flight<R>, t: R| {
             let (middle, end) = (from.after(field, base, t * half), from.after(field, base, t));
-            let mean =
-                (square(from.at) + square(middle.at) * R::from_f64(4.0) + square(end.at)) * R::from_f64(1.0 / 6.0);
-            (end, mean * t)
+            (square(from.at) + square(middle.at) * R::from_f64(4.0) + square(end.at)) * R::from_f64(1.0 / 6.0) * t
         };
-        let mut here = Flight { at: p, pace: d * field.index(p, base) };
-        let mut path = R::ZERO;
-        for _ in 0..march.most {
-            let crossing = step.meet(here.at, here.direction());
-            if crossing.met && crossing.t <= march.step * field.index(here.at, base) {
-                break;
-            }
-            let (next, length) = way(&here, march.step);
-            (here, path) = (next, path + length);
-        }
+        let stations = self.stations(step, p, d);
+        let here = *stations.last()?;
+        let whole = stations[1..].iter().zip(&stations).fold(R::ZERO, |sum, (_, from)| sum + way(from, march.step));
         let (mut t, mut last) = (R::ZERO, here);
         for _ in 0..LANDINGS as u32 {
             t = t + step.meet(last.at, last.direction()).t / field.index(last.at, base);
             last = here.after(field, base, t);
         }
         let vertex = field.index(Vector { x: R::ZERO, y: R::ZERO, z: R::ZERO }, base);
-        Some((path + way(&here, t).1) / vertex)
+        Some((whole + way(&here, t)) / vertex)
+    }
+
+    /// Where one ray from `p` along `d` begins each of its steps, the last, shorter one to the surface of `step` included; none where the
+    /// medium before is no gradient.
+    fn stations(&self, step: &Step<R>, p: Vector<R>, d: Vector<R>) -> Vec<Flight<R>> {
+        let Some((field, march)) = &self.before else { return Vec::new() };
+        let base = self.indices[0];
+        let mut found = vec![Flight { at: p, pace: d * field.index(p, base) }];
+        let mut here = found[0];
+        for _ in 0..march.most {
+            let crossing = step.meet(here.at, here.direction());
+            if crossing.met && crossing.t <= march.step * field.index(here.at, base) {
+                break;
+            }
+            here = here.after(field, base, march.step);
+            found.push(here);
+        }
+        found
     }
 
     /// The indices without gradients, in all lanes.

@@ -78,7 +78,8 @@ fn a_spot_out_of_focus_is_a_disc() {
     let settings = SystemSettings { f_number: Some(8.0), ..SystemSettings::default() };
     let system = parsed("# no aberration on the axis\n0 10 1.5 40 0 1\n -50 100 air 60 -2.25 0", &settings);
     let focus = at_infinity(&system);
-    let analysis = Analysis::new(&system, focus, &[line_nm::D], 0, UP).unwrap().with_defocus(2.0);
+    let film_z_mm = focus.film_z_mm + 2.0;
+    let analysis = Analysis::new(&system, focus, &[line_nm::D], 0, UP).unwrap().with_film_at(film_z_mm);
     let spot = analysis.spot(0.0, 201).unwrap();
     let radius = 2.0 / 16.0;
     // The cone's edge leans by its sine, not its tangent: (1/16)^2 / 2 is 0.2 %; a grid of 201 knows the disc to 0.3 %.
@@ -149,7 +150,9 @@ fn far_out_of_focus_contrast_is_that_of_a_disc() {
     let system = System::new(&crate::common::prescription("plano-hyperbolic-50mm"), &settings).unwrap();
     // 27 waves.
     let defocus = 8.0;
-    let analysis = Analysis::new(&system, at_infinity(&system), &[line_nm::D], 0, UP).unwrap().with_defocus(defocus);
+    let focus = at_infinity(&system);
+    let film_z_mm = focus.film_z_mm + defocus;
+    let analysis = Analysis::new(&system, focus, &[line_nm::D], 0, UP).unwrap().with_film_at(film_z_mm);
     let mtf = analysis.mtf(0.0, 0.3, 25).unwrap();
     let radius = defocus / 16.0;
     for i in 1..25 {
@@ -180,7 +183,9 @@ fn a_little_out_of_focus_contrast_is_hopkins() {
     // W20 = δz / 8 N² is half a wave.
     let w20_waves = 0.5;
     let defocus = 8.0 * 64.0 * w20_waves * wavelength_mm;
-    let analysis = Analysis::new(&system, at_infinity(&system), &[line_nm::D], 0, UP).unwrap().with_defocus(defocus);
+    let focus = at_infinity(&system);
+    let film_z_mm = focus.film_z_mm + defocus;
+    let analysis = Analysis::new(&system, focus, &[line_nm::D], 0, UP).unwrap().with_film_at(film_z_mm);
     let cutoff = 1.0 / (wavelength_mm * system.f_number());
     let mtf = analysis.mtf(0.0, cutoff / 16.0, 16).unwrap();
     for i in 1..16 {

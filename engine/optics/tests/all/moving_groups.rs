@@ -140,7 +140,7 @@ fn lines_that_make_no_table_are_named_with_their_place() {
         ("# moving: index_shift:1\n# position: 0.1\n", "1:11: behind surface 1 is a mirror, or air"),
         ("# moving: 1\n", "1:11: gaps that move need both lines"),
         ("# position: 4\n", "1:13: gaps that move need both lines"),
-        ("# moving: 1\n# position: 40 3\n", "2:13: 2 gaps where 1 move"),
+        ("# moving: 1\n# position: 40 3\n", "2:13: 2 numbers where 1 parts move"),
         ("# moving: 1\n# position: zoom=-3 40\n", "2:13: 'zoom=-3 40' is no position"),
         ("# moving: 1\n# position: 40\n# position: focus=inf 41\n", "3:13: this zoom and focus were given before"),
         ("# moving: 1\n# position: focus=100 40\n", "2:13: no position has focus=inf"),

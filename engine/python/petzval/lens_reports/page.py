@@ -14,10 +14,16 @@ from ..errors import CommandError
 PICTURES = (".svg", ".png", ".pdf")
 PALE, DARK, GRID = "#8a939a", "#444444", "#e3e7ea"
 #: By field, as designers have them: the axis blue, then green and red.
-_FIELDS = ("#1f5fae", "#2d8a3e", "#c0392b", "#8e44ad", "#c77700", "#128a8a")
+FIELDS = ("#1f5fae", "#2d8a3e", "#c0392b", "#8e44ad", "#c77700", "#128a8a")
 #: From short to long waves.
 _LINES = ("#7b3fa0", "#1f5fae", "#128a8a", "#2d8a3e", "#c77700", "#c0392b", "#7a1f1f")
 _BLUE, _GREEN, _RED = _LINES[1], _LINES[3], _LINES[5]
+#: Of axes, beside what every picture has.
+_STYLE = {
+    "axes.edgecolor": PALE, "axes.labelcolor": DARK, "xtick.color": DARK, "ytick.color": DARK, "axes.titlesize": 9.5,
+    "axes.spines.top": False, "axes.spines.right": False, "axes.grid": True, "grid.color": GRID,
+    "grid.linewidth": 0.7, "axes.axisbelow": True, "legend.frameon": False,
+}  # fmt: skip
 #: Inches above a report for its head.
 _HEAD_IN = 0.75
 
@@ -33,24 +39,30 @@ def check(out: Path) -> None:
             raise CommandError(f"cannot draw {out}: there is no matplotlib: pip install 'petzval[plots]'") from None
 
 
+def save(found: Any, out: Path, style: dict[str, Any], make: Callable[[Any], Any]) -> None:
+    """Writes a report: the figure that `make(pyplot)` makes in that style; or it as it is, into .json. Raises `CommandError`."""
+    try:
+        if out.suffix.lower() == ".json":
+            out.write_text(json.dumps(found) + "\n", encoding="utf-8")
+            return
+        import matplotlib
+
+        matplotlib.use("Agg")
+        from matplotlib import pyplot
+
+        with pyplot.rc_context({"font.size": 9, "svg.hashsalt": "petzval", "svg.fonttype": "none", **style}):
+            figure = make(pyplot)
+            metadata = {".svg": {"Date": None}, ".png": {"Software": None}, ".pdf": {"CreationDate": None}}
+            figure.savefig(out, dpi=150, metadata=metadata[out.suffix.lower()])
+            pyplot.close(figure)
+    except OSError as error:
+        raise CommandError(f"cannot write {out}: {error.strerror or error}: choose another place") from None
+
+
 def write(found: Any, out: Path, size_in: tuple[float, float], title: str, draw: Callable[[Any, Any], None]) -> None:
     """Writes a report: its picture, `draw(found, figure)`, that size without its head; or it as it is, into .json."""
-    if out.suffix.lower() == ".json":
-        out.write_text(json.dumps(found) + "\n", encoding="utf-8")
-        return
-    import matplotlib
 
-    matplotlib.use("Agg")
-    from matplotlib import pyplot
-
-    with pyplot.rc_context(
-        {
-            "font.size": 9, "svg.hashsalt": "petzval", "svg.fonttype": "none", "axes.edgecolor": PALE,
-            "axes.labelcolor": DARK, "xtick.color": DARK, "ytick.color": DARK, "axes.titlesize": 9.5,
-            "axes.spines.top": False, "axes.spines.right": False, "axes.grid": True, "grid.color": GRID,
-            "grid.linewidth": 0.7, "axes.axisbelow": True, "legend.frameon": False,
-        }
-    ):  # fmt: skip
+    def make(pyplot: Any) -> Any:
         width, height = size_in
         figure = pyplot.figure(figsize=(width, height + _HEAD_IN), layout="constrained")
         figure.get_layout_engine().set(rect=(0.01, 0.01, 0.98, height / (height + _HEAD_IN) - 0.01))
@@ -60,9 +72,9 @@ def write(found: Any, out: Path, size_in: tuple[float, float], title: str, draw:
         figure.text(0.02, 1.0 - 0.12 / above, top["name"], fontsize=11, weight="bold", va="top")
         figure.text(0.02, 1.0 - 0.36 / above, title, color=DARK, va="top")
         figure.text(0.98, 1.0 - 0.36 / above, facts(top), color=DARK, va="top", ha="right")
-        metadata = {".svg": {"Date": None}, ".png": {"Software": None}, ".pdf": {"CreationDate": None}}
-        figure.savefig(out, dpi=150, metadata=metadata[out.suffix.lower()])
-        pyplot.close(figure)
+        return figure
+
+    save(found, out, _STYLE, make)
 
 
 def facts(found: dict[str, Any]) -> str:
@@ -82,7 +94,7 @@ def facts(found: dict[str, Any]) -> str:
 
 def field_colour(i: int) -> str:
     """Of the field of that number."""
-    return _FIELDS[i % len(_FIELDS)]
+    return FIELDS[i % len(FIELDS)]
 
 
 def line_colours(wavelengths_nm: list[float]) -> list[str]:

@@ -4,7 +4,7 @@ use super::{CameraDescription, CameraError};
 use glam::DVec3;
 use petzval_optics::focus::{self, FilmPlane, FocusError, Focusing, GroupsError, Relation};
 use petzval_optics::formats;
-use petzval_optics::glass::{Catalogue, Medium};
+use petzval_optics::glass::{Catalogue, Medium, VISIBLE_NM};
 use petzval_optics::paraxial::Paraxial;
 use petzval_optics::prescription::Prescription;
 use petzval_optics::prescription::moving::MovingParts;
@@ -138,6 +138,8 @@ impl Setup {
         };
         let chief = ChiefRays { tracer: system.at_wavelength(line), film, exit_z_mm: paraxial.exit_pupil.z_mm };
         let (hw, hh) = (0.5 * picture_width_mm, 0.5 * picture_height_mm);
+        let [shortest_nm, longest_nm] = d.wavelength_nm.map_or(VISIBLE_NM, |nm| [nm; 2]);
+        let beyond_range = prescription.media_beyond(shortest_nm, longest_nm).into_iter();
         let info = LensInfo {
             lens_name: system.name().to_owned(),
             surfaces: system.surface_count(),
@@ -162,22 +164,10 @@ impl Setup {
             zoom_range_mm: prescription.moving.as_ref().and_then(MovingParts::zoom_range_mm),
             focuses_inside: prescription.moving.as_ref().is_some_and(MovingParts::focuses),
             remarks: reading.remarks.iter().map(ToString::to_string).collect(),
-            beyond_range: beyond_range(&prescription, d.wavelength_nm.map_or(VISIBLE_NM, |nm| [nm; 2])),
+            beyond_range: beyond_range.map(Medium::range_note).collect(),
         };
         Ok(Self { info, system, film, origin_z_mm })
     }
-}
-
-/// What the eye sees.
-const VISIBLE_NM: [f64; 2] = [380.0, 780.0];
-
-fn beyond_range(prescription: &Prescription, [shortest_nm, longest_nm]: [f64; 2]) -> Vec<String> {
-    let said = |medium: &Medium| {
-        let [start, end] = medium.range_nm();
-        let name = medium.name();
-        format!("glass {name}: its index is known from {start:.0} to {end:.0} nm, beyond it is kept as at the end")
-    };
-    prescription.media_beyond(shortest_nm, longest_nm).into_iter().map(said).collect()
 }
 
 /// The lens, and where the film's middle is to stand, lens space. Groups that focus move instead of the film, but where
