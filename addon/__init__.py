@@ -9,8 +9,10 @@ from . import (
     autofocus,
     engine,
     focus_operators,
+    gizmos,
     native,
     operators,
+    overlay,
     plan_operator,
     properties,
     redraw,
@@ -19,7 +21,19 @@ from . import (
 )
 
 # What is used stands before what uses it.
-PARTS = (properties, redraw, viewport_camera, autofocus, operators, focus_operators, plan_operator, engine, ui)
+PARTS = (
+    properties,
+    redraw,
+    viewport_camera,
+    autofocus,
+    operators,
+    focus_operators,
+    plan_operator,
+    engine,
+    overlay,
+    gizmos,
+    ui,
+)
 
 
 def register() -> None:
