@@ -8,18 +8,36 @@ import sys
 from . import (
     autofocus,
     engine,
+    favourites,
     focus_operators,
+    lens_operators,
+    live_drawing,
     native,
     operators,
     plan_operator,
     properties,
     redraw,
+    thumbnails,
     ui,
     viewport_camera,
 )
 
 # What is used stands before what uses it.
-PARTS = (properties, redraw, viewport_camera, autofocus, operators, focus_operators, plan_operator, engine, ui)
+PARTS = (
+    properties,
+    redraw,
+    viewport_camera,
+    autofocus,
+    favourites,
+    thumbnails,
+    live_drawing,
+    operators,
+    lens_operators,
+    focus_operators,
+    plan_operator,
+    engine,
+    ui,
+)
 
 
 def register() -> None:

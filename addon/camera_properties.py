@@ -19,6 +19,9 @@ from bpy.props import (
 from . import viewport_camera
 from .choices import ANCHORS, FILM_MODES, FOCAL_MODES, FOCUS_MODES, FOCUS_RELATIONS, MODELS, PRECISIONS, SPECTRA
 
+# A path may begin with //, and newer Blenders want to be told so.
+_RELATIVE_PATH = {"ANIMATABLE"} | ({"PATH_SUPPORTS_BLEND_RELATIVE"} if bpy.app.version >= (4, 5, 0) else set())
+
 
 def _changed(settings: PetzvalCamera, context: bpy.types.Context) -> None:
     viewport_camera.lens_changed(settings.id_data, context.scene)
@@ -37,6 +40,7 @@ class PetzvalCamera(bpy.types.PropertyGroup):
         description="A lens file (.lens, .zmx, .seq, .len, .dat, a table of the Optical Bench), or the name of a lens that comes with Petzval",
         default="wide-angle-smith-f3.4.lens",
         subtype="FILE_PATH",
+        options=_RELATIVE_PATH,
         update=_changed,
     )
     focal_mode: EnumProperty(

@@ -3,12 +3,13 @@
 
 from __future__ import annotations
 
-from . import builtin, camera, effects, render, view_layer
+from . import builtin, camera, effects, lens_gallery, render, view_layer
 
 
 def register() -> None:
     render.register()
     effects.register()
+    lens_gallery.register()
     camera.register()
     view_layer.register()
     builtin.register()
@@ -18,5 +19,6 @@ def unregister() -> None:
     builtin.unregister()
     view_layer.unregister()
     camera.unregister()
+    lens_gallery.unregister()
     effects.unregister()
     render.unregister()

@@ -5,11 +5,13 @@ from __future__ import annotations
 
 import bpy
 
-from .. import film_formats
+from .. import favourites, film_formats
 from ..description import OF_LENS_FILE
 from .camera_parts import AperturePart, CameraPanel, LensPart
 from .focus import PETZVAL_CAMERA_PT_focus, PETZVAL_CAMERA_PT_sharp
 from .lens_data import PETZVAL_CAMERA_PT_info
+from .lens_drawing import PETZVAL_CAMERA_PT_drawing
+from .lens_gallery import PETZVAL_PT_lens_gallery
 from .lens_menu import GROUP_MENUS, PETZVAL_MT_lenses
 from .mixin import columns
 
@@ -34,6 +36,9 @@ class PETZVAL_CAMERA_PT_lens(CameraPanel, bpy.types.Panel):
             return
         row = layout.row(align=True)
         row.prop(settings, "lens_file")
+        is_liked = favourites.has(favourites.key(settings.lens_file, camera.library))
+        row.operator("petzval.favourite_lens", text="", icon="SOLO_ON" if is_liked else "SOLO_OFF")
+        row.popover(PETZVAL_PT_lens_gallery.__name__, text="", icon="IMGDISPLAY")
         row.menu(PETZVAL_MT_lenses.bl_idname, text="", icon="DOWNARROW_HLT")
         row.operator("petzval.choose_lens", text="", icon="VIEWZOOM")
         layout.prop(settings, "focal_mode")
@@ -162,6 +167,7 @@ CLASSES = (
     *GROUP_MENUS,
     PETZVAL_MT_lenses,
     PETZVAL_CAMERA_PT_lens,
+    PETZVAL_CAMERA_PT_drawing,
     PETZVAL_CAMERA_PT_info,
     PETZVAL_CAMERA_PT_aperture,
     PETZVAL_CAMERA_PT_exposure,
