@@ -275,3 +275,87 @@ def test_the_timer_draws_once_for_each_setting(blender, parts, scene, monkeypatc
     assert "no-such.lens" in live.for_panel(*place).error
     blender.app.timers.unregister(live._draw)
     assert json.dumps(live.for_panel(*place).fields) == "[]"
+
+
+# Through the lens --------------------------------------------------------------------------------------------------
+
+
+def project(parts, blender, scene, model=None):
+    """Where the picture's corners look, in the camera's axes: by the engine's lens where there is one, by Blender's camera."""
+    import numpy as np
+
+    holder = scene.camera
+    frame = holder.data.view_frame(scene=scene)
+    corners = np.array([tuple(corner) for corner in frame])
+    return corners / -corners[:, 2:]
+
+
+@pytest.mark.parametrize("model", ["LENS", "PARAXIAL", "THICK", "IMAGE_BASED"])
+@pytest.mark.parametrize("shift", [0.0, 4.0])
+def test_without_the_lens_the_framing_stays(blender, parts, scene, model, shift):
+    """The corners' directions of Blender's camera and of the engine's info agree to a pixel, and the model comes back."""
+    scene.render.resolution_x, scene.render.resolution_y = 960, 540
+    own = scene.camera.data.petzval
+    own.model, own.shift_x, own.film_mode = model, shift, "SIZE"
+    info = parts.part("lens_info").of_camera(scene.camera, scene)
+    # As someone has set it by hand meanwhile.
+    scene.camera.data.lens, scene.camera.data.shift_x = 17.0, 0.3
+    own.through_lens = False
+    assert own.model == "PINHOLE" and not own.through_lens
+    described = parts.part("export.camera").describe(scene.camera, scene, 960, 540, parts.part("description").Report())
+    assert described.model == "PINHOLE"
+    seen = project(parts, blender, scene)
+    slope = info["picture_width_mm"] / info["viewport_focal_length_mm"]
+    wanted = slope * (np.array([0.5, -0.5]) + info["viewport_shift"][0])
+    pixel = slope / 960
+    assert sorted([seen[:, 0].max(), seen[:, 0].min()]) == pytest.approx(sorted(wanted), abs=pixel)
+    own.through_lens = True
+    assert own.model == model
+    again = parts.part("lens_info").of_camera(scene.camera, scene)
+    assert again == info
+
+
+def test_the_picture_without_the_lens_shows_the_same_place(blender, parts, scene, tmp_path):
+    """Rendered: a bright square's edges stand where they stood, to a pixel."""
+    own = scene.camera.data.petzval
+    own.wide_open, own.f_number, own.focus_mode = False, 16.0, "CAMERA"
+    scene.camera.data.dof.focus_distance = 5.0
+    scene.render.resolution_x, scene.render.resolution_y = 192, 128
+    scene.petzval.samples, scene.world = 16, parts.grey_world(0.0)
+    parts.square("Square", (0.2, 5.0, 0.1), 0.6, parts.emitter())
+    seen = []
+    for through in (True, False):
+        own.through_lens = through
+        picture = parts.render(tmp_path)[..., 1]
+        columns, rows = np.flatnonzero(picture.max(axis=0) > 0.5), np.flatnonzero(picture.max(axis=1) > 0.5)
+        seen.append([columns[0], columns[-1], rows[0], rows[-1]])
+    assert np.abs(np.subtract(*seen)).max() <= 1, seen
+
+
+@pytest.mark.parametrize("kind", ["keys", "driver"])
+def test_the_switch_can_be_animated(blender, parts, scene, kind):
+    camera = scene.camera.data
+    own = camera.petzval
+    own.model = "THICK"
+    lens = camera.lens
+    if kind == "keys":
+        own.keyframe_insert("through_lens", frame=1)
+        own.through_lens = False
+        own.keyframe_insert("through_lens", frame=5)
+    else:
+        own.driver_add("through_lens").driver.expression = "frame < 5"
+    for frame, model in ((1, "THICK"), (4, "THICK"), (5, "PINHOLE"), (9, "PINHOLE"), (2, "THICK")):
+        scene.frame_set(frame)
+        evaluated = scene.camera.evaluated_get(blender.context.evaluated_depsgraph_get())
+        report = parts.part("description").Report()
+        assert parts.part("export.camera").describe(evaluated, scene, 48, 32, report).model == model, frame
+        assert own.model == model and camera.lens == pytest.approx(lens, rel=1e-4)
+
+
+def test_a_pinhole_that_was_chosen_turns_into_the_last_lens(blender, parts, scene):
+    own = scene.camera.data.petzval
+    own.model = "PARAXIAL"
+    own.model = "THIN"
+    assert not own.through_lens
+    own.through_lens = True
+    assert own.model == "PARAXIAL"

@@ -22,6 +22,9 @@ ONE_WAVELENGTH = ("THICK", "IMAGE_BASED")
 class PETZVAL_CAMERA_PT_lens(CameraPanel, bpy.types.Panel):
     bl_label = "Lens"
 
+    def draw_header(self, context):
+        self.layout.prop(context.camera.petzval, "through_lens", text="")
+
     def draw(self, context):
         layout = columns(self)
         camera = context.camera
