@@ -70,6 +70,17 @@ class PetzvalScene(bpy.types.PropertyGroup):
         max=1 << 24,
         soft_max=4096,
     )
+    time_limit: FloatProperty(
+        name="Time Limit",
+        description="Seconds after which a render ends with the samples that it has, and the time for reading the scene does not count; "
+        "zero is no limit. Which samples these are then depends on the machine",
+        default=0.0,
+        min=0.0,
+        soft_max=3600.0,
+        step=100,
+        precision=1,
+        subtype="TIME_ABSOLUTE",
+    )
     seed: IntProperty(
         name="Seed",
         description="Of all random choices: the same seed gives the same picture to the last bit",

@@ -3,10 +3,11 @@
 
 from __future__ import annotations
 
-from . import builtin, camera, effects, lens_gallery, render, view_layer
+from . import builtin, camera, effects, lens_gallery, preset_panels, render, view_layer
 
 
 def register() -> None:
+    preset_panels.register()
     render.register()
     effects.register()
     lens_gallery.register()
@@ -22,3 +23,4 @@ def unregister() -> None:
     lens_gallery.unregister()
     effects.unregister()
     render.unregister()
+    preset_panels.unregister()

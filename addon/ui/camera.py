@@ -14,6 +14,7 @@ from .lens_drawing import PETZVAL_CAMERA_PT_drawing
 from .lens_gallery import PETZVAL_PT_lens_gallery
 from .lens_menu import GROUP_MENUS, PETZVAL_MT_lenses
 from .mixin import columns
+from .preset_panels import PETZVAL_PT_camera_presets, PETZVAL_PT_lens_presets
 
 #: Models that have one wavelength, whichever spectrum is chosen.
 ONE_WAVELENGTH = ("THICK", "IMAGE_BASED")
@@ -24,6 +25,12 @@ class PETZVAL_CAMERA_PT_lens(CameraPanel, bpy.types.Panel):
 
     def draw_header(self, context):
         self.layout.prop(context.camera.petzval, "through_lens", text="")
+
+    def draw_header_preset(self, context):
+        row = self.layout.row(align=True)
+        row.emboss = "NONE"
+        row.popover(PETZVAL_PT_camera_presets.__name__, text="", icon="CAMERA_DATA")
+        row.popover(PETZVAL_PT_lens_presets.__name__, text="", icon="PRESET")
 
     def draw(self, context):
         layout = columns(self)

@@ -5,8 +5,26 @@ from __future__ import annotations
 
 import bpy
 
-from .. import native, statistics
+from .. import messages, native, statistics
+from .camera_parts import lines_of
 from .mixin import PetzvalPanel, columns
+from .preset_panels import PETZVAL_PT_sampling_presets
+
+# More would fill the panel.
+_MOST_MESSAGES = 24
+#: By what a message is about.
+_ICONS = {
+    "object": "OBJECT_DATA",
+    "material": "MATERIAL",
+    "light": "LIGHT",
+    "lamp": "LIGHT",
+    "camera": "CAMERA_DATA",
+    "image": "IMAGE_DATA",
+    "world": "WORLD",
+    "mesh": "MESH_DATA",
+    "scene": "SCENE_DATA",
+}
+_SELECTED = {"object", "material", "light", "lamp", "camera", "mesh", "curves", "volume", "points"}
 
 
 class _RenderPanel(PetzvalPanel):
@@ -15,6 +33,9 @@ class _RenderPanel(PetzvalPanel):
 
 class PETZVAL_RENDER_PT_sampling(_RenderPanel, bpy.types.Panel):
     bl_label = "Sampling"
+
+    def draw_header_preset(self, context):
+        PETZVAL_PT_sampling_presets.draw_panel_header(self.layout)
 
     def draw(self, context):
         layout = columns(self)
@@ -33,6 +54,7 @@ class PETZVAL_RENDER_PT_sampling(_RenderPanel, bpy.types.Panel):
         layout.prop(settings, "samples", text="Max Samples" if settings.use_noise_threshold else "Samples")
         if settings.use_noise_threshold:
             layout.prop(settings, "min_samples")
+        layout.prop(settings, "time_limit")
 
 
 class PETZVAL_RENDER_PT_sampling_advanced(_RenderPanel, bpy.types.Panel):
@@ -125,8 +147,27 @@ class PETZVAL_RENDER_PT_last(_RenderPanel, bpy.types.Panel):
         render = statistics.last(context.scene.name)
         for line in render.lines():
             self.layout.label(text=line)
-        for warning in render.warnings:
-            self.layout.label(text=warning, icon="ERROR")
+
+
+class PETZVAL_RENDER_PT_messages(_RenderPanel, bpy.types.Panel):
+    bl_label = "Messages"
+
+    @classmethod
+    def poll(cls, context):
+        return super().poll(context) and bool(messages.all_of(context.scene.name))
+
+    def draw(self, context):
+        found = messages.all_of(context.scene.name)
+        for message in found[:_MOST_MESSAGES]:
+            row = self.layout.row()
+            column = row.column(align=True)
+            for number, line in enumerate(lines_of(context, message.text)):
+                column.label(text=line, icon="BLANK1" if number else _ICONS.get(message.kind, "INFO"))
+            if message.kind in _SELECTED:
+                choose = row.operator("petzval.select_named", text="", icon="RESTRICT_SELECT_OFF", emboss=False)
+                choose.kind, choose.name = message.kind, message.name
+        if len(found) > _MOST_MESSAGES:
+            self.layout.label(text=f"{len(found) - _MOST_MESSAGES} more", icon="BLANK1")
 
 
 CLASSES = (
@@ -136,6 +177,7 @@ CLASSES = (
     PETZVAL_RENDER_PT_film,
     PETZVAL_RENDER_PT_threads,
     PETZVAL_RENDER_PT_last,
+    PETZVAL_RENDER_PT_messages,
 )
 
 
