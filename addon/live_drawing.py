@@ -120,19 +120,11 @@ def of_camera(holder: bpy.types.Object, scene: bpy.types.Scene, found: dict | No
 
     Raises `ExportError`, `EngineMissing` and the engine's errors.
     """
-    from petzval.lens_setting import LensSetting
-
     native = engine()
     info = lens_info.of_camera(holder, scene, found)
     if "error" in info:
         raise ExportError(info["error"])
     camera = _describe(holder, scene, found)
-    setting = LensSetting(
-        scale=camera.focal_scale,
-        focal_length_mm=camera.focal_length_mm,
-        f_number=camera.f_number,
-        pupil_diameter_mm=camera.pupil_diameter_mm,
-    )
     lens = native.Lens(camera.lens_path)
     half = degrees(info["fov_diagonal_rad"] or 0.0) / 2.0 or json.loads(lens.summary_json())["half_field_deg"] or 0.0
     distance = info["focus_distance_mm"]
@@ -140,7 +132,7 @@ def of_camera(holder: bpy.types.Object, scene: bpy.types.Scene, found: dict | No
     drawing = json.loads(
         native.lens_drawing_json(
             lens,
-            setting,
+            _setting(camera),
             [part * half for part in _FIELDS],
             _RAYS,
             # Beyond infinity there is no distance.
@@ -150,6 +142,23 @@ def of_camera(holder: bpy.types.Object, scene: bpy.types.Scene, found: dict | No
     )
     _place_film(drawing, camera, info)
     return drawing
+
+
+def of_axis(camera: CameraDescription) -> dict[str, Any]:
+    """The same of a lens that looks at infinity, with one ray alone: what does not ask for a focus that there may not be."""
+    native = engine()
+    return json.loads(native.lens_drawing_json(native.Lens(camera.lens_path), _setting(camera), [0.0], 1))
+
+
+def _setting(camera: CameraDescription) -> Any:
+    from petzval.lens_setting import LensSetting
+
+    return LensSetting(
+        scale=camera.focal_scale,
+        focal_length_mm=camera.focal_length_mm,
+        f_number=camera.f_number,
+        pupil_diameter_mm=camera.pupil_diameter_mm,
+    )
 
 
 def _place_film(drawing: dict[str, Any], camera: CameraDescription, info: dict[str, Any]) -> None:

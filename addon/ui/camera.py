@@ -15,6 +15,7 @@ from .lens_gallery import PETZVAL_PT_lens_gallery
 from .lens_menu import GROUP_MENUS, PETZVAL_MT_lenses
 from .mixin import columns
 from .preset_panels import PETZVAL_PT_camera_presets, PETZVAL_PT_lens_presets
+from .scale import PETZVAL_CAMERA_PT_scale
 
 #: Models that have one wavelength, whichever spectrum is chosen.
 ONE_WAVELENGTH = ("THICK", "IMAGE_BASED")
@@ -153,24 +154,6 @@ class PETZVAL_CAMERA_PT_film(LensPart, bpy.types.Panel):
         row = layout.row()
         row.active = not (settings.match_viewport and settings.in_step)
         row.operator("petzval.match_viewport")
-
-
-class PETZVAL_CAMERA_PT_scale(AperturePart, bpy.types.Panel):
-    bl_label = "Scale"
-    bl_options = {"DEFAULT_CLOSED"}
-
-    def draw(self, context):
-        layout = columns(self)
-        settings = context.camera.petzval
-        layout.prop(settings, "scale_from_scene")
-        column = layout.column(align=True)
-        column.enabled = not settings.scale_from_scene
-        column.prop(settings, "scale_locked")
-        if settings.scale_locked:
-            column.prop(settings, "scale", index=0, text="mm per Unit")
-        else:
-            for index, text in enumerate(("mm per Unit X", "Y", "Z")):
-                column.prop(settings, "scale", index=index, text=text)
 
 
 CLASSES = (
