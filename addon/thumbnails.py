@@ -49,8 +49,10 @@ def pixels(lens_key: str) -> np.ndarray:
 
 
 def draw(lens_key: str) -> None:
-    """Makes the icon now."""
+    """Makes the icon now, where there is none."""
     global _icons
+    if _icons is not None and lens_key in _icons:
+        return
     if _icons is None:
         _icons = bpy.utils.previews.new()
     try:
@@ -70,9 +72,7 @@ def _draw_some() -> float | None:
     began = time.monotonic()
     try:
         while _wanted and time.monotonic() - began < _BUSY_S:
-            one = _wanted.pop(0)
-            if _icons is None or one not in _icons:
-                draw(one)
+            draw(_wanted.pop(0))
     except EngineMissing:
         _wanted.clear()
     if _wanted:

@@ -3,24 +3,43 @@
 
 from __future__ import annotations
 
-from . import builtin, camera, effects, lens_gallery, preset_panels, render, view_layer
+from . import (
+    builtin,
+    camera,
+    effects,
+    lens_gallery,
+    light,
+    material,
+    objects,
+    preset_panels,
+    render,
+    render_motion,
+    view_layer,
+    world,
+)
+
+# In the order in which they stand in a tab.
+PARTS = (
+    preset_panels,
+    render,
+    effects,
+    render_motion,
+    lens_gallery,
+    camera,
+    light,
+    material,
+    objects,
+    world,
+    view_layer,
+    builtin,
+)
 
 
 def register() -> None:
-    preset_panels.register()
-    render.register()
-    effects.register()
-    lens_gallery.register()
-    camera.register()
-    view_layer.register()
-    builtin.register()
+    for part in PARTS:
+        part.register()
 
 
 def unregister() -> None:
-    builtin.unregister()
-    view_layer.unregister()
-    camera.unregister()
-    lens_gallery.unregister()
-    effects.unregister()
-    render.unregister()
-    preset_panels.unregister()
+    for part in reversed(PARTS):
+        part.unregister()

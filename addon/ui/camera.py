@@ -38,8 +38,15 @@ class PETZVAL_CAMERA_PT_lens(CameraPanel, bpy.types.Panel):
         camera = context.camera
         settings = camera.petzval
         layout.prop(settings, "model")
+        if camera.type != "PERSP" or settings.model not in OF_LENS_FILE:
+            layout.prop(camera, "type")
+        if camera.type == "ORTHO":
+            layout.prop(camera, "ortho_scale")
+            if settings.model != "PINHOLE":
+                layout.label(text="No lens takes an orthographic picture", icon="INFO")
         if settings.model not in OF_LENS_FILE:
-            layout.prop(camera, "lens")
+            if camera.type != "ORTHO":
+                layout.prop(camera, "lens")
             _blenders_film(layout, camera)
             column = layout.column(align=True)
             column.prop(camera, "shift_x", text="Shift X")
@@ -69,6 +76,19 @@ class PETZVAL_CAMERA_PT_lens(CameraPanel, bpy.types.Panel):
 def _blenders_film(layout, camera: bpy.types.Camera) -> None:
     layout.prop(camera, "sensor_fit")
     layout.prop(camera, "sensor_height" if camera.sensor_fit == "VERTICAL" else "sensor_width", text="Size")
+
+
+class PETZVAL_CAMERA_PT_clip(CameraPanel, bpy.types.Panel):
+    bl_label = "Clipping"
+    bl_parent_id = PETZVAL_CAMERA_PT_lens.__name__
+    bl_options = {"DEFAULT_CLOSED"}
+
+    def draw(self, context):
+        column = columns(self).column(align=True)
+        column.prop(context.camera, "clip_start", text="Clip Start")
+        column.prop(context.camera, "clip_end", text="End")
+        if context.camera.clip_end <= context.camera.clip_start:
+            column.label(text="It ends before it begins: nothing is clipped", icon="INFO")
 
 
 class PETZVAL_CAMERA_PT_aperture(AperturePart, bpy.types.Panel):
@@ -168,6 +188,7 @@ CLASSES = (
     PETZVAL_CAMERA_PT_sharp,
     PETZVAL_CAMERA_PT_film,
     PETZVAL_CAMERA_PT_scale,
+    PETZVAL_CAMERA_PT_clip,
 )
 
 
