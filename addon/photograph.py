@@ -264,6 +264,7 @@ class Photograph:
         used, peak = process_memory.used_bytes(), process_memory.peak_bytes()
         if used is not None and peak is not None:
             self.host.update_memory_stats(memory_used=used / 2**20, memory_peak=peak / 2**20)
+            left += f"Mem:{used / 2**20:.0f}M, Peak:{peak / 2**20:.0f}M | "
         self._tell(f"Sample {samples}/{self.samples}{speed} | {self.planned}", part, left)
 
     def _tell(self, text: str, part: float, left: str = "") -> None:

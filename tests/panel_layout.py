@@ -139,7 +139,9 @@ def draw(bl_context: str, now: SimpleNamespace) -> Layout:
         if not cls.poll(now):
             continue
         # Methods of the panel's own, on something that is not one: Blender makes those.
-        panel = SimpleNamespace(layout=Layout(whole), bl_space_type="PROPERTIES", bl_context=cls.bl_context)
+        panel = SimpleNamespace(
+            layout=Layout(whole), bl_space_type="PROPERTIES", bl_context=cls.bl_context, names=getattr(cls, "names", ())
+        )
         for step in ("draw_header", "draw_header_preset", "draw"):
             if hasattr(cls, step):
                 getattr(cls, step)(panel, now)

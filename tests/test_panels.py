@@ -125,7 +125,7 @@ READ = {
     + [
         ("RenderSettings", name)
         for name in (
-            "film_transparent", "use_motion_blur", "motion_blur_position", "motion_blur_shutter", "motion_blur_shutter_curve",
+            "film_transparent", "use_simplify", "simplify_subdivision_render", "simplify_child_particles_render", "use_motion_blur", "motion_blur_position", "motion_blur_shutter", "motion_blur_shutter_curve",
             "threads_mode", "threads", "use_persistent_data",
         )
     ],

@@ -86,7 +86,30 @@ class PETZVAL_OBJECT_PT_ray_visibility(_ObjectPanel, bpy.types.Panel):
             column.prop(one, "visible_shadow", text="Shadow")
 
 
-CLASSES = (PETZVAL_OBJECT_PT_motion_blur, PETZVAL_OBJECT_PT_visibility, PETZVAL_OBJECT_PT_ray_visibility)
+class PETZVAL_OBJECT_PT_shadow_terminator(_ObjectPanel, bpy.types.Panel):
+    """Where Blender has no panel of every engine for it: there Cycles keeps it"""
+
+    bl_label = "Shadow Terminator"
+    bl_options = {"DEFAULT_CLOSED"}
+
+    @classmethod
+    def poll(cls, context):
+        is_shape = super().poll(context) and context.object.type in _SHAPES
+        is_of_cycles = is_shape and not hasattr(context.object, "shadow_terminator_geometry_offset")
+        return is_of_cycles and hasattr(context.object, "cycles")
+
+    def draw(self, context):
+        column, own = columns(self).column(), context.object.cycles
+        column.prop(own, "shadow_terminator_geometry_offset", text="Geometry Offset")
+        column.prop(own, "shadow_terminator_offset", text="Shading Offset")
+
+
+CLASSES = (
+    PETZVAL_OBJECT_PT_shadow_terminator,
+    PETZVAL_OBJECT_PT_motion_blur,
+    PETZVAL_OBJECT_PT_visibility,
+    PETZVAL_OBJECT_PT_ray_visibility,
+)
 
 
 def register() -> None:

@@ -1,30 +1,13 @@
 # SPDX-License-Identifier: GPL-3.0-or-later
-"""Panels of the render settings."""
+"""Panels of the render settings: Sampling and Light Paths."""
 
 from __future__ import annotations
 
 import bpy
 
-from .. import messages, native, statistics
-from .camera_parts import lines_of
+from .. import native
 from .mixin import PetzvalPanel, columns
 from .preset_panels import PETZVAL_PT_sampling_presets
-
-# More would fill the panel.
-_MOST_MESSAGES = 24
-#: By what a message is about.
-_ICONS = {
-    "object": "OBJECT_DATA",
-    "material": "MATERIAL",
-    "light": "LIGHT",
-    "lamp": "LIGHT",
-    "camera": "CAMERA_DATA",
-    "image": "IMAGE_DATA",
-    "world": "WORLD",
-    "mesh": "MESH_DATA",
-    "scene": "SCENE_DATA",
-}
-_SELECTED = {"object", "material", "light", "lamp", "camera", "mesh", "curves", "volume", "points"}
 
 
 class _RenderPanel(PetzvalPanel):
@@ -106,78 +89,10 @@ class PETZVAL_RENDER_PT_light_paths(_RenderPanel, bpy.types.Panel):
         row.prop(settings, "clamp_indirect")
 
 
-class PETZVAL_RENDER_PT_film(_RenderPanel, bpy.types.Panel):
-    bl_label = "Film"
-    bl_options = {"DEFAULT_CLOSED"}
-
-    def draw(self, context):
-        layout = columns(self)
-        layout.prop(context.scene.petzval, "filter_width")
-        cycles = getattr(context.scene, "cycles", None)
-        if cycles is not None:
-            layout.prop(cycles, "film_exposure")
-        layout.prop(context.scene.render, "film_transparent", text="Transparent")
-
-
-class PETZVAL_RENDER_PT_threads(_RenderPanel, bpy.types.Panel):
-    bl_label = "Performance"
-    bl_options = {"DEFAULT_CLOSED"}
-
-    def draw(self, context):
-        layout = columns(self)
-        render = context.scene.render
-        layout.prop(render, "threads_mode", text="Threads")
-        row = layout.row()
-        row.enabled = render.threads_mode == "FIXED"
-        row.prop(render, "threads", text="Number")
-        layout.prop(render, "use_persistent_data", text="Persistent Data")
-        layout.prop(context.scene.petzval, "use_checkpoints")
-        layout.prop(context.scene.petzval, "memory_limit", text="Memory Limit (GB)")
-
-
-class PETZVAL_RENDER_PT_last(_RenderPanel, bpy.types.Panel):
-    bl_label = "Last Render"
-    bl_options = {"DEFAULT_CLOSED"}
-
-    @classmethod
-    def poll(cls, context):
-        return super().poll(context) and statistics.last(context.scene.name) is not None
-
-    def draw(self, context):
-        render = statistics.last(context.scene.name)
-        for line in render.lines():
-            self.layout.label(text=line)
-
-
-class PETZVAL_RENDER_PT_messages(_RenderPanel, bpy.types.Panel):
-    bl_label = "Messages"
-
-    @classmethod
-    def poll(cls, context):
-        return super().poll(context) and bool(messages.all_of(context.scene.name))
-
-    def draw(self, context):
-        found = messages.all_of(context.scene.name)
-        for message in found[:_MOST_MESSAGES]:
-            row = self.layout.row()
-            column = row.column(align=True)
-            for number, line in enumerate(lines_of(context, message.text)):
-                column.label(text=line, icon="BLANK1" if number else _ICONS.get(message.kind, "INFO"))
-            if message.kind in _SELECTED:
-                choose = row.operator("petzval.select_named", text="", icon="RESTRICT_SELECT_OFF", emboss=False)
-                choose.kind, choose.name = message.kind, message.name
-        if len(found) > _MOST_MESSAGES:
-            self.layout.label(text=f"{len(found) - _MOST_MESSAGES} more", icon="BLANK1")
-
-
 CLASSES = (
     PETZVAL_RENDER_PT_sampling,
     PETZVAL_RENDER_PT_sampling_advanced,
     PETZVAL_RENDER_PT_light_paths,
-    PETZVAL_RENDER_PT_film,
-    PETZVAL_RENDER_PT_threads,
-    PETZVAL_RENDER_PT_last,
-    PETZVAL_RENDER_PT_messages,
 )
 
 

@@ -1,5 +1,5 @@
 # SPDX-License-Identifier: GPL-3.0-or-later
-"""Panels of the render for what moves and for what is made of strands: Motion Blur with the shutter, and Curves."""
+"""Panels of the render for how shapes are taken: Curves, Simplify, and Motion Blur with the shutter."""
 
 from __future__ import annotations
 
@@ -38,6 +38,51 @@ class PETZVAL_RENDER_PT_curves(_RenderPanel, bpy.types.Panel):
         row = layout.row()
         row.active = own.shape == "RIBBONS"
         row.prop(own, "subdivisions", text="Curve Subdivisions")
+
+
+class PETZVAL_RENDER_PT_simplify(_RenderPanel, bpy.types.Panel):
+    """Blender itself does this, whatever the engine"""
+
+    bl_label = "Simplify"
+    bl_options = {"DEFAULT_CLOSED"}
+
+    def draw_header(self, context):
+        self.layout.prop(context.scene.render, "use_simplify", text="")
+
+    def draw(self, context):
+        pass
+
+
+class _SimplifyPart(_RenderPanel):
+    bl_parent_id = PETZVAL_RENDER_PT_simplify.__name__
+    names = ()
+
+    def draw(self, context):
+        layout, render = columns(self), context.scene.render
+        layout.use_property_decorate = False
+        layout.active = render.use_simplify
+        column = layout.column()
+        for name, text in self.names:
+            if hasattr(render, name):
+                column.prop(render, name, text=text)
+
+
+class PETZVAL_RENDER_PT_simplify_viewport(_SimplifyPart, bpy.types.Panel):
+    bl_label = "Viewport"
+    names = (
+        ("simplify_subdivision", "Max Subdivision"),
+        ("simplify_child_particles", "Child Particles"),
+        ("simplify_volumes", "Volume Resolution"),
+        ("use_simplify_normals", "Normals"),
+    )
+
+
+class PETZVAL_RENDER_PT_simplify_render(_SimplifyPart, bpy.types.Panel):
+    bl_label = "Render"
+    names = (
+        ("simplify_subdivision_render", "Max Subdivision"),
+        ("simplify_child_particles_render", "Child Particles"),
+    )
 
 
 class PETZVAL_RENDER_PT_motion_blur(_RenderPanel, bpy.types.Panel):
@@ -86,7 +131,14 @@ class PETZVAL_RENDER_PT_shutter_curve(_RenderPanel, bpy.types.Panel):
             row.operator("render.shutter_curve_preset", icon=icon, text="").shape = shape
 
 
-CLASSES = (PETZVAL_RENDER_PT_curves, PETZVAL_RENDER_PT_motion_blur, PETZVAL_RENDER_PT_shutter_curve)
+CLASSES = (
+    PETZVAL_RENDER_PT_curves,
+    PETZVAL_RENDER_PT_simplify,
+    PETZVAL_RENDER_PT_simplify_viewport,
+    PETZVAL_RENDER_PT_simplify_render,
+    PETZVAL_RENDER_PT_motion_blur,
+    PETZVAL_RENDER_PT_shutter_curve,
+)
 
 
 def register() -> None:
