@@ -29,9 +29,11 @@ def of_text(text: str) -> Message:
     return Message(text, found[1].lower(), found[2]) if found else Message(text, "", "")
 
 
-def keep_viewport(scene_name: str, warnings: list[str]) -> None:
-    """What the viewport had to say, instead of what it said before."""
+def keep_viewport(scene_name: str, warnings: list[str]) -> bool:
+    """What the viewport has to say, instead of what it said before; whether that is something else."""
+    is_new = _viewport.get(scene_name, []) != warnings
     _viewport[scene_name] = list(warnings)
+    return is_new
 
 
 def all_of(scene_name: str) -> list[Message]:

@@ -40,6 +40,17 @@ class PETZVAL_RENDER_PT_sampling(_RenderPanel, bpy.types.Panel):
         layout.prop(settings, "time_limit")
 
 
+class PETZVAL_RENDER_PT_sampling_viewport(_RenderPanel, bpy.types.Panel):
+    bl_label = "Viewport"
+    bl_parent_id = "PETZVAL_RENDER_PT_sampling"
+    bl_options = {"DEFAULT_CLOSED"}
+
+    def draw(self, context):
+        layout = columns(self)
+        layout.prop(context.scene.petzval, "preview_samples", text="Samples")
+        layout.prop(context.scene.petzval, "preview_pixel_size")
+
+
 class PETZVAL_RENDER_PT_sampling_advanced(_RenderPanel, bpy.types.Panel):
     bl_label = "Advanced"
     bl_parent_id = "PETZVAL_RENDER_PT_sampling"
@@ -91,6 +102,7 @@ class PETZVAL_RENDER_PT_light_paths(_RenderPanel, bpy.types.Panel):
 
 CLASSES = (
     PETZVAL_RENDER_PT_sampling,
+    PETZVAL_RENDER_PT_sampling_viewport,
     PETZVAL_RENDER_PT_sampling_advanced,
     PETZVAL_RENDER_PT_light_paths,
 )
