@@ -104,3 +104,23 @@ def test_a_path_beside_the_file_is_kept_whole(blender, parts, scene, tmp_path):
     file = blender.utils.preset_find("Beside", "petzval/lens")
     assert repr(str(lens)) in Path(file).read_text() and own.lens_file == "//own.lens"
     blender.ops.petzval.lens_preset(name="Beside", remove_name=True)
+
+
+def test_blender_4_2_is_shown_them_by_the_panel(blender, parts, scene, monkeypatch):
+    """It cannot be told of a folder: the panel lists the files itself, before the user's own."""
+    from types import SimpleNamespace
+
+    import panel_layout
+
+    monkeypatch.setattr(parts.part("preset_operators"), "CAN_REGISTER", False)
+    asked = []
+    for cls in parts.part("ui.preset_panels").CLASSES:
+        whole = panel_layout.Layout()
+        names = ("preset_subdir", "preset_operator", "preset_add_operator")
+        panel = SimpleNamespace(**{name: getattr(cls, name) for name in names}, layout=whole)
+        panel.path_menu = lambda *paths, **_: asked.append(paths)
+        cls.draw(panel, panel_layout.context())
+        kind = cls.preset_subdir.rpartition("/")[2]
+        assert whole.operators == ["script.execute_preset"] * len([file for file in FILES if file.parent.name == kind])
+    assert len(asked) == len(KINDS)
+    assert "35mm Still" in {blender.path.display_name(file.stem, title_case=False) for file in FILES}

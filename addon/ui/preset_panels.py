@@ -21,7 +21,7 @@ class _Presets(PresetPanel):
                 name = bpy.path.display_name(file.stem, title_case=False)
                 load = column.operator(self.preset_operator, text=name, emboss=False)
                 load.filepath, load.menu_idname = str(file), type(self).__name__
-        super().draw(context)
+        PresetPanel.draw(self, context)
 
 
 class PETZVAL_PT_camera_presets(_Presets, bpy.types.Panel):
