@@ -60,7 +60,10 @@ class PETZVAL_OT_set_lens(bpy.types.Operator):
 
     @classmethod
     def description(cls, _context, properties):
-        entry = lens_files.entry_of(properties.lens)
+        try:
+            entry = lens_files.entry_of(properties.lens)
+        except EngineMissing as error:
+            return str(error)
         return properties.lens if entry is None else f"{entry['name']}: {lens_files.description(entry)}"
 
     def execute(self, context):

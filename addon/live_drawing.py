@@ -79,8 +79,10 @@ def for_panel(
         return None if kept is None else dataclasses.replace(kept.drawn, is_current=False)
     asked = _asked(holder, scene, _found(holder, scene, view_layer))
     is_current = kept is not None and kept.asked == asked
-    if not is_current and _wanted.get(place, (None,))[0] != asked:
-        _wanted[place] = asked, time.monotonic()
+    if not is_current:
+        if _wanted.get(place, (None,))[0] != asked:
+            _wanted[place] = asked, time.monotonic()
+        # Another file takes timers away.
         if not bpy.app.timers.is_registered(_draw):
             bpy.app.timers.register(_draw, first_interval=_QUIET_S)
     return None if kept is None else dataclasses.replace(kept.drawn, is_current=is_current)

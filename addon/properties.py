@@ -86,8 +86,8 @@ class PetzvalScene(bpy.types.PropertyGroup):
     )
     time_limit: FloatProperty(
         name="Time Limit",
-        description="Seconds after which a render ends with the samples that it has, and the time for reading the scene does not count; "
-        "zero is no limit. Which samples these are then depends on the machine",
+        description="Seconds after which the render of a view layer ends with the samples that it has, not counting the time that "
+        "reading the scene takes. Zero is no limit. Which samples these are then depends on the machine",
         default=0.0,
         min=0.0,
         soft_max=3600.0,

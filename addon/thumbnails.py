@@ -32,8 +32,10 @@ def icon(lens_key: str) -> int:
     """The number of a lens's icon, as `favourites.key` names lenses; 0 until it is drawn."""
     if _icons is not None and lens_key in _icons:
         return _icons[lens_key].icon_id
-    if lens_key not in _failed and lens_key not in _wanted:
-        _wanted.append(lens_key)
+    if lens_key not in _failed:
+        if lens_key not in _wanted:
+            _wanted.append(lens_key)
+        # Another file takes timers away.
         if not bpy.app.timers.is_registered(_draw_some):
             bpy.app.timers.register(_draw_some, first_interval=_REST_S)
     return 0

@@ -98,6 +98,9 @@ def test_a_thumbnail_is_drawn_by_the_timer(blender, parts):
     thumbnails.icon(key)
     thumbnails.icon(missing)
     assert blender.app.timers.is_registered(thumbnails._draw_some)
+    blender.app.timers.unregister(thumbnails._draw_some)
+    thumbnails.icon(key)
+    assert blender.app.timers.is_registered(thumbnails._draw_some)
     while thumbnails._draw_some() is not None:
         pass
     blender.app.timers.unregister(thumbnails._draw_some)
@@ -247,6 +250,9 @@ def test_the_timer_draws_once_for_each_setting(blender, parts, scene, monkeypatc
     live = parts.part("live_drawing")
     live.forget()
     place = scene.camera, scene, blender.context.view_layer, 200
+    assert live.for_panel(*place) is None and blender.app.timers.is_registered(live._draw)
+    # Opening a file takes timers away.
+    blender.app.timers.unregister(live._draw)
     assert live.for_panel(*place) is None and blender.app.timers.is_registered(live._draw)
     now = time.monotonic()
     monkeypatch.setattr(live.time, "monotonic", lambda: now + 1.0)
