@@ -87,6 +87,10 @@ class PETZVAL_LIGHT_PT_settings(_LightPanel, bpy.types.Panel):
         if cycles is not None:
             column.prop(cycles, "max_bounces")
         column.prop(light, "use_shadow", text="Cast Shadow")
+        if light.type == "AREA" and cycles is not None:
+            column.prop(cycles, "is_portal", text="Portal")
+            if cycles.is_portal:
+                column.label(text="A portal gives no light, and does nothing here", icon="INFO")
 
 
 class PETZVAL_LIGHT_PT_nodes(_LightPanel, bpy.types.Panel):
