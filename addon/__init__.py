@@ -10,10 +10,12 @@ from . import (
     engine,
     favourites,
     focus_operators,
+    gizmos,
     lens_operators,
     live_drawing,
     native,
     operators,
+    overlay,
     plan_operator,
     preset_operators,
     properties,
@@ -42,6 +44,8 @@ PARTS = (
     preset_operators,
     select_operator,
     engine,
+    overlay,
+    gizmos,
     ui,
 )
 

@@ -13,9 +13,7 @@ LEFT_OUT = {
     "DATA_PT_camera_dof",
     "DATA_PT_lens",
     "DATA_PT_light",
-    "DATA_PT_preview",
     "DATA_PT_spot",
-    "MATERIAL_PT_preview",
     "OBJECT_PT_visibility",
     "RENDER_PT_freestyle",
     "RENDER_PT_gpencil",
@@ -34,11 +32,11 @@ LEFT_OUT = {
     "VIEWLAYER_PT_freestyle_style_modules",
     "VIEWLAYER_PT_freestyle_lineset",
     "VIEWLAYER_PT_layer_passes",
-    "WORLD_PT_preview",
 }
-#: EEVEE's panels of what is the same here: material slots, shadow terminators.
+#: EEVEE's panels of what is the same here: material slots, previews, shadow terminators.
 TAKEN_FROM_EEVEE = {
     "EEVEE_MATERIAL_PT_context_material",
+    "MATERIAL_PT_preview",
     "OBJECT_PT_shadow_terminator",
 }
 

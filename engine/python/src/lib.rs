@@ -57,6 +57,7 @@ fn _native(m: &Bound<'_, PyModule>) -> PyResult<()> {
     m.add_function(wrap_pyfunction!(focusing::autofocus_json, m)?)?;
     m.add_function(wrap_pyfunction!(focusing::autofocus_by_json, m)?)?;
     m.add_function(wrap_pyfunction!(focusing::sharp_points_json, m)?)?;
+    m.add_function(wrap_pyfunction!(focusing::sharpness_json, m)?)?;
     m.add_function(wrap_pyfunction!(drawing::lens_drawing_json, m)?)?;
     m.add_function(wrap_pyfunction!(library::lens_groups, m)?)?;
     m.add_function(wrap_pyfunction!(glass::glass_json, m)?)?;
