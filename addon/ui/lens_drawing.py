@@ -6,7 +6,7 @@ from __future__ import annotations
 import bpy
 
 from .. import live_drawing, viewport_camera
-from .camera_parts import LensPart, complain
+from .camera_parts import LensPart
 
 #: The colours of the fields' rays, as Blender has them in its icons.
 _FIELD_ICONS = ("COLORSET_04_VEC", "COLORSET_03_VEC", "COLORSET_01_VEC")
@@ -32,7 +32,7 @@ class PETZVAL_CAMERA_PT_drawing(LensPart, bpy.types.Panel):
             layout.label(text="...")
             return
         if drawn.error:
-            complain(context, layout, drawn.error)
+            layout.label(text="Nothing to draw: Lens Data says why", icon="INFO")
             return
         layout.template_icon(drawn.icon, scale=units)
         row = layout.row()
