@@ -74,7 +74,7 @@ def find(holder: bpy.types.Object, scene: bpy.types.Scene, depsgraph: bpy.types.
     met: list[str] = []
 
     def distance_to(origin: tuple, direction: tuple) -> float | None:
-        distance, name = _nearest(scene, depsgraph, Vector(origin), Vector(direction))
+        distance, name = nearest(scene, depsgraph, Vector(origin), Vector(direction))
         met[:] = [name]
         return distance
 
@@ -96,7 +96,7 @@ def find(holder: bpy.types.Object, scene: bpy.types.Scene, depsgraph: bpy.types.
     return answer | {"object_name": met[0], "subject_mm": -along * camera.scale_mm_per_unit[2]}
 
 
-def _nearest(
+def nearest(
     scene: bpy.types.Scene, depsgraph: bpy.types.Depsgraph, origin: Vector, direction: Vector
 ) -> tuple[float | None, str]:
     """How far it is to what a camera ray meets in the render, and its name."""
