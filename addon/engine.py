@@ -56,11 +56,6 @@ class PetzvalRenderEngine(bpy.types.RenderEngine):
             found = self._view = RenderedView(self)
         return found
 
-    def __del__(self):
-        found = getattr(self, "_view", None)
-        if found is not None:
-            found.close()
-
     def render(self, depsgraph):
         """One view layer. An exception would only be printed, so everything ends as a report and a picture."""
         try:

@@ -41,6 +41,8 @@ class RenderedView:
         self._drawn: Any = None
         self._timer = _timer_of(weakref.ref(self))
         self.session = Session(self._native)
+        # Blender drops its engine, and with it this, where the view is left.
+        weakref.finalize(self, self.session.close)
 
     def update(self, context: bpy.types.Context, depsgraph: bpy.types.Depsgraph) -> None:
         """The scene was changed, or is looked at for the first time."""
@@ -56,12 +58,6 @@ class RenderedView:
         self._drawn = picture
         self._tell(depsgraph.scene)
         self._watch()
-
-    def close(self) -> None:
-        """The view is no longer there."""
-        self.session.close()
-        if bpy.app.timers.is_registered(self._timer):
-            bpy.app.timers.unregister(self._timer)
 
     def _send(self, context: bpy.types.Context, depsgraph: bpy.types.Depsgraph) -> None:
         place = tuple(context.region_data.view_matrix.inverted_safe().translation)
