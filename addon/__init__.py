@@ -14,12 +14,13 @@ from . import (
     plan_operator,
     properties,
     redraw,
+    report_operator,
     ui,
     viewport_camera,
 )
 
 # What is used stands before what uses it.
-PARTS = (properties, redraw, viewport_camera, autofocus, operators, focus_operators, plan_operator, engine, ui)
+PARTS = (properties, redraw, viewport_camera, autofocus, operators, focus_operators, plan_operator, report_operator, engine, ui)
 
 
 def register() -> None:

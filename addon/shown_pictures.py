@@ -1,0 +1,53 @@
+# SPDX-License-Identifier: GPL-3.0-or-later
+"""Pictures that are not renders, where the user sees them: an image of the file, in an image editor."""
+
+from __future__ import annotations
+
+import bpy
+import numpy as np
+
+
+def keep(name: str, pixels: np.ndarray) -> bpy.types.Image:
+    """The image of that name, new or as it was last time with other pixels: (height, width, 4), sRGB, packed into the file."""
+    height, width = pixels.shape[:2]
+    image = bpy.data.images.get(name)
+    if image is not None and (image.library or tuple(image.size) != (width, height)):
+        users = image if not image.library else None
+        image = _new(name, width, height)
+        if users is not None:
+            # Whoever shows the old one shows this one.
+            users.user_remap(image)
+            bpy.data.images.remove(users)
+            image.name = name
+    elif image is None:
+        image = _new(name, width, height)
+    image.pixels.foreach_set(np.ascontiguousarray(pixels, dtype=np.float32).ravel())
+    image.update()
+    image.pack()
+    return image
+
+
+def _new(name: str, width: int, height: int) -> bpy.types.Image:
+    return bpy.data.images.new(name, width, height, alpha=False)
+
+
+def show(context: bpy.types.Context, image: bpy.types.Image) -> bool:
+    """In the largest image editor, or a window of its own; False: there is no window at all."""
+    manager = context.window_manager
+    if bpy.app.background or manager is None or not manager.windows:
+        return False
+    editors = [
+        (area.width * area.height, area)
+        for window in manager.windows
+        for area in window.screen.areas
+        if area.ui_type == "IMAGE_EDITOR"
+    ]
+    if editors:
+        area = max(editors, key=lambda editor: editor[0])[1]
+    else:
+        bpy.ops.wm.window_new()
+        area = manager.windows[-1].screen.areas[0]
+        area.ui_type = "IMAGE_EDITOR"
+    area.spaces.active.image = image
+    area.tag_redraw()
+    return True
