@@ -280,7 +280,7 @@ impl Script<'_> {
             text,
             "\n      for (int side_of = 0; side_of < {blades}; side_of++) {{
         float turn = {} + (side_of + 0.5) * {};
-        float out = (P[0] * cos(turn) + P[1] * sin(turn)) / stop_radius;
+        float out = (at[0] * cos(turn) + at[1] * sin(turn)) / stop_radius;
         if ({} * squared / (stop_radius * stop_radius) + {} * out > {})
           is_lost = 1;
       }}",
@@ -318,7 +318,7 @@ impl Script<'_> {
             "    if (is_asphere[i]) {{
       // Newton's method from the conicoid, on z - sag(r).
       for (int step = 0; step < {ASPHERE_STEPS}; step++) {{
-        float r2 = P[0] * P[0] + P[1] * P[1];
+        float r2 = at[0] * at[0] + at[1] * at[1];
         float w = sqrt(max(0.0, 1.0 - (1.0 + k) * c * c * r2));
         float sag = c * r2 / (1.0 + w);
         float slope = 0.5 * c / max(w, 1e-6);
@@ -328,8 +328,8 @@ impl Script<'_> {
           power *= r2;
           sag += terms[i * {highest} + j] * power;
         }}
-        N = vector(-2.0 * slope * P[0], -2.0 * slope * P[1], 1.0);
-        P += D * ((sag - P[2]) / dot(N, D));
+        normal_at = vector(-2.0 * slope * at[0], -2.0 * slope * at[1], 1.0);
+        at += D * ((sag - at[2]) / dot(normal_at, D));
       }}
     }}"
         );
