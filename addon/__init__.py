@@ -7,8 +7,12 @@ import sys
 
 from . import (
     autofocus,
+    cost_operator,
     engine,
     focus_operators,
+    focus_picking,
+    framing_operator,
+    lens_export_operators,
     native,
     operators,
     plan_operator,
@@ -20,7 +24,22 @@ from . import (
 )
 
 # What is used stands before what uses it.
-PARTS = (properties, redraw, viewport_camera, autofocus, operators, focus_operators, plan_operator, report_operator, engine, ui)
+PARTS = (
+    properties,
+    redraw,
+    viewport_camera,
+    autofocus,
+    operators,
+    focus_operators,
+    focus_picking,
+    framing_operator,
+    plan_operator,
+    report_operator,
+    lens_export_operators,
+    cost_operator,
+    engine,
+    ui,
+)
 
 
 def register() -> None:

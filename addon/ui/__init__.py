@@ -3,13 +3,14 @@
 
 from __future__ import annotations
 
-from . import builtin, camera, effects, render, view_layer
+from . import builtin, camera, effects, render, tools, view_layer
 
 
 def register() -> None:
     render.register()
     effects.register()
     camera.register()
+    tools.register()
     view_layer.register()
     builtin.register()
 
@@ -17,6 +18,7 @@ def register() -> None:
 def unregister() -> None:
     builtin.unregister()
     view_layer.unregister()
+    tools.unregister()
     camera.unregister()
     effects.unregister()
     render.unregister()
