@@ -214,7 +214,7 @@ def distortion_map(
     camera: CameraDescription, width: int, height: int, wavelength_nm: float, direction: str
 ) -> npt.NDArray[np.float32]:
     """(height, width, 4), first row at the bottom: the place in the other picture to take a pixel from, x and y from 0 to 1 from the
-    lower left, 0, and 1 where that is in the other picture; all 0 where the lens sees nothing. "DISTORT": the pixels are the lens's and
+    lower left, and twice 1 where that is in the other picture, else 0; all 0 where the lens sees nothing. "DISTORT": the pixels are the lens's and
     the other picture the pinhole's that frames the same; "UNDISTORT": the other way. By the mean rays of the clear pupil."""
 
 def write_distortion_map(

@@ -74,7 +74,7 @@ def note(lens_name: str, direction: str, wavelength_nm: float) -> str:
     """What stands in a map's header."""
     what = {"undistort": "the lens's picture to a pinhole's", "distort": "a pinhole's picture to the lens's"}[direction]
     return (
-        f"{lens_name}: {what}. R and G: where to take a pixel from, 0 to 1 from the lower left. A: 1 where that is in the picture. "
+        f"{lens_name}: {what}. R and G: where to take a pixel from, 0 to 1 from the lower left. B and A: 1 where that is in the picture. "
         f"Mean rays of the clear pupil at {wavelength_nm:g} nm."
     )
 

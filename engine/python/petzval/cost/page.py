@@ -50,9 +50,7 @@ def picture(found: dict[str, Any], lettering: Lettering) -> npt.NDArray[np.float
         axes.set_ylim(min(_error(r) for r in rows) / 1.6, max(_error(r) for r in rows) * 1.6)
     axes.set_xlabel("time for the picture, seconds")
     axes.set_ylabel("how far a pixel is off, % of its brightness")
-    for i, row in enumerate(rows):
-        x, y = axes_place(axes, row)
-        figure.text(x + 0.008, y + 0.012, str(i + 1), color=_colour(row), fontsize=9.0)
+    _numbers(figure, axes, rows)
     width, height = found["size"]
     figure.text(0.03, 0.97, f"What accuracy costs: {found['lens']}, {found['scene']}", fontsize=12, weight="bold", va="top")  # fmt: skip
     said = f"{width} x {height} pixels, {found['samples']} samples a pixel"
@@ -63,10 +61,16 @@ def picture(found: dict[str, Any], lettering: Lettering) -> npt.NDArray[np.float
     return figure.drawn()
 
 
-def axes_place(axes: Any, row: dict[str, Any]) -> tuple[float, float]:
-    """Where a camera stands, parts of the page."""
-    x, y = axes.to_pixels(row["seconds"], _error(row))
-    return x / axes.figure.width, y / axes.figure.height
+def _numbers(figure: Figure, axes: Any, rows: list[dict[str, Any]]) -> None:
+    """Each camera's beside its dot; where dots lie close, one after the other."""
+    placed: list[tuple[float, float]] = []
+    for i, row in enumerate(rows):
+        x, y = axes.to_pixels(row["seconds"], _error(row))
+        x, y = x / figure.width + 0.008, y / figure.height + 0.012
+        while any(abs(x - a) < 0.016 and abs(y - b) < 0.025 for a, b in placed):
+            x += 0.016
+        placed.append((x, y))
+        figure.text(x, y, str(i + 1), color=_colour(row), fontsize=9.0)
 
 
 def _table(figure: Figure, rows: list[dict[str, Any]]) -> None:

@@ -173,7 +173,8 @@ impl DistortionMap {
     }
 
     /// The map for a compositor: for each pixel, first row below, the place in the other picture to take it from, x and y from 0 to
-    /// 1 with the origin at the lower left, then 0, then 1 where that place is in the other picture. Where the lens sees nothing all
+    /// 1 with the origin at the lower left, then twice 1 where that place is in the other picture and 0 where it is not: Blender's Map UV
+    /// takes the third number for that, others the fourth. Where the lens sees nothing all
     /// four are 0.
     pub fn pixels(&self, [width, height]: [u32; 2], direction: Direction) -> Vec<[f32; 4]> {
         let pixel = |i: u32, side: u32| (f64::from(i) + 0.5) / f64::from(side) - 0.5;
@@ -186,7 +187,8 @@ impl DistortionMap {
             let Some(source) = source else { return [0.0; 4] };
             let st = source + 0.5;
             let is_within = st.cmpge(DVec2::ZERO).all() && st.cmple(DVec2::ONE).all();
-            [st.x as f32, st.y as f32, 0.0, if is_within { 1.0 } else { 0.0 }]
+            let is_there = if is_within { 1.0 } else { 0.0 };
+            [st.x as f32, st.y as f32, is_there, is_there]
         };
         (0..height).into_par_iter().flat_map_iter(|y| (0..width).map(move |x| of(x, y))).collect()
     }

@@ -124,7 +124,7 @@ impl<'a> Search<'a> {
         let (widest, narrowest) = (self.angle(short)?, self.angle(long)?);
         if self.wanted_rad > widest + SAME || self.wanted_rad < narrowest - SAME {
             return Err(self.d.error(format!(
-                "its zoom from {short:.4} to {long:.4} mm sees {:.2} to {:.2} degrees on this film, Blender's camera {:.2}: choose another lens or film",
+                "its zoom from {short:.2} to {long:.2} mm sees {:.2} to {:.2} degrees on this film, Blender's camera {:.2}: choose another lens or film",
                 widest.to_degrees(), narrowest.to_degrees(), self.wanted_rad.to_degrees()
             )));
         }
