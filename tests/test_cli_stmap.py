@@ -178,7 +178,9 @@ def test_colours_have_layers_of_their_own_and_what_is_wrong_is_said(blender, pet
     done = petzval_cli("lens", "stmap", LENS, *OPTIONS, "--wavelength", "5", "-o", out)
     assert_complains(done, "wavelength is 5 nm")
     # More film than the lens covers: what is dark has no source.
-    done = petzval_cli("lens", "stmap", LENS, "--film", "90x60", "--pixels", "90x60", "--direction", "distort", "-o", out)
+    done = petzval_cli(
+        "lens", "stmap", LENS, "--film", "90x60", "--pixels", "90x60", "--direction", "distort", "-o", out
+    )
     assert done.returncode == 0
     found = scene_parts.read(out)
     assert (found[0, 0] == 0.0).all() and found[30, 45, 3] == 1.0 and np.isfinite(found).all()

@@ -57,7 +57,9 @@ def test_a_stroke_has_its_width_and_dashes_their_share():
 
 
 def test_lines_are_cut_at_the_edge_of_the_plot():
-    pieces = strokes.clipped(np.array([[-5.0, 5.0], [5.0, 5.0], [5.0, 20.0], [8.0, 20.0], [8.0, 2.0]]), (0, 0), (10, 10))
+    pieces = strokes.clipped(
+        np.array([[-5.0, 5.0], [5.0, 5.0], [5.0, 20.0], [8.0, 20.0], [8.0, 2.0]]), (0, 0), (10, 10)
+    )
     assert [piece.tolist() for piece in pieces] == [[[0, 5], [5, 5], [5, 10]], [[8, 10], [8, 2]]]
 
 

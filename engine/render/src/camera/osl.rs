@@ -2,7 +2,7 @@
 //!
 //! The script holds the surfaces, the indices at one wavelength or three, and a table of boxes about the clear pupil: a ray is aimed
 //! evenly into the box that belongs to its film point and opening, and those that miss the pupil are lost. The box lies on the plane of
-//! the exit pupil where there is one between a fifth and twenty times the rear vertex's distance from the film, else on that of the
+//! the exit pupil where there is one between a fifth and a thousand times the rear vertex's distance from the film, else on that of the
 //! rear vertex: there it hardly depends on the focus. Its weight is that of [`super::real_lens`].
 
 use super::setup::{D_LINE_NM, Setup};
@@ -20,16 +20,16 @@ use std::fmt::Write;
 const TEMPLATE: &str = include_str!("osl/lens_camera.osl");
 /// Film radii and openings (1, 1/2, 1/4 ...) at which the boxes are known. The script sets them up for each ray: more cost time,
 /// fewer lose rays.
-const RADII: usize = 17;
+const RADII: usize = 25;
 const LEVELS: usize = 5;
 /// Part of a box's size added on each side, for what lies between the known ones.
-const MARGIN: f64 = 0.015;
+const MARGIN: f64 = 0.02;
 /// Distances of the exit pupil from the film, in that of the rear vertex, at which the boxes lie there.
-const PUPIL_PLANES: std::ops::Range<f64> = 0.2..20.0;
+const PUPIL_PLANES: std::ops::Range<f64> = 0.2..1e3;
 /// The film may be this much larger than the camera has it.
 const FILM: f64 = 1.1;
-/// An asphere is iterated so often from its conicoid.
-const ASPHERE_STEPS: usize = 8;
+/// Most steps to an asphere's crossing.
+const ASPHERE_STEPS: usize = 30;
 
 impl CameraDescription {
     /// The script for this camera and pictures of that many pixels; the lens as it is set now, its f-number, film and, where the film
@@ -144,7 +144,7 @@ impl Script<'_> {
             info.efl_mm.map_or("none".to_owned(), |f| format!("{f:.4} mm"))
         );
         let focus_help = match can_focus {
-            true => "From the camera to what is sharp, Blender units; 0: the film distance counts",
+            true => "From the camera to what is sharp, along its axis; 0: the film distance counts",
             false => "Of no effect: this lens focuses inside; export it again for another focus",
         };
         let (aspheres, asphere) = self.aspheres();
@@ -233,6 +233,8 @@ impl Script<'_> {
         let radius_of = |[x, y]: [f64; 2]| film.point(x * half[0], y * half[1]).truncate().length();
         let farthest = corners.map(radius_of).into_iter().fold(0.0, f64::max);
         let infinity = Paraxial::new(system, self.d.wavelength_nm.unwrap_or(D_LINE_NM)).image_focal_plane_mm;
+        // Groups that have moved inside do not belong to that film.
+        let infinity = infinity.filter(|_| !info.focuses_inside);
         let films: Vec<f64> = [Some(film.z_mm), infinity].into_iter().flatten().collect();
         let lines =
             |system: &System| -> Vec<Tracer> { self.wavelengths.iter().map(|&nm| system.at_wavelength(nm)).collect() };
@@ -293,7 +295,7 @@ impl Script<'_> {
         text
     }
 
-    /// The tables of aspheres, and how their crossings are found; nothing for a lens without.
+    /// Which surfaces are aspheres, with their terms, and how their crossings are found.
     fn aspheres(&self) -> (String, String) {
         let surfaces = self.setup.system.surfaces();
         let terms = |i: usize| match &surfaces[i].shape {
@@ -301,35 +303,59 @@ impl Script<'_> {
             _ => Vec::new(),
         };
         let highest = (0..surfaces.len()).flat_map(terms).map(|(power, _)| power as usize / 2).max();
-        let Some(highest) = highest else { return (String::new(), String::new()) };
+        let is_asphere = join((0..surfaces.len()).map(|i| u8::from(!terms(i).is_empty()).to_string()));
+        let kinds = format!("  int is_asphere[SURFACES] = {{{is_asphere}}};");
+        let Some(highest) = highest else { return (kinds, String::new()) };
         let mut table = Vec::new();
         for i in 0..surfaces.len() {
             let mut row = vec![0.0; highest];
             terms(i).into_iter().for_each(|(power, a)| row[power as usize / 2 - 1] = a);
             table.extend(row);
         }
-        let is_asphere = join((0..surfaces.len()).map(|i| u8::from(!terms(i).is_empty()).to_string()));
         let tables = format!(
-            "  int is_asphere[SURFACES] = {{{is_asphere}}};\n  // Of r^2, r^4 and so on.\n  float terms[{}] = {{{}}};",
+            "{kinds}\n  // Of r^2, r^4 and so on.\n  float terms[{}] = {{{}}};",
             table.len(),
             list(table.into_iter())
         );
         let steps = format!(
             "    if (is_asphere[i]) {{
-      // Newton's method from the conicoid, on z - sag(r).
-      for (int step = 0; step < {ASPHERE_STEPS}; step++) {{
+      // z - sag(r) rises through 0 along the way to the film: Newton's method from the conicoid, its slope taken as rising; once
+      // two places enclose the crossing, what leaves them is replaced by their middle.
+      float low = -1e30, high = 1e30, size = 2.0 * (length(vector(A)) + fabs(t)), longest = size;
+      int is_found = 0;
+      for (int step = 0; step < {ASPHERE_STEPS} && !is_found; step++) {{
+        at = A + D * t;
         float r2 = at[0] * at[0] + at[1] * at[1];
         float w = sqrt(max(0.0, 1.0 - (1.0 + k) * c * c * r2));
         float sag = c * r2 / (1.0 + w);
-        float slope = 0.5 * c / max(w, 1e-6);
+        float slope = 0.5 * c;
         float power = 1.0;
         for (int j = 0; j < {highest}; j++) {{
-          slope += (j + 1) * terms[i * {highest} + j] * power;
+          slope += (j + 1) * terms[i * {highest} + j] * power * w;
           power *= r2;
           sag += terms[i * {highest} + j] * power;
         }}
-        normal_at = vector(-2.0 * slope * at[0], -2.0 * slope * at[1], 1.0);
-        at += D * ((sag - at[2]) / dot(normal_at, D));
+        normal_at = vector(-2.0 * slope * at[0], -2.0 * slope * at[1], w);
+        float value = (at[2] - sag) * w * side[i];
+        if (value < 0.0)
+          low = max(low, t);
+        else
+          high = min(high, t);
+        float newton = -value / max(fabs(dot(normal_at, D)), 1e-30);
+        float bounded = newton;
+        if (fabs(newton) >= longest)
+          bounded = longest * sign(newton);
+        longest *= 2.0;
+        if (fabs(newton) <= 2e-7 * (fabs(t) + size) || fabs(at[2] - sag) <= 2e-7 * (fabs(at[2]) + fabs(sag)))
+          is_found = 1;
+        else if (low > -1e29 && high < 1e29 && (t + bounded <= low || t + bounded >= high))
+          t = 0.5 * (low + high);
+        else
+          t += bounded;
+      }}
+      if (!is_found || normal_at[2] <= 0.0 || dot(normal_at, D) * side[i] < 0.0) {{
+        is_lost = 1;
+        break;
       }}
     }}"
         );
