@@ -4,7 +4,7 @@ use crate::camera::PyCamera;
 use crate::doorway::away;
 use crate::error::{Error, refused};
 use numpy::{PyArray1, PyArray3, PyArrayMethods};
-use petzval_pictures::write;
+use petzval_pictures::channels;
 use petzval_render::camera::CameraDescription;
 use petzval_render::camera::distortion_map::{Direction, DistortionMap};
 use petzval_render::camera::framing::Framed;
@@ -98,19 +98,19 @@ pub(crate) fn write_distortion_map(
     let work = pixels(camera, [width, height], &wavelengths, direction)?;
     away(py, || {
         let found = work()?;
-        let mut channels = Vec::new();
+        let mut named = Vec::new();
         let mut shares = Vec::new();
         for (name, map) in names.iter().zip(&found) {
             for (i, letter) in ["R", "G", "B", "A"].into_iter().enumerate() {
                 // Files have their first row at the top.
                 let rows = map.chunks(width as usize).rev();
                 let values = rows.flat_map(|row| row.iter().map(|pixel| pixel[i])).collect();
-                channels.push((format!("{name}{}{letter}", if name.is_empty() { "" } else { "." }), values));
+                named.push((format!("{name}{}{letter}", if name.is_empty() { "" } else { "." }), values));
             }
             let within = map.iter().filter(|pixel| pixel[3] > 0.0).count();
             shares.push(within as f64 / map.len() as f64);
         }
-        write::channels(&output, [width as usize, height as usize], channels, comments)?;
+        channels::write(&output, [width as usize, height as usize], named, comments)?;
         Ok(shares)
     })?
 }

@@ -12,7 +12,8 @@ import numpy as np
 
 from . import ticks
 from .legend import Legend
-from .strokes import clipped, dashed, marks, stroke
+from .lines import Line, colour_of
+from .strokes import stroke
 
 if TYPE_CHECKING:
     from .figure import Figure
@@ -24,57 +25,6 @@ _NUMBER_COLOUR, _EDGE, _GRID = "#444444", "#8a939a", "#e3e7ea"
 _MARGIN = 0.05
 #: Marks whose line is not drawn.
 _FORMATS = {"o": "o", "*": "*", "<": "<"}
-
-
-@dataclass
-class Line:
-    """A line of a plot, its look as matplotlib's words have it; lengths in points."""
-
-    x: Any
-    y: Any
-    color: str = "black"
-    linewidth: float = 1.5
-    dashes: Sequence[float] = ()
-    label: str = ""
-    marker: str = ""
-    markersize: float = 6.0
-    has_line: bool = True
-    alpha: float = 1.0
-    zorder: float = 2.0
-    #: Of an infinite line: "x" where `x` is its place, "y" where `y` is.
-    endless: str = ""
-    hollow: bool = False
-
-    def paint(self, figure: Figure, points: Any, low: Any, high: Any) -> None:
-        """Within a box of pixels."""
-        from .figure import colour_of
-
-        width = max(figure.pixels(self.linewidth), 0.8)
-        colour = colour_of(self.color)
-        if self.has_line:
-            pieces = clipped(points, low, high)
-            if self.dashes:
-                # A dash is so many widths of the line.
-                pattern = [dash * max(width, 1.2) for dash in self.dashes]
-                pieces = [dash for piece in pieces for dash in dashed(piece, pattern)]
-            figure.canvas.fill([shape for piece in pieces for shape in stroke(piece, width)], colour, self.alpha)
-        if self.marker:
-            inside = points[np.all((points >= np.asarray(low) - 1e-6) & (points <= np.asarray(high) + 1e-6), axis=1)]
-            size = max(figure.pixels(self.markersize), 1.6)
-            if self.hollow:
-                rings = [edge for shape in marks(inside, self.marker, size) for edge in stroke(shape, 1.6, closed=True)]
-                figure.canvas.fill(rings, colour, self.alpha)
-            else:
-                figure.canvas.fill(marks(inside, self.marker, size), colour, self.alpha)
-
-    def sample(self, figure: Figure, ends: Any) -> None:
-        """Of it in a legend."""
-        low, high = (0.0, 0.0), (figure.width, figure.height)
-        if self.has_line:
-            Line(0, 0, self.color, self.linewidth, self.dashes, alpha=self.alpha).paint(figure, ends, low, high)
-        if self.marker:
-            look = Line(0, 0, self.color, marker=self.marker, markersize=self.markersize, has_line=False, hollow=self.hollow)  # fmt: skip
-            look.paint(figure, ends.mean(axis=0, keepdims=True), low, high)
 
 
 @dataclass
@@ -348,8 +298,6 @@ class Axes:
             self._draw_legend()
 
     def _draw_area(self, area: Any) -> None:
-        from .figure import colour_of
-
         points, face, edge, width = area
         places = self.to_pixels(points[:, 0], points[:, 1])
         self.figure.canvas.fill([places], colour_of(face))
@@ -371,7 +319,6 @@ class Axes:
         figure, px = self.figure, self.figure.pixels
         left, low, right, high = self.box
         number = self._number_size
-        from .figure import colour_of
 
         def rule(ends: list, colour: str, width: float) -> None:
             figure.canvas.fill(stroke(np.array(ends), max(px(width), 0.9)), colour_of(colour))

@@ -9,8 +9,9 @@ from typing import Any, Protocol
 import numpy as np
 import numpy.typing as npt
 
-from .axes import Axes, Line
+from .axes import Axes
 from .legend import Legend
+from .lines import Line, colour_of
 from .raster import Canvas, Polygon
 from .strokes import stroke
 
@@ -27,13 +28,6 @@ class Lettering(Protocol):
 
     def outline(self, text: str) -> tuple[list[Polygon], float]:
         """The outlines of a line of text, capitals as high as 1, from the origin of its first letter; and how wide it is."""
-
-
-def colour_of(text: str) -> tuple[float, float, float]:
-    """#rrggbb, white or black."""
-    text = {"white": "#ffffff", "black": "#000000"}.get(text, text)
-    red, green, blue = (int(text[i : i + 2], 16) / 255.0 for i in (1, 3, 5))
-    return red, green, blue
 
 
 class Figure:

@@ -9,8 +9,8 @@ from typing import TYPE_CHECKING
 import numpy as np
 
 if TYPE_CHECKING:
-    from .axes import Line
     from .figure import Figure
+    from .lines import Line
 
 #: In letters: a line's sample, the space after it and between columns; a row.
 _SAMPLE, _SPACE, _BETWEEN, _ROW = 1.9, 0.7, 1.6, 1.5

@@ -11,7 +11,7 @@ use crate::error::MergeError;
 ///
 /// # Errors
 /// [`MergeError::Write`].
-pub fn channels(
+pub fn write(
     path: &Path,
     [width, height]: [usize; 2],
     channels: Vec<(String, Vec<f32>)>,
