@@ -65,7 +65,7 @@ class PETZVAL_OT_export_stmap(LensOperator, ExportHelper, bpy.types.Operator):
 
         def write() -> float:
             native = engine()
-            from petzval.lens_export_command import COLOURS_NM, note
+            from petzval.distortion_maps import COLOURS_NM, note
 
             camera, size = described(holder, context.scene, context.evaluated_depsgraph_get())
             maps = [("", self.wavelength), *(COLOURS_NM if self.colours else ())]

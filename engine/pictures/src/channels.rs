@@ -6,7 +6,7 @@ use exr::prelude::*;
 
 use crate::error::MergeError;
 
-/// Writes channels of so many pixels each, first row at the top, uncompressed of precision and compressed without loss; `comments`
+/// Writes channels of so many pixels each, first row at the top, in single precision, compressed without loss; `comments`
 /// stand in the file's header.
 ///
 /// # Errors
@@ -19,8 +19,7 @@ pub fn write(
 ) -> std::result::Result<(), MergeError> {
     let list =
         channels.into_iter().map(|(name, values)| AnyChannel::new(name.as_str(), FlatSamples::F32(values))).collect();
-    let mut attributes = LayerAttributes::default();
-    attributes.comments = Some(comments.into());
+    let attributes = LayerAttributes { comments: Some(comments.into()), ..LayerAttributes::default() };
     let encoding = Encoding { compression: Compression::ZIP16, ..Encoding::FAST_LOSSLESS };
     let layer = Layer::new((width, height), attributes, encoding, AnyChannels::sort(list));
     let wrong = |error: exr::error::Error| MergeError::Write { file: path.to_owned(), reason: error.to_string() };

@@ -8,14 +8,13 @@ from pathlib import Path
 from typing import Any
 
 from . import argument_types as types
+from .distortion_maps import COLOURS_NM, note
 from .errors import CommandError
 from .lens_camera import add_camera, camera_of
 from .lens_loading import load, say
 from .scene_options import check_writable
 
 _D_LINE_NM = 587.5618
-#: Of maps for each colour, by the names of their layers: the wavelengths at which most of a film's red, green and blue comes.
-COLOURS_NM = (("red", 611.4), ("green", 549.1), ("blue", 464.2))
 
 
 def add_parsers(actions: Any, kinds: str) -> None:
@@ -68,15 +67,6 @@ def _stmap(arguments: argparse.Namespace) -> int:
     say([*lens.remarks, *lens.range_notes([nm for _, nm in maps])])
     print(f"{out}: {lens.name}, {arguments.direction}, {100.0 * shares[0]:.1f} % of its pixels have a source")
     return 0
-
-
-def note(lens_name: str, direction: str, wavelength_nm: float) -> str:
-    """What stands in a map's header."""
-    what = {"undistort": "the lens's picture to a pinhole's", "distort": "a pinhole's picture to the lens's"}[direction]
-    return (
-        f"{lens_name}: {what}. R and G: where to take a pixel from, 0 to 1 from the lower left. B and A: 1 where that is in the picture. "
-        f"Mean rays of the clear pupil at {wavelength_nm:g} nm."
-    )
 
 
 def _osl(arguments: argparse.Namespace) -> int:

@@ -6,9 +6,6 @@ from __future__ import annotations
 import math
 from typing import Any
 
-import numpy as np
-import numpy.typing as npt
-
 from ..plotting.figure import Figure, Lettering
 from .advice import advice, percent, seconds
 
@@ -27,7 +24,7 @@ def cameras(found: dict[str, Any]) -> list[dict[str, Any]]:
     return sorted(rows, key=lambda row: row["seconds"])
 
 
-def picture(found: dict[str, Any], lettering: Lettering) -> npt.NDArray[np.float32]:
+def picture(found: dict[str, Any], lettering: Lettering) -> Any:
     """(height, width, 4), first row at the bottom, sRGB."""
     figure = Figure(_SIZE_IN, lettering)
     axes = figure.add_axes((0.07, 0.22, 0.48, 0.62))
