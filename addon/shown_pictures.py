@@ -3,8 +3,13 @@
 
 from __future__ import annotations
 
+import functools
+
 import bpy
 import numpy as np
+
+# Until a window that was opened has its size.
+_SETTLED_S = 0.3
 
 
 def keep(name: str, pixels: np.ndarray) -> bpy.types.Image:
@@ -50,4 +55,18 @@ def show(context: bpy.types.Context, image: bpy.types.Image) -> bool:
         area.ui_type = "IMAGE_EDITOR"
     area.spaces.active.image = image
     area.tag_redraw()
+    # A new window has no size yet.
+    bpy.app.timers.register(functools.partial(_fit, image.name), first_interval=_SETTLED_S)
     return True
+
+
+def _fit(name: str) -> None:
+    """The whole picture, as large as it can be shown."""
+    for window in bpy.context.window_manager.windows:
+        for area in window.screen.areas:
+            shown = area.spaces.active.image if area.type == "IMAGE_EDITOR" else None
+            if shown is None or shown.name != name:
+                continue
+            region = next(region for region in area.regions if region.type == "WINDOW")
+            with bpy.context.temp_override(window=window, area=area, region=region):
+                bpy.ops.image.view_all(fit_view=True)

@@ -12,6 +12,9 @@ use pyo3::prelude::*;
 use serde_json::json;
 use std::path::PathBuf;
 
+/// By wavelength, then pixel.
+type Maps = Vec<Vec<[f32; 4]>>;
+
 /// More pixels are no map that anybody wants.
 const MOST_PIXELS: u64 = 1 << 28;
 
@@ -47,7 +50,7 @@ fn pixels(
     size: [u32; 2],
     wavelengths_nm: &[f64],
     direction: &str,
-) -> Result<impl FnOnce() -> Result<Vec<Vec<[f32; 4]>>, Error> + use<>, Error> {
+) -> Result<impl FnOnce() -> Result<Maps, Error> + use<>, Error> {
     let direction = match direction {
         "DISTORT" => Direction::Distort,
         "UNDISTORT" => Direction::Undistort,

@@ -374,7 +374,7 @@ fn bounding(maps: &[(PupilMap, f64)], radius: f64, plane_z: f64) -> [f64; 3] {
             (low, high) = (low.min(on_plane), high.max(on_plane));
         }
     }
-    if !(low.x < high.x) {
+    if low.x >= high.x {
         // Dark.
         return [0.0; 3];
     }
