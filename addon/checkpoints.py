@@ -10,9 +10,9 @@ from pathlib import Path
 from typing import Any
 
 import bpy
-import numpy as np
 
 from . import loop
+from .fingerprint import Watched, feed
 
 #: From the end of one writing to the next: with the time of writing, less than ten seconds of work are lost.
 EVERY_S = 8.0
@@ -51,9 +51,9 @@ class Checkpoint:
         self.file = file
         self._digest = hashlib.blake2b(digest_size=32)
 
-    def watched(self, builder: Any) -> _Watched:
+    def watched(self, builder: Any) -> Watched:
         """The engine's `SceneBuilder`, all of whose calls leave their mark in the fingerprint."""
-        return _Watched(builder, self._digest)
+        return Watched(builder, self._digest)
 
     def arguments(self, settings: Any, camera: Any, *others: Any) -> tuple[str, str, float]:
         """The engine's `checkpoint` for a job of these settings, camera, and whatever else decides its picture."""
@@ -64,40 +64,3 @@ class Checkpoint:
         feed(self._digest, others)
         every = EVERY_S if loop.WATCH.checkpoint_every_s is None else loop.WATCH.checkpoint_every_s
         return self.file, self._digest.hexdigest(), every
-
-
-class _Watched:
-    def __init__(self, builder: Any, digest: Any) -> None:
-        self._builder, self._digest = builder, digest
-
-    def __getattr__(self, name: str) -> Any:
-        target = getattr(self._builder, name)
-
-        def call(*arguments: Any, **named: Any) -> Any:
-            feed(self._digest, (name, arguments, named))
-            return target(*arguments, **named)
-
-        return call
-
-
-def feed(digest: Any, value: Any) -> None:
-    """Adds a value as the engine takes them; each is marked by its kind and length, so that none runs into the next."""
-    if isinstance(value, np.ndarray):
-        digest.update(f"array {value.dtype.str} {value.shape};".encode())
-        digest.update(np.ascontiguousarray(value).data)
-    elif isinstance(value, bytes):
-        digest.update(f"bytes {len(value)};".encode())
-        digest.update(value)
-    elif dataclasses.is_dataclass(value):
-        digest.update(f"{type(value).__name__};".encode())
-        for one in dataclasses.fields(value):
-            feed(digest, (one.name, getattr(value, one.name)))
-    elif isinstance(value, dict):
-        feed(digest, list(value.items()))
-    elif isinstance(value, (list, tuple)):
-        digest.update(f"list {len(value)};".encode())
-        for one in value:
-            feed(digest, one)
-    else:
-        text = repr(value)
-        digest.update(f"{len(text)} {text};".encode())

@@ -102,3 +102,9 @@ PIPELINES = (
         2,
     ),
 )
+PIXEL_SIZES = (
+    ("1", "1x", "As fine as the screen", "", 0),
+    ("2", "2x", "A quarter as many pixels", "", 1),
+    ("4", "4x", "A sixteenth as many", "", 2),
+    ("8", "8x", "A sixty-fourth as many", "", 3),
+)

@@ -192,6 +192,8 @@ class SettingsDescription:
     seed: int = 0
     film_exposure: float = 1.0  # what the finished light is multiplied by
     blue_noise: bool = False  # the errors of neighbouring pixels cancel; ranges of samples then do not make the whole
+    # Left, bottom, width, height in pixels: the part that is looked at, with light missing near its edge; None: all.
+    window: tuple[int, int, int, int] | None = None
     sample_offset: int = 0
     threads: int = 0
     max_bounces: int = 12

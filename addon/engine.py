@@ -12,6 +12,7 @@ from .export.errors import ExportError
 from .native import EngineMissing, engine
 from .photograph import Photograph
 from .results import deliver_black
+from .viewport import RenderedView
 
 #: The one name of the engine.
 ENGINE = "PETZVAL"
@@ -22,7 +23,7 @@ class PetzvalRenderEngine(bpy.types.RenderEngine):
 
     bl_idname = ENGINE
     bl_label = "Petzval"
-    bl_use_preview = False
+    bl_use_preview = False  # for now
     bl_use_eevee_viewport = True
     bl_use_shading_nodes_custom = False
     # Blender would draw Freestyle's lines by another engine, which crashes without a window.
@@ -40,6 +41,25 @@ class PetzvalRenderEngine(bpy.types.RenderEngine):
         parts += (passes.SHADOW,) * passes.wants_shadow(renderlayer)
         for one in (passes.COMBINED, *passes.wanted(renderlayer), *parts, *mattes, *groups, *merging):
             self.register_pass(scene, renderlayer, one.name, one.channels, one.channel_names, one.kind)
+
+    def view_update(self, context, depsgraph):
+        """The scene was changed, in a 3D view in rendered shading."""
+        self._rendered_view().update(context, depsgraph)
+
+    def view_draw(self, context, depsgraph):
+        """Such a view is to be drawn."""
+        self._rendered_view().draw(context, depsgraph)
+
+    def _rendered_view(self) -> RenderedView:
+        found = getattr(self, "_view", None)
+        if found is None:
+            found = self._view = RenderedView(self)
+        return found
+
+    def __del__(self):
+        found = getattr(self, "_view", None)
+        if found is not None:
+            found.close()
 
     def render(self, depsgraph):
         """One view layer. An exception would only be printed, so everything ends as a report and a picture."""

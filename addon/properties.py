@@ -9,7 +9,7 @@ import bpy
 from bpy.props import BoolProperty, EnumProperty, FloatProperty, IntProperty, PointerProperty
 
 from .camera_properties import PetzvalCamera
-from .choices import INTEGRATORS, PIPELINES
+from .choices import INTEGRATORS, PIPELINES, PIXEL_SIZES
 from .effects import EFFECTS, WORDS
 
 
@@ -44,6 +44,20 @@ class PetzvalScene(bpy.types.PropertyGroup):
         min=1,
         max=1 << 24,
         soft_max=4096,
+    )
+    preview_samples: IntProperty(
+        name="Viewport Samples",
+        description="Camera rays for each pixel of a 3D view in rendered shading; zero goes on without end",
+        default=256,
+        min=0,
+        max=1 << 24,
+        soft_max=4096,
+    )
+    preview_pixel_size: EnumProperty(
+        name="Pixel Size",
+        description="Pixels of the screen along the side of one that is rendered in a 3D view: larger ones are coarser, and quicker",
+        items=PIXEL_SIZES,
+        default="1",
     )
     use_noise_threshold: BoolProperty(
         name="Noise Threshold",

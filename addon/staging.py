@@ -13,6 +13,7 @@ from . import export
 from .description import CameraDescription, Report, focused
 from .export import aperture_mask, viewport
 from .export import camera as camera_export
+from .export.kept import Kept
 from .export.motion import Motion
 from .export.shutter import Blur
 
@@ -47,10 +48,14 @@ def fill(
     blur: Blur | None = None,
     *,
     only_catchers: bool = False,
+    kept: Kept | None = None,
+    seen_in: bpy.types.SpaceView3D | None = None,
 ) -> bool:
     """Tells the engine's `SceneBuilder` all that the camera may see; whether something catches shadows. `only_catchers`: what
-    does not is a hole for the camera, and nothing to all else."""
-    catches = export.send_scene(depsgraph, builder, report, check_stop, motion, blur, only_catchers=only_catchers)
+    does not is a hole for the camera, and nothing to all else. `kept` and `seen_in` as `export.send_scene` has them."""
+    catches = export.send_scene(
+        depsgraph, builder, report, check_stop, motion, blur, only_catchers=only_catchers, kept=kept, seen_in=seen_in
+    )
     viewport.send(builder, seen_by, *size)
     return catches
 

@@ -17,6 +17,7 @@ from . import world
 from .aovs import Aovs
 from .image import Images
 from .instances import Stage
+from .kept import Kept
 from .light_groups import LightGroups
 from .material import Materials
 from .motion import Motion
@@ -32,17 +33,21 @@ def send_scene(
     blur: Blur | None = None,
     *,
     only_catchers: bool = False,
+    kept: Kept | None = None,
+    seen_in: bpy.types.SpaceView3D | None = None,
 ) -> bool:
     """Fills a `SceneBuilder`. `check_stop` is called between objects and may raise. With `only_catchers` what
-    does not catch shadows holds out, and is not there for anything but the camera. True where something is to catch shadows."""
-    images, layer = Images(builder, report), depsgraph.view_layer_eval
-    materials = Materials(builder, images, Aovs(layer), report, layer.material_override)
+    does not catch shadows holds out, and is not there for anything but the camera. `kept`: what the builder holds already; `seen_in`:
+    the view whose own choice of objects counts. True where something is to catch shadows."""
+    kept = Kept(builder) if kept is None else kept
+    images, layer = Images(kept, report), depsgraph.view_layer_eval
+    materials = Materials(kept, images, Aovs(layer), report, layer.material_override)
     scene = depsgraph.scene_eval
     groups = LightGroups(layer)
     own = sky_of(depsgraph)
     builder.set_world(_sky(depsgraph, images, groups, report))
-    stage = Stage(builder, materials, images, groups, report, check_stop, motion, blur, only_catchers=only_catchers)
-    stage.send(depsgraph)
+    stage = Stage(kept, materials, images, groups, report, check_stop, motion, blur, only_catchers=only_catchers)
+    stage.send(depsgraph, seen_in)
     is_bidirectional = scene.petzval.integrator == "BIDIRECTIONAL"
     if is_bidirectional:
         unknown = {
@@ -52,7 +57,7 @@ def send_scene(
             "holdout, what holds out is seen": stage.holds_out,
             "ray visibility but the camera's and shadows', and of no light linking": stage.is_selective,
             "light groups, their passes are black": groups.names,
-            "volumes, space is empty": materials.fills_space or world.fills_space(own),
+            "volumes, space is empty": kept.fills_space or world.fills_space(own),
             "shadow catchers, these are shown": stage.catches_shadows,
         }
         for what, is_there in unknown.items():
@@ -74,7 +79,7 @@ def sky_of(depsgraph: bpy.types.Depsgraph) -> bpy.types.World | None:
 def send_sky(depsgraph: bpy.types.Depsgraph, builder: Any, report: Report) -> None:
     """Fills a `SceneBuilder` with the world alone."""
     groups = LightGroups(depsgraph.view_layer_eval)
-    builder.set_world(_sky(depsgraph, Images(builder, report), groups, report))
+    builder.set_world(_sky(depsgraph, Images(Kept(builder), report), groups, report))
 
 
 def _sky(depsgraph: bpy.types.Depsgraph, images: Images, groups: LightGroups, report: Report) -> WorldDescription:

@@ -3,12 +3,11 @@
 
 from __future__ import annotations
 
-from typing import Any
-
 import bpy
 import numpy as np
 
 from ..description import Report
+from .kept import Kept, uid
 
 MAGENTA = np.array([[[1.0, 0.0, 1.0, 1.0]]], np.float32)
 LINEAR_SPACES = {"Linear", "Linear Rec.709", "scene_linear"}
@@ -17,18 +16,18 @@ LINEAR_SPACES = {"Linear", "Linear Rec.709", "scene_linear"}
 class Images:
     """The images of one scene, by the engine's index."""
 
-    def __init__(self, builder: Any, report: Report) -> None:
-        self._builder = builder
+    def __init__(self, kept: Kept, report: Report) -> None:
+        self._kept = kept
+        self._builder = kept.builder
         self._report = report
-        # By the image and whether its colours are multiplied by alpha.
-        self._known: dict[tuple[int, bool], int] = {}
+        self._known = kept.images
 
     def index(self, image: bpy.types.Image | None, user: str, *, associated: bool) -> int:
         """The engine's index of an image; `user` is who asks, for the warning where there is none.
 
         `associated`: colours multiplied by alpha, as a node gives them whose alpha is not used.
         """
-        key = (0 if image is None else image.original.as_pointer(), associated)
+        key = (uid(image), associated)
         if image is None:
             self._report.warn(f"{user}: no image is chosen, magenta is shown")
         if key not in self._known:
@@ -37,6 +36,7 @@ class Images:
             )
             opaque = bool((pixels[..., 3] == pixels.dtype.type(255 if pixels.dtype == np.uint8 else 1)).all())
             self._known[key] = self._builder.add_image(name, pixels, srgb=srgb)
+            self._kept.changes += 1
             if opaque:
                 self._known[key[0], not associated] = self._known[key]
         return self._known[key]

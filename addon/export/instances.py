@@ -3,6 +3,7 @@
 
 from __future__ import annotations
 
+import functools
 from collections.abc import Callable
 from typing import Any
 
@@ -12,6 +13,7 @@ from ..description import RAYS, Report
 from . import curves, grids, hair, mesh, object_info, points
 from .camera import rows
 from .image import Images
+from .kept import Kept, uid
 from .light import Lights
 from .light_groups import LightGroups
 from .linking import Links
@@ -55,12 +57,17 @@ def _stands_for(place: bpy.types.DepsgraphObjectInstance) -> bpy.types.Object:
     return found.original
 
 
+def _sources(holder: bpy.types.Object, place: bpy.types.DepsgraphObjectInstance) -> tuple[bpy.types.ID | None, ...]:
+    """What an object's shape comes from."""
+    return holder, holder.data, place.parent if place.is_instance else None
+
+
 class Stage:
     """Sends the instances of a dependency graph to the engine's builder."""
 
     def __init__(
         self,
-        builder: Any,
+        kept: Kept,
         materials: Materials,
         images: Images,
         groups: LightGroups,
@@ -71,7 +78,8 @@ class Stage:
         *,
         only_catchers: bool = False,
     ) -> None:
-        self._builder = builder
+        self._builder = kept.builder
+        self._kept = kept
         self._motion = motion
         self._blur = blur
         self._materials = materials
@@ -81,10 +89,6 @@ class Stage:
         self._check_stop = check_stop
         #: Something is hidden from some bounces alone, or lights some objects alone.
         self.is_selective = False
-        # By the evaluated mesh and the attributes that are asked of it; None where it has no triangles.
-        self._meshes: dict[tuple[int, frozenset[str]], int | None] = {}
-        # By the object and its particle system.
-        self._hair: dict[tuple[str, str], int] = {}
         #: The camera sees a hole somewhere.
         self.holds_out = False
         #: Shadows are caught somewhere.
@@ -95,8 +99,8 @@ class Stage:
         self._is_render = True
         self._room = Room(0.0)
 
-    def send(self, depsgraph: bpy.types.Depsgraph) -> None:
-        """All objects and their instances, as they are visible in this graph."""
+    def send(self, depsgraph: bpy.types.Depsgraph, seen_in: bpy.types.SpaceView3D | None = None) -> None:
+        """All objects and their instances, as they are visible in this graph, and in this view where one is given."""
         links = Links(depsgraph, self._report)
         lights = Lights(self._images, links, self._groups)
         self._drawn = curves.shape(depsgraph.scene_eval)
@@ -108,6 +112,8 @@ class Stage:
         for place in depsgraph.object_instances:
             self._check_stop()
             holder = place.object
+            if seen_in is not None and not _stands_for(place).visible_in_viewport_get(seen_in):
+                continue
             hidden = hidden_from(holder)
             if _stands_for(place).indirect_only_get(view_layer=self._view_layer):
                 hidden = (*hidden, "CAMERA")
@@ -153,11 +159,13 @@ class Stage:
         links: Links,
         hidden: tuple[str, ...],
     ) -> None:
-        key = (holder.data.as_pointer(), frozenset({"volume"}))
-        if key not in self._meshes:
+
+        def send() -> int | None:
             box = grids.of_volume(holder, self._report)
-            self._meshes[key] = None if box is None else self._add_box(holder.data.name, box)
-        index = self._meshes[key]
+            return None if box is None else self._add_box(holder.data.name, box)
+
+        key = (holder.data.as_pointer(), "volume")
+        index = self._kept.mesh(key, _sources(holder, place), send)
         if index is None:
             return
         slots = [slot.material for slot in holder.material_slots] or [None]
@@ -216,20 +224,26 @@ class Stage:
             return None
         # A mesh whose users ask for different attributes is sent with each set.
         wanted = frozenset().union(*(self._materials.wanted(slot.material) for slot in holder.material_slots))
-        key = (data.as_pointer(), wanted)
-        if key not in self._meshes and isinstance(data, bpy.types.Curves):
-            arrays = curves.extract(data, wanted, self._drawn)
-            moved = self._motion.positions(place, arrays.keys[:, :3]) if arrays and self._motion is not None else None
-            if self._blur is not None:
-                self._blur.changes_strands(place)
-            self._meshes[key] = arrays and arrays.send(self._builder, data.name, moved)
-        if key not in self._meshes and isinstance(data, bpy.types.PointCloud):
-            self._meshes[key] = self._cloud(data, place, wanted)
-        if key not in self._meshes:
+
+        def send() -> int | None:
+            if isinstance(data, bpy.types.Curves):
+                return self._strands(data, place, wanted)
+            if isinstance(data, bpy.types.PointCloud):
+                return self._cloud(data, place, wanted)
             with mesh.shape(holder, data) as shape:
                 self._room.take(holder.name, mesh.triangle_count(shape))
-                self._meshes[key] = self._add(data.name, shape, place, wanted, grids.of_smoke(holder, self._report))
-        return self._meshes[key]
+                return self._add(data.name, shape, place, wanted, grids.of_smoke(holder, self._report))
+
+        return self._kept.mesh((data.as_pointer(), wanted), _sources(holder, place), send)
+
+    def _strands(
+        self, data: bpy.types.Curves, place: bpy.types.DepsgraphObjectInstance, wanted: frozenset[str]
+    ) -> int | None:
+        arrays = curves.extract(data, wanted, self._drawn)
+        moved = self._motion.positions(place, arrays.keys[:, :3]) if arrays and self._motion is not None else None
+        if self._blur is not None:
+            self._blur.changes_strands(place)
+        return arrays and arrays.send(self._builder, data.name, moved)
 
     def _add(
         self,
@@ -279,20 +293,30 @@ class Stage:
         first_number = 0
         for system in hair.systems(place, self._is_render):
             material = slots[min(max(system.settings.material - 1, 0), len(slots) - 1)]
-            key = holder.name_full, system.hair.name
-            if key not in self._hair:
-                wanted = self._materials.wanted(material)
-                arrays = hair.extract(holder, system, wanted, self._drawn, first_number)
-                moved = None
-                if self._motion is not None:
-                    moved = self._motion.hair(place, system.hair.name, arrays.keys[:, :3])
-                name = f"{holder.name}, {system.hair.name}"
-                self._hair[key] = arrays.send(self._builder, name, moved)
-                if self._blur is not None:
-                    self._blur.changes_strands(place, system.hair.name)
+            wanted = self._materials.wanted(material)
+            send = functools.partial(self._add_hair, holder, place, system, wanted, first_number)
+            key = (uid(holder), system.hair.name, wanted)
+            index = self._kept.mesh(key, _sources(holder, place), send)
             first_number += len(system.particles)
             self.is_selective |= links.any or not BOUNCES.isdisjoint(hidden)
-            self._place(holder, place, links, hidden, self._hair[key], [self._materials.index(material)])
+            self._place(holder, place, links, hidden, index, [self._materials.index(material)])
+
+    def _add_hair(
+        self,
+        holder: bpy.types.Object,
+        place: bpy.types.DepsgraphObjectInstance,
+        system: hair.System,
+        wanted: frozenset[str],
+        first_number: int,
+    ) -> int:
+        arrays = hair.extract(holder, system, wanted, self._drawn, first_number)
+        moved = None
+        if self._motion is not None:
+            moved = self._motion.hair(place, system.hair.name, arrays.keys[:, :3])
+        index = arrays.send(self._builder, f"{holder.name}, {system.hair.name}", moved)
+        if self._blur is not None:
+            self._blur.changes_strands(place, system.hair.name)
+        return index
 
 
 def _is_diced(holder: bpy.types.Object) -> bool:

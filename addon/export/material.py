@@ -4,7 +4,6 @@
 from __future__ import annotations
 
 import json
-from typing import Any
 
 import bpy
 
@@ -13,9 +12,10 @@ from . import attributes, nodes, shaders
 from .aovs import Aovs
 from .graph import describe as describe_graph
 from .image import Images
+from .kept import Kept, uid
 from .texture import Inputs
 
-#: No material has this address.
+#: No material has this number.
 _SMOKE = -1
 
 
@@ -23,48 +23,50 @@ class Materials:
     """The materials of one scene, by the engine's index."""
 
     def __init__(
-        self, builder: Any, images: Images, aovs: Aovs, report: Report, override: bpy.types.Material | None = None
+        self, kept: Kept, images: Images, aovs: Aovs, report: Report, override: bpy.types.Material | None = None
     ) -> None:
-        self._builder = builder
+        self._builder = kept.builder
+        self._kept = kept
         #: What everything is made of instead.
         self.override = override
         self._aovs = aovs
         self._images = images
         self._report = report
-        self._known: dict[int, int] = {}
-        #: Some material has a volume.
-        self.fills_space = False
-        # By the material: what its graph asks of meshes.
-        self._wanted: dict[int, frozenset[str]] = {}
+        self._known = kept.materials
+        self._wanted = kept.wanted
 
     def index(self, material: bpy.types.Material | None) -> int:
         """The engine's index of a material; an empty slot gets Blender's default grey."""
         material = self.override or material
-        key = 0 if material is None else material.original.as_pointer()
+        key = uid(material)
         if key not in self._known:
             described = MaterialDescription("(none)") if material is None else self.describe(material)
-            self._known[key] = self._builder.add_material(described)
+            self._add(key, described)
         return self._known[key]
+
+    def _add(self, key: int, described: MaterialDescription) -> None:
+        self._known[key] = self._builder.add_material(described)
+        self._kept.changes += 1
 
     def volume_index(self, material: bpy.types.Material | None) -> int:
         """The same for a volume object, which without one is smoke."""
         material = self.override or material
         if material is not None:
             return self.index(material)
-        self.fills_space = True
+        self._kept.fills_space = True
         if _SMOKE not in self._known:
             node = {"type": "ShaderNodeVolumePrincipled", "name": "Principled Volume", "options": {}, "inputs": {}}
             link = {"node": 0, "socket": "Volume"}
             graph = {"nodes": [node], "surface": None, "volume": link, "displacement": None}
             described = MaterialDescription("(smoke)", graph=json.dumps(graph))
-            self._known[_SMOKE] = self._builder.add_material(described)
+            self._add(_SMOKE, described)
         return self._known[_SMOKE]
 
     def wanted(self, material: bpy.types.Material | None) -> frozenset[str]:
         """The attributes that a material asks of meshes."""
         material = self.override or material
         self.index(material)
-        return frozenset() if material is None else self._wanted.get(material.original.as_pointer(), frozenset())
+        return frozenset() if material is None else self._wanted.get(uid(material), frozenset())
 
     def describe(self, material: bpy.types.Material) -> MaterialDescription:
         """What the engine is told of a material: by the short way, where that says all; else all of its nodes."""
@@ -75,7 +77,7 @@ class Materials:
             found = self._aovs.describe(material.node_tree, lambda node: self._images.of_node(node, owner))
             if found is not None:
                 described.aovs = json.dumps(found[0]), found[1]
-                key = material.original.as_pointer()
+                key = uid(material)
                 self._wanted[key] = self._wanted.get(key, frozenset()) | attributes.wanted(found[0])
         return described
 
@@ -87,7 +89,7 @@ class Materials:
                 layer.numbers.get(name.lower(), 0.0) for layer in described.layers for name in attributes.STRETCH
             ]
             if any(number != 0.0 for number in numbers):
-                self._wanted[material.original.as_pointer()] = frozenset({attributes.GENERATED})
+                self._wanted[uid(material)] = frozenset({attributes.GENERATED})
             return described
         output = material.node_tree.get_output_node("CYCLES")
         if output is None:
@@ -95,8 +97,8 @@ class Materials:
             return described
         owner = f"Material '{material.name}'"
         graph = describe_graph(material.node_tree, lambda node: self._images.of_node(node, owner))
-        self.fills_space |= graph["volume"] is not None
-        self._wanted[material.original.as_pointer()] = attributes.wanted(graph)
+        self._kept.fills_space |= graph["volume"] is not None
+        self._wanted[uid(material)] = attributes.wanted(graph)
         return MaterialDescription(
             material.name,
             graph=json.dumps(graph),

@@ -355,6 +355,20 @@ class SceneBuilder:
         """Builds the trees, from those of a previous scene where only shapes and places differ. The builder is empty
         afterwards. The camera's position keeps f32 exact near it."""
 
+    # For a scene that is edited: one builder for all of its scenes.
+    def forget_image(self, index: int) -> None:
+        """Frees an image's index for the next that is added; all that names it is to be forgotten or replaced, too."""
+    def forget_material(self, index: int) -> None: ...
+    def forget_mesh(self, index: int) -> None:
+        """Curves and points likewise."""
+    def draft(self, origin: tuple[float, float, float]) -> SceneDraft:
+        """The scene that was told, without its trees. Images, materials and meshes stay in the builder, at their indices; instances,
+        lights and the world are to be added again for the next."""
+
+class SceneDraft:
+    def build(self, threads: int = 0, previous: Scene | None = None) -> Scene:
+        """Once. Takes from the previous draft's scene what did not change. Rays are slower than in `SceneBuilder.build`'s scenes."""
+
 class Scene:
     def warnings(self) -> list[str]:
         """What had to be left out when it was built."""
@@ -381,6 +395,7 @@ class SettingsDescription(Protocol):
     seed: int
     film_exposure: float  # what the finished light is multiplied by
     blue_noise: bool  # the errors of neighbouring pixels cancel; not with a noise threshold
+    window: tuple[int, int, int, int] | None  # left, bottom, width, height: what is wanted of the picture, roughly; None: all
     sample_offset: int
     threads: int  # 0: all cores
     max_bounces: int

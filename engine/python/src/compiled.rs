@@ -37,6 +37,13 @@ impl Graphs {
     }
 }
 
+impl Graphs {
+    /// Drops those that nothing shows any more.
+    pub(crate) fn forget_unused(&mut self) {
+        self.known.retain(|_, (graph, _)| Arc::strong_count(graph) > 1);
+    }
+}
+
 fn compiled(json: &str, pass_index: i32, displacement: Displacement) -> Result<Compiled, Error> {
     let (mut graph, reports) = Graph::of(&ShaderGraph::from_json(json)?, pass_index);
     graph.displacement = displacement;

@@ -27,7 +27,12 @@ pub(crate) fn autofocus_json(
     let from_middle = Vec2::new(point.0, point.1) - 0.5;
     let stage = scene.stage.clone();
     let found = away(py, || {
-        let nearest = |ray: &_| stage.accel.closest(ray, Rays::CAMERA).map(|hit| hit.t);
+        // Rays of a camera count from its place.
+        let beside = (description.position() - stage.scene.origin).as_vec3a();
+        let nearest = |ray: &Ray| {
+            let ray = Ray { origin: ray.origin + beside, ..*ray };
+            stage.accel.closest(&ray, Rays::CAMERA).map(|hit| hit.t)
+        };
         on_picture_point(&description, [width, height], from_middle, nearest)
     })??;
     Ok(text(&found))

@@ -41,6 +41,7 @@ pub(crate) struct PySettings {
     seed: u32,
     blue_noise: bool,
     film_exposure: f32,
+    window: Option<(u32, u32, u32, u32)>,
     sample_offset: u32,
     threads: usize,
     max_bounces: u32,
@@ -85,6 +86,7 @@ impl TryFrom<PySettings> for Settings {
             seed: s.seed,
             blue_noise: s.blue_noise,
             film_exposure: s.film_exposure,
+            window: s.window.map(Into::into),
             sample_offset: s.sample_offset,
             threads: s.threads,
             max_bounces: s.max_bounces,
@@ -207,6 +209,11 @@ impl Job {
             let clip = Clip::new(&now, &cameras[0]);
             let gains = shade::gains(&now, &cameras[cameras.len() / 2], settings.width, settings.height)?;
             let exposure = shutter.filter(|_| is_moving).map(|shutter| shutter.exposure(stage.scene.origin));
+            let beside = now.position() - stage.scene.origin;
+            let exposure = match exposure {
+                None if beside == DVec3::ZERO => None,
+                exposure => Some(exposure.unwrap_or_default().displaced(beside)),
+            };
             let seen =
                 Seen::by(now.matrix_world, stage.scene.origin, matches!(cameras[0], Camera::Orthographic(_)), mist);
             let parts = Parts::new(&parts, seen);

@@ -38,6 +38,12 @@ pub(crate) struct Scene {
     pub(crate) stage: Arc<Stage>,
 }
 
+/// A scene without its trees.
+#[pyclass]
+pub(crate) struct SceneDraft {
+    scene: Option<engine::Scene>,
+}
+
 #[pymethods]
 impl SceneBuilder {
     #[new]
@@ -256,6 +262,18 @@ impl SceneBuilder {
         self.builder.warnings().to_vec()
     }
 
+    fn forget_image(&mut self, index: usize) {
+        self.builder.forget_texture(index);
+    }
+
+    fn forget_material(&mut self, index: usize) {
+        self.builder.forget_material(index);
+    }
+
+    fn forget_mesh(&mut self, index: usize) {
+        self.builder.forget_mesh(index);
+    }
+
     #[pyo3(signature = (camera_position, threads = 0, previous = None))]
     fn build(
         &mut self,
@@ -264,22 +282,49 @@ impl SceneBuilder {
         threads: usize,
         previous: Option<Py<Scene>>,
     ) -> Result<Scene, Error> {
-        let previous = previous.map(|scene| scene.get().stage.clone());
-        let (x, y, z) = camera_position;
-        let origin = DVec3::new(x, y, z);
-        if !origin.is_finite() {
-            return Err(refused("the camera's position is not finite; reset its location"));
-        }
+        let origin = finite(camera_position)?;
         let Self { builder, .. } = std::mem::take(self);
-        let stage = away(py, || -> Result<Stage, Error> {
-            let pool = rayon::ThreadPoolBuilder::new()
-                .num_threads(threads)
-                .build()
-                .map_err(|e| refused(format!("no threads to be had: {e}")))?;
-            Ok(pool.install(|| Stage::after(previous.as_deref(), builder.build(origin))))
-        })??;
-        Ok(Scene { stage: Arc::new(stage) })
+        staged(py, threads, previous, |previous| Stage::after(previous, builder.build(origin)))
     }
+
+    fn draft(&mut self, origin: (f64, f64, f64)) -> Result<SceneDraft, Error> {
+        let scene = self.builder.build_keeping(finite(origin)?);
+        self.graphs.forget_unused();
+        Ok(SceneDraft { scene: Some(scene) })
+    }
+}
+
+#[pymethods]
+impl SceneDraft {
+    #[pyo3(signature = (threads = 0, previous = None))]
+    fn build(&mut self, py: Python<'_>, threads: usize, previous: Option<Py<Scene>>) -> Result<Scene, Error> {
+        let scene = self.scene.take().ok_or_else(|| refused("this draft was built before"))?;
+        staged(py, threads, previous, |previous| Stage::edited(previous, scene))
+    }
+}
+
+fn finite(place: (f64, f64, f64)) -> Result<DVec3, Error> {
+    let origin = DVec3::from(place);
+    let refusal = || refused("the camera's position is not finite; reset its location");
+    origin.is_finite().then_some(origin).ok_or_else(refusal)
+}
+
+/// A stage, made away from Python in so many threads.
+fn staged(
+    py: Python<'_>,
+    threads: usize,
+    previous: Option<Py<Scene>>,
+    make: impl FnOnce(Option<&Stage>) -> Stage + Send,
+) -> Result<Scene, Error> {
+    let previous = previous.map(|scene| scene.get().stage.clone());
+    let stage = away(py, || -> Result<Stage, Error> {
+        let pool = rayon::ThreadPoolBuilder::new()
+            .num_threads(threads)
+            .build()
+            .map_err(|e| refused(format!("no threads to be had: {e}")))?;
+        Ok(pool.install(|| make(previous.as_deref())))
+    })??;
+    Ok(Scene { stage: Arc::new(stage) })
 }
 
 #[pymethods]

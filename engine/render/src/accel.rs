@@ -1,6 +1,7 @@
 //! Finding what a ray meets. Meshes that stand in the scene once share one tree in render space; those that stand in
 //! it several times have one each, in object space, below a tree of their instances. docs/design/tree.md says why.
 
+mod apart;
 mod balls;
 mod beside;
 mod bounds;
@@ -30,6 +31,7 @@ use rayon::prelude::*;
 use refit::Topology;
 use source::{Parts, TriangleSource};
 use std::ops::{ControlFlow, Range};
+use std::sync::Arc;
 use traverse::{Found, TreeRay, TriangleTree, traverse};
 use triangles::{Block, LANES};
 
@@ -133,7 +135,7 @@ pub struct Accel {
     /// In render space, of all meshes that have one instance.
     common: TriangleTree,
     /// In object space, of the others.
-    meshes: Vec<TriangleTree>,
+    meshes: Vec<Arc<TriangleTree>>,
     /// Over the instances of those.
     places: Vec<Node>,
     /// In the order of its leaves.
@@ -154,14 +156,21 @@ impl Accel {
     pub fn new(scene: &Scene) -> Self {
         let parts = Parts::of(scene);
         let common = TriangleTree::new(&TriangleSource::placed(scene, &parts.alone));
-        let tree =
-            |source: Option<TriangleSource<'_>>| source.map_or_else(TriangleTree::default, |s| TriangleTree::new(&s));
-        let meshes: Vec<TriangleTree> = parts.shared_meshes(scene).into_par_iter().map(tree).collect();
+        let tree = |source: Option<TriangleSource<'_>>| {
+            Arc::new(source.map_or_else(TriangleTree::default, |s| TriangleTree::new(&s)))
+        };
+        let meshes = parts.shared_meshes(scene).into_par_iter().map(tree).collect();
         Self::over(scene, common, meshes, &parts, Topology::of(scene))
     }
 
     /// With what stands on these trees.
-    fn over(scene: &Scene, common: TriangleTree, meshes: Vec<TriangleTree>, parts: &Parts, topology: Topology) -> Self {
+    fn over(
+        scene: &Scene,
+        common: TriangleTree,
+        meshes: Vec<Arc<TriangleTree>>,
+        parts: &Parts,
+        topology: Topology,
+    ) -> Self {
         let (places, placed) = placed(scene, &parts.several, |instance| meshes[instance.mesh as usize].bounds());
 
         let visible: Vec<Rays> = scene.instances.iter().map(|instance| instance.visible).collect();

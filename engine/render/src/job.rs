@@ -95,6 +95,8 @@ struct Shared {
     /// Found by the first thread that asks.
     limits: OnceLock<Limits>,
     film: Film,
+    /// The tiles that are rendered, in their order, where these have as many samples as others.
+    tiles: Vec<usize>,
     /// First sample and count of each pass.
     passes: Vec<(u32, u32)>,
     /// Instead of them, where pixels get as many samples as they need.
@@ -188,10 +190,9 @@ impl Job {
         if let Some(adaptive) = &self.shared.adaptive {
             return adaptive.progress();
         }
-        let total = self.shared.passes.len() * self.shared.film.tile_count();
-        let taken = self.shared.next.load(Ordering::Relaxed).min(total);
+        let tiles = self.shared.tiles.len();
+        let taken = self.shared.next.load(Ordering::Relaxed).min(self.shared.passes.len() * tiles);
         // Passes are unequal: count samples.
-        let tiles = self.shared.film.tile_count();
         let whole: u32 = self.shared.passes[..taken / tiles].iter().map(|p| p.1).sum();
         let part = self.shared.passes.get(taken / tiles).map_or(0.0, |p| p.1 as f32 * (taken % tiles) as f32);
         (whole as f32 + part / tiles as f32) / self.shared.settings.samples as f32
@@ -199,7 +200,10 @@ impl Job {
 
     /// Samples that every pixel has which is not to have fewer.
     pub fn samples_done(&self) -> u32 {
-        let Some(adaptive) = &self.shared.adaptive else { return self.shared.film.samples_everywhere() };
+        let Some(adaptive) = &self.shared.adaptive else {
+            let samples = self.shared.tiles.iter().map(|&tile| self.shared.film.tile(tile).samples);
+            return samples.min().unwrap_or(0);
+        };
         let pass = self.shared.next.load(Ordering::Relaxed) / self.shared.film.tile_count();
         adaptive.passes.get(pass).map_or(self.shared.settings.samples, |pass| pass.first)
     }
@@ -311,7 +315,10 @@ impl Shared {
         let film = Film::keeping(width, height, spreads, keep)
             .exposed(settings.film_exposure)
             .shaded(beside.gains.unwrap_or_default().into());
+        let window = settings.window.filter(|_| !is_bidirectional);
+        let tiles = film.tiles_about(window.unwrap_or([0, 0, width, height]), spreads);
         let mut shared = Self {
+            tiles,
             raster: Raster::new(width, height, PixelFilter::new(settings.filter_width_px)),
             adaptive: adapts.then(|| Adaptive::new(&settings, film.tile_count())),
             film,
@@ -370,6 +377,10 @@ impl Shared {
             let place = Vec2::new(column, row) / SIDE as f32 - 0.5;
             camera.sample(place, [u2, u3], (i as f32 + 0.5) / (SIDE * SIDE) as f32).map(|found| found.ray)
         };
+        let ray = |i: u32| {
+            let sent = ray(i)?;
+            Some(self.exposure.as_ref().map_or(sent, |exposure| exposure.sent(sent, sent.moment)))
+        };
         let rays: Vec<_> = (0..SIDE * SIDE).filter_map(ray).collect();
         let limits = Limits {
             max_bounces: s.max_bounces,
@@ -411,10 +422,10 @@ impl Shared {
             while !stopped() && self.render_next(&shot, adaptive, &stopped).is_some() {}
             return;
         }
-        let tiles = self.film.tile_count();
+        let tiles = self.tiles.len();
         loop {
             let task = self.next.fetch_add(1, Ordering::Relaxed);
-            let (pass, tile) = (task / tiles, task % tiles);
+            let (pass, tile) = (task / tiles, self.tiles[task % tiles]);
             let Some(&(first, count)) = self.passes.get(pass) else { return };
             if self.film.tile(tile).passes > pass as u32 {
                 // Kept from before.

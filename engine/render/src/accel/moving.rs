@@ -19,6 +19,7 @@ use fearless_simd::Simd;
 use glam::Affine3A;
 use rayon::prelude::*;
 use std::ops::ControlFlow;
+use std::sync::Arc;
 
 /// Slices of the shutter's time, as bits: as many as an instance has moments at least.
 const SLICE_BITS: u32 = 4;
@@ -130,11 +131,11 @@ impl MovingForest {
             moves[scene.instances[one.instance as usize].mesh as usize] = true;
         }
         let meshes = || scene.meshes.par_iter().zip(&moves);
-        let still = |(mesh, &moves): (&Mesh, &bool)| {
+        let still = |(mesh, &moves): (&Arc<Mesh>, &bool)| {
             let is_still = moves && mesh.poses.is_none();
             if is_still { TriangleTree::new(&TriangleSource::Mesh(mesh)) } else { TriangleTree::default() }
         };
-        let posed = |(mesh, &moves): (&Mesh, &bool)| match &mesh.poses {
+        let posed = |(mesh, &moves): (&Arc<Mesh>, &bool)| match &mesh.poses {
             Some(poses) if moves => (0..poses.key_count() - 1).map(|key| PosedTree::new(mesh, poses, key)).collect(),
             _ => Vec::new(),
         };

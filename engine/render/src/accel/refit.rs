@@ -10,6 +10,7 @@ use super::triangles::{Block, LANES};
 use crate::scene::Scene;
 use arrayvec::ArrayVec;
 use rayon::prelude::*;
+use std::sync::Arc;
 
 /// A tree whose boxes come to this many times the surface that they had when it was built is built anew: a ray meets
 /// boxes in proportion to their surface (MacDonald and Booth 1990).
@@ -52,11 +53,11 @@ impl Accel {
         };
         let parts = Parts::of(scene);
         let common = after(&previous.common, &TriangleSource::placed(scene, &parts.alone));
-        let meshes: Vec<TriangleTree> = previous
+        let meshes: Vec<Arc<TriangleTree>> = previous
             .meshes
             .iter()
             .zip(parts.shared_meshes(scene))
-            .map(|(tree, source)| source.map_or_else(TriangleTree::default, |source| after(tree, &source)))
+            .map(|(tree, source)| Arc::new(source.map_or_else(TriangleTree::default, |source| after(tree, &source))))
             .collect();
         Self { refitted: reused, ..Self::over(scene, common, meshes, &parts, topology) }
     }
@@ -64,7 +65,7 @@ impl Accel {
 
 impl TriangleTree {
     /// The same tree around the same triangles where they are now; `None` where a build is the better choice.
-    fn refitted(&self, source: &TriangleSource<'_>) -> Option<Self> {
+    pub(super) fn refitted(&self, source: &TriangleSource<'_>) -> Option<Self> {
         let count: usize = self.blocks.par_iter().map(Block::len).sum();
         if self.nodes.is_empty() || count != source.count() {
             return None;

@@ -4,6 +4,7 @@ use super::bounds::Bounds;
 use crate::scene::{Scene, mesh::Mesh};
 use glam::Vec3;
 use rayon::prelude::*;
+use std::sync::Arc;
 
 /// Which of the instances that stand still go where.
 pub(super) struct Parts {
@@ -12,23 +13,36 @@ pub(super) struct Parts {
     pub(super) several: Vec<u32>,
     /// By mesh: its instances.
     uses: Vec<u32>,
+    /// From so many on a mesh has a tree of its own.
+    sharing: u32,
 }
 
 impl Parts {
+    /// Meshes that stand there once go together.
     pub(super) fn of(scene: &Scene) -> Self {
+        Self::shared_from(2, scene)
+    }
+
+    /// Every mesh has a tree of its own.
+    pub(super) fn apart(scene: &Scene) -> Self {
+        Self::shared_from(1, scene)
+    }
+
+    fn shared_from(sharing: u32, scene: &Scene) -> Self {
         let mut is_still = vec![true; scene.placed().len()];
         scene.moving.iter().for_each(|one| is_still[one.instance as usize] = false);
         let still = || (0..is_still.len() as u32).filter(|&i| is_still[i as usize]);
         let mut uses = vec![0; scene.meshes.len()];
         still().for_each(|i| uses[scene.instances[i as usize].mesh as usize] += 1);
         let of_mesh = |&i: &u32| uses[scene.instances[i as usize].mesh as usize];
-        let (alone, several) = still().partition(|instance| of_mesh(instance) == 1);
-        Self { alone, several, uses }
+        let (alone, several) = still().partition(|instance| of_mesh(instance) < sharing);
+        Self { alone, several, uses, sharing }
     }
 
     /// By mesh: the triangles of those that have a tree of their own.
     pub(super) fn shared_meshes<'a>(&self, scene: &'a Scene) -> Vec<Option<TriangleSource<'a>>> {
-        let source = |(mesh, &uses)| (uses > 1).then_some(TriangleSource::Mesh(mesh));
+        let source =
+            |(mesh, &uses): (&'a Arc<Mesh>, &u32)| (uses >= self.sharing).then_some(TriangleSource::Mesh(mesh));
         scene.meshes.iter().zip(&self.uses).map(source).collect()
     }
 }

@@ -30,7 +30,7 @@ use std::sync::{Arc, Mutex, MutexGuard, PoisonError};
 pub const TILE_SIZE: u32 = 32;
 /// How far beyond its edge, in pixels, a tile keeps its own light, where light spreads at all: more costs memory, less
 /// sends more to the sums by pixel, which are slower. Less than a tile.
-const SPREAD: u32 = 8;
+pub const SPREAD: u32 = 8;
 
 /// A part of the picture: lower left corner and size, pixels.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, Serialize, Deserialize)]
@@ -292,6 +292,21 @@ impl Film {
     /// How many tiles there are.
     pub fn tile_count(&self) -> usize {
         self.tiles.len()
+    }
+
+    /// The tiles, in their order, that overlap a part of the picture (left, bottom, width and height); of light that spreads, as near
+    /// as [`SPREAD`] pixels too. One at least.
+    pub fn tiles_about(&self, [x, y, width, height]: [u32; 4], spreads: bool) -> Vec<usize> {
+        let margin = if spreads { SPREAD } else { 0 };
+        let overlaps = |(begin, side): (u32, u32), (from, length): (u32, u32)| {
+            begin < from.saturating_add(length).saturating_add(margin) && from < begin + side + margin
+        };
+        let is_near = |tile: &usize| {
+            let rect = self.rect(*tile);
+            overlaps((rect.x, rect.width), (x, width)) && overlaps((rect.y, rect.height), (y, height))
+        };
+        let near: Vec<usize> = (0..self.tile_count()).filter(is_near).collect();
+        if near.is_empty() { vec![0] } else { near }
     }
 
     /// Where a tile lies.

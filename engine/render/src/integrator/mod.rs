@@ -71,15 +71,25 @@ impl Stage {
     }
 
     /// The same; what is left of the stage of another frame makes it quicker.
-    pub fn after(previous: Option<&Self>, mut scene: Scene) -> Self {
+    pub fn after(previous: Option<&Self>, scene: Scene) -> Self {
+        Self::with(previous, scene, |scene| match previous {
+            Some(previous) => Accel::new_after(&previous.accel, scene),
+            None => Accel::new(scene),
+        })
+    }
+
+    /// The same for a scene that is edited: what was not is taken from the stage before, at the price of slower rays.
+    pub fn edited(previous: Option<&Self>, scene: Scene) -> Self {
+        let before = previous.map(|previous| (&previous.accel, &previous.scene));
+        Self::with(previous, scene, |scene| Accel::apart(before, scene))
+    }
+
+    fn with(previous: Option<&Self>, mut scene: Scene, trees: impl FnOnce(&Scene) -> Accel) -> Self {
         let start = Instant::now();
-        nodes::world::bake(&mut scene);
+        nodes::world::bake(&mut scene, previous.map(|previous| &previous.scene));
         let warnings = nodes::displacement::displace(&mut scene);
         scene.set_in_motion();
-        let accel = match previous {
-            Some(previous) => Accel::new_after(&previous.accel, &scene),
-            None => Accel::new(&scene),
-        };
+        let accel = trees(&scene);
         let lights = Lights::new(&scene);
         let emission = Emission::new(&scene, &lights, accel.bounds());
         let media = Media::new(&scene, accel.bounds());
@@ -90,9 +100,16 @@ impl Stage {
         for (i, m) in scene.materials.iter().enumerate() {
             representative.entry(PrincipledTables::key(m)).or_insert(i);
         }
+        let before: HashMap<_, _> = previous.map_or_else(HashMap::new, |previous| {
+            previous.scene.materials.iter().map(PrincipledTables::key).zip(&previous.tables).collect()
+        });
+        let made = |i: usize| Arc::new(PrincipledTables::new(&scene.materials[i], reflection.clone()));
         let known: HashMap<_, _> = representative
             .into_par_iter()
-            .map(|(key, i)| (key, Arc::new(PrincipledTables::new(&scene.materials[i], reflection.clone()))))
+            .map(|(key, i)| {
+                let tables = before.get(&key).map_or_else(|| made(i), |&tables| tables.clone());
+                (key, tables)
+            })
             .collect();
         let tables = scene.materials.iter().map(|m| known[&PrincipledTables::key(m)].clone()).collect();
         let build_seconds = start.elapsed().as_secs_f64();

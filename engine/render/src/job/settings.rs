@@ -30,6 +30,10 @@ pub struct Settings {
     pub blue_noise: bool,
     /// What the finished light is multiplied by.
     pub film_exposure: f32,
+    /// Left, bottom, width and height, in pixels, of the part of the picture that is wanted; `None` is all. What lies outside may stay
+    /// black, and near its edge what light a lens spreads farther than [`crate::film::SPREAD`] pixels may be missing; pixels that get
+    /// as many samples as they need, and bidirectional paths, know of no part.
+    pub window: Option<[u32; 4]>,
     /// Number of the first sample: renders of one seed and disjoint ranges can be merged.
     pub sample_offset: u32,
     /// 0 is one a core.
@@ -64,6 +68,7 @@ impl Default for Settings {
             seed: 0,
             blue_noise: false,
             film_exposure: 1.0,
+            window: None,
             sample_offset: 0,
             threads: 0,
             max_bounces: 12,

@@ -307,3 +307,30 @@ fn ranges_of_samples_make_the_whole() {
         assert!(joined(&by_means) != whole, "{:?}", kind.pipeline);
     }
 }
+
+/// A part of a picture is that part of the whole one, and the rest is not rendered; where light spreads, what is not near the edge.
+#[test]
+fn a_window_is_the_same_picture() {
+    let window = [40, 20, 20, 12];
+    for (model, pipeline) in [(Model::Pinhole, Pipeline::FilmFirst), (Model::Lens, Pipeline::Hero)] {
+        let render = |window| {
+            let settings = Settings { width: 150, height: 100, window, pipeline, ..settings(3, 2) };
+            let camera = Camera::new(&description(model), 150, 100).unwrap();
+            let job = Job::start(stage(), camera, settings).unwrap();
+            assert!(job.wait(Duration::from_secs(120)));
+            assert_eq!((job.samples_done(), job.progress()), (3, 1.0));
+            (job.film().picture(), job.statistics().counts.camera_rays)
+        };
+        let ((whole, all), (part, fewer)) = (render(None), render(Some(window)));
+        assert!(2 * fewer < all, "{fewer} of {all}");
+        let [x, y, width, height] = window;
+        for (i, (a, b)) in whole.iter().zip(&part).enumerate() {
+            let (column, row) = (i as u32 % 150, i as u32 / 150);
+            if (x..x + width).contains(&column) && (y..y + height).contains(&row) {
+                // Sums of far light come in another order.
+                assert!(a.iter().zip(b).all(|(a, b)| (a - b).abs() < 1e-5), "{model:?} {column} {row}: {a:?} {b:?}");
+            }
+        }
+        assert_eq!(part[0], [0.0; 4]);
+    }
+}

@@ -11,6 +11,7 @@ use crate::scene::motion::{MIDDLE, Poses};
 use glam::{Vec3, Vec3A};
 use petzval_nodes::Registers;
 use rayon::prelude::*;
+use std::sync::Arc;
 
 /// Moves the vertices of every mesh whose material says so; of a mesh that several objects share, as the first has it. What had
 /// to be left out is said.
@@ -31,7 +32,7 @@ pub fn displace(scene: &mut Scene) -> Vec<String> {
         let bends = graphs.map(|graph| graph.displacement).any(|one| one == Displacement::Both);
         match Mesh::new(moved(&scene.meshes[mesh], &offsets, bends)) {
             Ok((moved, warning)) => {
-                scene.meshes[mesh] = moved;
+                scene.meshes[mesh] = Arc::new(moved);
                 warnings.extend(warning);
             }
             Err(error) => warnings.push(format!("{error}; it keeps its shape")),

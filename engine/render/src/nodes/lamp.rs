@@ -9,6 +9,7 @@ use crate::scene::texture::Texture;
 use glam::{Affine3A, Mat3A, Vec2, Vec3A, Vec4};
 use petzval_nodes::{Attribute, AttributeKind, Context, Direction, Field, Registers, Shift, Space};
 use std::cell::RefCell;
+use std::sync::Arc;
 
 /// A place on a lamp that something looks at.
 #[derive(Clone, Copy, Debug)]
@@ -97,7 +98,7 @@ thread_local! {
 }
 
 /// What its nodes make of a lamp's own colour.
-pub fn radiance(graph: &Graph, textures: &[Texture], at: &LampPoint) -> Rgb {
+pub fn radiance(graph: &Graph, textures: &[Arc<Texture>], at: &LampPoint) -> Rgb {
     REGISTERS.with_borrow_mut(|registers| {
         graph.program.run(&Asked(at, &graph.program.attributes), &Images(textures), registers);
         emitted(graph, registers)

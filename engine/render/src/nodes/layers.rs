@@ -16,6 +16,7 @@ use arrayvec::ArrayVec;
 use glam::Vec3A;
 use petzval_nodes::Registers;
 use std::cell::RefCell;
+use std::sync::Arc;
 
 /// A closure at one point.
 #[derive(Clone, Copy, Debug)]
@@ -98,7 +99,7 @@ fn finite(value: Vec3A) -> Rgb {
 /// Where on which mesh, and the images to look at.
 #[derive(Clone, Copy)]
 struct Place<'a> {
-    textures: &'a [Texture],
+    textures: &'a [Arc<Texture>],
     mesh: &'a Mesh,
     triangle: u32,
     barycentric: [f32; 2],

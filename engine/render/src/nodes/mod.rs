@@ -24,6 +24,7 @@ use crate::scene::texture::Texture;
 use crate::surface::{SurfacePoint, mesh_of, uv};
 use crate::{Rgb, luminance, scene::Scene};
 use glam::{Vec2, Vec4, Vec4Swizzles};
+use std::sync::Arc;
 
 /// A material's inputs at one point, in the range that the shading is defined for.
 #[derive(Clone, Copy, Debug)]
@@ -50,7 +51,13 @@ impl MaterialValues {
 }
 
 /// What an image gives at a point of a triangle, linear RGBA.
-fn image_value(input: &ImageInput, textures: &[Texture], mesh: &Mesh, triangle: u32, barycentric: [f32; 2]) -> Vec4 {
+fn image_value(
+    input: &ImageInput,
+    textures: &[Arc<Texture>],
+    mesh: &Mesh,
+    triangle: u32,
+    barycentric: [f32; 2],
+) -> Vec4 {
     let uv = uv(mesh, triangle, barycentric, input.uv_map.as_deref());
     let [r0, r1] = input.mapping;
     let mapped = Vec2::new(r0[0] * uv.x + r0[1] * uv.y + r0[2], r1[0] * uv.x + r1[1] * uv.y + r1[2]);
@@ -58,7 +65,7 @@ fn image_value(input: &ImageInput, textures: &[Texture], mesh: &Mesh, triangle: 
 }
 
 /// The colour that an input takes there.
-pub fn colour(input: &Input<Rgb>, textures: &[Texture], mesh: &Mesh, triangle: u32, barycentric: [f32; 2]) -> Rgb {
+pub fn colour(input: &Input<Rgb>, textures: &[Arc<Texture>], mesh: &Mesh, triangle: u32, barycentric: [f32; 2]) -> Rgb {
     match input {
         Input::Constant(c) => *c,
         Input::Image(image) => {
@@ -75,7 +82,7 @@ pub fn colour(input: &Input<Rgb>, textures: &[Texture], mesh: &Mesh, triangle: u
 }
 
 /// The number that an input takes there.
-pub fn number(input: &Input<f32>, textures: &[Texture], mesh: &Mesh, triangle: u32, barycentric: [f32; 2]) -> f32 {
+pub fn number(input: &Input<f32>, textures: &[Arc<Texture>], mesh: &Mesh, triangle: u32, barycentric: [f32; 2]) -> f32 {
     match input {
         Input::Constant(v) => *v,
         Input::Image(image) => {

@@ -12,6 +12,7 @@ use glam::{Affine3A, Mat3A, Vec2, Vec3, Vec3A, Vec4};
 use petzval_nodes::{
     Attribute, AttributeKind, Context, Direction, Extension, Field, Interpolation, Occlusion, Shift, Space, Textures,
 };
+use std::sync::Arc;
 
 /// The names by which a mesh keeps what its edges tell of its vertices.
 const POINTINESS: &str = ".pointiness";
@@ -408,7 +409,7 @@ fn weights_along(instance: &Instance, corners: [Vec3; 3], vectors: &[Vec3A; 2]) 
 }
 
 /// The scene's images.
-pub(super) struct Images<'a>(pub(super) &'a [crate::scene::texture::Texture]);
+pub(super) struct Images<'a>(pub(super) &'a [Arc<crate::scene::texture::Texture>]);
 
 impl Textures for Images<'_> {
     fn lookup(&self, image: usize, uv: Vec2, interpolation: Interpolation, extension: Extension) -> Vec4 {

@@ -120,13 +120,20 @@ pub(super) fn emitted(graph: &Graph, registers: &Registers) -> Rgb {
 }
 
 /// Gives a world of nodes the image, or the one colour, that surfaces see of it; and lamps for the suns of its skies, which
-/// are too small for the image.
-pub fn bake(scene: &mut Scene) {
+/// are too small for the image. That of an earlier scene is taken where it is the same.
+pub fn bake(scene: &mut Scene, previous: Option<&Scene>) {
     let Some(graph) = scene.world.graph.clone() else { return };
     let graph: &Arc<Graph> = &graph;
     let suns = graph.program.suns().filter_map(|disc| sun(graph, scene, disc));
     let suns: Vec<Lamp> = suns.collect();
     scene.lamps.extend(suns);
+    if let Some(previous) = previous.filter(|previous| is_same(scene, previous)) {
+        let world = &mut scene.world;
+        (world.rotation, world.color) = (previous.world.rotation, previous.world.color);
+        world.texture = previous.world.texture.map(|_| scene.textures.len() as u32);
+        scene.textures.extend(previous.world.texture.map(|at| previous.textures[at as usize].clone()));
+        return;
+    }
     let [columns, rows] = SIZE;
     let within = &*scene;
     let pixel = |i: usize| {
@@ -150,7 +157,19 @@ pub fn bake(scene: &mut Scene) {
     let values: Vec<f32> = pixels.iter().flat_map(|p| [p.x, p.y, p.z, 1.0]).collect();
     let Ok(texture) = Texture::from_floats("world", columns, rows, &values, false) else { return };
     (world.color, world.texture) = (Rgb::ONE, Some(scene.textures.len() as u32));
-    scene.textures.push(texture);
+    scene.textures.push(Arc::new(texture));
+}
+
+/// Whether the sky of a scene that is not baked yet is that of one that is: its nodes, and all that these may ask.
+fn is_same(scene: &Scene, baked: &Scene) -> bool {
+    let is_one = |a: &Option<Arc<Graph>>, b: &Option<Arc<Graph>>| match (a, b) {
+        (Some(a), Some(b)) => Arc::ptr_eq(a, b),
+        _ => false,
+    };
+    let own = baked.world.texture.map_or(baked.textures.len(), |at| at as usize);
+    let images =
+        own == scene.textures.len() && baked.textures.iter().zip(&scene.textures).all(|(a, b)| Arc::ptr_eq(a, b));
+    is_one(&scene.world.graph, &baked.world.graph) && images && scene.viewport == baked.viewport
 }
 
 /// The lamp that shines like a sky's sun: as bright all over as the disc is on average, after what the other nodes make of it.

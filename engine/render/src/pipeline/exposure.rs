@@ -54,6 +54,16 @@ impl Exposure {
         Self { way, ..self }
     }
 
+    /// Of a camera that stands so far from render space's origin, rather than there.
+    pub fn displaced(self, by: DVec3) -> Self {
+        if by == DVec3::ZERO {
+            return self;
+        }
+        let there = Affine3A::from_translation(by.as_vec3());
+        let way = self.way.map_or_else(|| vec![there], |way| way.into_iter().map(|place| place * there).collect());
+        Self { way: Some(way), ..self }
+    }
+
     /// When a sample is taken, as a part of the exposure: by a uniform number, and how far above the picture's middle it is, as a
     /// part of its height.
     pub fn part(&self, u: f32, up: f32) -> f32 {
@@ -83,7 +93,8 @@ impl Exposure {
     /// still.
     #[inline]
     pub fn way(&self, moment: u16) -> Option<Affine3A> {
-        self.way.as_ref().map(|way| way[usize::from(moment >> (16 - WAY_BITS))])
+        // One place is that of all moments.
+        self.way.as_ref().map(|way| way[usize::from(moment >> (16 - WAY_BITS)).min(way.len() - 1)])
     }
 
     /// Whether the camera moves.
@@ -189,5 +200,13 @@ mod tests {
         assert!(sent(65535).direction.distance(Vec3A::Y) < 1e-3);
         let still = Exposure::default().along(&[at(0.0); 3], origin);
         assert!(!still.has_way());
+        // From beside the origin the same, farther on.
+        let by = DVec3::new(0.0, 0.0, 2.0);
+        let (beside, standing) = (exposure.clone().displaced(by), still.displaced(by));
+        for moment in [0, MIDDLE, 65535] {
+            let (near, far) = (exposure.sent(ray, moment), beside.sent(ray, moment));
+            assert!(far.origin.distance(near.origin + by.as_vec3a()) < 1e-5 && far.direction == near.direction);
+            assert_eq!(standing.sent(ray, moment).origin, ray.origin + by.as_vec3a());
+        }
     }
 }

@@ -6,6 +6,7 @@ use super::material::Material;
 use super::mesh::{Mesh, MeshDescription};
 use super::motion::{Moving, Pose, Way};
 use super::points::{Points, PointsDescription};
+use super::slots::Slots;
 use super::softening::Softening;
 use super::texture::Texture;
 use super::viewport::{Viewport, ViewportDescription};
@@ -14,6 +15,7 @@ use super::world::World;
 use super::{Instance, ObjectInfo, Scene, SceneError};
 use crate::Rgb;
 use glam::{Affine3A, DAffine3, DMat4, DVec3, Mat3A};
+use std::sync::Arc;
 
 struct RawInstance {
     object_name: String,
@@ -24,6 +26,7 @@ struct RawInstance {
     mesh: usize,
     matrix: DMat4,
     materials: Vec<u32>,
+    holds_out: bool,
     visible: Rays,
     links: Links,
     light_group: u16,
@@ -34,10 +37,10 @@ struct RawInstance {
 /// Collects a scene's pieces in any order in which each piece comes after those that it names.
 #[derive(Default)]
 pub struct SceneBuilder {
-    meshes: Vec<Mesh>,
+    meshes: Slots<Arc<Mesh>>,
     instances: Vec<RawInstance>,
-    materials: Vec<Material>,
-    textures: Vec<Texture>,
+    materials: Slots<Material>,
+    textures: Slots<Arc<Texture>>,
     lamps: Vec<(Lamp, DMat4)>,
     world: World,
     viewport: ViewportDescription,
@@ -57,8 +60,7 @@ impl SceneBuilder {
 
     /// Adds an image; gives its index.
     pub fn add_texture(&mut self, texture: Texture) -> usize {
-        self.textures.push(texture);
-        self.textures.len() - 1
+        self.textures.add(Arc::new(texture))
     }
 
     /// Notes what could not be done as described.
@@ -73,18 +75,17 @@ impl SceneBuilder {
     /// # Errors
     /// [`SceneError::NoSuchPiece`] where it names an image that was not added.
     pub fn add_material(&mut self, mut material: Material) -> Result<usize, SceneError> {
-        let missing = material.textures().find(|&t| t as usize >= self.textures.len());
+        let missing = material.textures().find(|&t| t as usize >= self.textures.all().len());
         if let Some(index) = missing {
             return Err(SceneError::NoSuchPiece {
                 object: material.name,
                 kind: "image",
                 index: index as usize,
-                count: self.textures.len(),
+                count: self.textures.all().len(),
             });
         }
         material.sanitise();
-        self.materials.push(material);
-        Ok(self.materials.len() - 1)
+        Ok(self.materials.add(material))
     }
 
     /// Adds a mesh; gives its index. Triangles with a corner that is not finite, or without area, are left out
@@ -95,8 +96,7 @@ impl SceneBuilder {
     pub fn add_mesh(&mut self, description: MeshDescription) -> Result<usize, SceneError> {
         let (mesh, warning) = Mesh::new(description)?;
         self.warnings.extend(warning);
-        self.meshes.push(mesh);
-        Ok(self.meshes.len() - 1)
+        Ok(self.meshes.add(Arc::new(mesh)))
     }
 
     /// Adds curves, which are placed as meshes are; gives their index among these. Strands with a key that is not finite are left
@@ -108,8 +108,7 @@ impl SceneBuilder {
         let name = description.name.clone();
         let (curves, warning) = Curves::new(description)?;
         self.warnings.extend(warning);
-        self.meshes.push(curves.into_mesh(name));
-        Ok(self.meshes.len() - 1)
+        Ok(self.meshes.add(Arc::new(curves.into_mesh(name))))
     }
 
     /// Adds a point cloud, as [`Self::add_curves`]. Points that are not finite are left out with a warning.
@@ -120,8 +119,7 @@ impl SceneBuilder {
         let name = description.name.clone();
         let (points, warning) = Points::new(description)?;
         self.warnings.extend(warning);
-        self.meshes.push(points.into_mesh(name));
-        Ok(self.meshes.len() - 1)
+        Ok(self.meshes.add(Arc::new(points.into_mesh(name))))
     }
 
     /// Places a mesh; gives the index of the instance. `matrix` takes object space to world space.
@@ -139,11 +137,12 @@ impl SceneBuilder {
         visible_shadow: bool,
     ) -> Result<Option<usize>, SceneError> {
         let missing = |kind, index, count| SceneError::NoSuchPiece { object: object_name.into(), kind, index, count };
-        if mesh >= self.meshes.len() {
-            return Err(missing("mesh", mesh, self.meshes.len()));
+        let (meshes, known) = (self.meshes.all().len(), self.materials.all().len());
+        if mesh >= meshes {
+            return Err(missing("mesh", mesh, meshes));
         }
-        if let Some(&index) = materials.iter().find(|&&m| m >= self.materials.len()) {
-            return Err(missing("material", index, self.materials.len()));
+        if let Some(&index) = materials.iter().find(|&&m| m >= known) {
+            return Err(missing("material", index, known));
         }
         if !matrix.is_finite() {
             return Err(SceneError::BadMatrix { object: object_name.into() });
@@ -162,6 +161,7 @@ impl SceneBuilder {
             mesh,
             matrix,
             materials: materials.iter().map(|&m| m as u32 + 1).collect(),
+            holds_out: false,
             visible: Rays::ALL
                 .without(if visible_camera { Rays::NONE } else { Rays::CAMERA })
                 .without(if visible_shadow { Rays::NONE } else { Rays::SHADOW }),
@@ -195,23 +195,7 @@ impl SceneBuilder {
 
     /// Lets the camera see a hole instead of an instance; all else sees it as it is.
     pub fn hold_out(&mut self, instance: usize) {
-        let of_slots = std::mem::take(&mut self.instances[instance].materials);
-        // Counted from 1; 0 is what an empty slot has.
-        let slots = if of_slots.is_empty() { vec![0] } else { of_slots };
-        self.instances[instance].materials = slots.into_iter().map(|slot| self.holding(slot)).collect();
-    }
-
-    /// A material of a slot, made to hold out.
-    fn holding(&mut self, slot: u32) -> u32 {
-        let grey = Material::default_grey();
-        let own = slot.checked_sub(1).map_or(&grey, |index| &self.materials[index as usize]);
-        let holding = Material { holds_out: true, speaks: true, ..own.clone() };
-        let known = self.materials.iter().position(|other| *other == holding);
-        let index = known.unwrap_or_else(|| {
-            self.materials.push(holding);
-            self.materials.len() - 1
-        });
-        index as u32 + 1
+        self.instances[instance].holds_out = true;
     }
 
     /// Says which light group what an instance emits is in; 0 is none.
@@ -288,36 +272,64 @@ impl SceneBuilder {
     /// # Errors
     /// [`SceneError::NoSuchPiece`] where it names an image that was not added.
     pub fn set_world(&mut self, world: World) -> Result<(), SceneError> {
-        if let Some(index) = world.texture.filter(|&t| t as usize >= self.textures.len()) {
+        if let Some(index) = world.texture.filter(|&t| t as usize >= self.textures.all().len()) {
             return Err(SceneError::NoSuchPiece {
                 object: "world".into(),
                 kind: "image",
                 index: index as usize,
-                count: self.textures.len(),
+                count: self.textures.all().len(),
             });
         }
         self.world = world;
         Ok(())
     }
 
+    /// Makes room for another image: its index is the next one's. Whatever named it must be forgotten, too, before the next scene.
+    pub fn forget_texture(&mut self, index: usize) {
+        self.textures.forget(index, Arc::new(Texture::empty()));
+    }
+
+    /// The same of a material.
+    pub fn forget_material(&mut self, index: usize) {
+        self.materials.forget(index, Material::default_grey());
+    }
+
+    /// The same of what [`Self::add_mesh`], [`Self::add_curves`] or [`Self::add_points`] added.
+    pub fn forget_mesh(&mut self, index: usize) {
+        self.meshes.forget(index, Arc::default());
+    }
+
     /// The finished scene, with render space's origin at `origin` (world space; the camera's place).
-    pub fn build(self, origin: DVec3) -> Scene {
+    pub fn build(mut self, origin: DVec3) -> Scene {
+        self.build_keeping(origin)
+    }
+
+    /// The same; images, materials and meshes stay for the next scene, at their indices. Instances, lamps and the world go, and so
+    /// do the warnings.
+    pub fn build_keeping(&mut self, origin: DVec3) -> Scene {
         let place = |m: DMat4| -> Affine3A {
             let moved = DMat4::from_translation(-origin) * m;
             Affine3A::from_mat4(moved.as_mat4())
         };
         let mut materials = vec![Material::default_grey()];
-        materials.extend(self.materials);
+        materials.extend_from_slice(self.materials.all());
         let (mut dims, mut moving) = (false, Vec::new());
-        let instances = self
-            .instances
+        let meshes = self.meshes.all().to_vec();
+        self.warnings.clear();
+        let instances = std::mem::take(&mut self.instances)
             .into_iter()
             .enumerate()
             .map(|(number, raw)| {
                 // Strands and points are round: nothing coarse would show.
-                let is_coarse = self.meshes[raw.mesh].is_of_triangles();
+                let mesh = &meshes[raw.mesh];
+                let is_coarse = mesh.is_of_triangles();
                 let softening = if is_coarse { raw.softening } else { Softening::default() };
                 dims |= softening.dims();
+                // 0 is what an empty slot has.
+                let mut of_slots = if raw.materials.is_empty() { vec![0] } else { raw.materials };
+                if raw.holds_out {
+                    of_slots.iter_mut().for_each(|slot| *slot = holding(&mut materials, *slot));
+                }
                 let from_origin = |m: DMat4| DAffine3::from_mat4(DMat4::from_translation(-origin) * m);
                 let mut instance = Instance {
                     asset_name: raw.asset_name.unwrap_or_else(|| raw.object_name.clone()),
@@ -329,8 +341,8 @@ impl SceneBuilder {
                     to_object: Affine3A::IDENTITY,
                     normal_to_render: Mat3A::IDENTITY,
                     mirrored: false,
-                    pose: self.meshes[raw.mesh].poses.as_ref().map_or_else(Pose::default, |poses| poses.middle()),
-                    materials: if raw.materials.is_empty() { vec![0] } else { raw.materials },
+                    pose: mesh.poses.as_ref().map_or_else(Pose::default, |poses| poses.middle()),
+                    materials: of_slots,
                     visible: raw.visible,
                     links: raw.links,
                     light_group: raw.light_group,
@@ -338,24 +350,35 @@ impl SceneBuilder {
                     is_catcher: raw.is_catcher,
                 };
                 instance.stand(&DAffine3::from_mat4(raw.matrix), origin);
-                if raw.way.is_some() || self.meshes[raw.mesh].poses.is_some() {
+                if raw.way.is_some() || mesh.poses.is_some() {
                     moving.push(Moving::new(number as u32, raw.way));
                 }
                 instance
             })
             .collect();
-        let lamps = self.lamps.into_iter().map(|(lamp, matrix)| lamp.placed(place(matrix))).collect();
+        let lamps = std::mem::take(&mut self.lamps);
+        let lamps = lamps.into_iter().map(|(lamp, matrix)| lamp.placed(place(matrix))).collect();
         Scene {
-            meshes: self.meshes,
+            meshes,
             instances,
             moving,
             materials,
-            textures: self.textures,
+            textures: self.textures.all().to_vec(),
             lamps,
-            world: self.world,
+            world: std::mem::take(&mut self.world),
             origin,
             viewport: Viewport::new(&self.viewport, origin),
             dims,
         }
     }
+}
+
+/// The index of a material that is one of these made to hold out.
+fn holding(materials: &mut Vec<Material>, slot: u32) -> u32 {
+    let holding = Material { holds_out: true, speaks: true, ..materials[slot as usize].clone() };
+    let known = materials.iter().position(|other| *other == holding);
+    known.unwrap_or_else(|| {
+        materials.push(holding);
+        materials.len() - 1
+    }) as u32
 }

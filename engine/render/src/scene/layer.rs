@@ -7,6 +7,7 @@ use super::material::Input;
 use super::texture::Texture;
 use crate::{Rgb, luminance};
 use std::cell::{Cell, RefCell};
+use std::sync::Arc;
 
 /// Layers that a material may have; what comes after is left out.
 pub const MOST_LAYERS: usize = 32;
@@ -76,7 +77,7 @@ impl Layer {
     }
 
     /// About what it emits: for choosing between lights.
-    pub fn brightness(&self, textures: &[Texture]) -> f32 {
+    pub fn brightness(&self, textures: &[Arc<Texture>]) -> f32 {
         let colour = |input: &Input<Rgb>| match input {
             Input::Constant(colour) => *colour,
             Input::Image(image) => textures[image.texture as usize].average(),

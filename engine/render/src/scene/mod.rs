@@ -15,6 +15,7 @@ pub mod material;
 pub mod mesh;
 pub mod motion;
 pub mod points;
+mod slots;
 pub mod softening;
 pub mod texture;
 pub mod viewport;
@@ -29,6 +30,7 @@ use lamp::Lamp;
 use material::Material;
 use mesh::Mesh;
 use motion::Moving;
+use std::sync::Arc;
 use texture::Texture;
 use viewport::Viewport;
 use world::World;
@@ -96,7 +98,7 @@ pub enum SceneError {
 #[derive(Debug)]
 pub struct Scene {
     /// Meshes in object space.
-    pub meshes: Vec<Mesh>,
+    pub meshes: Vec<Arc<Mesh>>,
     /// Where they stand. Those of [`Self::placed`] come first, then what stands for moments of what moves.
     pub instances: Vec<Instance>,
     /// What moves while the shutter is open.
@@ -104,7 +106,7 @@ pub struct Scene {
     /// Materials; the first is the default grey.
     pub materials: Vec<Material>,
     /// Images.
-    pub textures: Vec<Texture>,
+    pub textures: Vec<Arc<Texture>>,
     /// Point, spot, sun and area lights.
     pub lamps: Vec<Lamp>,
     /// Light from everywhere else.

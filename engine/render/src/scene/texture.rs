@@ -68,6 +68,11 @@ impl Texture {
         Ok(Self { name: name.into(), width, height, pixels: Pixels::Floats(texels) })
     }
 
+    /// A black pixel, where there is no image.
+    pub fn empty() -> Self {
+        Self { name: String::new(), width: 1, height: 1, pixels: Pixels::Floats(vec![Vec4::ZERO]) }
+    }
+
     /// The image's name.
     pub fn name(&self) -> &str {
         &self.name

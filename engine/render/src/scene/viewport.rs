@@ -23,7 +23,7 @@ impl Default for ViewportDescription {
 }
 
 /// The same as shader graphs ask for it.
-#[derive(Clone, Copy, Debug)]
+#[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Viewport {
     /// Blender's world to the camera's space, in which z grows away from the camera.
     pub from_world: Affine3A,

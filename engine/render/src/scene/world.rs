@@ -41,7 +41,7 @@ impl Default for World {
 
 impl World {
     /// Radiance that arrives from the direction `d` (unit, pointing away from the scene).
-    pub fn radiance(&self, d: Vec3A, textures: &[Texture]) -> Rgb {
+    pub fn radiance(&self, d: Vec3A, textures: &[Arc<Texture>]) -> Rgb {
         match self.texture {
             None => self.color,
             Some(_) => self.radiance_at(direction_to_equirectangular(self.rotation * d), textures),
@@ -49,7 +49,7 @@ impl World {
     }
 
     /// Radiance from a place of the image.
-    pub fn radiance_at(&self, uv: Vec2, textures: &[Texture]) -> Rgb {
+    pub fn radiance_at(&self, uv: Vec2, textures: &[Arc<Texture>]) -> Rgb {
         let Some(texture) = self.texture else { return self.color };
         let texel = textures[texture as usize].lookup(uv, Interpolation::Linear, Extension::Repeat);
         self.color * texel.xyz().max(Rgb::ZERO)

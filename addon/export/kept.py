@@ -1,0 +1,113 @@
+# SPDX-License-Identifier: GPL-3.0-or-later
+"""What a builder of the engine holds of images, materials and meshes, so that a scene that is edited sends again only what changed."""
+
+from __future__ import annotations
+
+from collections.abc import Callable, Hashable, Iterable
+from dataclasses import dataclass, field
+from typing import Any
+
+import bpy
+
+
+def uid(one: bpy.types.ID | None) -> int:
+    """A number that a datablock keeps, evaluated or not, renamed or moved by undo; 0 of none."""
+    return 0 if one is None else one.original.session_uid
+
+
+@dataclass
+class Piece:
+    """What was sent: the engine's index, None where there was nothing to send; and the datablocks that it was made of."""
+
+    index: int | None
+    sources: frozenset[int] = frozenset()
+    is_used: bool = True
+
+
+@dataclass
+class Kept:
+    """All of one builder, by what each was made of."""
+
+    builder: Any
+    #: By datablock, and whether colours are multiplied by alpha.
+    images: dict[tuple[int, bool], int] = field(default_factory=dict)
+    #: By datablock.
+    materials: dict[int, int] = field(default_factory=dict)
+    #: By material: the attributes that it asks of meshes.
+    wanted: dict[int, frozenset[str]] = field(default_factory=dict)
+    #: Meshes, curves, points and boxes.
+    meshes: dict[Hashable, Piece] = field(default_factory=dict)
+    #: Something fills space: a material's volume, or smoke.
+    fills_space: bool = False
+    #: Datablocks whose shape changed since the last time; what is made of them is not taken as it was.
+    reshaped: frozenset[int] = frozenset()
+    #: How often something was sent or forgotten.
+    changes: int = 0
+
+    def begin(self, changed: Changes) -> None:
+        """Forgets what changed; what is not asked for until `sweep` goes then."""
+        if changed.images & {key for key, _ in self.images}:
+            # Materials name images by their index.
+            changed = Changes(changed.images, changed.shapes, set(self.materials))
+        for index in {index for (key, _), index in self.images.items() if key in changed.images}:
+            self.builder.forget_image(index)
+            self.changes += 1
+        self.images = {key: index for key, index in self.images.items() if key[0] not in changed.images}
+        for key in changed.materials & self.materials.keys():
+            self.builder.forget_material(self.materials.pop(key))
+            self.wanted.pop(key, None)
+            self.changes += 1
+        self._drop(key for key, piece in self.meshes.items() if not piece.sources.isdisjoint(changed.shapes))
+        self.reshaped = frozenset(changed.shapes)
+        for piece in self.meshes.values():
+            piece.is_used = False
+
+    def sweep(self) -> None:
+        """Forgets the meshes that were not asked for."""
+        self._drop(key for key, piece in self.meshes.items() if not piece.is_used)
+
+    def mesh(self, key: Hashable, sources: Iterable[bpy.types.ID | None], send: Callable[[], int | None]) -> int | None:
+        """The engine's index of a mesh, sent if it is not there yet. The address of an evaluated mesh may be in `key`: one that is of
+        something that was reshaped is not taken for another that had its place in memory."""
+        made_of = frozenset(map(uid, sources))
+        piece = self.meshes.get(key)
+        if piece is not None and not piece.is_used and not made_of.isdisjoint(self.reshaped):
+            self._drop([key])
+            piece = None
+        if piece is None:
+            piece = self.meshes[key] = Piece(send())
+            self.changes += 1
+        piece.sources |= made_of
+        piece.is_used = True
+        return piece.index
+
+    def _drop(self, keys: Iterable[Hashable]) -> None:
+        for key in list(keys):
+            piece = self.meshes.pop(key)
+            self.changes += 1
+            if piece.index is not None:
+                self.builder.forget_mesh(piece.index)
+
+
+@dataclass
+class Changes:
+    """Datablocks that changed, by `uid`."""
+
+    images: set[int] = field(default_factory=set)
+    #: Meshes and the like, and objects whose modifiers, particles or shape keys did.
+    shapes: set[int] = field(default_factory=set)
+    materials: set[int] = field(default_factory=set)
+
+    @classmethod
+    def of(cls, depsgraph: bpy.types.Depsgraph) -> Changes:
+        """What a dependency graph says of its last evaluation."""
+        found = cls()
+        for update in depsgraph.updates:
+            one = update.id
+            if isinstance(one, bpy.types.Image):
+                found.images.add(uid(one))
+            elif isinstance(one, bpy.types.Material):
+                found.materials.add(uid(one))
+            elif update.is_updated_geometry:
+                found.shapes.add(uid(one))
+        return found

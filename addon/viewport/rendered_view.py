@@ -1,0 +1,156 @@
+# SPDX-License-Identifier: GPL-3.0-or-later
+"""One 3D view in rendered shading: hands on what Blender tells it, and has it drawn."""
+
+from __future__ import annotations
+
+import dataclasses
+import traceback
+import weakref
+from collections.abc import Callable
+from typing import Any
+
+import bpy
+
+from .. import effects, render_settings, staging
+from ..description import Report
+from ..export.errors import ExportError
+from ..export.kept import Changes
+from ..native import EngineMissing, engine
+from . import view
+from .screen import Screen
+from .session import Session, Wanted
+from .sync import SceneSync
+
+#: How often it is looked whether there is a new picture, s.
+_LOOK_S = 0.04
+#: Blender units: a camera farther from where the scene's origin was set has it set anew, for single precision's sake.
+_FAR = 100.0
+
+
+class RenderedView:
+    """Belongs to a `RenderEngine` of a view for as long as that lives."""
+
+    def __init__(self, host: bpy.types.RenderEngine) -> None:
+        self._host = weakref.ref(host)
+        self._native = engine()
+        self._sync = SceneSync(self._native)
+        self._screen = Screen()
+        self._origin: tuple[float, float, float] | None = None
+        self._told = ""
+        self._drawn: Any = None
+        self._timer = _timer_of(weakref.ref(self))
+        self.session = Session(self._native)
+
+    def update(self, context: bpy.types.Context, depsgraph: bpy.types.Depsgraph) -> None:
+        """The scene was changed, or is looked at for the first time."""
+        self._guarded(lambda: self._send(context, depsgraph))
+        self._watch()
+
+    def draw(self, context: bpy.types.Context, depsgraph: bpy.types.Depsgraph) -> None:
+        """The region is to be drawn."""
+        seen = self._guarded(lambda: self._look(context, depsgraph))
+        picture = self.session.picture
+        if seen is not None and picture is not None:
+            self._screen.draw(self._host(), depsgraph.scene, picture, seen.frame)
+        self._drawn = picture
+        self._tell(depsgraph.scene)
+        self._watch()
+
+    def close(self) -> None:
+        """The view is no longer there."""
+        self.session.close()
+        if bpy.app.timers.is_registered(self._timer):
+            bpy.app.timers.unregister(self._timer)
+
+    def _send(self, context: bpy.types.Context, depsgraph: bpy.types.Depsgraph) -> None:
+        place = tuple(context.region_data.view_matrix.inverted_safe().translation)
+        self._sent(context, depsgraph, Changes.of(depsgraph), place if self._is_far(place) else self._origin)
+
+    def _sent(
+        self, context: bpy.types.Context, depsgraph: bpy.types.Depsgraph, changed: Changes, origin: tuple
+    ) -> None:
+        self._origin = origin
+        draft = self._sync.update(depsgraph, changed, context.space_data, origin)
+        if draft is not None:
+            self.session.build(draft)
+
+    def _is_far(self, place: tuple[float, float, float]) -> bool:
+        return self._origin is None or max(abs(a - b) for a, b in zip(place, self._origin, strict=True)) > _FAR
+
+    def _look(self, context: bpy.types.Context, depsgraph: bpy.types.Depsgraph) -> view.View | None:
+        scene, report = depsgraph.scene_eval, Report()
+        seen = view.of(context, depsgraph, float(scene.petzval.preview_pixel_size), report)
+        if seen is None:
+            return None
+        settings = dataclasses.replace(
+            render_settings.describe(scene, *seen.size),
+            samples=scene.petzval.preview_samples or 1 << 16,
+            window=tuple(seen.window),
+            noise_threshold=0.0,
+            blue_noise=False,
+            sample_offset=0,
+            # Light paths from lamps would know of no part of a picture, and of no other view.
+            integrator="PATH",
+        )
+        wanted = Wanted(seen.camera, settings, effects.wishes(scene.petzval))
+        place = staging.place(seen.camera)
+        # What is wished of the effects is measured from the scene's origin.
+        if self._is_far(place) or (wanted.has_wishes and place != self._origin):
+            self._sent(context, depsgraph, Changes(), place)
+        self.session.look(wanted)
+        for warning in report.warnings:
+            self._sync.report.warn(warning)
+        return seen
+
+    def _guarded(self, work: Any) -> Any:
+        """What the work gives; what went wrong is said in the view."""
+        try:
+            self._told = ""
+            return work()
+        except (ExportError, EngineMissing, self._native.PetzvalError) as error:
+            self._told = " ".join(str(error).split())
+        except Exception as error:
+            traceback.print_exc()
+            self._told = " ".join(str(error).split()) or type(error).__name__
+        return None
+
+    @property
+    def warnings(self) -> list[str]:
+        """What could not be handed over, and what the engine left out."""
+        told = self._sync.report.warnings
+        return [*told, *(one for one in self.session.warnings if one not in told)]
+
+    def _tell(self, scene: bpy.types.Scene) -> None:
+        picture, host = self.session.picture, self._host()
+        problem = self._told or self.session.error
+        if problem:
+            host.update_stats("", problem)
+        elif picture is None:
+            host.update_stats("", "Building trees")
+        else:
+            most = picture.wanted.settings.samples
+            host.update_stats("", f"Sample {picture.samples}" + (f"/{most}" if most < 1 << 16 else ""))
+
+    def _watch(self) -> None:
+        if self.session.is_busy and not bpy.app.timers.is_registered(self._timer):
+            bpy.app.timers.register(self._timer, first_interval=_LOOK_S)
+
+    def poll(self) -> float | None:
+        """Has the view drawn anew where there is something new; the seconds to the next look, None where nothing more is to come."""
+        host = self._host()
+        if host is None:
+            self.session.close()
+            return None
+        if self.session.picture is not self._drawn or self.session.error:
+            host.tag_redraw()
+        return _LOOK_S if self.session.is_busy else None
+
+
+def _timer_of(view: weakref.ref[RenderedView]) -> Callable[[], float | None]:
+    """A function for Blender's timers, which know one by its identity and keep it alive."""
+
+    def poll() -> float | None:
+        found = view()
+        return None if found is None else found.poll()
+
+    return poll

@@ -1,0 +1,112 @@
+# SPDX-License-Identifier: GPL-3.0-or-later
+"""What a 3D view looks through: the scene's camera with its lens, or Blender's own perspective; and where its picture lies."""
+
+from __future__ import annotations
+
+import math
+from dataclasses import dataclass
+
+import bpy
+from mathutils import Matrix, Vector
+
+from ..description import CameraDescription, Report
+from ..export import aperture_mask
+from ..export import camera as camera_export
+from ..tiles import Window
+
+#: Of a view along parallel lines, which shows what lies behind its middle too: how far before that it begins, of its depth.
+_BEFORE = 0.5
+#: Width that a picture of our own perspective is given, mm: only its part of the focal length counts.
+_WIDTH_MM = 36.0
+
+
+@dataclass(frozen=True)
+class View:
+    """One look into the scene."""
+
+    camera: CameraDescription
+    #: Pixels of the whole picture.
+    size: tuple[int, int]
+    #: Where the picture lies in the region: left, bottom, width, height; pixels of the screen.
+    frame: tuple[float, float, float, float]
+    #: The part of the picture that is seen, in its pixels.
+    window: Window
+
+
+def of(context: bpy.types.Context, depsgraph: bpy.types.Depsgraph, pixel_size: float, report: Report) -> View | None:
+    """That of a region; None where nothing of the picture is in it. Raises `ExportError` as the camera's export does."""
+    region, space, rv3d = context.region, context.space_data, context.region_data
+    if rv3d.view_perspective == "CAMERA":
+        holder = space.camera if space.use_local_camera else depsgraph.scene_eval.camera
+        if holder is not None and holder.type == "CAMERA":
+            return _through_camera(holder.evaluated_get(depsgraph), region, rv3d, depsgraph, pixel_size, report)
+    width, height = _pixels(region.width, pixel_size), _pixels(region.height, pixel_size)
+    camera = _own(space, rv3d, (width, height))
+    return View(camera, (width, height), (0.0, 0.0, region.width, region.height), Window(0, 0, width, height))
+
+
+def _pixels(length: float, pixel_size: float) -> int:
+    return max(round(length / pixel_size), 1)
+
+
+def frame_in(
+    holder: bpy.types.Object, scene: bpy.types.Scene, region: bpy.types.Region, rv3d: bpy.types.RegionView3D
+) -> tuple[float, float, float, float]:
+    """Where a view through a camera has its frame: left, bottom, width, height; pixels of the region."""
+    # Blender's view knows nothing of scale.
+    place = holder.matrix_world.normalized()
+    places = []
+    for corner in holder.data.view_frame(scene=scene):
+        x, y, _, w = rv3d.perspective_matrix @ (place @ corner).to_4d()
+        places.append(((x / w * 0.5 + 0.5) * region.width, (y / w * 0.5 + 0.5) * region.height))
+    across, up = zip(*places, strict=True)
+    return min(across), min(up), max(across) - min(across), max(up) - min(up)
+
+
+def _through_camera(holder, region, rv3d, depsgraph, pixel_size, report) -> View | None:
+    scene = depsgraph.scene_eval
+    left, bottom, width, height = frame_in(holder, scene, region, rv3d)
+    if not (width >= 1.0 and height >= 1.0 and math.isfinite(width + height)):
+        return None
+    # The picture's own proportions, which a frame in whole pixels of the screen has only nearly.
+    whole = camera_export.resolution(scene.render)
+    columns = _pixels(width, pixel_size)
+    size = (columns, max(round(columns * whole[1] / whole[0]), 1))
+    camera = camera_export.describe(holder, scene, *size, report)
+    camera.aperture_mask = aperture_mask.read(holder.data)
+    seen = [(0.0, 0.0), (float(region.width), float(region.height))]
+    if scene.render.use_border:
+        low = (left + scene.render.border_min_x * width, bottom + scene.render.border_min_y * height)
+        high = (left + scene.render.border_max_x * width, bottom + scene.render.border_max_y * height)
+        seen = [tuple(map(max, seen[0], low)), tuple(map(min, seen[1], high))]
+    (x0, y0), (x1, y1) = seen
+    begin = [max(math.floor((at - edge) / side * n), 0) for at, edge, side, n in zip((x0, y0), (left, bottom), (width, height), size, strict=True)]  # fmt: skip
+    end = [min(math.ceil((at - edge) / side * n), n) for at, edge, side, n in zip((x1, y1), (left, bottom), (width, height), size, strict=True)]  # fmt: skip
+    if end[0] <= begin[0] or end[1] <= begin[1]:
+        return None
+    window = Window(*begin, end[0] - begin[0], end[1] - begin[1])
+    return View(camera, size, (left, bottom, width, height), window)
+
+
+def _own(space: bpy.types.SpaceView3D, rv3d: bpy.types.RegionView3D, size: tuple[int, int]) -> CameraDescription:
+    """Blender's view without a camera: all is sharp."""
+    across, place = rv3d.window_matrix[0][0], rv3d.view_matrix.inverted_safe()
+    if rv3d.is_perspective:
+        shift = [0.5 * rv3d.window_matrix[i][2] * size[i] / max(size) for i in (0, 1)]
+        return CameraDescription(
+            object_name="the view",
+            matrix_world=camera_export.rows(place),
+            model="PINHOLE",
+            pinhole_focal_length_mm=0.5 * across * _WIDTH_MM,
+            pinhole_film_width_mm=_WIDTH_MM,
+            pinhole_shift=tuple(shift),
+            clip=(space.clip_start, space.clip_end),
+        )
+    before = _BEFORE * space.clip_end
+    return CameraDescription(
+        object_name="the view",
+        matrix_world=camera_export.rows(place @ Matrix.Translation(Vector((0.0, 0.0, before)))),
+        model="ORTHOGRAPHIC",
+        orthographic_width=2.0 / across,
+        clip=(0.0, before + space.clip_end),
+    )
