@@ -8,6 +8,8 @@ import functools
 import bpy
 import numpy as np
 
+# An editor smaller than this, in pixels of an unscaled interface, shows nothing of a page.
+_LEAST_PX = (400, 300)
 # Until a window that was opened has its size.
 _SETTLED_S = 0.3
 
@@ -37,7 +39,7 @@ def _new(name: str, width: int, height: int) -> bpy.types.Image:
 
 
 def show(context: bpy.types.Context, image: bpy.types.Image) -> bool:
-    """In the largest image editor, or a window of its own; False: there is no window at all."""
+    """In the largest image editor if it is large enough, else a window of its own; False: there is no window at all."""
     manager = context.window_manager
     if bpy.app.background or manager is None or not manager.windows:
         return False
@@ -45,7 +47,7 @@ def show(context: bpy.types.Context, image: bpy.types.Image) -> bool:
         (area.width * area.height, area)
         for window in manager.windows
         for area in window.screen.areas
-        if area.ui_type == "IMAGE_EDITOR"
+        if area.ui_type == "IMAGE_EDITOR" and _is_large(context, area)
     ]
     if editors:
         area = max(editors, key=lambda editor: editor[0])[1]
@@ -58,6 +60,11 @@ def show(context: bpy.types.Context, image: bpy.types.Image) -> bool:
     # A new window has no size yet.
     bpy.app.timers.register(functools.partial(_fit, image.name), first_interval=_SETTLED_S)
     return True
+
+
+def _is_large(context: bpy.types.Context, area: bpy.types.Area) -> bool:
+    scale = context.preferences.system.ui_scale
+    return area.width >= _LEAST_PX[0] * scale and area.height >= _LEAST_PX[1] * scale
 
 
 def _fit(name: str) -> None:

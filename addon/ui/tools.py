@@ -8,7 +8,7 @@ import bpy
 from .. import cost_operator, lens_report
 from ..description import OF_LENS_FILE
 from ..engine import ENGINE
-from .camera_parts import LensPart, fact
+from .camera_parts import LensPart
 
 
 class PETZVAL_MT_lens_reports(bpy.types.Menu):
@@ -66,13 +66,18 @@ class PETZVAL_CAMERA_PT_tools(LensPart, bpy.types.Panel):
 
 
 def _costs(layout, found) -> None:
-    """What each camera took, and how far it is off."""
+    """The time that each camera takes for the picture, and how far pixels are off."""
     from petzval.cost import page
     from petzval.cost.advice import percent, seconds
 
     column = layout.column(align=True)
     for row in page.cameras(found):
-        fact(column, row["name"], f"{seconds(row['seconds'])}, {percent(row['rel_mse'])} off")
+        line = column.split(factor=0.66)
+        line.label(text=row["name"].split(":")[0])
+        numbers = line.row()
+        numbers.alignment = "RIGHT"
+        numbers.label(text=seconds(row["seconds"]))
+        numbers.label(text=percent(row["rel_mse"]))
 
 
 def _entry(menu, context) -> None:
