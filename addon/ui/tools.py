@@ -72,12 +72,11 @@ def _costs(layout, found) -> None:
 
     column = layout.column(align=True)
     for row in page.cameras(found):
-        line = column.split(factor=0.66)
-        line.label(text=row["name"].split(":")[0])
+        line = column.split(factor=0.58)
+        line.label(text=row["name"].split(":")[0].removeprefix("exact, "))
         numbers = line.row()
         numbers.alignment = "RIGHT"
-        numbers.label(text=seconds(row["seconds"]))
-        numbers.label(text=percent(row["rel_mse"]))
+        numbers.label(text=f"{seconds(row['seconds'])}, {percent(row['rel_mse'])}")
 
 
 def _entry(menu, context) -> None:
