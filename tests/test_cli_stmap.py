@@ -163,6 +163,20 @@ def test_blenders_map_uv_node_takes_them(blender, pictures, maps, tmp_path):
     assert len(off) > 20 and off.max() < 0.25, off.max()
 
 
+def test_the_operator_writes_the_same_map(blender, maps, tmp_path):
+    import scene_parts
+
+    scene = scene_parts.set_up(*PIXELS, model="LENS")
+    own = scene.camera.data.petzval
+    own.lens_file, own.wide_open, own.f_number = LENS, False, 11.0
+    own.film_mode, own.film_width, own.film_height = "SIZE", *FILM
+    scene.camera.data.dof.focus_distance = DEPTH_M
+    out = tmp_path / "mine.exr"
+    assert blender.ops.petzval.export_stmap(filepath=str(out), direction="DISTORT") == {"FINISHED"}
+    # The wavelength and the focus of a Blender file are kept in single precision.
+    assert np.abs(scene_parts.read(out) - maps["distort"]).max() < 1e-5
+
+
 @pytest.mark.once
 def test_colours_have_layers_of_their_own_and_what_is_wrong_is_said(blender, petzval_cli, tmp_path):
     import scene_parts
