@@ -12,9 +12,11 @@ from . import (
     focus_operators,
     focus_picking,
     framing_operator,
+    gizmos,
     lens_export_operators,
     native,
     operators,
+    overlay,
     plan_operator,
     properties,
     redraw,
@@ -38,6 +40,8 @@ PARTS = (
     lens_export_operators,
     cost_operator,
     engine,
+    overlay,
+    gizmos,
     ui,
 )
 

@@ -326,6 +326,21 @@ class PetzvalCamera(bpy.types.PropertyGroup):
         default=True,
         update=_changed,
     )
+    show_focus: BoolProperty(
+        name="Show Focus",
+        description="Draw into 3D views where this camera is sharp: the surface of focus green, from where on it is sharp enough blue, "
+        "to where orange, and the entrance pupil violet",
+        default=False,
+    )
+    confusion: FloatProperty(
+        name="Circle of Confusion",
+        description="Diameter of the blur on the film, in mm, that still counts as sharp. Zero is the picture's diagonal by 1500",
+        default=0.0,
+        min=0.0,
+        soft_max=0.5,
+        step=1,
+        precision=4,
+    )
     in_step: BoolProperty(
         description="The lens was set up here: Blender's camera may be kept in step", options={"HIDDEN"}
     )

@@ -7,7 +7,7 @@ import traceback
 
 import bpy
 
-from . import loop, passes, persistent, planning, statistics
+from . import loop, passes, persistent, planning, preview, statistics
 from .export.errors import ExportError
 from .native import EngineMissing, engine
 from .photograph import Photograph
@@ -23,7 +23,7 @@ class PetzvalRenderEngine(bpy.types.RenderEngine):
 
     bl_idname = ENGINE
     bl_label = "Petzval"
-    bl_use_preview = False  # for now
+    bl_use_preview = True
     bl_use_eevee_viewport = True
     bl_use_shading_nodes_custom = False
     # Blender would draw Freestyle's lines by another engine, which crashes without a window.
@@ -64,7 +64,10 @@ class PetzvalRenderEngine(bpy.types.RenderEngine):
     def render(self, depsgraph):
         """One view layer. An exception would only be printed, so everything ends as a report and a picture."""
         try:
-            Photograph(self, depsgraph).take()
+            if self.is_preview:
+                preview.render(self, depsgraph)
+            else:
+                Photograph(self, depsgraph).take()
         except loop.Stopped:
             deliver_black(self, depsgraph)
         except (ExportError, EngineMissing) as error:

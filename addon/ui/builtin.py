@@ -13,8 +13,6 @@ LEFT_OUT = {
     "DATA_PT_camera_dof",
     "DATA_PT_lens",
     "DATA_PT_light",
-    "DATA_PT_preview",
-    "MATERIAL_PT_preview",
     "RENDER_PT_freestyle",
     "RENDER_PT_gpencil",
     "RENDER_PT_grease_pencil",
@@ -27,7 +25,6 @@ LEFT_OUT = {
     "VIEWLAYER_PT_freestyle_style_modules",
     "VIEWLAYER_PT_freestyle_lineset",
     "VIEWLAYER_PT_layer_passes",
-    "WORLD_PT_preview",
 }
 #: EEVEE's panels of what is the same here: shader nodes, slots, lamps, shadow terminators.
 TAKEN_FROM_EEVEE = {
@@ -35,6 +32,7 @@ TAKEN_FROM_EEVEE = {
     "EEVEE_MATERIAL_PT_context_material",
     "EEVEE_MATERIAL_PT_surface",
     "EEVEE_WORLD_PT_surface",
+    "MATERIAL_PT_preview",
     "OBJECT_PT_shadow_terminator",
 }
 

@@ -34,6 +34,11 @@ class PETZVAL_CAMERA_PT_focus(AperturePart, bpy.types.Panel):
             row = layout.row()
             row.active = mode == "CAMERA" and camera.dof.focus_object is None
             row.prop(settings, "focus_relation")
+            row = layout.row(heading="In 3D Views", align=True)
+            row.prop(settings, "show_focus", text="")
+            part = row.row()
+            part.active = settings.show_focus
+            part.prop(settings, "confusion", text="Confusion (mm)")
 
 
 def _by_hand(layout, camera: bpy.types.Camera) -> None:

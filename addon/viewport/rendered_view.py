@@ -4,6 +4,7 @@
 from __future__ import annotations
 
 import dataclasses
+import os
 import traceback
 import weakref
 from collections.abc import Callable
@@ -86,6 +87,7 @@ class RenderedView:
             render_settings.describe(scene, *seen.size),
             samples=scene.petzval.preview_samples or 1 << 16,
             window=tuple(seen.window),
+            threads=_threads(scene.render),
             noise_threshold=0.0,
             blue_noise=False,
             sample_offset=0,
@@ -144,6 +146,11 @@ class RenderedView:
         if self.session.picture is not self._drawn or self.session.error:
             host.tag_redraw()
         return _LOOK_S if self.session.is_busy else None
+
+
+def _threads(render: bpy.types.RenderSettings) -> int:
+    """As the scene says; else all but one, which Blender's window needs."""
+    return render.threads if render.threads_mode == "FIXED" else max((os.cpu_count() or 1) - 1, 1)
 
 
 def _timer_of(view: weakref.ref[RenderedView]) -> Callable[[], float | None]:

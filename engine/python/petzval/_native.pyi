@@ -247,6 +247,20 @@ def autofocus_by_json(
     """The same where the caller's rays find what there is: `distance_to(origin, direction)` in world space, the direction
     a unit vector; None: nothing is there. Called a few times, in the caller's thread; what it raises comes back."""
 
+def sharpness_json(
+    camera: CameraDescription,
+    width: int,
+    height: int,
+    columns: int,
+    rows: int,
+    confusion_mm: float | None = None,
+) -> str:
+    """Where a camera with a lens is sharp: confusion_mm, the circle of confusion's diameter (by default 1/1500 of the picture's
+    diagonal); points, row by row from below over a grid whose outer lines are the picture's edges, null where no light comes from: place
+    (from the picture's middle, in its width and height), from and towards (the mean ray, world space), and distances along it in
+    Blender units: sharp (null: infinity), near (null: nowhere sharp enough) and far (null: infinity, or as near); pupil, the middle of
+    the entrance pupil (world; null: at infinity), and pupil_radii, across and up."""
+
 def sharp_points_json(
     camera: CameraDescription, width: int, height: int, points_world: Sequence[tuple[float, float, float]]
 ) -> str:

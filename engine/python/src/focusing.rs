@@ -8,6 +8,7 @@ use glam::{DVec3, Vec2};
 use petzval_render::accel::Ray;
 use petzval_render::camera::CameraDescription;
 use petzval_render::camera::autofocus::{Focused, on_picture_point, on_three_points};
+use petzval_render::camera::sharpness::{SharpPoint, sharpness};
 use petzval_render::scene::visibility::Rays;
 use pyo3::prelude::*;
 use serde_json::json;
@@ -83,6 +84,41 @@ pub(crate) fn sharp_points_json(
     let points = points_world.map(|(x, y, z)| DVec3::new(x, y, z));
     let found = away(py, || on_three_points(&description, [width, height], points))??;
     Ok(text(&found))
+}
+
+/// Where the camera is sharp, over a grid of its picture.
+#[pyfunction]
+#[pyo3(signature = (camera, width, height, columns, rows, confusion_mm = None))]
+pub(crate) fn sharpness_json(
+    py: Python<'_>,
+    camera: PyCamera,
+    width: u32,
+    height: u32,
+    columns: usize,
+    rows: usize,
+    confusion_mm: Option<f64>,
+) -> Result<String, Error> {
+    let description: CameraDescription = camera.try_into()?;
+    let found = away(py, || sharpness(&description, [width, height], [columns, rows], confusion_mm))??;
+    // What is infinite is null in JSON.
+    let finite = |t: Option<f64>| t.filter(|t| t.is_finite());
+    let point = |p: &SharpPoint| {
+        json!({
+            "place": p.place.to_array(),
+            "from": p.from.to_array(),
+            "towards": p.towards.to_array(),
+            "sharp": finite(p.sharp),
+            "near": finite(p.near),
+            "far": finite(p.far),
+        })
+    };
+    Ok(json!({
+        "confusion_mm": found.confusion_mm,
+        "points": found.points.iter().map(|p| p.as_ref().map(point)).collect::<Vec<_>>(),
+        "pupil": found.pupil.map(|p| p.to_array()),
+        "pupil_radii": found.pupil_radii,
+    })
+    .to_string())
 }
 
 fn text(found: &Focused) -> String {

@@ -58,6 +58,7 @@ fn _native(m: &Bound<'_, PyModule>) -> PyResult<()> {
     m.add_function(wrap_pyfunction!(focusing::autofocus_json, m)?)?;
     m.add_function(wrap_pyfunction!(focusing::autofocus_by_json, m)?)?;
     m.add_function(wrap_pyfunction!(focusing::sharp_points_json, m)?)?;
+    m.add_function(wrap_pyfunction!(focusing::sharpness_json, m)?)?;
     m.add_function(wrap_pyfunction!(framing::framing_json, m)?)?;
     m.add_function(wrap_pyfunction!(framing::osl_camera, m)?)?;
     m.add_function(wrap_pyfunction!(framing::distortion_map, m)?)?;

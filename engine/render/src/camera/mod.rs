@@ -30,6 +30,7 @@ pub mod real_lens;
 pub mod scene_side;
 pub mod setup;
 pub mod shade;
+pub mod sharpness;
 mod steps;
 pub mod survey;
 pub mod thin;
