@@ -409,7 +409,9 @@ class SettingsDescription(Protocol):
     seed: int
     film_exposure: float  # what the finished light is multiplied by
     blue_noise: bool  # the errors of neighbouring pixels cancel; not with a noise threshold
-    window: tuple[int, int, int, int] | None  # left, bottom, width, height: what is wanted of the picture, roughly; None: all
+    window: (
+        tuple[int, int, int, int] | None
+    )  # left, bottom, width, height: what is wanted of the picture, roughly; None: all
     sample_offset: int
     threads: int  # 0: all cores
     max_bounces: int
