@@ -7,7 +7,7 @@ BENCH_OPTIONS =
 PARITY_OPTIONS =
 INSTRUCTIONS_OPTIONS =
 
-.PHONY: help demo test test-all lint setup build extension speed price accuracy-cost bench parity lens-index instructions numerics clean
+.PHONY: help demo test test-all lint setup build wheels extension speed price accuracy-cost bench parity lens-index instructions numerics clean
 
 help: ## what there is to make
 	@sed -n 's/^\([a-z-]*\):.*## \(.*\)/\1\t\2/p' Makefile | expand -t 12
@@ -29,7 +29,9 @@ lint: .venv-tools ## formatting and lints of Rust and Python
 	.venv-tools/bin/ruff check
 	.venv-tools/bin/ruff format --check
 
-extension: build ## the Blender extension, dist/petzval-VERSION.zip
+wheels: build ## the engine's wheel for this kind of machine, dist/petzval-*.whl; docs/packaging.md says how those of others are made
+
+extension: build ## the Blender extension for each wheel in dist/, dist/petzval-VERSION-PLATFORM.zip
 	@tools/setup-blender.sh || true
 	@tools/build-extension.sh
 

@@ -86,7 +86,7 @@ def find(
             met[:] = [""]
             distance = (place - Vector(origin)).dot(Vector(direction))
             return distance if distance > 0.0 else None
-        distance, name = _nearest(scene, depsgraph, Vector(origin), Vector(direction))
+        distance, name = nearest(scene, depsgraph, Vector(origin), Vector(direction))
         met[:] = [name]
         return distance
 
@@ -108,7 +108,7 @@ def find(
     return answer | {"object_name": met[0], "subject_mm": -along * camera.scale_mm_per_unit[2]}
 
 
-def _nearest(
+def nearest(
     scene: bpy.types.Scene, depsgraph: bpy.types.Depsgraph, origin: Vector, direction: Vector
 ) -> tuple[float | None, str]:
     """How far it is to what a camera ray meets in the render, and its name."""

@@ -18,10 +18,39 @@ from bpy.props import (
 
 from . import viewport_camera
 from .choices import ANCHORS, FILM_MODES, FOCAL_MODES, FOCUS_MODES, FOCUS_RELATIONS, MODELS, PRECISIONS, SPECTRA
+from .description import OF_LENS_FILE
+
+# A path may begin with //, and newer Blenders want to be told so.
+_RELATIVE_PATH = {"ANIMATABLE"} | ({"PATH_SUPPORTS_BLEND_RELATIVE"} if bpy.app.version >= (4, 5, 0) else set())
 
 
 def _changed(settings: PetzvalCamera, context: bpy.types.Context) -> None:
     viewport_camera.lens_changed(settings.id_data, context.scene)
+
+
+def _model_changed(settings: PetzvalCamera, context: bpy.types.Context) -> None:
+    if viewport_camera.is_switching():
+        return
+    if settings.model in OF_LENS_FILE and settings.lens_model != settings.model:
+        settings.lens_model = settings.model
+    _changed(settings, context)
+
+
+def _is_through_lens(settings: PetzvalCamera) -> bool:
+    return settings.model in OF_LENS_FILE
+
+
+def _look_through_lens(settings: PetzvalCamera, through: bool) -> None:
+    """Animation and drivers come here, too, while Blender evaluates the scene: nothing else is to be touched."""
+    if through != _is_through_lens(settings):
+        with viewport_camera.switching():
+            if not through:
+                settings.lens_model = settings.model
+            settings.model = settings.lens_model if through else "PINHOLE"
+
+
+def _switched(settings: PetzvalCamera, context: bpy.types.Context) -> None:
+    viewport_camera.switched(settings.id_data, context.scene)
 
 
 def _is_not_the_camera(settings: PetzvalCamera, chosen: bpy.types.Object) -> bool:
@@ -31,12 +60,29 @@ def _is_not_the_camera(settings: PetzvalCamera, chosen: bpy.types.Object) -> boo
 class PetzvalCamera(bpy.types.PropertyGroup):
     """`Camera.petzval`."""
 
-    model: EnumProperty(name="Model", description="How the camera takes its picture", items=MODELS, update=_changed)
+    model: EnumProperty(
+        name="Model", description="How the camera takes its picture", items=MODELS, update=_model_changed
+    )
+    through_lens: BoolProperty(
+        name="Through the Lens",
+        description="Off: an ordinary perspective camera with the same framing, everything sharp. The model comes back when "
+        "it is turned on again",
+        get=_is_through_lens,
+        set=_look_through_lens,
+        update=_switched,
+    )
+    lens_model: EnumProperty(
+        name="Model of the Lens",
+        description="The model that Through the Lens turns on",
+        items=MODELS,
+        options={"HIDDEN"},
+    )
     lens_file: StringProperty(
         name="Lens File",
         description="A lens file (.lens, .zmx, .seq, .len, .dat, a table of the Optical Bench), or the name of a lens that comes with Petzval",
         default="wide-angle-smith-f3.4.lens",
         subtype="FILE_PATH",
+        options=_RELATIVE_PATH,
         update=_changed,
     )
     focal_mode: EnumProperty(

@@ -41,11 +41,31 @@ def shipped() -> list[dict[str, Any]]:
     return lens_library.entries()
 
 
+def entry_of(lens_key: str) -> dict[str, Any] | None:
+    """The library's entry of a lens by its file's name; None of another file. Raises `EngineMissing`."""
+    return next((entry for entry in shipped() if file_name(entry) == lens_key), None)
+
+
 def groups() -> list[str]:
     """Their groups, in the order of lists. Raises `EngineMissing`."""
     from .native import engine
 
     return engine().lens_groups()
+
+
+def in_short(entry: dict[str, Any]) -> str:
+    """Group, focal length and f-number, as one looks for a lens."""
+    from petzval import lens_library
+
+    focal, f_number = lens_library.focal_text(entry), lens_library.f_number_text(entry)
+    return f"{entry['group'] or 'lens'}, {focal} mm, f/{f_number}"
+
+
+def is_meant(entry: dict[str, Any], words: str) -> bool:
+    """Whether each of the words is found in the lens's name, group, design, focal length or f-number."""
+    text = f"{entry['name']} {entry['id']} {entry['design'] or ''} {in_short(entry)}".casefold()
+    # "50mm" as "50 mm".
+    return all(word in text or word in text.replace(" ", "") for word in words.casefold().split())
 
 
 def description(entry: dict[str, Any]) -> str:

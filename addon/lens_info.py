@@ -23,14 +23,16 @@ _answers: dict[tuple, dict[str, Any]] = {}
 _shown: dict[tuple[str, str], dict[str, Any]] = {}
 
 
-def of_camera(camera: bpy.types.Object, scene: bpy.types.Scene, found: dict[str, Any] | None = None) -> dict[str, Any]:
+def of_camera(
+    camera: bpy.types.Object, scene: bpy.types.Scene, found: dict[str, Any] | None = None, model: str | None = None
+) -> dict[str, Any]:
     """The engine's `camera_info_json` as a dictionary; where there is none, only `error`, one line.
 
-    `found` stands instead of the camera's own focus: that which autofocus has found.
+    `found` stands instead of the camera's own focus: that which autofocus has found; `model` instead of its own model.
     """
     width, height = camera_export.resolution(scene.render)
     try:
-        description = camera_export.describe(camera, scene, width, height, Report())
+        description = camera_export.describe(camera, scene, width, height, Report(), model)
         if found is not None:
             description = dataclasses.replace(description, **focused(description, found))
         return _ask(description, width, height)

@@ -85,18 +85,23 @@ def follow(
     stop_asked: Callable[[], bool],
     show: Callable[[list[Tile]], None],
     tell: Callable[[float, int], None],
+    limit_s: float = 0.0,
 ) -> bool:
-    """Follows a job to its end, or to its stop when asked; True where it was stopped.
+    """Follows a job to its end, or to its stop when asked; True where it was stopped. After `limit_s` seconds, where that is not
+    0, it ends with what it has, but with no less than a sample everywhere; that is no stop.
 
     `show` gets the tiles that changed, `tell` the progress and the samples done. What is there at the end is for the
     caller to take: `Job.image`.
     """
-    stopped = False
-    next_show = 0.0
+    stopped, is_late = False, False
+    next_show, began_all = 0.0, time.monotonic()
     try:
         while not job.wait(POLL_SECONDS):
             if stop_asked():
                 stopped = True
+                break
+            if limit_s > 0.0 and time.monotonic() - began_all >= limit_s and job.samples_done() > 0:
+                is_late = True
                 break
             tell(job.progress(), job.samples_done())
             began = time.monotonic()
@@ -108,7 +113,7 @@ def follow(
         # The bpy module raises it here on Ctrl-C; the program around it decides what comes next.
         WATCH.stop.set()
         stopped = True
-    if stopped:
+    if stopped or is_late:
         job.stop()
         while not job.wait(POLL_SECONDS):
             pass

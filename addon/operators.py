@@ -29,7 +29,9 @@ def _shipped_items(_operator: bpy.types.Operator, _context: bpy.types.Context) -
             return _items
         first = [entry for entry in entries if entry["is_first_choice"]]
         for entry in [*first, *(entry for entry in entries if not entry["is_first_choice"])]:
-            _items.append((lens_files.file_name(entry), entry["name"], lens_files.description(entry)))
+            # The search looks at names alone.
+            name = f"{entry['name']}  ·  {lens_files.in_short(entry)}"
+            _items.append((lens_files.file_name(entry), name, lens_files.description(entry)))
     return _items
 
 

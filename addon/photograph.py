@@ -10,7 +10,18 @@ import time
 
 import bpy
 
-from . import checkpoints, effects, loop, persistent, planning, render_settings, staging, statistics
+from . import (
+    checkpoints,
+    effects,
+    loop,
+    persistent,
+    planning,
+    process_memory,
+    progress,
+    render_settings,
+    staging,
+    statistics,
+)
 from .description import CameraDescription, Report, ShutterDescription, focused
 from .export import camera as camera_export
 from .export import shutter as shutters
@@ -40,6 +51,7 @@ class Photograph:
         self.plan = None
         # What the plan tells, and the same in a line for the status.
         self.told: dict = {}
+        self.samples = 0
         self.planned = ""
 
     def take(self) -> None:
@@ -64,6 +76,7 @@ class Photograph:
         staging.tell_of_lens(native, camera, width, height, self.report)
         settings = render_settings.describe(self.scene, width, height, self.results.has_data)
         settings = render_settings.of_layer(settings, self.scene, self.depsgraph.view_layer_eval)
+        self.samples = settings.samples
         blur, opened, moving = self._over_the_shutter(shutter, camera, width, height)
         neighbours, motion = self._beside(camera, width, height)
         builder, size = native.SceneBuilder(), (width, height)
@@ -109,7 +122,11 @@ class Photograph:
             others = {name: value for name, value in beside.items() if name != "plan"}
             beside["checkpoint"] = checkpoint.arguments(settings, camera, moving, decided, others)
         job = loop.stoppable(lambda: native.Job(scene, camera, settings, moving, **beside), self._stop_asked)
-        stopped = loop.follow(job, stop_asked=self._stop_asked, show=self.results.show, tell=self._progress)
+        limit_s = self.scene.petzval.time_limit
+        self.progress = progress.Progress(job, limit_s)
+        stopped = loop.follow(
+            job, stop_asked=self._stop_asked, show=self.results.show, tell=self._progress, limit_s=limit_s
+        )
         self._progress(job.progress() if stopped else 1.0, job.samples_done())
         picture, shadow = job.image(), None
         if catches and not stopped:
@@ -243,10 +260,15 @@ class Photograph:
         self.scene = self.depsgraph.scene_eval
 
     def _progress(self, part: float, samples: int) -> None:
-        self._tell(f"Sample {samples}/{self.scene.petzval.samples} | {self.planned}", part)
+        left, speed = self.progress.remaining(part), self.progress.speed()
+        used, peak = process_memory.used_bytes(), process_memory.peak_bytes()
+        if used is not None and peak is not None:
+            self.host.update_memory_stats(memory_used=used / 2**20, memory_peak=peak / 2**20)
+            left += f"Mem:{used / 2**20:.0f}M, Peak:{peak / 2**20:.0f}M | "
+        self._tell(f"Sample {samples}/{self.samples}{speed} | {self.planned}", part, left)
 
-    def _tell(self, text: str, part: float) -> None:
-        self.host.update_stats("", text)
+    def _tell(self, text: str, part: float, left: str = "") -> None:
+        self.host.update_stats("", left + text)
         self.host.update_progress(part)
         if loop.WATCH.on_progress is not None:
             loop.WATCH.on_progress(part, text)
@@ -262,6 +284,7 @@ class Photograph:
         stats["seconds"]["sync"] = sync_seconds
         # With the forecast, if there was one.
         stats["planned"], stats["plan"] = self.told, self.told["effects"]
+        stats["peak_memory_bytes"], stats["time_limit_s"] = process_memory.peak_bytes(), self.scene.petzval.time_limit
         if self.focus is not None:
             stats["autofocus"] = self.focus
         render = statistics.LastRender(stats, self.report.warnings, stopped)

@@ -84,6 +84,17 @@ class PetzvalScene(bpy.types.PropertyGroup):
         max=1 << 24,
         soft_max=4096,
     )
+    time_limit: FloatProperty(
+        name="Time Limit",
+        description="Seconds after which the render of a view layer ends with the samples that it has, not counting the time that "
+        "reading the scene takes. Zero is no limit. Which samples these are then depends on the machine",
+        default=0.0,
+        min=0.0,
+        soft_max=3600.0,
+        step=100,
+        precision=1,
+        subtype="TIME_ABSOLUTE",
+    )
     seed: IntProperty(
         name="Seed",
         description="Of all random choices: the same seed gives the same picture to the last bit",

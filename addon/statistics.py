@@ -6,6 +6,8 @@ from __future__ import annotations
 from dataclasses import dataclass, field
 from typing import Any
 
+from .progress import in_short
+
 #: By the scene's name.
 _last: dict[str, LastRender] = {}
 
@@ -28,10 +30,14 @@ class LastRender:
             samples = f"{least} to {most} samples, {mean:.1f} in the mean"
         lines = [
             f"{self.stats['lens']}, {self.stats['width']} x {self.stats['height']}, {samples}"
-            + (" (stopped)" if self.stopped else ""),
+            + (" (stopped)" if self.stopped else " (time was up)" if self.was_late() else ""),
             f"sync {seconds['sync']:.2f} s, trees {seconds['bvh']:.2f} s, render {seconds['render']:.2f} s",
             f"{100.0 * lost:.2f} % of the camera rays lost in the lens",
         ]
+        if seconds["render"] > 0.0:
+            speed = f"{in_short(self.stats['rays'] / seconds['render'])} rays a second"
+            peak = self.stats.get("peak_memory_bytes")
+            lines.append(f"{speed}, at most {peak / 2**30:.2f} GB of memory" if peak else speed)
         if predicted := (self.stats.get("planned") or {}).get("predicted"):
             lines.append(f"the plan foretold {predicted['seconds']:.1f} s")
         if kept := (self.stats.get("checkpoint") or {}).get("resumed_samples"):
@@ -40,6 +46,11 @@ class LastRender:
         if precision := self.stats.get("precision"):
             lines.append(_precision(precision))
         return lines
+
+    def was_late(self) -> bool:
+        """Whether its time was up before it had all samples."""
+        limit = self.stats.get("time_limit_s") or 0.0
+        return 0.0 < limit <= self.stats["seconds"]["render"] and not self.stopped
 
 
 def _precision(precision: dict[str, Any]) -> str:

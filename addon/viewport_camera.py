@@ -7,6 +7,9 @@ drawing or rendering.
 
 from __future__ import annotations
 
+import contextlib
+from collections.abc import Iterator
+
 import bpy
 from bpy.app.handlers import persistent
 
@@ -17,6 +20,36 @@ from .export import camera as camera_export
 
 # Writing a value that is there already would only mark the file as changed.
 _SAME = 1e-5
+
+
+_switches = 0
+
+
+@contextlib.contextmanager
+def switching() -> Iterator[None]:
+    """While Through the Lens sets the model, which then is nobody's choice."""
+    global _switches
+    _switches += 1
+    try:
+        yield
+    finally:
+        _switches -= 1
+
+
+def is_switching() -> bool:
+    """Whether the model is being set by Through the Lens."""
+    return _switches > 0
+
+
+def switched(camera: bpy.types.Camera, scene: bpy.types.Scene | None) -> None:
+    """The user has turned Through the Lens: what is seen stays what it was."""
+    settings = camera.petzval
+    if settings.model in OF_LENS_FILE:
+        lens_changed(camera, scene)
+    elif scene is not None and not camera.library and settings.match_viewport:
+        holder = camera_object(camera, scene)
+        if holder is not None:
+            match(holder, scene, settings.lens_model)
 
 
 def lens_changed(camera: bpy.types.Camera, scene: bpy.types.Scene | None) -> None:
@@ -36,9 +69,10 @@ def follow(camera: bpy.types.Camera, scene: bpy.types.Scene | None) -> None:
         match(holder, scene)
 
 
-def match(holder: bpy.types.Object, scene: bpy.types.Scene) -> str:
-    """Sets the camera so that it frames the lens's picture; returns the engine's complaint where it cannot."""
-    info = lens_info.of_camera(holder, scene)
+def match(holder: bpy.types.Object, scene: bpy.types.Scene, model: str | None = None) -> str:
+    """Sets the camera so that it frames the lens's picture; returns the engine's complaint where it cannot. `model`: instead of
+    the camera's own."""
+    info = lens_info.of_camera(holder, scene, model=model)
     if "error" in info:
         return info["error"]
     camera = holder.data

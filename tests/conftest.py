@@ -8,6 +8,7 @@ render engine registered hangs (4.5) or crashes (4.2), so the process ends by `o
 from __future__ import annotations
 
 import os
+import platform
 import shutil
 import signal
 import subprocess
@@ -119,7 +120,9 @@ def run_blender():
 @pytest.fixture(scope="session")
 def extension_zip() -> Path:
     """The built extension; skips where `make extension` has not run."""
-    found = sorted((ROOT / "dist").glob("petzval-*.zip"))
+    # Of this machine; others' may lie beside it.
+    machine = "arm64" if platform.machine() in ("aarch64", "arm64") else "x64"
+    found = sorted((ROOT / "dist").glob(f"petzval-*-{sys.platform.replace('darwin', 'macos')}-{machine}.zip"))
     if not found:
         pytest.skip("no extension zip in dist/: run make extension")
     return found[-1]

@@ -42,7 +42,7 @@ def test_the_surface_of_focus_is_where_the_camera_is_focused(overlay):
     view = [to_camera @ holder.matrix_world @ one for one in holder.data.view_frame(scene=bpy.context.scene)]
     own = holder.data
     assert own.petzval.in_step
-    wanted = min((one.x / -one.z for one in view))
+    wanted = min(one.x / -one.z for one in view)
     # Distortion of a double Gauss at its corner.
     assert corner.x / -corner.z == pytest.approx(wanted, rel=0.03)
     assert len(part.pupil(answer, holder)) > 20

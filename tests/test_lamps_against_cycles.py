@@ -214,3 +214,15 @@ def test_settings(studio, blender, tmp_path, name):
             pytest.skip("this Blender's lamps have no such setting")
         setattr(where, key, value)
     alike(tmp_path, block=0.06)
+
+
+def test_a_portal_gives_no_light(blender, studio, tmp_path):
+    """It tells Cycles where the sky comes in; here the picture is that without it, to the last bit."""
+    blender.context.scene.petzval.samples = 4
+    without = studio.render(tmp_path)
+    holder = lamp(blender, "AREA")
+    assert (studio.render(tmp_path) != without).any()
+    if not hasattr(holder.data, "cycles"):
+        pytest.skip("no Cycles")
+    holder.data.cycles.is_portal = True
+    assert (studio.render(tmp_path) == without).all()

@@ -93,10 +93,16 @@ def test_autofocus_looks_beside_the_drawing(walked):
     assert found["object_name"] == "Sphere.002" and found["rms_spot_mm"] > 0.0
     # The camera stands 9 m before the ball of radius 0.5, a little higher, at 200 mm a unit.
     assert found["subject_mm"] == pytest.approx(200.0 * 8.6, rel=0.02)
-    for panel in ("Focus", "Lens Data"):
+    for panel in ("Focus", "Lens Data", "Lens Drawing", "Scale", "Lens"):
         times = sorted(seen["drawn_s"][panel])
         print(panel, "draws in", [round(1000.0 * one, 2) for one in times], "ms")
         assert times[len(times) // 2] < PANEL_DRAWS_WITHIN_S, panel
+
+
+def test_the_lens_is_drawn_in_icons(walked):
+    icon, fields = walked[0]["drawing"]
+    assert icon > 0 and len(fields) == 3 and all(is_lit for _, is_lit in fields)
+    assert len(walked[0]["thumbnails"]) >= 10 and all(walked[0]["thumbnails"])
 
 
 def test_three_sharp_points_can_be_undone(walked):

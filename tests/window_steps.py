@@ -43,7 +43,8 @@ def set_preferences():
 
 def open_panels():
     """Every panel of the add-on unfolded, and how long each takes to draw written down."""
-    for module in (part("ui.camera"), part("ui.render")):
+    names = ("camera", "render", "effects", "render_shapes", "render_film", "render_results", "light", "material")
+    for module in [part(f"ui.{name}") for name in (*names, "objects", "world", "view_layer")]:
         module.unregister()
         for cls in module.CLASSES:
             cls.bl_options = set(getattr(cls, "bl_options", ())) - {"DEFAULT_CLOSED"}
@@ -232,6 +233,50 @@ def focus_panel(own):
     own.sharp_object_2.location.z -= 0.5
 
 
+def lens_pictures():
+    """The drawing of the lens follows its settings, and the gallery has a picture of each lens."""
+    live, thumbnails = part("live_drawing"), part("thumbnails")
+
+    def drawn():
+        return [one.drawn for one in live._kept.values() if one.drawn.icon]
+
+    yield lambda: bool(drawn()), 10.0
+    before = drawn()
+    own = bpy.context.scene.camera.data.petzval
+    own.wide_open, own.f_number = False, 11.0
+    yield lambda: drawn() != before, 10.0
+    yield 0.5
+    seen["drawing"] = [drawn()[-1].icon, drawn()[-1].fields]
+    picture("panel-drawing")
+    own.wide_open = True
+    window, area = bpy.context.window_manager.windows[0], areas("PROPERTIES")[0]
+    with bpy.context.temp_override(window=window, screen=window.screen, area=area, region=area.regions[-1]):
+        bpy.ops.wm.call_panel(name="PETZVAL_PT_lens_gallery")
+    yield 1.5
+    picture("gallery")
+    seen["thumbnails"] = [thumbnails.icon(key) for key in thumbnails._icons]
+    subprocess.run(["xdotool", "key", "Escape"], check=True)
+    yield 0.5
+
+
+def other_tabs():
+    """Of a light, a shape, its material and the world."""
+    scene = bpy.context.scene
+    light = bpy.data.objects.new("Lamp", bpy.data.lights.new("Lamp", "AREA"))
+    scene.collection.objects.link(light)
+    ball = next(one for one in scene.objects if one.type == "MESH")
+    for holder, tab in ((light, "DATA"), (ball, "OBJECT"), (ball, "MATERIAL"), (ball, "WORLD"), (ball, "VIEW_LAYER")):
+        bpy.context.view_layer.objects.active = holder
+        yield 0.4
+        for area in areas("PROPERTIES"):
+            area.spaces.active.context = tab
+        yield 1.0
+        picture(f"panel-{tab.lower()}" if holder is ball else "panel-light")
+    bpy.data.objects.remove(light)
+    show("DATA")
+    yield 0.5
+
+
 def steps():
     """Yields after each step the seconds to wait, or a condition with the seconds that it may take."""
     make_scene()
@@ -249,6 +294,8 @@ def steps():
         yield 1.5
         picture(f"panel-{tab.lower()}")
     seen["properties"] = boxes("PROPERTIES")
+    yield from lens_pictures()
+    yield from other_tabs()
     own = bpy.context.scene.camera.data.petzval
     for model in ("THIN", "PINHOLE", "LENS"):
         own.model = model

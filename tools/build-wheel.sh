@@ -7,6 +7,8 @@ cd "$(dirname "$0")/.."
 
 package=engine/python/petzval
 stamp=dist/.petzval-wheel
+# The name of this machine's wheel.
+own=dist/.petzval-own-wheel
 mkdir -p dist
 
 # The levels of processors that the wheel has an engine for, lowest first; petzval/processors.py picks one at import.
@@ -23,7 +25,7 @@ modules() {
 }
 
 fresh() {
-    [ -e "$stamp" ] && ls dist/petzval-*.whl >/dev/null 2>&1 || return 1
+    [ -e "$stamp" ] && [ -e "$own" ] && [ -e "$(cat "$own")" ] || return 1
     lent=$(cd "$package" && find . -name '_native.abi3.so' | sed 's,^\./,,' | sort)
     [ "$lent" = "$(modules | sort)" ] || return 1
     # Folders count too: theirs is the time of the last file added or taken away. The package's own is left out: the
@@ -74,7 +76,10 @@ for left in package.rglob("_native.abi3.so"):
     if left.relative_to(package).as_posix() not in modules:
         left.unlink()
 PY
-    rm -rf "$package/_bundled" dist/petzval-*.whl
+    rm -rf "$package/_bundled"
+    # Those of other machines, copied here for their extensions, stay; this machine's of another version or C library goes.
+    [ ! -e "$own" ] || rm -f "$(cat "$own")"
+    echo "dist/$(basename dist/new/petzval-*.whl)" >"$own"
     mv dist/new/petzval-*.whl dist/
     rm -rf dist/new
 }

@@ -82,8 +82,8 @@ step "wheel" tools/build-wheel.sh
 
 wait "$blender_job" || true
 cat "$blender_log"
+step "extension" tools/build-extension.sh
 if tools/setup-blender.sh --where >/dev/null; then
-    step "extension" tools/build-extension.sh
     real=yes
 else
     not_run "all in the real Blender: $(tail -n 1 "$blender_log")"

@@ -24,9 +24,14 @@ def rows(matrix: object) -> Matrix4:
 
 
 def describe(
-    holder: bpy.types.Object | None, scene: bpy.types.Scene, width: int, height: int, report: Report
+    holder: bpy.types.Object | None,
+    scene: bpy.types.Scene,
+    width: int,
+    height: int,
+    report: Report,
+    model: str | None = None,
 ) -> CameraDescription:
-    """What the engine is told. Raises `ExportError`."""
+    """What the engine is told; `model` instead of the camera's own. Raises `ExportError`."""
     if holder is None:
         raise ExportError(f"Scene '{scene.name}' has no camera: add one, and make it the active camera")
     if holder.type != "CAMERA":
@@ -35,12 +40,13 @@ def describe(
     settings = camera.petzval
     picture_width_mm, side = _picture(camera, scene.render, width, height)
     larger = max(width, height)
-    of_lens = settings.model in OF_LENS_FILE
+    model = settings.model if model is None else model
+    of_lens = model in OF_LENS_FILE
     wide_open = settings.wide_open
     description = CameraDescription(
         object_name=holder.name,
         matrix_world=rows(holder.matrix_world),
-        model=settings.model,
+        model=model,
         pinhole_focal_length_mm=camera.lens,
         pinhole_film_width_mm=picture_width_mm,
         pinhole_shift=(camera.shift_x * side / larger, camera.shift_y * side / larger),
@@ -53,7 +59,7 @@ def describe(
         wavelength_nm=settings.wavelength if settings.spectrum == "SINGLE" else None,
         spectrum="THREE" if settings.spectrum == "THREE" else "VISIBLE",
         precision=settings.precision,
-        exposure=_exposure(settings),
+        exposure=_exposure(settings, model),
         clip=_clip(camera, holder.name, report),
     )
     if camera.type == "ORTHO":
@@ -125,8 +131,8 @@ def _thin_f_number(camera: bpy.types.Camera) -> float:
     return camera.dof.aperture_fstop if settings.wide_open else settings.f_number
 
 
-def _exposure(settings: bpy.types.PropertyGroup) -> tuple[float, float, float] | None:
-    if not settings.physical_exposure or settings.model == "PINHOLE":
+def _exposure(settings: bpy.types.PropertyGroup, model: str) -> tuple[float, float, float] | None:
+    if not settings.physical_exposure or model == "PINHOLE":
         return None
     return settings.shutter, settings.iso, settings.lumens_per_watt
 
@@ -138,12 +144,12 @@ def _blades(count: int) -> int:
 def _focus(description: CameraDescription, camera: bpy.types.Camera, report: Report) -> None:
     settings, dof = camera.petzval, camera.dof
     mode = settings.focus_mode
-    if settings.model in OF_LENS_FILE:
+    if description.model in OF_LENS_FILE:
         description.anchor = settings.anchor
         description.focus_relation = settings.focus_relation
         if mode == "AUTO":
             description.autofocus = tuple(settings.autofocus_point)
-    if mode == "FILM" and settings.model in OF_LENS_FILE:
+    if mode == "FILM" and description.model in OF_LENS_FILE:
         description.film_distance_mm = settings.film_distance
     elif mode == "INFINITY":
         description.focus_distance = None
@@ -153,7 +159,7 @@ def _focus(description: CameraDescription, camera: bpy.types.Camera, report: Rep
         description.focus_distance = dof.focus_distance
     else:
         # Common in files that never had depth of field.
-        if settings.model != "PINHOLE":
+        if description.model != "PINHOLE":
             report.warn(f"Camera '{description.object_name}': its focus distance is zero, it is focused at infinity")
         description.focus_distance = None
 

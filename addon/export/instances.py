@@ -14,7 +14,7 @@ from . import curves, grids, hair, mesh, object_info, points
 from .camera import rows
 from .image import Images
 from .kept import Kept, uid
-from .light import Lights
+from .light import Lights, is_portal
 from .light_groups import LightGroups
 from .linking import Links
 from .material import Materials
@@ -132,6 +132,8 @@ class Stage:
             elif holder.type == "VOLUME":
                 self._volume(holder, place, links, hidden)
             elif holder.type == "LIGHT":
+                if is_portal(holder.data):
+                    continue
                 if self._blur is not None:
                     self._blur.moves_light(place)
                 self._builder.add_light(lights.describe(holder, place.matrix_world, hidden))

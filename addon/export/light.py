@@ -52,6 +52,11 @@ class Lights:
         return description
 
 
+def is_portal(light: bpy.types.Light) -> bool:
+    """Whether it only tells Cycles where the sky comes in, and gives no light."""
+    return light.type == "AREA" and getattr(getattr(light, "cycles", None), "is_portal", False)
+
+
 def _shape(description: LightDescription, light: bpy.types.Light, matrix: Matrix) -> None:
     """Fills in what only some kinds of light have."""
     if light.type in {"POINT", "SPOT"}:

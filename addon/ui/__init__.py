@@ -3,22 +3,49 @@
 
 from __future__ import annotations
 
-from . import builtin, camera, effects, render, tools, view_layer
+from . import (
+    builtin,
+    camera,
+    effects,
+    lens_gallery,
+    light,
+    material,
+    objects,
+    preset_panels,
+    render,
+    render_film,
+    render_results,
+    render_shapes,
+    tools,
+    view_layer,
+    world,
+)
+
+# In the order in which they stand in a tab.
+PARTS = (
+    preset_panels,
+    render,
+    effects,
+    render_shapes,
+    render_film,
+    render_results,
+    lens_gallery,
+    camera,
+    tools,
+    light,
+    material,
+    objects,
+    world,
+    view_layer,
+    builtin,
+)
 
 
 def register() -> None:
-    render.register()
-    effects.register()
-    camera.register()
-    tools.register()
-    view_layer.register()
-    builtin.register()
+    for part in PARTS:
+        part.register()
 
 
 def unregister() -> None:
-    builtin.unregister()
-    view_layer.unregister()
-    tools.unregister()
-    camera.unregister()
-    effects.unregister()
-    render.unregister()
+    for part in reversed(PARTS):
+        part.unregister()

@@ -13,10 +13,17 @@ LEFT_OUT = {
     "DATA_PT_camera_dof",
     "DATA_PT_lens",
     "DATA_PT_light",
+    "DATA_PT_spot",
+    "OBJECT_PT_visibility",
     "RENDER_PT_freestyle",
     "RENDER_PT_gpencil",
     "RENDER_PT_grease_pencil",
+    "RENDER_PT_grease_pencil_render",
+    "RENDER_PT_grease_pencil_viewport",
     "RENDER_PT_simplify",
+    "RENDER_PT_simplify_greasepencil",
+    "RENDER_PT_simplify_render",
+    "RENDER_PT_simplify_viewport",
     "TEXTURE_PT_preview",
     "VIEWLAYER_PT_filter",
     "VIEWLAYER_PT_freestyle",
@@ -26,12 +33,9 @@ LEFT_OUT = {
     "VIEWLAYER_PT_freestyle_lineset",
     "VIEWLAYER_PT_layer_passes",
 }
-#: EEVEE's panels of what is the same here: shader nodes, slots, lamps, shadow terminators.
+#: EEVEE's panels of what is the same here: material slots, previews, shadow terminators.
 TAKEN_FROM_EEVEE = {
-    "DATA_PT_EEVEE_light",
     "EEVEE_MATERIAL_PT_context_material",
-    "EEVEE_MATERIAL_PT_surface",
-    "EEVEE_WORLD_PT_surface",
     "MATERIAL_PT_preview",
     "OBJECT_PT_shadow_terminator",
 }
@@ -44,7 +48,8 @@ def panels() -> list[type]:
         engines = getattr(panel, "COMPAT_ENGINES", None)
         if not isinstance(engines, set):
             continue
-        name = panel.__name__
+        # The node editor's copy of a panel has the same set of engines.
+        name = panel.__name__.removeprefix("NODE_")
         if name in TAKEN_FROM_EEVEE or ("BLENDER_RENDER" in engines and name not in LEFT_OUT):
             found.append(panel)
     return found

@@ -5,13 +5,17 @@ from __future__ import annotations
 
 import bpy
 
-from .. import film_formats
+from .. import favourites, film_formats
 from ..description import OF_LENS_FILE
 from .camera_parts import AperturePart, CameraPanel, LensPart
 from .focus import PETZVAL_CAMERA_PT_focus, PETZVAL_CAMERA_PT_sharp
 from .lens_data import PETZVAL_CAMERA_PT_info
+from .lens_drawing import PETZVAL_CAMERA_PT_drawing
+from .lens_gallery import PETZVAL_PT_lens_gallery
 from .lens_menu import GROUP_MENUS, PETZVAL_MT_lenses
 from .mixin import columns
+from .preset_panels import PETZVAL_PT_camera_presets, PETZVAL_PT_lens_presets
+from .scale import PETZVAL_CAMERA_PT_scale
 
 #: Models that have one wavelength, whichever spectrum is chosen.
 ONE_WAVELENGTH = ("THICK", "IMAGE_BASED")
@@ -20,13 +24,29 @@ ONE_WAVELENGTH = ("THICK", "IMAGE_BASED")
 class PETZVAL_CAMERA_PT_lens(CameraPanel, bpy.types.Panel):
     bl_label = "Lens"
 
+    def draw_header(self, context):
+        self.layout.prop(context.camera.petzval, "through_lens", text="")
+
+    def draw_header_preset(self, context):
+        row = self.layout.row(align=True)
+        row.emboss = "NONE"
+        row.popover(PETZVAL_PT_camera_presets.__name__, text="", icon="CAMERA_DATA")
+        row.popover(PETZVAL_PT_lens_presets.__name__, text="", icon="PRESET")
+
     def draw(self, context):
         layout = columns(self)
         camera = context.camera
         settings = camera.petzval
         layout.prop(settings, "model")
+        if camera.type != "PERSP" or settings.model not in OF_LENS_FILE:
+            layout.prop(camera, "type")
+        if camera.type == "ORTHO":
+            layout.prop(camera, "ortho_scale")
+            if settings.model != "PINHOLE":
+                layout.label(text="No lens takes an orthographic picture", icon="INFO")
         if settings.model not in OF_LENS_FILE:
-            layout.prop(camera, "lens")
+            if camera.type != "ORTHO":
+                layout.prop(camera, "lens")
             _blenders_film(layout, camera)
             column = layout.column(align=True)
             column.prop(camera, "shift_x", text="Shift X")
@@ -34,6 +54,9 @@ class PETZVAL_CAMERA_PT_lens(CameraPanel, bpy.types.Panel):
             return
         row = layout.row(align=True)
         row.prop(settings, "lens_file")
+        is_liked = favourites.has(favourites.key(settings.lens_file, camera.library))
+        row.operator("petzval.favourite_lens", text="", icon="SOLO_ON" if is_liked else "SOLO_OFF")
+        row.popover(PETZVAL_PT_lens_gallery.__name__, text="", icon="IMGDISPLAY")
         row.menu(PETZVAL_MT_lenses.bl_idname, text="", icon="DOWNARROW_HLT")
         row.operator("petzval.choose_lens", text="", icon="VIEWZOOM")
         layout.prop(settings, "focal_mode")
@@ -53,6 +76,19 @@ class PETZVAL_CAMERA_PT_lens(CameraPanel, bpy.types.Panel):
 def _blenders_film(layout, camera: bpy.types.Camera) -> None:
     layout.prop(camera, "sensor_fit")
     layout.prop(camera, "sensor_height" if camera.sensor_fit == "VERTICAL" else "sensor_width", text="Size")
+
+
+class PETZVAL_CAMERA_PT_clip(CameraPanel, bpy.types.Panel):
+    bl_label = "Clipping"
+    bl_parent_id = PETZVAL_CAMERA_PT_lens.__name__
+    bl_options = {"DEFAULT_CLOSED"}
+
+    def draw(self, context):
+        column = columns(self).column(align=True)
+        column.prop(context.camera, "clip_start", text="Clip Start")
+        column.prop(context.camera, "clip_end", text="End")
+        if context.camera.clip_end <= context.camera.clip_start:
+            column.label(text="It ends before it begins: nothing is clipped", icon="INFO")
 
 
 class PETZVAL_CAMERA_PT_aperture(AperturePart, bpy.types.Panel):
@@ -140,28 +176,11 @@ class PETZVAL_CAMERA_PT_film(LensPart, bpy.types.Panel):
         row.operator("petzval.match_viewport")
 
 
-class PETZVAL_CAMERA_PT_scale(AperturePart, bpy.types.Panel):
-    bl_label = "Scale"
-    bl_options = {"DEFAULT_CLOSED"}
-
-    def draw(self, context):
-        layout = columns(self)
-        settings = context.camera.petzval
-        layout.prop(settings, "scale_from_scene")
-        column = layout.column(align=True)
-        column.enabled = not settings.scale_from_scene
-        column.prop(settings, "scale_locked")
-        if settings.scale_locked:
-            column.prop(settings, "scale", index=0, text="mm per Unit")
-        else:
-            for index, text in enumerate(("mm per Unit X", "Y", "Z")):
-                column.prop(settings, "scale", index=index, text=text)
-
-
 CLASSES = (
     *GROUP_MENUS,
     PETZVAL_MT_lenses,
     PETZVAL_CAMERA_PT_lens,
+    PETZVAL_CAMERA_PT_drawing,
     PETZVAL_CAMERA_PT_info,
     PETZVAL_CAMERA_PT_aperture,
     PETZVAL_CAMERA_PT_exposure,
@@ -169,6 +188,7 @@ CLASSES = (
     PETZVAL_CAMERA_PT_sharp,
     PETZVAL_CAMERA_PT_film,
     PETZVAL_CAMERA_PT_scale,
+    PETZVAL_CAMERA_PT_clip,
 )
 
 

@@ -1,5 +1,5 @@
 # SPDX-License-Identifier: GPL-3.0-or-later
-"""The menu of the lenses that come with Petzval: the first choice on top, then all by groups."""
+"""The menu of lenses: the user's favourites on top, then the first choice of those that come with Petzval, then all by groups."""
 
 from __future__ import annotations
 
@@ -9,6 +9,7 @@ import bpy
 
 from .. import lens_files
 from ..native import EngineMissing
+from .lens_gallery import favourite_entries, key_of
 
 #: Menus have to be there before the engine is asked for its groups: at least as many as those.
 MOST_GROUPS = 16
@@ -27,7 +28,15 @@ class PETZVAL_MT_lenses(bpy.types.Menu):
         except EngineMissing as error:
             layout.label(text=str(error), icon="ERROR")
             return
-        layout.label(text="First Choice", icon="SOLO_ON")
+        layout.operator("petzval.import_lens", text="Import Lens File...", icon="FILE_FOLDER")
+        layout.separator()
+        liked = favourite_entries()
+        if liked:
+            layout.label(text="Favourites", icon="SOLO_ON")
+            for entry in liked:
+                layout.operator("petzval.set_lens", text=entry["name"]).lens = key_of(entry)
+            layout.separator()
+        layout.label(text="First Choice")
         _choices(layout, [entry for entry in entries if entry["is_first_choice"]])
         layout.separator()
         for menu, group in zip(GROUP_MENUS, groups, strict=False):

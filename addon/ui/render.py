@@ -1,12 +1,13 @@
 # SPDX-License-Identifier: GPL-3.0-or-later
-"""Panels of the render settings."""
+"""Panels of the render settings: Sampling and Light Paths."""
 
 from __future__ import annotations
 
 import bpy
 
-from .. import native, statistics
+from .. import native
 from .mixin import PetzvalPanel, columns
+from .preset_panels import PETZVAL_PT_sampling_presets
 
 
 class _RenderPanel(PetzvalPanel):
@@ -15,6 +16,9 @@ class _RenderPanel(PetzvalPanel):
 
 class PETZVAL_RENDER_PT_sampling(_RenderPanel, bpy.types.Panel):
     bl_label = "Sampling"
+
+    def draw_header_preset(self, context):
+        PETZVAL_PT_sampling_presets.draw_panel_header(self.layout)
 
     def draw(self, context):
         layout = columns(self)
@@ -33,6 +37,18 @@ class PETZVAL_RENDER_PT_sampling(_RenderPanel, bpy.types.Panel):
         layout.prop(settings, "samples", text="Max Samples" if settings.use_noise_threshold else "Samples")
         if settings.use_noise_threshold:
             layout.prop(settings, "min_samples")
+        layout.prop(settings, "time_limit")
+
+
+class PETZVAL_RENDER_PT_sampling_viewport(_RenderPanel, bpy.types.Panel):
+    bl_label = "Viewport"
+    bl_parent_id = "PETZVAL_RENDER_PT_sampling"
+    bl_options = {"DEFAULT_CLOSED"}
+
+    def draw(self, context):
+        layout = columns(self)
+        layout.prop(context.scene.petzval, "preview_samples", text="Samples")
+        layout.prop(context.scene.petzval, "preview_pixel_size")
 
 
 class PETZVAL_RENDER_PT_sampling_advanced(_RenderPanel, bpy.types.Panel):
@@ -84,58 +100,11 @@ class PETZVAL_RENDER_PT_light_paths(_RenderPanel, bpy.types.Panel):
         row.prop(settings, "clamp_indirect")
 
 
-class PETZVAL_RENDER_PT_film(_RenderPanel, bpy.types.Panel):
-    bl_label = "Film"
-    bl_options = {"DEFAULT_CLOSED"}
-
-    def draw(self, context):
-        layout = columns(self)
-        layout.prop(context.scene.petzval, "filter_width")
-        cycles = getattr(context.scene, "cycles", None)
-        if cycles is not None:
-            layout.prop(cycles, "film_exposure")
-        layout.prop(context.scene.render, "film_transparent", text="Transparent")
-
-
-class PETZVAL_RENDER_PT_threads(_RenderPanel, bpy.types.Panel):
-    bl_label = "Performance"
-    bl_options = {"DEFAULT_CLOSED"}
-
-    def draw(self, context):
-        layout = columns(self)
-        render = context.scene.render
-        layout.prop(render, "threads_mode", text="Threads")
-        row = layout.row()
-        row.enabled = render.threads_mode == "FIXED"
-        row.prop(render, "threads", text="Number")
-        layout.prop(render, "use_persistent_data", text="Persistent Data")
-        layout.prop(context.scene.petzval, "use_checkpoints")
-        layout.prop(context.scene.petzval, "memory_limit", text="Memory Limit (GB)")
-
-
-class PETZVAL_RENDER_PT_last(_RenderPanel, bpy.types.Panel):
-    bl_label = "Last Render"
-    bl_options = {"DEFAULT_CLOSED"}
-
-    @classmethod
-    def poll(cls, context):
-        return super().poll(context) and statistics.last(context.scene.name) is not None
-
-    def draw(self, context):
-        render = statistics.last(context.scene.name)
-        for line in render.lines():
-            self.layout.label(text=line)
-        for warning in render.warnings:
-            self.layout.label(text=warning, icon="ERROR")
-
-
 CLASSES = (
     PETZVAL_RENDER_PT_sampling,
+    PETZVAL_RENDER_PT_sampling_viewport,
     PETZVAL_RENDER_PT_sampling_advanced,
     PETZVAL_RENDER_PT_light_paths,
-    PETZVAL_RENDER_PT_film,
-    PETZVAL_RENDER_PT_threads,
-    PETZVAL_RENDER_PT_last,
 )
 
 

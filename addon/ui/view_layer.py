@@ -123,25 +123,45 @@ class _Membership(PetzvalPanel):
         )
 
 
-class PETZVAL_OBJECT_PT_light_group(_Membership, bpy.types.Panel):
-    bl_context = "object"
-
-
-class PETZVAL_OBJECT_PT_mask(PetzvalPanel, bpy.types.Panel):
-    """What Cycles has in its own panel of visibility, which is not shared."""
-
-    bl_label = "Mask"
-    bl_context = "object"
+class PETZVAL_VIEW_LAYER_PT_filter(PetzvalPanel, bpy.types.Panel):
+    bl_label = "Filter"
+    bl_context = "view_layer"
     bl_options = {"DEFAULT_CLOSED"}
 
-    @classmethod
-    def poll(cls, context):
-        return super().poll(context) and context.object is not None and context.object.type not in {"CAMERA", "LIGHT"}
+    def draw(self, context):
+        layout, layer = columns(self), context.view_layer
+        layout.use_property_decorate = False
+        column = layout.column(heading="Include")
+        column.prop(layer, "use_sky", text="Environment")
+        column.prop(layer, "use_solid", text="Surfaces")
+        column.prop(layer, "use_strand", text="Curves")
+        column.prop(layer, "use_volumes", text="Volumes")
+
+
+class PETZVAL_VIEW_LAYER_PT_override(PetzvalPanel, bpy.types.Panel):
+    bl_label = "Override"
+    bl_context = "view_layer"
+    bl_options = {"DEFAULT_CLOSED"}
 
     def draw(self, context):
-        column = columns(self).column()
-        column.prop(context.object, "is_shadow_catcher")
-        column.prop(context.object, "is_holdout")
+        layout, layer = columns(self), context.view_layer
+        layout.use_property_decorate = False
+        layout.prop(layer, "material_override")
+        if hasattr(layer, "world_override"):
+            layout.prop(layer, "world_override")
+        cycles = getattr(context.scene, "cycles", None)
+        if cycles is None:
+            return
+        layout.prop(layer, "samples")
+        row = layout.row()
+        row.active = layer.samples > 0
+        row.prop(cycles, "use_layer_samples", text="In All Layers")
+        if layer.samples > 0 and cycles.use_layer_samples == "IGNORE":
+            layout.label(text="The layers' samples are ignored", icon="INFO")
+
+
+class PETZVAL_OBJECT_PT_light_group(_Membership, bpy.types.Panel):
+    bl_context = "object"
 
 
 class PETZVAL_WORLD_PT_light_group(_Membership, bpy.types.Panel):
@@ -155,9 +175,10 @@ CLASSES = (
     PETZVAL_VIEW_LAYER_PT_cryptomatte,
     PETZVAL_VIEW_LAYER_PT_aovs,
     PETZVAL_VIEW_LAYER_PT_light_groups,
+    PETZVAL_VIEW_LAYER_PT_filter,
+    PETZVAL_VIEW_LAYER_PT_override,
     PETZVAL_OBJECT_PT_light_group,
     PETZVAL_WORLD_PT_light_group,
-    PETZVAL_OBJECT_PT_mask,
 )
 
 

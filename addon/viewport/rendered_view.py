@@ -12,7 +12,7 @@ from typing import Any
 
 import bpy
 
-from .. import effects, render_settings, staging
+from .. import effects, messages, redraw, render_settings, staging
 from ..description import Report
 from ..export.errors import ExportError
 from ..export.kept import Changes
@@ -124,6 +124,8 @@ class RenderedView:
 
     def _tell(self, scene: bpy.types.Scene) -> None:
         picture, host = self.session.picture, self._host()
+        if messages.keep_viewport(scene.name, self.warnings):
+            redraw.properties()
         problem = self._told or self.session.error
         if problem:
             host.update_stats("", problem)

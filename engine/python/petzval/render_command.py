@@ -27,6 +27,12 @@ def add_parser(subparsers: argparse._SubParsersAction) -> None:
         help="stop where a pixel's error, relative to the root of its brightness, is below it: 0.01; 0: never",
     )
     p.add_argument("--min-samples", type=types.natural, metavar="N", help="before the error is first looked at; 0: 16")
+    p.add_argument(
+        "--time-limit",
+        type=types.positive,
+        metavar="S",
+        help="end after so many seconds of rendering with what is there",
+    )
     p.add_argument("--seed", type=types.natural, metavar="N")
     p.add_argument(
         "--blue-noise",
@@ -91,6 +97,7 @@ def _checked(a: argparse.Namespace) -> dict:
         "samples": a.samples,
         "noise_threshold": a.noise_threshold,
         "min_samples": a.min_samples,
+        "time_limit": a.time_limit,
         "seed": a.seed,
         "blue_noise": a.blue_noise,
         "sample_offset": a.sample_offset,

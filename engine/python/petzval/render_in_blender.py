@@ -169,7 +169,7 @@ def _apply(scene: Any, o: dict, addon: Any, found: dict) -> str | None:
         r.threads_mode = "FIXED" if o["threads"] else "AUTO"
         if o["threads"]:
             r.threads = o["threads"]
-    for name in ("samples", "min_samples", "seed", "sample_offset"):
+    for name in ("samples", "min_samples", "time_limit", "seed", "sample_offset"):
         if o[name] is not None:
             setattr(scene.petzval, name, o[name])
     if o["blue_noise"] is not None:

@@ -159,6 +159,7 @@ def checked(a: argparse.Namespace) -> dict:
         "samples": None,
         "noise_threshold": None,
         "min_samples": None,
+        "time_limit": None,
         "seed": None,
         "blue_noise": None,
         "sample_offset": None,

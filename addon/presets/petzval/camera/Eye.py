@@ -1,0 +1,24 @@
+# SPDX-License-Identifier: GPL-3.0-or-later
+import bpy
+
+petzval = (getattr(bpy.context, "camera", None) or bpy.context.scene.camera.data).petzval
+
+petzval.lens_file = "eye-navarro.lens"
+petzval.model = "LENS"
+petzval.focal_mode = "PUBLISHED"
+petzval.focal_length = 50.0
+petzval.focal_scale = 1.0
+petzval.wide_open = False
+petzval.f_number = 5.6
+petzval.pupil_diameter = 4.0
+petzval.blades = 0
+petzval.blade_rotation = 0.0
+petzval.blade_curvature = 0.0
+petzval.spectrum = "VISIBLE"
+petzval.wavelength = 587.5618
+petzval.precision = "AUTO"
+petzval.film_mode = "SIZE"
+petzval.film_width = 20.0
+petzval.film_height = 13.0
+petzval.anchor = "ENTRANCE_PUPIL"
+petzval.focus_relation = "EXACT"

@@ -1,0 +1,11 @@
+# SPDX-License-Identifier: GPL-3.0-or-later
+import bpy
+
+petzval = bpy.context.scene.petzval
+
+petzval.samples = 4096
+petzval.use_noise_threshold = True
+petzval.noise_threshold = 0.01
+petzval.min_samples = 0
+petzval.use_blue_noise = False
+petzval.time_limit = 0.0
