@@ -68,12 +68,24 @@ _kept: dict[tuple, _Kept] = {}
 _lookout = _Lookout()
 
 
-def find(holder: bpy.types.Object, scene: bpy.types.Scene, depsgraph: bpy.types.Depsgraph) -> dict[str, Any]:
-    """Looks now; takes about a tenth of a second."""
+def find(
+    holder: bpy.types.Object,
+    scene: bpy.types.Scene,
+    depsgraph: bpy.types.Depsgraph,
+    *,
+    point: tuple[float, float] | None = None,
+    place: Vector | None = None,
+) -> dict[str, Any]:
+    """Looks now; takes about a tenth of a second. At the camera's own point of the picture, or another; `place`, of the world, is taken
+    for what is there."""
     width, height = camera_export.resolution(scene.render)
     met: list[str] = []
 
     def distance_to(origin: tuple, direction: tuple) -> float | None:
+        if place is not None:
+            met[:] = [""]
+            distance = (place - Vector(origin)).dot(Vector(direction))
+            return distance if distance > 0.0 else None
         distance, name = nearest(scene, depsgraph, Vector(origin), Vector(direction))
         met[:] = [name]
         return distance
@@ -81,12 +93,12 @@ def find(holder: bpy.types.Object, scene: bpy.types.Scene, depsgraph: bpy.types.
     try:
         camera = camera_export.describe(holder, scene, width, height, Report())
         camera.aperture_mask = aperture_mask.read(holder.data)
-        point = tuple(holder.data.petzval.autofocus_point)
+        at = tuple(holder.data.petzval.autofocus_point) if point is None else point
         native = engine()
     except (ExportError, EngineMissing) as error:
         return {"error": str(error)}
     try:
-        answer = json.loads(native.autofocus_by_json(camera, width, height, point, distance_to))
+        answer = json.loads(native.autofocus_by_json(camera, width, height, at, distance_to))
     except native.PetzvalError as error:
         return {"error": " ".join(str(error).split())}
     subject = answer["subject_world"]

@@ -16,7 +16,7 @@ from .operators import result_of, shown_camera
 SHARP_OBJECTS = ("sharp_object_1", "sharp_object_2", "sharp_object_3")
 
 
-class _LensOperator:
+class LensOperator:
     """For a camera of this file with a lens."""
 
     @classmethod
@@ -33,7 +33,7 @@ class _LensOperator:
         return holder
 
 
-class PETZVAL_OT_focus_here(_LensOperator, bpy.types.Operator):
+class PETZVAL_OT_focus_here(LensOperator, bpy.types.Operator):
     """Keep what autofocus finds now as a plain focus distance, which no longer changes with the scene"""
 
     bl_idname = "petzval.focus_here"
@@ -48,11 +48,11 @@ class PETZVAL_OT_focus_here(_LensOperator, bpy.types.Operator):
         if "error" in found:
             self.report({"ERROR"}, found["error"])
             return {"CANCELLED"}
-        self.report({"INFO"}, _keep(holder.data, context.scene, found))
+        self.report({"INFO"}, keep(holder.data, context.scene, found))
         return {"FINISHED"}
 
 
-def _keep(camera: bpy.types.Camera, scene: bpy.types.Scene, found: dict) -> str:
+def keep(camera: bpy.types.Camera, scene: bpy.types.Scene, found: dict) -> str:
     """Writes the focus found into the settings, and says what they are now."""
     own, distance_mm = camera.petzval, found["focus_scale_mm"]
     if distance_mm is None:
@@ -68,7 +68,7 @@ def _keep(camera: bpy.types.Camera, scene: bpy.types.Scene, found: dict) -> str:
     return f"Focused at {distance_mm:.0f} mm"
 
 
-class PETZVAL_OT_sharp_points(_LensOperator, bpy.types.Operator):
+class PETZVAL_OT_sharp_points(LensOperator, bpy.types.Operator):
     """Turn the film and set its distance so that the three objects (their origins) are sharp at once"""
 
     bl_idname = "petzval.sharp_points"
@@ -101,7 +101,7 @@ class PETZVAL_OT_sharp_points(_LensOperator, bpy.types.Operator):
         return {"FINISHED"}
 
 
-class PETZVAL_OT_sharp_from_selection(_LensOperator, bpy.types.Operator):
+class PETZVAL_OT_sharp_from_selection(LensOperator, bpy.types.Operator):
     """Take the three objects that are selected, other than this camera"""
 
     bl_idname = "petzval.sharp_from_selection"

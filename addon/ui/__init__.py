@@ -16,6 +16,7 @@ from . import (
     render_film,
     render_results,
     render_shapes,
+    tools,
     view_layer,
     world,
 )
@@ -30,6 +31,7 @@ PARTS = (
     render_results,
     lens_gallery,
     camera,
+    tools,
     light,
     material,
     objects,

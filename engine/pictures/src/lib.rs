@@ -1,7 +1,8 @@
 //! Rendered pictures in OpenEXR files, with passes named as Blender names them.
 //!
-//! A module uses only those that stand before it here: [`error`] → [`part`] → [`mattes`] → [`merge`].
+//! A module uses only those that stand before it here: [`error`] → [`channels`] → [`part`] → [`mattes`] → [`merge`].
 
+pub mod channels;
 pub mod error;
 mod mattes;
 pub mod merge;

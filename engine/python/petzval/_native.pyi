@@ -205,6 +205,32 @@ def camera_info_json(camera: CameraDescription, width: int, height: int) -> str:
     the lens focus it, not the film), remarks (what of the lens file could not be used), beyond_range (glasses that are not known for all
     of the light: of wavelength_nm, or all visible)."""
 
+def framing_json(camera: CameraDescription, width: int, height: int, by: str) -> str:
+    """How the lens, focused as it is, frames what the pinhole of the description's own focal length, sensor width and shift frames:
+    by "FOCAL_LENGTH" (the film is then that sensor) or "FILM": focal_length_mm (null: as it was), film_width_mm, film_height_mm,
+    shift_mm, angle_rad along the larger side, and reaches_edges: light through the middle of the pupil reaches the film's edges."""
+
+def distortion_map(
+    camera: CameraDescription, width: int, height: int, wavelength_nm: float, direction: str
+) -> npt.NDArray[np.float32]:
+    """(height, width, 4), first row at the bottom: the place in the other picture to take a pixel from, x and y from 0 to 1 from the
+    lower left, and twice 1 where that is in the other picture, else 0; all 0 where the lens sees nothing. "DISTORT": the pixels are the lens's and
+    the other picture the pinhole's that frames the same; "UNDISTORT": the other way. By the mean rays of the clear pupil."""
+
+def write_distortion_map(
+    camera: CameraDescription,
+    width: int,
+    height: int,
+    maps: Sequence[tuple[str, float]],  # names of layers and wavelengths; "": the file's own picture
+    direction: str,
+    comments: str,
+    output: str,
+) -> list[float]:
+    """The same into a file; the share of each map's pixels that have a source."""
+
+def osl_camera(camera: CameraDescription, width: int, height: int) -> str:
+    """The lens as a camera of Cycles: the text of a script. What it cannot do is refused by surface."""
+
 def autofocus_json(scene: Scene, camera: CameraDescription, width: int, height: int, point: tuple[float, float]) -> str:
     """The focus on what a picture point sees, (0, 0) lower left to (1, 1) upper right, by the smallest spot of exact
     rays: film_distance_mm, focus_scale_mm (the focus distance that says the same; null: infinity), moves_groups (groups

@@ -1,5 +1,5 @@
 # SPDX-License-Identifier: GPL-3.0-or-later
-"""`petzval lens check|convert|draw|info|list|trace`: reads arguments, asks the engine, prints its answer. Computes nothing."""
+"""`petzval lens check|convert|draw|info|list|trace` and the way to the others: reads arguments, asks the engine, prints its answer. Computes nothing."""
 
 from __future__ import annotations
 
@@ -9,7 +9,7 @@ import math
 from pathlib import Path
 from typing import Any
 
-from . import lens_list, lens_report_command
+from . import lens_export_command, lens_list, lens_report_command
 from .argument_types import number
 from .errors import CommandError, complain
 from .lens_loading import load, say
@@ -52,6 +52,7 @@ def add_parser(subparsers: argparse._SubParsersAction) -> None:
     draw.set_defaults(run=_draw)
 
     lens_report_command.add_parsers(actions, KINDS)
+    lens_export_command.add_parsers(actions, KINDS)
 
     info = actions.add_parser("info", help="focal length, planes, pupils, aberrations", allow_abbrev=False)
     info.add_argument("lens", metavar="FILE", help=f"a lens file ({KINDS}), or the name of a shipped lens")

@@ -1,5 +1,5 @@
 # SPDX-License-Identifier: GPL-3.0-or-later
-"""The drawing of a lens, from what the engine says of its surfaces and rays. Needs matplotlib."""
+"""The drawing of a lens, from what the engine says of its surfaces and rays: by matplotlib, or in Blender by `plotting`."""
 
 from __future__ import annotations
 
@@ -10,6 +10,8 @@ from .lens_reports.page import DARK, FIELDS, PALE, facts, field_colour, save
 
 _GLASS, _RIM, _MIRROR = "#d3e5f2", "#33566f", "#20262b"
 _WIDTH_IN, _LEAST_IN, _MOST_IN = 10.0, 3.2, 8.0
+#: Above and below the lens.
+_BESIDE_IN = 1.0
 #: The stop's marks, of the lens's height, and the room about all, of its.
 _MARK, _ROOM = 0.09, 0.06
 #: Names of planes that are nearer, parts of the picture's width, would stand on one another.
@@ -20,18 +22,28 @@ def write(found: dict[str, Any], out: Path) -> None:
     """Writes `lens_drawing_json`'s object, drawn or as it is. Raises `CommandError`."""
 
     def make(pyplot: Any) -> Any:
-        left, right, low, high = _extent(found)
-        height = min(max(_WIDTH_IN * (high - low) / (right - left), _LEAST_IN), _MOST_IN)
-        figure = pyplot.figure(figsize=(_WIDTH_IN, height + 1.0))
-        axes = figure.add_axes((0.03, 0.55 / (height + 1.0), 0.94, (height - 0.05) / (height + 1.0)))
-        draw(found, axes)
-        figure.legend(loc="lower left", bbox_to_anchor=(0.02, 0.0), ncols=len(FIELDS), frameon=False, handlelength=1.4)
-        figure.text(0.03, 0.985, found["name"], fontsize=11, weight="bold", va="top")
-        said = f"{facts(found)}   {found['wavelength_nm']:.4g} nm"
-        figure.text(0.97, 0.985, said, color=DARK, va="top", ha="right")
+        figure = pyplot.figure(figsize=size_in(found))
+        lay_out(found, figure)
         return figure
 
     save(found, out, {}, make)
+
+
+def size_in(found: dict[str, Any]) -> tuple[float, float]:
+    """Of the page."""
+    left, right, low, high = _extent(found)
+    return _WIDTH_IN, min(max(_WIDTH_IN * (high - low) / (right - left), _LEAST_IN), _MOST_IN) + _BESIDE_IN
+
+
+def lay_out(found: dict[str, Any], figure: Any) -> None:
+    """The whole page into a figure of that size."""
+    height = size_in(found)[1]
+    axes = figure.add_axes((0.03, 0.55 / height, 0.94, (height - _BESIDE_IN - 0.05) / height))
+    draw(found, axes)
+    figure.legend(loc="lower left", bbox_to_anchor=(0.02, 0.0), ncols=len(FIELDS), frameon=False, handlelength=1.4)
+    figure.text(0.03, 0.985, found["name"], fontsize=11, weight="bold", va="top")
+    said = f"{facts(found)}   {found['wavelength_nm']:.4g} nm"
+    figure.text(0.97, 0.985, said, color=DARK, va="top", ha="right")
 
 
 def draw(found: dict[str, Any], axes: Any) -> None:
@@ -76,13 +88,11 @@ def _extent(found: dict[str, Any]) -> tuple[float, float, float, float]:
 
 
 def _elements(found: dict[str, Any], axes: Any) -> None:
-    from matplotlib.patches import Polygon
-
     surfaces = found["surfaces"]
     for surface, after in zip(surfaces, surfaces[1:], strict=False):
         if surface["glass_behind"] is not None:
-            outline = _outline(surface["points"], after["points"])
-            axes.add_patch(Polygon(outline, closed=True, facecolor=_GLASS, edgecolor=_RIM, linewidth=0.8, zorder=2))
+            depths, heights = zip(*_outline(surface["points"], after["points"]), strict=True)
+            axes.fill(depths, heights, facecolor=_GLASS, edgecolor=_RIM, linewidth=0.8, zorder=2)
     for i, surface in enumerate(surfaces):
         if surface["is_mirror"]:
             for part in _beside(surface["points"], surface["hole_mm"]):

@@ -87,51 +87,50 @@ def _finish(arguments: argparse.Namespace, lens: Any, found: Any, title: str, re
 
 def _spots(arguments: argparse.Namespace) -> int:
     from . import _native
-    from .lens_reports import spots
+    from .lens_reports import spots, titles
 
     lens = _lens(arguments)
     answer = _native.lens_spots_json(
         lens, setting_of(arguments), look_of(arguments), arguments.rays, list(arguments.defocus)
     )
-    return _finish(arguments, lens, json.loads(answer), "spot diagrams, about the middle of their light", spots)
+    return _finish(arguments, lens, json.loads(answer), titles.SPOTS, spots)
 
 
 def _fans(arguments: argparse.Namespace) -> int:
     from . import _native
-    from .lens_reports import fans
+    from .lens_reports import fans, titles
 
     lens = _lens(arguments)
     found = json.loads(_native.lens_fans_json(lens, setting_of(arguments), look_of(arguments), arguments.rays))
     if arguments.path:
         draw = partial(fans.draw, key="path_waves")
-        return _finish(arguments, lens, found, "optical path beyond the middle ray's", fans, draw)
-    return _finish(arguments, lens, found, "ray fans: where rays land, from the middle one", fans)
+        return _finish(arguments, lens, found, titles.PATHS, fans, draw)
+    return _finish(arguments, lens, found, titles.FANS, fans)
 
 
 def _mtf(arguments: argparse.Namespace) -> int:
     from . import _native
-    from .lens_reports import mtf
+    from .lens_reports import mtf, titles
 
     lens = _lens(arguments)
     frequencies, heights = (arguments.frequency, arguments.steps), (arguments.heights, arguments.height_frequency)
     answer = _native.lens_mtf_json(lens, setting_of(arguments), look_of(arguments), frequencies, heights)
     found = json.loads(answer)
-    lines = " ".join(f"{nm:.4g}" for nm in found["wavelengths_nm"])
-    return _finish(arguments, lens, found, f"modulation transfer with diffraction, {lines} nm together", mtf)
+    return _finish(arguments, lens, found, titles.mtf(found), mtf)
 
 
 def _distortion(arguments: argparse.Namespace) -> int:
     from . import _native
-    from .lens_reports import distortion
+    from .lens_reports import distortion, titles
 
     lens = _lens(arguments)
     found = json.loads(_native.lens_distortion_json(lens, setting_of(arguments), look_of(arguments), arguments.count))
-    return _finish(arguments, lens, found, "rays through the middle of the stop", distortion)
+    return _finish(arguments, lens, found, titles.DISTORTION, distortion)
 
 
 def _illumination(arguments: argparse.Namespace) -> int:
     from . import _native
-    from .lens_reports import illumination
+    from .lens_reports import illumination, titles
 
     if arguments.f_numbers and arguments.f_number is not None:
         arguments.usage_error("--f-numbers stands instead of --f-number: leave out the one or the other")
@@ -140,4 +139,4 @@ def _illumination(arguments: argparse.Namespace) -> int:
     lens, setting, look = _lens(arguments), setting_of(arguments), look_of(arguments)
     settings = [replace(setting, f_number=n) for n in arguments.f_numbers] or [setting]
     found = [json.loads(_native.lens_illumination_json(lens, one, look, arguments.count)) for one in settings]
-    return _finish(arguments, lens, found, "light on the film, of a scene as bright everywhere", illumination)
+    return _finish(arguments, lens, found, titles.ILLUMINATION, illumination)

@@ -9,6 +9,7 @@ mod drawing;
 mod edges;
 mod error;
 mod focusing;
+mod framing;
 mod glass;
 mod graph;
 mod job;
@@ -58,6 +59,10 @@ fn _native(m: &Bound<'_, PyModule>) -> PyResult<()> {
     m.add_function(wrap_pyfunction!(focusing::autofocus_by_json, m)?)?;
     m.add_function(wrap_pyfunction!(focusing::sharp_points_json, m)?)?;
     m.add_function(wrap_pyfunction!(focusing::sharpness_json, m)?)?;
+    m.add_function(wrap_pyfunction!(framing::framing_json, m)?)?;
+    m.add_function(wrap_pyfunction!(framing::osl_camera, m)?)?;
+    m.add_function(wrap_pyfunction!(framing::distortion_map, m)?)?;
+    m.add_function(wrap_pyfunction!(framing::write_distortion_map, m)?)?;
     m.add_function(wrap_pyfunction!(drawing::lens_drawing_json, m)?)?;
     m.add_function(wrap_pyfunction!(library::lens_groups, m)?)?;
     m.add_function(wrap_pyfunction!(glass::glass_json, m)?)?;

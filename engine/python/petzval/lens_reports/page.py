@@ -1,5 +1,5 @@
 # SPDX-License-Identifier: GPL-3.0-or-later
-"""The page that a report stands on: what is said of the lens above it, colours, files. Needs matplotlib."""
+"""The page that a report stands on: what is said of the lens above it, colours, files. Only what writes files needs matplotlib."""
 
 from __future__ import annotations
 
@@ -25,7 +25,7 @@ _STYLE = {
     "grid.linewidth": 0.7, "axes.axisbelow": True, "legend.frameon": False,
 }  # fmt: skip
 #: Inches above a report for its head.
-_HEAD_IN = 0.75
+HEAD_IN = 0.75
 
 
 def check(out: Path) -> None:
@@ -64,17 +64,21 @@ def write(found: Any, out: Path, size_in: tuple[float, float], title: str, draw:
 
     def make(pyplot: Any) -> Any:
         width, height = size_in
-        figure = pyplot.figure(figsize=(width, height + _HEAD_IN), layout="constrained")
-        figure.get_layout_engine().set(rect=(0.01, 0.01, 0.98, height / (height + _HEAD_IN) - 0.01))
+        figure = pyplot.figure(figsize=(width, height + HEAD_IN), layout="constrained")
+        figure.get_layout_engine().set(rect=(0.01, 0.01, 0.98, height / (height + HEAD_IN) - 0.01))
         draw(found, figure)
-        top = found[0] if isinstance(found, list) else found
-        above = height + _HEAD_IN
-        figure.text(0.02, 1.0 - 0.12 / above, top["name"], fontsize=11, weight="bold", va="top")
-        figure.text(0.02, 1.0 - 0.36 / above, title, color=DARK, va="top")
-        figure.text(0.98, 1.0 - 0.36 / above, facts(top), color=DARK, va="top", ha="right")
+        head(found, title, figure, height + HEAD_IN)
         return figure
 
     save(found, out, _STYLE, make)
+
+
+def head(found: Any, title: str, figure: Any, height_in: float) -> None:
+    """What stands above a report, on a page that high."""
+    top = found[0] if isinstance(found, list) else found
+    figure.text(0.02, 1.0 - 0.12 / height_in, top["name"], fontsize=11, weight="bold", va="top")
+    figure.text(0.02, 1.0 - 0.36 / height_in, title, color=DARK, va="top")
+    figure.text(0.98, 1.0 - 0.36 / height_in, facts(top), color=DARK, va="top", ha="right")
 
 
 def facts(found: dict[str, Any]) -> str:

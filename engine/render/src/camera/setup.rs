@@ -170,6 +170,17 @@ impl Setup {
     }
 }
 
+impl Setup {
+    /// The angle between what two film points see at the camera's wavelength, as [`LensInfo::fov_horizontal_rad`] but of the lens
+    /// without its rims and its stop: there is one, too, where all light is cut off.
+    pub(super) fn angle_without_rims(&self, d: &CameraDescription, a: [f64; 2], b: [f64; 2]) -> Option<f64> {
+        let line = d.wavelength_nm.unwrap_or(D_LINE_NM);
+        let exit_z_mm = Paraxial::new(&self.system, line).exit_pupil.z_mm;
+        let tracer = self.system.at_wavelength(line).without_rims();
+        ChiefRays { tracer, film: self.film, exit_z_mm }.angle_between(a, b)
+    }
+}
+
 /// The lens, and where the film's middle is to stand, lens space. Groups that focus move instead of the film, but where
 /// its place was asked for.
 fn focused(

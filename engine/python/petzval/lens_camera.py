@@ -1,0 +1,72 @@
+# SPDX-License-Identifier: GPL-3.0-or-later
+"""A lens before a film, without a scene: for `petzval lens stmap` and `osl`."""
+
+from __future__ import annotations
+
+import argparse
+import importlib.util
+import math
+import sys
+from types import ModuleType
+from typing import Any
+
+from . import argument_types as types
+from .lens_setting import add_focus, add_setting, setting_of
+from .places import addon_folder, find_lens
+
+#: As the engine's description has it, in units of which a thousand millimetres make one.
+_SCALE = 1000.0
+_IDENTITY = ((1.0, 0.0, 0.0, 0.0), (0.0, 1.0, 0.0, 0.0), (0.0, 0.0, 1.0, 0.0), (0.0, 0.0, 0.0, 1.0))
+
+
+def add_camera(parser: argparse.ArgumentParser, kinds: str) -> None:
+    """The lens, how it is set, its film and the picture's pixels."""
+    parser.add_argument("lens", metavar="FILE", help=f"a lens file ({kinds}), or the name of a shipped lens")
+    parser.add_argument(
+        "--film", type=types.film, metavar="WxH|NAME", required=True, help=f"millimetres, or {types.FILM_NAMES}"
+    )
+    parser.add_argument("--pixels", type=types.pixels, metavar="WxH", required=True, help="of the picture")
+    add_setting(parser)
+    add_focus(parser)
+    parser.add_argument("--tilt", type=types.number, default=0.0, metavar="DEG", help="turn of the film about its horizontal axis")  # fmt: skip
+    parser.add_argument("--swing", type=types.number, default=0.0, metavar="DEG", help="turn of the film about its vertical axis")  # fmt: skip
+    parser.add_argument("--shift", type=types.pair, default=[0.0, 0.0], metavar="X,Y", help="the lens right and up against the film, mm")  # fmt: skip
+
+
+def camera_of(arguments: argparse.Namespace, *, wavelength_nm: float | None = None, spectrum: str = "VISIBLE") -> Any:
+    """What `add_camera` asked for, as the engine takes it."""
+    setting = setting_of(arguments)
+    distance = arguments.focus_distance
+    is_far = distance is None or math.isinf(distance)
+    return _description().CameraDescription(
+        object_name="camera",
+        matrix_world=_IDENTITY,
+        lens_path=str(find_lens(arguments.lens)),
+        focal_length_mm=setting.focal_length_mm,
+        f_number=setting.f_number,
+        pupil_diameter_mm=setting.pupil_diameter_mm,
+        blades=setting.blades,
+        blade_rotation_rad=setting.blade_rotation_rad,
+        blade_curvature=setting.blade_curvature,
+        aperture_mask=setting.aperture_mask,
+        focus_distance=None if is_far else distance / _SCALE,
+        film_width_mm=arguments.film[0],
+        film_height_mm=arguments.film[1],
+        tilt_rad=math.radians(arguments.tilt),
+        swing_rad=math.radians(arguments.swing),
+        shift_mm=tuple(arguments.shift),
+        wavelength_nm=wavelength_nm,
+        spectrum=spectrum,
+    )
+
+
+def _description() -> ModuleType:
+    """The add-on's plain data, which needs no Blender."""
+    name = "petzval_description"
+    if name not in sys.modules:
+        spec = importlib.util.spec_from_file_location(name, addon_folder() / "description.py")
+        module = importlib.util.module_from_spec(spec)
+        # Dataclasses look their module up.
+        sys.modules[name] = module
+        spec.loader.exec_module(module)
+    return sys.modules[name]

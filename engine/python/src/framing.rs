@@ -1,0 +1,126 @@
+//! A lens beside a pinhole: how it frames alike, and the map between their pictures.
+
+use crate::camera::PyCamera;
+use crate::doorway::away;
+use crate::error::{Error, refused};
+use numpy::{PyArray1, PyArray3, PyArrayMethods};
+use petzval_pictures::channels;
+use petzval_render::camera::CameraDescription;
+use petzval_render::camera::distortion_map::{Direction, DistortionMap};
+use petzval_render::camera::framing::Framed;
+use pyo3::prelude::*;
+use serde_json::json;
+use std::path::PathBuf;
+
+/// By wavelength, then pixel.
+type Maps = Vec<Vec<[f32; 4]>>;
+
+/// More pixels are no map that anybody wants.
+const MOST_PIXELS: u64 = 1 << 28;
+
+/// The settings that frame what Blender's camera frames.
+#[pyfunction]
+pub(crate) fn framing_json(
+    py: Python<'_>,
+    camera: PyCamera,
+    width: u32,
+    height: u32,
+    by: &str,
+) -> Result<String, Error> {
+    let by = match by {
+        "FOCAL_LENGTH" => Framed::ByFocalLength,
+        "FILM" => Framed::ByFilm,
+        other => return Err(refused(format!("there is no framing by '{other}'; use FOCAL_LENGTH or FILM"))),
+    };
+    let description: CameraDescription = camera.try_into()?;
+    let found = away(py, || description.framed_like_blender([width, height], by))??;
+    Ok(json!({
+        "focal_length_mm": found.focal_length_mm,
+        "film_width_mm": found.film_width_mm,
+        "film_height_mm": found.film_height_mm,
+        "shift_mm": found.shift_mm,
+        "angle_rad": found.angle_rad,
+        "reaches_edges": found.reaches_edges,
+    })
+    .to_string())
+}
+
+fn pixels(
+    camera: PyCamera,
+    size: [u32; 2],
+    wavelengths_nm: &[f64],
+    direction: &str,
+) -> Result<impl FnOnce() -> Result<Maps, Error> + use<>, Error> {
+    let direction = match direction {
+        "DISTORT" => Direction::Distort,
+        "UNDISTORT" => Direction::Undistort,
+        other => return Err(refused(format!("there is no direction '{other}'; use DISTORT or UNDISTORT"))),
+    };
+    let [width, height] = size.map(u64::from);
+    if width * height > MOST_PIXELS {
+        return Err(refused(format!("a map of {width} x {height} pixels: give less")));
+    }
+    let description: CameraDescription = camera.try_into()?;
+    let wavelengths = wavelengths_nm.to_vec();
+    Ok(move || {
+        let map = |&nm: &f64| Ok(DistortionMap::new(&description, size, nm)?.pixels(size, direction));
+        wavelengths.iter().map(map).collect()
+    })
+}
+
+/// The map for one wavelength.
+#[pyfunction]
+pub(crate) fn distortion_map<'py>(
+    py: Python<'py>,
+    camera: PyCamera,
+    width: u32,
+    height: u32,
+    wavelength_nm: f64,
+    direction: &str,
+) -> Result<Bound<'py, PyArray3<f32>>, Error> {
+    let work = pixels(camera, [width, height], &[wavelength_nm], direction)?;
+    let values: Vec<f32> = away(py, work)??.concat().into_flattened();
+    Ok(PyArray1::from_vec(py, values).reshape([height as usize, width as usize, 4])?)
+}
+
+/// The same into an OpenEXR file: the first wavelength's map its picture, the others layers of these names. Gives for each the share
+/// of its pixels that lie in the other picture.
+#[pyfunction]
+#[expect(clippy::too_many_arguments, reason = "what a map is of")]
+pub(crate) fn write_distortion_map(
+    py: Python<'_>,
+    camera: PyCamera,
+    width: u32,
+    height: u32,
+    maps: Vec<(String, f64)>,
+    direction: &str,
+    comments: &str,
+    output: PathBuf,
+) -> Result<Vec<f64>, Error> {
+    let (names, wavelengths): (Vec<String>, Vec<f64>) = maps.into_iter().unzip();
+    let work = pixels(camera, [width, height], &wavelengths, direction)?;
+    away(py, || {
+        let found = work()?;
+        let mut named = Vec::new();
+        let mut shares = Vec::new();
+        for (name, map) in names.iter().zip(&found) {
+            for (i, letter) in ["R", "G", "B", "A"].into_iter().enumerate() {
+                // Files have their first row at the top.
+                let rows = map.chunks(width as usize).rev();
+                let values = rows.flat_map(|row| row.iter().map(|pixel| pixel[i])).collect();
+                named.push((format!("{name}{}{letter}", if name.is_empty() { "" } else { "." }), values));
+            }
+            let within = map.iter().filter(|pixel| pixel[3] > 0.0).count();
+            shares.push(within as f64 / map.len() as f64);
+        }
+        channels::write(&output, [width as usize, height as usize], named, comments)?;
+        Ok(shares)
+    })?
+}
+
+/// The lens as a camera of Cycles: the text of an OSL script.
+#[pyfunction]
+pub(crate) fn osl_camera(py: Python<'_>, camera: PyCamera, width: u32, height: u32) -> Result<String, Error> {
+    let description: CameraDescription = camera.try_into()?;
+    Ok(away(py, || description.osl_camera([width, height]))??)
+}
