@@ -7,7 +7,7 @@ BENCH_OPTIONS =
 PARITY_OPTIONS =
 INSTRUCTIONS_OPTIONS =
 
-.PHONY: help demo test test-all lint setup build wheels extension speed price accuracy-cost bench parity viewport-price lens-index instructions numerics clean
+.PHONY: help demo test test-all lint setup build wheels extension speed price accuracy-cost bench parity viewport-price ui-pictures lens-index instructions numerics clean
 
 help: ## what there is to make
 	@sed -n 's/^\([a-z-]*\):.*## \(.*\)/\1\t\2/p' Makefile | expand -t 12
@@ -65,6 +65,10 @@ parity: build ## Petzval beside Cycles, scene by scene, into docs/parity.md; PAR
 
 viewport-price: build ## how soon a 3D view shows an edit, into docs/viewport.md
 	@$(dir $(PETZVAL))python tools/viewport-price.py
+
+ui-pictures: ## what the tests of Blender's window saw, into docs/ui; after `make test`
+	@tools/setup-python.sh bench
+	@.venv-bench/bin/python tools/ui-pictures.py
 
 lens-index: build ## the lens library's page with a drawing of each lens, docs/lenses.md
 	@$(dir $(PETZVAL))python tools/lens_index.py
