@@ -255,9 +255,10 @@ class Stage:
         wanted: frozenset[str],
         smoke: list[grids.Grid],
     ) -> int | None:
-        arrays = mesh.extract(data, wanted)
+        arrays = mesh.extract(data, wanted, self._check_stop)
         if arrays is None:
             return None
+        self._check_stop()
         moved = self._motion.positions(place, arrays.positions) if self._motion is not None else None
         return self._builder.add_mesh(
             name,

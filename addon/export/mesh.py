@@ -3,7 +3,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Iterable, Iterator
+from collections.abc import Callable, Iterable, Iterator
 from contextlib import contextmanager
 from dataclasses import dataclass, field
 
@@ -69,19 +69,29 @@ def triangle_count(mesh: bpy.types.Mesh) -> int:
     return max(len(mesh.loops) - 2 * len(mesh.polygons), 0)
 
 
-def extract(mesh: bpy.types.Mesh, wanted: Iterable[str] = ()) -> MeshArrays | None:
-    """The arrays of a mesh in object space, and the attributes of these names; None where it has no triangles."""
+def extract(
+    mesh: bpy.types.Mesh, wanted: Iterable[str] = (), check_stop: Callable[[], None] = lambda: None
+) -> MeshArrays | None:
+    """The arrays of a mesh in object space, and the attributes of these names; None where it has no triangles. `check_stop` is called
+    between the arrays, which of a large mesh take a while each, and may raise."""
     mesh.calc_loop_triangles()
     count = len(mesh.loop_triangles)
     if count == 0:
         return None
+    check_stop()
     loops = _read(mesh.loop_triangles, "loops", (count, 3), np.int32)
+    triangles = _attribute(mesh, ".corner_vert", "value", (len(mesh.loops),), np.int32).take(loops)
+    check_stop()
+    corner_normals = normals(mesh)
+    check_stop()
+    uv_maps = _uv_maps(mesh)
+    check_stop()
     return MeshArrays(
         positions=positions(mesh),
-        triangles=_attribute(mesh, ".corner_vert", "value", (len(mesh.loops),), np.int32).take(loops),
+        triangles=triangles,
         loops=loops,
-        corner_normals=normals(mesh),
-        uv_maps=_uv_maps(mesh),
+        corner_normals=corner_normals,
+        uv_maps=uv_maps,
         material_slots=_slots(mesh, count),
         attributes=attributes.read(mesh, wanted, count),
     )
