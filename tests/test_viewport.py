@@ -204,6 +204,9 @@ def test_edits_show_what_a_new_start_shows(viewer):
     """After each edit the picture is another, and that of a scene that is sent anew."""
     bpy, last = viewer.bpy, viewer.picture()
     for name, edit in EDITS.items():
+        if name == "repaint" and bpy.app.version < (4, 3, 0):
+            # Blender 4.2 tells engines nothing of images.
+            continue
         edit(bpy, balls(bpy))
         assert viewer.update(), name
         picture = viewer.picture()
