@@ -37,7 +37,8 @@ class RenderedView:
         self._sync = SceneSync(self._native)
         self._screen = Screen()
         self._origin: tuple[float, float, float] | None = None
-        self._told = ""
+        # What went wrong, by what was done: an edit, or a look.
+        self._told: dict[str, str] = {}
         self._drawn: Any = None
         self._timer = _timer_of(weakref.ref(self))
         self.session = Session(self._native)
@@ -46,12 +47,12 @@ class RenderedView:
 
     def update(self, context: bpy.types.Context, depsgraph: bpy.types.Depsgraph) -> None:
         """The scene was changed, or is looked at for the first time."""
-        self._guarded(lambda: self._send(context, depsgraph))
+        self._guarded("edit", lambda: self._send(context, depsgraph))
         self._watch()
 
     def draw(self, context: bpy.types.Context, depsgraph: bpy.types.Depsgraph) -> None:
         """The region is to be drawn."""
-        seen = self._guarded(lambda: self._look(context, depsgraph))
+        seen = self._guarded("look", lambda: self._look(context, depsgraph))
         picture = self.session.picture
         if seen is not None and picture is not None:
             self._screen.draw(self._host(), depsgraph.scene, picture, seen.frame)
@@ -100,17 +101,17 @@ class RenderedView:
             self._sync.report.warn(warning)
         return seen
 
-    def _guarded(self, work: Any) -> Any:
-        """What the work gives; what went wrong is said in the view."""
+    def _guarded(self, what: str, work: Callable[[], Any]) -> Any:
+        """What the work gives; what went wrong is said in the view until the same goes well."""
         try:
-            self._told = ""
-            return work()
-        except (ExportError, EngineMissing, self._native.PetzvalError) as error:
-            self._told = " ".join(str(error).split())
+            found = work()
         except Exception as error:
-            traceback.print_exc()
-            self._told = " ".join(str(error).split()) or type(error).__name__
-        return None
+            if not isinstance(error, (ExportError, EngineMissing, self._native.PetzvalError)):
+                traceback.print_exc()
+            self._told[what] = " ".join(str(error).split()) or type(error).__name__
+            return None
+        self._told.pop(what, None)
+        return found
 
     @property
     def warnings(self) -> list[str]:
@@ -122,7 +123,7 @@ class RenderedView:
         picture, host = self.session.picture, self._host()
         if messages.keep_viewport(scene.name, self.warnings):
             redraw.properties()
-        problem = self._told or self.session.error
+        problem = next(iter(self._told.values()), self.session.error)
         if problem:
             host.update_stats("", problem)
         elif picture is None:
@@ -141,9 +142,11 @@ class RenderedView:
         if host is None:
             self.session.close()
             return None
+        # Asked before the picture, which may come in between.
+        is_busy = self.session.is_busy
         if self.session.picture is not self._drawn or self.session.error:
             host.tag_redraw()
-        return _LOOK_S if self.session.is_busy else None
+        return _LOOK_S if is_busy else None
 
 
 def _threads(render: bpy.types.RenderSettings) -> int:
