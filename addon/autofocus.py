@@ -9,32 +9,22 @@ from __future__ import annotations
 
 import json
 import os
-import time
 from dataclasses import dataclass
 from typing import Any
 
 import bpy
-from bpy.app.handlers import persistent
 from mathutils import Vector
 
-from . import redraw
 from .description import Report
 from .export import aperture_mask
 from .export import camera as camera_export
 from .export.errors import ExportError
+from .lookout import Lookout
 from .native import EngineMissing, engine
 
-# So long nothing may have changed before it is looked again: less, and a slider that is dragged would stutter.
-_QUIET_S = 0.3
-# A scene that takes long to look at is looked at after so many times as long.
-_QUIET_FOR_SLOW = 4.0
-# While a render runs, until it is asked again.
-_BUSY_S = 1.0
 # Past something that a render does not show, and how often; the step in parts of the way to it.
 _STEP = 1e-5
 _MOST_SKIPPED = 64
-# One for each camera that was shown.
-_REMEMBERED = 16
 
 
 @dataclass
@@ -45,27 +35,6 @@ class Finding:
     #: Where it fails only `error`, one line.
     answer: dict[str, Any]
     is_current: bool
-
-
-@dataclass
-class _Kept:
-    answer: dict[str, Any]
-    asked: tuple
-    revision: int
-
-
-@dataclass
-class _Lookout:
-    """What is to be looked at next, and since when nothing has changed."""
-
-    wanted: tuple[str, str, tuple[str, str | None]] | None = None
-    revision: int = 0
-    changed_at: float = 0.0
-    quiet_s: float = _QUIET_S
-
-
-_kept: dict[tuple, _Kept] = {}
-_lookout = _Lookout()
 
 
 def find(
@@ -126,21 +95,8 @@ def nearest(
 
 def for_panel(holder: bpy.types.Object, scene: bpy.types.Scene, view_layer: bpy.types.ViewLayer) -> Finding | None:
     """What is known of the camera; has it looked at soon where that is nothing or out of date."""
-    kept = _kept.get(_key(holder, scene))
-    if redraw.is_rendering():
-        # As for the lens's data: nothing is asked meanwhile.
-        return None if kept is None else Finding(kept.answer, is_current=False)
-    is_current = kept is not None and kept.revision == _lookout.revision and kept.asked == _asked(holder, scene)
-    if not is_current:
-        library = holder.library.filepath if holder.library else None
-        _lookout.wanted = (scene.name, view_layer.name, (holder.name, library))
-        if not bpy.app.timers.is_registered(_look):
-            bpy.app.timers.register(_look, first_interval=_lookout.quiet_s)
-    return None if kept is None else Finding(kept.answer, is_current)
-
-
-def _key(holder: bpy.types.Object, scene: bpy.types.Scene) -> tuple:
-    return scene.name, holder.name_full
+    known = LOOKOUT.for_panel(holder, scene, view_layer)
+    return None if known is None else Finding(*known)
 
 
 def _asked(holder: bpy.types.Object, scene: bpy.types.Scene) -> tuple:
@@ -155,70 +111,17 @@ def _asked(holder: bpy.types.Object, scene: bpy.types.Scene) -> tuple:
     return repr(camera), width, height, changed, mask.name_full if mask else ""
 
 
-def _look() -> float | None:
-    """The timer: looks once nothing has changed for a while; gives the seconds until it is to be called again."""
-    wait = _lookout.changed_at + _lookout.quiet_s - time.monotonic()
-    if wait > 0.0:
-        return wait
-    if bpy.app.is_job_running("RENDER"):
-        return _BUSY_S
-    wanted, _lookout.wanted = _lookout.wanted, None
-    if wanted is not None:
-        _look_at(*wanted)
-    return None
-
-
-def _look_at(scene_name: str, layer_name: str, holder_name: tuple[str, str | None]) -> None:
-    # By name: what a timer keeps may have gone meanwhile.
-    scene, holder = bpy.data.scenes.get(scene_name), bpy.data.objects.get(holder_name)
-    layer = scene.view_layers.get(layer_name) if scene is not None else None
-    depsgraph = layer.depsgraph if layer is not None else None
-    if holder is None or holder.type != "CAMERA" or depsgraph is None:
-        return
-    began = time.monotonic()
-    while len(_kept) >= _REMEMBERED:
-        del _kept[next(iter(_kept))]
-    _kept[_key(holder, scene)] = _Kept(find(holder, scene, depsgraph), _asked(holder, scene), _lookout.revision)
-    _lookout.quiet_s = max(_QUIET_S, _QUIET_FOR_SLOW * (time.monotonic() - began))
-    redraw.properties()
-
-
-@persistent
-def _scene_changed(scene: bpy.types.Scene, depsgraph: bpy.types.Depsgraph | None = None) -> None:
-    if depsgraph is None or depsgraph.mode == "VIEWPORT":
-        _lookout.revision += 1
-        _lookout.changed_at = time.monotonic()
-
-
-@persistent
-def _file_loaded(_file: str) -> None:
-    forget()
+LOOKOUT = Lookout(find, _asked)
 
 
 def forget() -> None:
     """Drops what is remembered."""
-    _kept.clear()
-    _lookout.wanted = None
-    _lookout.quiet_s = _QUIET_S
-
-
-_HANDLERS = (
-    ("depsgraph_update_post", _scene_changed),
-    ("frame_change_post", _scene_changed),
-    ("load_post", _file_loaded),
-)
+    LOOKOUT.forget()
 
 
 def register() -> None:
-    for name, handler in _HANDLERS:
-        getattr(bpy.app.handlers, name).append(handler)
+    LOOKOUT.register()
 
 
 def unregister() -> None:
-    if bpy.app.timers.is_registered(_look):
-        bpy.app.timers.unregister(_look)
-    for name, handler in _HANDLERS:
-        handlers = getattr(bpy.app.handlers, name)
-        if handler in handlers:
-            handlers.remove(handler)
-    forget()
+    LOOKOUT.unregister()

@@ -8,24 +8,19 @@ What is measured are the boxes of what is rendered, and the nearest of what Blen
 from __future__ import annotations
 
 import json
-import time
 from dataclasses import dataclass, field
 from typing import Any
 
 import bpy
-from bpy.app.handlers import persistent
 from mathutils import Vector
 
-from . import autofocus, lens_info, live_drawing, redraw
+from . import autofocus, lens_info, live_drawing
 from .description import OF_LENS_FILE, Report
 from .export import camera as camera_export
 from .export.errors import ExportError
+from .lookout import Lookout
 from .native import EngineMissing, engine
 
-# So long nothing may have changed, and after so many times as long as it took where that is longer.
-_QUIET_S, _QUIET_FOR_SLOW = 0.3, 4.0
-# While a render runs, until it is asked again.
-_BUSY_S = 1.0
 # Rays over the picture's width and height.
 _LOOKS = (12, 8)
 # A forest has millions: the box of so many says enough.
@@ -49,19 +44,6 @@ class Size:
     #: What makes no sense, a sentence each.
     warnings: list[str] = field(default_factory=list)
     is_current: bool = True
-
-
-@dataclass
-class _State:
-    wanted: tuple | None = None
-    revision: int = 0
-    changed_at: float = 0.0
-    quiet_s: float = _QUIET_S
-
-
-_state = _State()
-#: By scene and camera: what was asked, the revision of the scene, the answer.
-_kept: dict[tuple, tuple[tuple, int, Size]] = {}
 
 
 def measure(holder: bpy.types.Object, scene: bpy.types.Scene, depsgraph: bpy.types.Depsgraph) -> Size:
@@ -156,22 +138,11 @@ def _front_diameter_mm(lens: dict[str, Any]) -> float:
 
 def for_panel(holder: bpy.types.Object, scene: bpy.types.Scene, view_layer: bpy.types.ViewLayer) -> Size | None:
     """What is known; has it measured soon where that is nothing or out of date."""
-    key = (scene.name, holder.name_full)
-    kept = _kept.get(key)
-    if redraw.is_rendering():
-        # As for the lens's data: nothing is asked meanwhile.
-        return kept[2] if kept is not None else None
-    asked = _asked(holder, scene)
-    is_current = kept is not None and kept[:2] == (asked, _state.revision)
-    if not is_current:
-        library = holder.library.filepath if holder.library else None
-        _state.wanted = (scene.name, view_layer.name, (holder.name, library))
-        if not bpy.app.timers.is_registered(_look):
-            bpy.app.timers.register(_look, first_interval=_state.quiet_s)
-    if kept is None:
+    known = LOOKOUT.for_panel(holder, scene, view_layer)
+    if known is None:
         return None
-    kept[2].is_current = is_current
-    return kept[2]
+    size, size.is_current = known
+    return size
 
 
 def _asked(holder: bpy.types.Object, scene: bpy.types.Scene) -> tuple:
@@ -180,66 +151,17 @@ def _asked(holder: bpy.types.Object, scene: bpy.types.Scene) -> tuple:
     return json.dumps(info, sort_keys=True), tuple(camera_export.scale(holder.data.petzval, scene))
 
 
-def _look() -> float | None:
-    """The timer; gives the seconds until it is to be called again."""
-    wait = _state.changed_at + _state.quiet_s - time.monotonic()
-    if wait > 0.0:
-        return wait
-    if bpy.app.is_job_running("RENDER"):
-        return _BUSY_S
-    wanted, _state.wanted = _state.wanted, None
-    if wanted is None:
-        return None
-    # By name: what a timer keeps may have gone meanwhile.
-    scene, holder = bpy.data.scenes.get(wanted[0]), bpy.data.objects.get(wanted[2])
-    layer = scene.view_layers.get(wanted[1]) if scene is not None else None
-    depsgraph = layer.depsgraph if layer is not None else None
-    if holder is None or holder.type != "CAMERA" or depsgraph is None:
-        return None
-    began = time.monotonic()
-    while len(_kept) >= 16:
-        del _kept[next(iter(_kept))]
-    _kept[scene.name, holder.name_full] = (_asked(holder, scene), _state.revision, measure(holder, scene, depsgraph))
-    _state.quiet_s = max(_QUIET_S, _QUIET_FOR_SLOW * (time.monotonic() - began))
-    redraw.properties()
-    return None
-
-
-@persistent
-def _scene_changed(scene: bpy.types.Scene, depsgraph: bpy.types.Depsgraph | None = None) -> None:
-    if depsgraph is None or depsgraph.mode == "VIEWPORT":
-        _state.revision += 1
-        _state.changed_at = time.monotonic()
-
-
-@persistent
-def _file_loaded(_file: str) -> None:
-    forget()
+LOOKOUT = Lookout(measure, _asked)
 
 
 def forget() -> None:
     """Drops what is remembered."""
-    _kept.clear()
-    _state.wanted, _state.quiet_s = None, _QUIET_S
-
-
-_HANDLERS = (
-    ("depsgraph_update_post", _scene_changed),
-    ("frame_change_post", _scene_changed),
-    ("load_post", _file_loaded),
-)
+    LOOKOUT.forget()
 
 
 def register() -> None:
-    for name, handler in _HANDLERS:
-        getattr(bpy.app.handlers, name).append(handler)
+    LOOKOUT.register()
 
 
 def unregister() -> None:
-    if bpy.app.timers.is_registered(_look):
-        bpy.app.timers.unregister(_look)
-    for name, handler in _HANDLERS:
-        handlers = getattr(bpy.app.handlers, name)
-        if handler in handlers:
-            handlers.remove(handler)
-    forget()
+    LOOKOUT.unregister()

@@ -231,39 +231,39 @@ def test_a_panel_never_looks_by_itself(blender, scene, monkeypatch):
 
     part = scene_parts.part("autofocus")
     looks = []
-    looking = part.find
-    monkeypatch.setattr(part, "find", lambda *asked: looks.append(asked) or looking(*asked))
+    looking = part.LOOKOUT.find
+    monkeypatch.setattr(part.LOOKOUT, "find", lambda *asked: looks.append(asked) or looking(*asked))
     own = scene.camera.data.petzval
     own.focus_mode = "AUTO"
     layer = blender.context.view_layer
     part.forget()
     try:
         assert part.for_panel(scene.camera, scene, layer) is None and not looks
-        assert blender.app.timers.is_registered(part._look)
+        assert blender.app.timers.is_registered(part.LOOKOUT.timer)
         # Something has just changed: not yet.
-        assert part._look() > 0.0 and not looks
-        time.sleep(part._lookout.quiet_s)
-        assert part._look() is None and len(looks) == 1
+        assert part.LOOKOUT.timer() > 0.0 and not looks
+        time.sleep(part.LOOKOUT.quiet_s)
+        assert part.LOOKOUT.timer() is None and len(looks) == 1
         finding = part.for_panel(scene.camera, scene, layer)
         assert finding.is_current and finding.answer["object_name"] == "Square"
         # Out of date by a setting, then by the scene; shown meanwhile.
         own.f_number = 8.0
         assert not part.for_panel(scene.camera, scene, layer).is_current
-        part._lookout.changed_at = 0.0
-        part._look()
+        part.LOOKOUT.changed_at = 0.0
+        part.LOOKOUT.timer()
         assert part.for_panel(scene.camera, scene, layer).is_current and len(looks) == 2
         scene.objects["Square"].location.y = 4.0
         layer.update()
         finding = part.for_panel(scene.camera, scene, layer)
         assert not finding.is_current and finding.answer["object_name"] == "Square"
-        part._lookout.changed_at = 0.0
-        part._look()
+        part.LOOKOUT.changed_at = 0.0
+        part.LOOKOUT.timer()
         finding = part.for_panel(scene.camera, scene, layer)
         assert finding.is_current and finding.answer["subject_world"][1] == pytest.approx(4.0, rel=1e-5)
         assert len(looks) == 3
     finally:
-        if blender.app.timers.is_registered(part._look):
-            blender.app.timers.unregister(part._look)
+        if blender.app.timers.is_registered(part.LOOKOUT.timer):
+            blender.app.timers.unregister(part.LOOKOUT.timer)
 
 
 def test_rays_that_fail_are_told(scene):

@@ -81,20 +81,20 @@ def test_it_is_measured_by_the_timer_once_nothing_changes(blender, parts, scene,
     size = parts.part("scene_size")
     size.forget()
     place = scene.camera, scene, blender.context.view_layer
-    assert size.for_panel(*place) is None and blender.app.timers.is_registered(size._look)
-    size._state.changed_at = 0.0
-    assert size._look() is None
+    assert size.for_panel(*place) is None and blender.app.timers.is_registered(size.LOOKOUT.timer)
+    size.LOOKOUT.changed_at = 0.0
+    assert size.LOOKOUT.timer() is None
     assert size.for_panel(*place).is_current
     scene.objects["Square"].location.y = 6.0
     blender.context.view_layer.update()
-    assert not size.for_panel(*place).is_current and size._look() > 0.0
-    size._state.changed_at = 0.0
-    size._look()
+    assert not size.for_panel(*place).is_current and size.LOOKOUT.timer() > 0.0
+    size.LOOKOUT.changed_at = 0.0
+    size.LOOKOUT.timer()
     found = size.for_panel(*place)
     assert found.is_current and found.nearest == pytest.approx(6.0, rel=1e-5)
     scene.camera.data.petzval.scale_from_scene = False
     assert size.for_panel(*place) is not None
-    blender.app.timers.unregister(size._look)
+    blender.app.timers.unregister(size.LOOKOUT.timer)
 
 
 def test_lengths_are_written_for_people(blender, parts):
