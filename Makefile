@@ -7,7 +7,7 @@ BENCH_OPTIONS =
 PARITY_OPTIONS =
 INSTRUCTIONS_OPTIONS =
 
-.PHONY: help demo test test-all lint setup build wheels extension speed price accuracy-cost bench parity viewport-price ui-pictures lens-index instructions numerics clean
+.PHONY: help demo test test-all lint setup build wheels extension speed price accuracy-cost bench parity viewport-price newcomer ui-pictures lens-index instructions numerics clean
 
 help: ## what there is to make
 	@sed -n 's/^\([a-z-]*\):.*## \(.*\)/\1\t\2/p' Makefile | expand -t 12
@@ -65,6 +65,11 @@ parity: build ## Petzval beside Cycles, scene by scene, into docs/parity.md; PAR
 
 viewport-price: build ## how soon a 3D view shows an edit, into docs/viewport.md
 	@$(dir $(PETZVAL))python tools/viewport-price.py
+
+newcomer: extension ## time a newcomer's path: install the extension, choose a lens, render
+	@export PETZVAL_BEGAN=$$(date +%s.%N) BLENDER_USER_RESOURCES=$$(mktemp -d) && \
+	tools/blender --command extension install-file -r user_default --enable $$(ls dist/petzval-*-linux-x64.zip) >/dev/null && \
+	tools/blender --in-window --addons bl_ext.user_default.petzval --python tools/newcomer.py
 
 ui-pictures: ## what the tests of Blender's window saw, into docs/ui; after `make test`
 	@tools/setup-python.sh bench
