@@ -77,6 +77,11 @@ def test_a_view_that_is_left_ends_its_work(walked):
     assert walked[0]["threads"] == 1
 
 
+def test_the_focus_can_be_dragged(walked):
+    """By the mouse; what is left is the pixel's size and where the ring was taken."""
+    assert walked[0]["dragged"] == pytest.approx(5.0, rel=0.05)
+
+
 def test_settings_come_back_with_the_file(walked):
     assert walked[0]["loaded"] == ["PETZVAL", "double-gauss-f2-tronnier.lens"]
 

@@ -19,6 +19,8 @@ from pathlib import Path
 
 import addon_utils
 import bpy
+from bpy_extras.view3d_utils import location_3d_to_region_2d
+from mathutils import Euler, Vector
 
 FOLDER, ADDON, SCENE = Path(sys.argv[-3]), sys.argv[-2], sys.argv[-1]
 TURNS = 20
@@ -95,6 +97,54 @@ def look(name):
 
 def resident_mb():
     return int(Path("/proc/self/statm").read_text().split()[1]) * os.sysconf("SC_PAGE_SIZE") / 1e6
+
+
+def on_screen(place):
+    """Pixels from the upper left corner."""
+    region = next(region for region in view().regions if region.type == "WINDOW")
+    at = location_3d_to_region_2d(region, view().spaces.active.region_3d, place)
+    return int(region.x + at.x), int(bpy.context.window_manager.windows[0].height - region.y - at.y)
+
+
+def mouse(*arguments):
+    subprocess.run(["xdotool", *map(str, arguments)], check=True)
+
+
+def drag_focus():
+    """The ring on the camera's axis is taken at its rim and drawn from 4 to 5 units."""
+    holder = bpy.context.scene.camera
+    own, dof = holder.data.petzval, holder.data.dof
+    own.show_focus, own.focus_mode, dof.focus_object, dof.focus_distance = True, "CAMERA", None, 4.0
+    with override():
+        bpy.ops.object.select_all(action="DESELECT")
+        bpy.context.view_layer.objects.active = holder
+        holder.select_set(True)
+    place, turn = holder.matrix_world.translation, holder.matrix_world.to_quaternion()
+    axis = turn @ Vector((0.0, 0.0, -1.0))
+    region_3d = view().spaces.active.region_3d
+    region_3d.view_perspective = "PERSP"
+    # From the side and above.
+    region_3d.view_rotation = turn @ Euler((-0.5, 0.9, 0.0)).to_quaternion()
+    region_3d.view_location, region_3d.view_distance = place + 4.0 * axis, 9.0
+    view().tag_redraw()
+    yield 1.0
+    picture("focus-ring")
+    end = on_screen(place + 5.0 * axis)
+    for beside in (8, 12, 16, 20, 24):
+        begin = on_screen(place + 4.0 * axis)
+        mouse("mousemove", begin[0] + beside, begin[1])
+        yield 0.4
+        mouse("mousedown", 1)
+        yield 0.2
+        mouse("mousemove", (begin[0] + end[0]) // 2, (begin[1] + end[1]) // 2)
+        yield 0.2
+        mouse("mousemove", *end)
+        yield 0.2
+        mouse("mouseup", 1)
+        yield 0.5
+        if abs(dof.focus_distance - 4.0) > 0.1:
+            break
+    seen["dragged"] = dof.focus_distance
 
 
 def steps():
@@ -190,6 +240,9 @@ def steps():
     shade("RENDERED")
     yield from look("viewport-again")
     seen["threads"] = len(threads())
+    shade("SOLID")
+    yield 0.5
+    yield from drag_focus()
 
 
 walk = steps()
