@@ -6,8 +6,9 @@ DEMO_OPTIONS =
 BENCH_OPTIONS =
 PARITY_OPTIONS =
 INSTRUCTIONS_OPTIONS =
+GHOSTS_OPTIONS =
 
-.PHONY: help demo test test-all lint setup build wheels extension speed price accuracy-cost bench parity viewport-price newcomer ui-pictures lens-index instructions numerics clean
+.PHONY: help demo test test-all lint setup build wheels extension speed price accuracy-cost bench parity viewport-price newcomer ui-pictures lens-index diffraction ghosts instructions numerics clean
 
 help: ## what there is to make
 	@sed -n 's/^\([a-z-]*\):.*## \(.*\)/\1\t\2/p' Makefile | expand -t 12
@@ -77,6 +78,14 @@ ui-pictures: ## what the tests of Blender's window saw, into docs/ui; after `mak
 
 lens-index: build ## the lens library's page with a drawing of each lens, docs/lenses.md
 	@$(dir $(PETZVAL))python tools/lens_index.py
+
+diffraction: build ## what diffraction and glare do, into docs/diffraction.md and docs/glare.md
+	@tools/setup-python.sh bench
+	@cargo build --quiet --release --locked -p petzval-render --example starburst --example glare
+	@.venv-bench/bin/python tools/diffraction.py $(or $(CARGO_TARGET_DIR),target)/release/examples
+
+ghosts: build ## ghosts beside brute force, their price, and pictures full of light that strays, into docs/ghosts.md
+	@$(dir $(PETZVAL))python tools/ghosts.py $(GHOSTS_OPTIONS)
 
 instructions: ## count the instructions of a sample, beside those kept; INSTRUCTIONS_OPTIONS=--keep keeps them
 	@cargo build --quiet --release --locked -p petzval-render --example path_kernel

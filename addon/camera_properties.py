@@ -17,7 +17,17 @@ from bpy.props import (
 )
 
 from . import viewport_camera
-from .choices import ANCHORS, FILM_MODES, FOCAL_MODES, FOCUS_MODES, FOCUS_RELATIONS, MODELS, PRECISIONS, SPECTRA
+from .choices import (
+    ANCHORS,
+    COATINGS,
+    FILM_MODES,
+    FOCAL_MODES,
+    FOCUS_MODES,
+    FOCUS_RELATIONS,
+    MODELS,
+    PRECISIONS,
+    SPECTRA,
+)
 from .description import OF_LENS_FILE
 
 # A path may begin with //, and newer Blenders want to be told so.
@@ -162,6 +172,50 @@ class PetzvalCamera(bpy.types.PropertyGroup):
         description="A square picture of the opening, as wide as the stop: light passes where it is brighter than half. "
         "It stands instead of the blades",
         type=bpy.types.Image,
+    )
+    glare_roughness: FloatProperty(
+        name="Roughness",
+        description="How rough the polished surfaces of the lens are, root mean square in nanometres: it scatters light near bright places",
+        default=2.0,
+        min=0.0,
+        max=100.0,
+        soft_max=10.0,
+        step=10,
+        precision=2,
+    )
+    glare_cleanliness: FloatProperty(
+        name="Dust",
+        description="Cleanliness level of the lens's surfaces, a number by IEST-STD-CC1246: about the size of the largest speck in "
+        "thousandths of mm. 0: no dust",
+        default=300.0,
+        min=0.0,
+        max=2000.0,
+        soft_max=1000.0,
+        step=1000,
+        precision=0,
+    )
+    glare_veil: FloatProperty(
+        name="Veil",
+        description="Veiling glare index of barrel and film (ISO 9358): the part of an even world's light that is laid evenly over "
+        "the picture",
+        default=0.01,
+        min=0.0,
+        max=1.0,
+        soft_max=0.1,
+        step=0.1,
+        precision=4,
+    )
+    coating: EnumProperty(
+        name="Coating",
+        description="Thin films on the lens's glass: how much of the light its surfaces reflect, and in which colours",
+        items=COATINGS,
+        update=_changed,
+    )
+    exposes_by_f_number: BoolProperty(
+        name="Expose by F-Number",
+        description="What glass and coatings take makes the picture darker. Off: exposed by the T-number, its middle stays as "
+        "bright as if nothing were lost, and only the tint is seen",
+        default=False,
     )
     focus_mode: EnumProperty(name="Focus", description="What is sharp", items=FOCUS_MODES, update=_changed)
     anchor: EnumProperty(

@@ -47,6 +47,13 @@ FOCUS_RELATIONS = (
     ("EXACT", "Exact", "The lens's own conjugates, from the camera's place on"),
     ("THIN", "Thin Lens", "1/U + 1/V = 1/f, the distances counted from the principal planes"),
 )
+COATINGS = (
+    ("AS_FILE", "As Lens File", "What the lens file says; a single layer of MgF2 where it says nothing"),
+    ("NONE", "Uncoated", "Bare glass, as before 1940"),
+    ("MGF2", "Single Layer", "A quarter of a wave of magnesium fluoride wherever glass meets air"),
+    ("DOUBLE", "Two Layers", "Two quarter waves wherever glass meets air"),
+    ("TRIPLE", "Three Layers", "Quarter, half and quarter of a wave wherever glass meets air: broadband"),
+)
 FILM_MODES = (
     ("SENSOR", "Camera Sensor", "The camera's own sensor size and fit"),
     ("SIZE", "Film Size", "A film of its own size; the picture is the largest part of it with the picture's shape"),

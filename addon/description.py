@@ -143,6 +143,11 @@ class CameraDescription:
     blade_rotation_rad: float = 0.0
     blade_curvature: float = 0.0  # 0: straight blades, 1: a round opening
     aperture_mask: ApertureMask | None = None  # the opening's shape instead of blades; turned like them
+    roughness_nm: float = 2.0  # of the lens's surfaces, rms
+    cleanliness: float = 300.0  # dust on them: level of IEST-STD-CC1246; 0: none
+    veiling_index: float = 0.01  # barrel and film: part of an even world's light
+    coating: str | None = None  # wherever glass meets air, by name or layer by layer; None: as the lens file has it
+    exposes_by_f_number: bool = False  # what the lens takes of the light makes the picture darker
     focus_distance: float | None = None
     anchor: str = "ENTRANCE_PUPIL"  # ENTRANCE_PUPIL | FRONT_VERTEX | FILM
     focus_relation: str = "EXACT"  # EXACT | THIN

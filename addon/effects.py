@@ -33,17 +33,26 @@ EFFECTS = (
         "Motion Blur",
         "What moves, the camera among it, and a lens that changes, while the shutter is open",
     ),
-    Effect("transmission", "Transmission", "What glass and coatings take of each colour", False),
-    Effect("ghosts", "Ghosts", "Light reflected between the surfaces of the lens", False),
-    Effect("glare", "Veiling Glare", "Light scattered in the lens", False),
-    Effect("diffraction", "Diffraction", "The wave nature of light at the edge of the opening", False),
+    Effect("transmission", "Transmission", "What glass and coatings take of each colour"),
+    Effect("ghosts", "Ghosts", "Light reflected between the surfaces of the lens"),
+    Effect("glare", "Veiling Glare", "Light scattered by surfaces, dust, barrel and film"),
+    Effect(
+        "diffraction", "Diffraction", "Softness at small openings, and the spikes of bright points: light is a wave"
+    ),
     Effect("spectral_materials", "Spectral Materials", "Materials that are more than three colours", False),
 )
+#: Those that are laid over the finished picture.
+STRAYS = ("ghosts", "glare", "diffraction")
 #: What may be said of an effect: identifier, name, tooltip, icon, number in saved files.
 WORDS = (
     ("AUTO", "Auto", "Simulated where this picture would show it", "", 0),
     ("ON", "On", "Simulated in any case", "", 1),
     ("OFF", "Off", "Left out in any case", "", 2),
+)
+#: Reflections that a ghost's path has at most: identifier, name, tooltip, icon, number in saved files.
+REFLECTIONS = (
+    ("2", "Two", "Paths with two reflections: nearly all that is seen", "", 0),
+    ("4", "Four", "Paths with four reflections, too: a hundred times as many, and each far weaker", "", 1),
 )
 LABELS = {effect.name: effect.label for effect in EFFECTS}
 
@@ -51,7 +60,7 @@ LABELS = {effect.name: effect.label for effect in EFFECTS}
 def wishes(settings: Any) -> dict[str, Any]:
     """What the scene's settings say of each effect, for the engine."""
     words = {effect.name: getattr(settings.effects, effect.name).lower() for effect in EFFECTS}
-    return {"effects": words, "quality": settings.quality}
+    return {"effects": words, "quality": settings.quality, "ghost_reflections": int(settings.ghost_reflections)}
 
 
 def size(row: dict[str, Any]) -> str:
@@ -67,8 +76,10 @@ def size(row: dict[str, Any]) -> str:
 
 
 def cost(row: dict[str, Any]) -> str:
-    """What simulating it costs, in parts of the time without it."""
-    part = row.get("predicted_cost")
+    """What simulating it costs, in parts of the time without it, or in seconds once the picture is done."""
+    part, seconds = row.get("predicted_cost"), row.get("picture_seconds")
+    if seconds:
+        return f"+{seconds:.2g} s"
     if part is None or row["decision"] == "off":
         return ""
     return f"+{100.0 * part:.0f} %" if part >= 0.005 else "free"

@@ -82,6 +82,7 @@ def _setting(camera: CameraDescription, kind: Callable[..., Any]) -> Any:
         blade_curvature=camera.blade_curvature,
         blade_rotation_rad=camera.blade_rotation_rad,
         aperture_mask=camera.aperture_mask,
+        coating=camera.coating,
     )
 
 

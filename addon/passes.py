@@ -95,6 +95,19 @@ INDICES = (
 )
 
 
+#: Light that strays from the rays of the picture, each added to it already: differences, for weighing them anew.
+STRAYS = (
+    Pass("Ghosts", 3, "RGB", "COLOR", "use_pass_ghosts", "GHOSTS"),
+    Pass("Glare", 3, "RGB", "COLOR", "use_pass_glare", "GLARE"),
+    Pass("Diffraction", 3, "RGB", "COLOR", "use_pass_diffraction", "DIFFRACTION"),
+)
+
+
+def wanted_strays(view_layer: object) -> tuple[Pass, ...]:
+    """Those that a view layer asks for."""
+    return tuple(one for one in STRAYS if getattr(view_layer.petzval, one.switch, False))
+
+
 def _named(one: Light, version: tuple[int, ...]) -> Pass:
     name = one.name if version >= (5, 0, 0) or not one.old_name else one.old_name
     return Pass(name, len(one.channel_names), one.channel_names, one.kind, one.switch, one.engine_name)

@@ -128,6 +128,14 @@ class Photograph:
             job, stop_asked=self._stop_asked, show=self.results.show, tell=self._progress, limit_s=limit_s
         )
         self._progress(job.progress() if stopped else 1.0, job.samples_done())
+        strays = [name for name in effects.STRAYS if self._is_on(name)]
+        if strays and self.results.is_mergeable:
+            self.host.report(
+                {"WARNING"},
+                f"Mergeable parts hold no {', '.join(strays)}: these are found in a whole picture; render it without Mergeable for them",
+            )
+        elif strays and not stopped:
+            self._develop(job)
         picture, shadow = job.image(), None
         if catches and not stopped:
             others = functools.partial(self._beside_all, native, camera, settings, moving, size, place, blur, opened)
@@ -145,6 +153,18 @@ class Photograph:
             self._tell("Keeping the render", 1.0)
             is_done_with = not stopped and loop.WATCH.checkpoint is None
             loop.stoppable(lambda: job.end_checkpoints(is_done_with), lambda: False)
+
+    def _is_on(self, effect: str) -> bool:
+        return any(row["effect"] == effect and row["decision"] == "on" for row in self.told["effects"])
+
+    def _develop(self, job) -> None:
+        """Lays over the picture what of the light strays."""
+        self._tell("Light that strays", 1.0)
+        try:
+            loop.stoppable(job.develop, self._stop_asked)
+        except loop.Stopped:
+            # What is there of the picture stays.
+            job.stop_developing()
 
     def _tell_of_denoising(self) -> None:
         """Cycles's switch is on unless it is turned off: who turned it on wants to know that it is for Cycles."""

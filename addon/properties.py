@@ -10,7 +10,7 @@ from bpy.props import BoolProperty, EnumProperty, FloatProperty, IntProperty, Po
 
 from .camera_properties import PetzvalCamera
 from .choices import INTEGRATORS, PIPELINES, PIXEL_SIZES
-from .effects import EFFECTS, WORDS
+from .effects import EFFECTS, REFLECTIONS, WORDS
 
 
 class PetzvalEffects(bpy.types.PropertyGroup):
@@ -35,6 +35,13 @@ class PetzvalScene(bpy.types.PropertyGroup):
         soft_min=0.25,
         soft_max=8.0,
         precision=2,
+    )
+
+    ghost_reflections: EnumProperty(
+        name="Ghost Reflections",
+        description="How often light is reflected in the lens, at most, to be simulated as a ghost",
+        items=REFLECTIONS,
+        default="2",
     )
 
     samples: IntProperty(
@@ -171,6 +178,29 @@ class PetzvalViewLayer(bpy.types.PropertyGroup):
         description=(
             "Passes that say how many samples each pixel has and what its numbers leave out: renders with other samples "
             "(Sample Offset, or Seed) can be joined by `petzval merge` to the picture of one render with all of them"
+        ),
+        default=False,
+    )
+    use_pass_ghosts: BoolProperty(
+        name="Ghosts",
+        description=(
+            "Light reflected between the surfaces of the lens, where the plan simulates it. It is in the picture already: subtract it, "
+            "and add as much of it as you like"
+        ),
+        default=False,
+    )
+    use_pass_glare: BoolProperty(
+        name="Glare",
+        description=(
+            "Light scattered in the lens, where the plan simulates it; negative where it is taken away. It is in the picture already"
+        ),
+        default=False,
+    )
+    use_pass_diffraction: BoolProperty(
+        name="Diffraction",
+        description=(
+            "What the wave nature of light changes, where the plan simulates it; negative where light is taken away. It is in the "
+            "picture already"
         ),
         default=False,
     )

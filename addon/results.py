@@ -53,6 +53,7 @@ class Results:
         self._light_groups = passes.of_light_groups(layer)
         self._parts = passes.wanted_parts(layer, bpy.app.version)
         self._indices = passes.wanted_indices(layer, bpy.app.version)
+        self._strays = passes.wanted_strays(layer)
         self.has_shadow = passes.wants_shadow(layer)
 
     @property
@@ -64,6 +65,11 @@ class Results:
     def has_vectors(self) -> bool:
         """Whether it is to keep how these move."""
         return any(one.engine_name == "VECTOR" for one in self._data)
+
+    @property
+    def is_mergeable(self) -> bool:
+        """Whether the picture is to be joined with others: what strays belongs to the whole."""
+        return len(self._merging) > 1
 
     def for_job(self) -> dict[str, Any]:
         """What the engine is to keep, as `Job` takes it."""
@@ -89,6 +95,7 @@ class Results:
         pictures |= {one.name: job.light_group(i)[..., :3] for i, one in enumerate(self._light_groups, 1)}
         pictures |= {one.name: job.index(one.engine_name) for one in self._indices}
         pictures |= {one.name: passes.channels_of(one, job) for one in self._parts}
+        pictures |= {one.name: job.stray(one.engine_name) for one in self._strays}
         for layer in self._mattes:
             channels = job.matte(layer.engine_name)
             for i, one in enumerate(passes.of_matte(layer, self._matte_levels)):

@@ -70,7 +70,9 @@ def summed(passes) -> np.ndarray:
     lobes = (lobe.title() for lobe in LOBES)
     lit = sum(passes[f"{one} Color"] * (passes[f"{one} Direct"] + passes[f"{one} Indirect"]) for one in lobes)
     rest = ("Volume Direct", "Volume Indirect", "Emission", "Environment")
-    return lit + sum(passes[one] for one in rest)
+    # Through a lens, what strays in it.
+    strays = ("Ghosts", "Glare", "Diffraction")
+    return lit + sum(passes[one] for one in rest) + sum(passes.get(one, 0.0) for one in strays)
 
 
 def lit_by(passes, name: str) -> np.ndarray:

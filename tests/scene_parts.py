@@ -40,6 +40,12 @@ def set_up(width: int = 48, height: int = 32, samples: int = 4, model: str = "PI
     return scene
 
 
+def straight(scene: bpy.types.Scene) -> None:
+    """Light as its rays alone take it through the lens: nothing is taken of it, and nothing strays."""
+    for effect in ("transmission", "ghosts", "glare", "diffraction"):
+        setattr(scene.petzval.effects, effect, "OFF")
+
+
 def exr(scene: bpy.types.Scene, file_format: str = "OPEN_EXR") -> None:
     settings = scene.render.image_settings
     if hasattr(settings, "media_type"):

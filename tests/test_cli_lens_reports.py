@@ -1,5 +1,5 @@
 # SPDX-License-Identifier: GPL-3.0-or-later
-"""`petzval lens spots|fans|mtf|distortion|illumination`: pictures, and the numbers that they show."""
+"""`petzval lens spots|fans|mtf|psf|distortion|illumination`: pictures, and the numbers that they show."""
 
 import json
 import struct
@@ -29,6 +29,7 @@ def numbers(petzval_cli, tmp_path, kind, *more):
         ("spots", ["15.4°", "sagittal", "Airy", "RMS"]),
         ("fans", ["22°", "tangential", "place in the stop", "µm"]),
         ("mtf", ["line pairs per mm", "diffraction alone", "20 per mm", "22° tangential"]),
+        ("psf", ["Strehl", "sagittal", "light within", "decades", "rays say all"]),
         ("distortion", ["field curvature", "f tan θ", "lateral colour", "486.1 nm"]),
         ("illumination", ["per cent of the middle", "cos⁴", "stops"]),
     ],
@@ -72,6 +73,26 @@ def test_a_stopped_down_lens_is_as_sharp_as_diffraction_lets_it(petzval_cli, tmp
     ]
     assert min(shortfall) > -1e-9 and max(shortfall) < 0.03
     assert open_["sagittal"]["contrast"][-1] < 0.3
+
+
+def test_a_mirror_makes_airys_pattern_and_blades_make_spikes(petzval_cli, tmp_path):
+    asked = ("--f-number", "8", "--wavelengths", "550", "--fields", "0")
+    found = numbers(petzval_cli, tmp_path, "psf", "newtonian-f5", *asked)
+    field = found["fields"][0]
+    assert field["strehl"][0] == pytest.approx(1.0, abs=1e-3)
+    # 83.8 % of the light lie in the first dark ring; radii are steps of a fifth of it.
+    ring = [part for radius, part in zip(field["radii_mm"], field["encircled"], strict=True)
+            if radius <= found["airy_radius_mm"]][-1]  # fmt: skip
+    assert ring == pytest.approx(0.838, abs=0.015)
+    round_one = field
+    six = numbers(petzval_cli, tmp_path, "psf", "newtonian-f5", *asked, "--blades", "6")["fields"][0]
+    middle, far = six["side"] // 2, int(0.9 * (six["side"] // 2))
+    along = lambda psf, x, y: psf["values"][(middle + y) * psf["side"] + middle + x]  # noqa: E731
+    # Corners lie right and left, edges above and below: a spike goes up, none to the right.
+    up, right = (max(along(six, *place(d)) for d in range(far - 8, far)) for place in
+                 (lambda d: (0, d), lambda d: (d, 0)))  # fmt: skip
+    assert up > 20.0 * right
+    assert max(along(round_one, 0, d) for d in range(far - 8, far)) < 0.2 * up
 
 
 def test_fields_of_the_drawing_and_of_the_reports_agree(petzval_cli, tmp_path):

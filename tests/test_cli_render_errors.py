@@ -53,7 +53,7 @@ ERRORS = {
     "no such Blender": (["S", "--blender", "no-such-blender"], "no-such-blender"),
     "a Blender that is none": (["S", "--blender", "/bin/false"], "/bin/false"),
     "one that does nothing": (["S", "--blender", "/bin/true"], "/bin/true"),
-    "effect": (["S", "--lens", "cooke-triplet-50mm", "--effect", "ghosts=on"], "ghosts=on"),
+    "effect": (["S", "--lens", "cooke-triplet-50mm", "--effect", "spectral_materials=on"], "spectral_materials=on"),
     "no camera": (["N", "--camera", "pinhole"], "no camera"),
     "no blend": (["T"], "cannot open"),
 }

@@ -22,10 +22,24 @@ def test_lenses_to_first_order(cli_renders):
 
 
 @pytest.mark.once
+@pytest.mark.parametrize("film", [("--film", "18x12"), ("--film-diagonal", "21.6333")])
+def test_film_of_a_camera_without_a_lens(cli_renders, film):
+    """Half of the focal length before half of the film sees the same, ray by ray."""
+    whole, half = cli_renders(
+        ("--camera", "pinhole", "--focal-length", 40, "--film", "36x24", "--samples", 4),
+        ("--camera", "pinhole", "--focal-length", 20, *film, "--samples", 4),
+    )
+    assert whole.returncode == half.returncode == 0, whole.stderr + half.stderr
+    # A diagonal is told to six digits.
+    assert (abs(picture(whole.out) - picture(half.out)) < 1e-3).mean() > 0.999
+
+
+@pytest.mark.once
 def test_a_lens_as_a_table(cli_renders):
     """Sample by sample the picture of the lens itself, at the table's wavelength."""
     lens = ("--lens", "tessar-brendel", "--film", "60x40", "--tilt", 3, "--samples", 16)
-    lens = (*lens, "--effect", "lateral_colour=off")
+    for effect in ("lateral_colour", "transmission", "ghosts", "glare", "diffraction"):  # what the table has not
+        lens = (*lens, "--effect", f"{effect}=off")
     of_table, of_lens = cli_renders((*lens, "--camera", "image-based"), lens)
     for one in (of_table, of_lens):
         assert one.returncode == 0, one.stderr

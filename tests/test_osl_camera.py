@@ -43,6 +43,8 @@ def scene(blender):
     own = made.camera.data.petzval
     own.match_viewport, own.film_mode, own.film_width, own.film_height = False, "SIZE", *FILM
     own.spectrum = "SINGLE"
+    # What a script of rays knows.
+    scene_parts.straight(made)
     made.camera.data.dof.focus_distance = DEPTH_M
     return made
 

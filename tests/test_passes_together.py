@@ -37,6 +37,8 @@ def look_through_a_lens(pipeline: str) -> None:
     own.focal_mode, own.focal_length = "LENGTH", 30.0
     scene.camera.data.dof.focus_distance = 3.0
     scene.petzval.pipeline = pipeline
+    passes = scene.view_layers[0].petzval
+    passes.use_pass_ghosts = passes.use_pass_glare = passes.use_pass_diffraction = True
 
 
 #: Pipeline and noise threshold.

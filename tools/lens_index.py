@@ -29,7 +29,7 @@ LARGEST_DRAWING = 60_000
 HEAD = """# The lens library
 
 {count} lenses come with Petzval, in [`lenses/`](../lenses/README.md). `petzval lens list` prints them, the arrow beside *Lens File* in
-the camera's panel chooses one; [the format](design/lens.md#the-file) holds those of your own.
+the camera's panel chooses one; [the format](lens-file.md) holds those of your own.
 
 Each was typed from its source and is held against it: where the source states focal length, f-number or back focus, the surfaces give
 them, to half of a unit of the last digit, or the table below says why not. Tests ask for that of every lens, and for light at the

@@ -11,6 +11,9 @@ from .errors import ExportError
 
 MILLIMETRES_PER_METRE = 1000.0
 
+#: As lens files write them.
+_COATINGS = {"NONE": "none", "MGF2": "MgF2", "DOUBLE": "double", "TRIPLE": "triple"}
+
 
 def resolution(render: bpy.types.RenderSettings) -> tuple[int, int]:
     """Pixels of the whole picture, rounded as Blender does it."""
@@ -55,6 +58,11 @@ def describe(
         blades=_blades(settings.blades if of_lens or settings.blades else camera.dof.aperture_blades),
         blade_rotation_rad=settings.blade_rotation,
         blade_curvature=settings.blade_curvature,
+        roughness_nm=settings.glare_roughness,
+        cleanliness=settings.glare_cleanliness,
+        veiling_index=settings.glare_veil,
+        coating=_COATINGS.get(settings.coating) if of_lens else None,
+        exposes_by_f_number=settings.exposes_by_f_number,
         scale_mm_per_unit=scale(settings, scene),
         wavelength_nm=settings.wavelength if settings.spectrum == "SINGLE" else None,
         spectrum="THREE" if settings.spectrum == "THREE" else "VISIBLE",

@@ -124,6 +124,22 @@ class PETZVAL_CAMERA_PT_aperture(AperturePart, bpy.types.Panel):
             row.active = matters
             row.prop(settings, name)
         column.template_ID(settings, "aperture_mask", open="image.open", text="Mask")
+        if settings.model in OF_LENS_FILE:
+            column = layout.column(align=True)
+            column.prop(settings, "coating")
+            column.prop(settings, "exposes_by_f_number")
+
+
+class PETZVAL_CAMERA_PT_glare(AperturePart, bpy.types.Panel):
+    bl_label = "Glare"
+    bl_options = {"DEFAULT_CLOSED"}
+
+    def draw(self, context):
+        settings = context.camera.petzval
+        column = columns(self).column(align=True)
+        column.active = settings.model == "LENS"
+        for name in ("glare_roughness", "glare_cleanliness", "glare_veil"):
+            column.prop(settings, name)
 
 
 class PETZVAL_CAMERA_PT_exposure(AperturePart, bpy.types.Panel):
@@ -184,6 +200,7 @@ CLASSES = (
     PETZVAL_CAMERA_PT_info,
     PETZVAL_CAMERA_PT_aperture,
     PETZVAL_CAMERA_PT_exposure,
+    PETZVAL_CAMERA_PT_glare,
     PETZVAL_CAMERA_PT_focus,
     PETZVAL_CAMERA_PT_sharp,
     PETZVAL_CAMERA_PT_film,

@@ -36,6 +36,7 @@ class PETZVAL_RENDER_PT_effects(PetzvalPanel, bpy.types.Panel):
         column.use_property_split = column.use_property_decorate = False
         for effect in EFFECTS:
             _row(context, column, effect, settings.effects, rows.get(effect.name))
+        layout.prop(settings, "ghost_reflections")
         if plan:
             _chosen(self.layout, context, plan)
 

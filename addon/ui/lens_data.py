@@ -73,6 +73,8 @@ def _facts(info: dict) -> list[tuple[str, str]]:
         *([("Focused By", "groups inside")] if info["focuses_inside"] else []),
         ("F-Number", f"f/{info['f_number']:.2f}" + (", its widest" if info["f_number_was_clamped"] else "")),
         ("Widest", f"f/{info['widest_f_number']:.2f}"),
+        ("T-Number", "dark" if info["t_number"] is None else f"T/{info['t_number']:.2f}"),
+        ("Coatings", (", ".join(info["coatings"]) or "none") + (" (assumed)" if info["coating_is_assumed"] else "")),
         ("Film Distance", number("film_distance_mm", "{:.3f} mm")),
         ("Focused At", focus_text(info["focus_scale_mm"])),
         ("Magnification", number("magnification", "{:.4f}")),

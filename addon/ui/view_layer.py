@@ -62,6 +62,9 @@ class PETZVAL_VIEW_LAYER_PT_light(_Passes, bpy.types.Panel):
             some = tuple(one for one in passes.LIGHT if one.name.partition(" ")[0] == first)
             heading = first if len(some) > 1 else "Other" if first == "Emission" else ""
             _switches(layout.column(heading=heading, align=True), context.view_layer, some)
+        column = layout.column(heading="Stray", align=True)
+        for one in passes.STRAYS:
+            column.prop(context.view_layer.petzval, one.switch)
         cycles = getattr(context.view_layer, "cycles", None)
         if cycles is not None:
             layout.column().prop(cycles, passes.SHADOW.switch, text=passes.SHADOW.name)

@@ -1,5 +1,5 @@
 //! What a lens makes of the light of a point, as designers report it: [`spot`]s, [`fan`]s, [`wavefront`]s, transfer
-//! functions ([`mtf`]), [`distortion`] with field curvature and lateral colour, and [`illumination`].
+//! functions ([`mtf`]), what diffraction makes of a point ([`psf`]), [`distortion`] with field curvature and lateral colour, and [`illumination`].
 //!
 //! All of it by exact rays. A field is a direction of view, counted at the entrance pupil; its light is a parallel beam, or comes
 //! from a point of the plane that is sharp. On the film *tangential* is the direction of the field's azimuth, *sagittal* that at right
@@ -9,8 +9,11 @@ pub mod distortion;
 pub mod fan;
 pub mod illumination;
 pub mod mtf;
+pub mod psf;
 pub mod spot;
+pub mod transmission;
 pub mod wavefront;
+mod waves;
 
 use glam::{DVec2, DVec3};
 
@@ -219,7 +222,7 @@ fn weight(origin: &Origin, field: &Field, ray: &Ray) -> f64 {
 
 /// The plane that touches the film at a place, in lens space.
 #[derive(Clone, Copy, Debug)]
-struct Touching {
+pub(crate) struct Touching {
     /// The place.
     point: DVec3,
     /// Unit vectors in the plane.
@@ -228,7 +231,8 @@ struct Touching {
 }
 
 impl Touching {
-    fn new(frame: &FilmFrame, film: DVec2, [sagittal, tangential]: [DVec2; 2]) -> Self {
+    /// At (u, v), with directions of the film's coordinates that are to lie in the plane.
+    pub(crate) fn new(frame: &FilmFrame, film: DVec2, [sagittal, tangential]: [DVec2; 2]) -> Self {
         let place = frame.at(film.x, film.y);
         // Of the film's own two directions what lies in the plane: light that comes along the axis sees them as they are.
         let along = |d: DVec2| d.extend(0.0).reject_from_normalized(place.normal).normalize_or(DVec3::X);
@@ -248,8 +252,18 @@ impl Touching {
     }
 
     /// Its direction's cosines to the two directions.
-    fn cosines(&self, direction: DVec3) -> DVec2 {
+    pub(crate) fn cosines(&self, direction: DVec3) -> DVec2 {
         DVec2::new(direction.dot(self.sagittal), direction.dot(self.tangential))
+    }
+
+    /// What of a direction with these cosines lies in the plane.
+    pub(crate) fn direction(&self, cosines: DVec2) -> DVec3 {
+        self.sagittal * cosines.x + self.tangential * cosines.y
+    }
+
+    /// The place, lens space.
+    pub(crate) fn point(&self) -> DVec3 {
+        self.point
     }
 }
 

@@ -15,9 +15,9 @@
 //! where its planes lie and where the film must stand; a [`trace::Tracer`] carries rays through it at one wavelength,
 //! either way; a [`pupil_map::PupilMap`] chooses where to aim from the film, an [`entrance_map::EntranceMap`] from the scene.
 //!
-//! A module uses only those that stand before it here: [`first_order`] → [`glass`] → [`lane`] → [`vector`] → [`surface`] → [`interface`] → [`single_surface`] → [`diaphragm`] →
-//! [`prescription`] → [`formats`] → [`system`] → [`transmission`] → [`trace`] → [`paraxial`] → [`axial_beam`] → [`published`] → [`focus`] → [`seidel`] → [`field`] → [`vignetting`] → [`drawing`] → [`gaussian`] → [`ghosts`] →
-//! [`pupil_map`] → [`entrance_map`] → [`autofocus`] → [`analysis`] → [`ray_table`].
+//! A module uses only those that stand before it here: [`first_order`] → [`glass`] → [`coating`] → [`lane`] → [`vector`] → [`surface`] → [`interface`] → [`single_surface`] → [`diaphragm`] →
+//! [`prescription`] → [`formats`] → [`system`] → [`trace`] → [`transmission`] → [`paraxial`] → [`axial_beam`] → [`published`] → [`focus`] → [`seidel`] → [`field`] → [`vignetting`] → [`drawing`] → [`gaussian`] → [`ghosts`] → [`scatter`] →
+//! [`pupil_map`] → [`entrance_map`] → [`autofocus`] → [`analysis`] → [`diffraction`] → [`ray_table`].
 //!
 //! A ray that is lost is a result: the surface and one of seven reasons. No value is ever NaN, and no input panics.
 //!
@@ -64,7 +64,9 @@
 pub mod analysis;
 pub mod autofocus;
 pub mod axial_beam;
+pub mod coating;
 pub mod diaphragm;
+pub mod diffraction;
 pub mod drawing;
 pub mod entrance_map;
 pub mod field;
@@ -81,6 +83,7 @@ pub mod prescription;
 pub mod published;
 pub mod pupil_map;
 pub mod ray_table;
+pub mod scatter;
 pub mod seidel;
 pub mod single_surface;
 pub mod surface;

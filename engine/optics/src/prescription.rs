@@ -5,6 +5,7 @@ pub mod moving;
 
 use thiserror::Error;
 
+use crate::coating::{ASSUMED, Coating, parts_glass_from_air};
 use crate::glass::Medium;
 use crate::surface::{Pose, Section, Shape};
 
@@ -45,6 +46,8 @@ pub struct SurfaceRow {
     pub semi_diameter_mm: f64,
     /// Half of the diameter of a central obstruction, or 0.
     pub obstruction_mm: f64,
+    /// Thin films on the surface; `None`: nothing is known of them.
+    pub coating: Option<Coating>,
     /// Where the row begins in its file.
     pub place: Place,
 }
@@ -250,6 +253,40 @@ impl Prescription {
             }
         }
         beyond
+    }
+
+    /// Coats every surface of which nothing is known where glass meets air.
+    pub(crate) fn coat(&mut self, coating: &Coating) {
+        for i in self.in_air() {
+            self.surfaces[i].coating.get_or_insert_with(|| coating.clone());
+        }
+    }
+
+    /// The surfaces where glass meets air.
+    pub(crate) fn in_air(&self) -> Vec<usize> {
+        let mut before = Medium::air();
+        let mut found = Vec::new();
+        for (i, row) in self.surfaces.iter().enumerate() {
+            if let Behind::Medium(behind) = &row.behind {
+                if parts_glass_from_air(&before, behind) {
+                    found.push(i);
+                }
+                before = behind.clone();
+            }
+        }
+        found
+    }
+
+    /// What surfaces are taken to have where glass meets air and nothing is said: an eye nothing, a lens what most have had since 1945.
+    pub(crate) fn assumed_coating(&self) -> Coating {
+        let name = if self.metadata.group == Some(LensGroup::Eye) { "none" } else { ASSUMED };
+        Coating::parse(name).unwrap_or_default()
+    }
+
+    /// True if nothing is known of the coating of some surface where glass meets air, so that one is assumed.
+    pub fn assumes_coatings(&self) -> bool {
+        self.metadata.group != Some(LensGroup::Eye)
+            && self.in_air().into_iter().any(|i| self.surfaces[i].coating.is_none())
     }
 
     /// Says what is wrong with the lens; readers of files call it last.

@@ -6,6 +6,7 @@ use std::sync::Arc;
 
 use thiserror::Error;
 
+use crate::coating::{Coating, Split, parts_glass_from_air};
 use crate::diaphragm::{ApertureMask, Diaphragm, DiaphragmError};
 use crate::first_order::{Matrix, Thin, between_vertices, front_of};
 use crate::glass::{Medium, line_nm};
@@ -121,6 +122,28 @@ pub struct Surface {
     pub obstruction_mm: f64,
     /// What happens here.
     pub element: Element,
+    /// Thin films on it.
+    pub coating: Coating,
+}
+
+impl Surface {
+    /// What becomes of light of a vacuum wavelength that comes to the surface under an angle with this cosine, from the scene's side or
+    /// from the film's. A mirror of which nothing is known reflects everything; a gradient counts by its index on the axis.
+    pub fn split(&self, wavelength_nm: f64, cos_incidence: f64, towards_film: bool) -> Split {
+        let (from, to) = match &self.element {
+            Element::Refract { from, to } => (from, to),
+            Element::Reflect { medium } => {
+                return self.coating.mirrored(medium.index(wavelength_nm).abs(), wavelength_nm, cos_incidence);
+            }
+        };
+        let indices = [from, to].map(|medium| medium.index(wavelength_nm).abs());
+        let [from, to] = if towards_film { indices } else { [indices[1], indices[0]] };
+        self.coating.split(from, to, wavelength_nm, cos_incidence)
+    }
+}
+
+fn is_glass_in_air(element: &Element) -> bool {
+    matches!(element, Element::Refract { from, to } if parts_glass_from_air(from, to))
 }
 
 /// A lens in lens space: z = 0 at the first vertex, light travels towards +z, millimetres.
@@ -200,6 +223,30 @@ impl System {
         }
         self.diaphragm = Diaphragm::masked(self.diaphragm.radius_mm(), mask, rotation_rad);
         Ok(self)
+    }
+
+    /// The same lens with another coating wherever glass meets air.
+    #[must_use]
+    pub fn coated(mut self, coating: &Coating) -> Self {
+        for surface in &mut self.surfaces {
+            if is_glass_in_air(&surface.element) {
+                surface.coating = coating.clone();
+            }
+        }
+        self
+    }
+
+    /// The names of the coatings on surfaces where glass meets air, and on mirrors, each once.
+    pub fn coatings(&self) -> Vec<String> {
+        let mut names: Vec<String> = Vec::new();
+        for surface in &self.surfaces {
+            let is_mirror = matches!(surface.element, Element::Reflect { .. });
+            let name = surface.coating.name();
+            if (is_glass_in_air(&surface.element) || is_mirror) && !names.iter().any(|known| known == name) {
+                names.push(name.to_owned());
+            }
+        }
+        names
     }
 
     /// The lens's name.
@@ -355,6 +402,7 @@ fn check_settings(settings: &SystemSettings) -> Result<(), SystemError> {
 fn place(prescription: &Prescription, scale: f64) -> Vec<Surface> {
     let mut z_mm = 0.0;
     let mut medium = Medium::air();
+    let assumed = prescription.assumed_coating();
     let mut placed = Vec::with_capacity(prescription.surfaces.len());
     for row in &prescription.surfaces {
         let element = match &row.behind {
@@ -373,6 +421,10 @@ fn place(prescription: &Prescription, scale: f64) -> Vec<Surface> {
             thickness_mm: row.thickness_mm * scale,
             semi_diameter_mm: row.semi_diameter_mm * scale,
             obstruction_mm: row.obstruction_mm * scale,
+            coating: match &row.coating {
+                None if is_glass_in_air(&element) => assumed.clone(),
+                known => known.clone().unwrap_or_default(),
+            },
             element,
         });
         z_mm += row.thickness_mm * scale;

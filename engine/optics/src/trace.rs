@@ -3,6 +3,7 @@
 mod bundle;
 mod fate;
 mod gradient;
+mod reflected;
 mod spectral;
 mod step;
 
@@ -21,6 +22,7 @@ use step::{Action, Passage, Step, is_far};
 
 pub use crate::surface::Failure;
 pub use bundle::{Bundle, Traced};
+pub use reflected::{Encounter, Incidence, Meeting, ReflectedTracer, Wanderer};
 pub use spectral::{LINES, Leaving, SpectralBundle, SpectralTracer};
 
 /// A ray in lens space, mm.

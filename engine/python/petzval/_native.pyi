@@ -98,6 +98,7 @@ class LensSetting(Protocol):
     blade_curvature: float
     blade_rotation_rad: float
     aperture_mask: ApertureMask | None
+    coating: str | None  # wherever glass meets air; None: as the lens file has it
 
 class LensLook(Protocol):
     """How it is looked at. `petzval/lens_setting.py` has the dataclass."""
@@ -133,13 +134,45 @@ def lens_mtf_json(
     each contrast, geometric (rays alone) and limit (diffraction alone). height_frequencies_per_mm, 0 to 4 steps, and heights: the
     same from the axis to the largest field."""
 
+def lens_psf_json(lens: Lens, setting: LensSetting, look: LensLook) -> str:
+    """fields: angle_deg, height_mm, strehl by wavelength; a picture of side x side values, step_mm apart, rows from below, the middle one where
+    the middle of all rays' light lies, all wavelengths together, in units of the brightest that this pupil makes without aberrations; and
+    the part of the light that is encircled within radii_mm. A field that is spread too far for waves has spread_mm and spread_times,
+    over λN, instead."""
+
 def lens_distortion_json(lens: Lens, setting: LensSetting, look: LensLook, count: int) -> str:
     """height_by_slope_mm and fields: angle_deg, and of the ray through the middle of the stop height_mm, straight_height_mm (by the
     tangent; null from 90 degrees on), even_height_mm (by the angle), tangential_focus_mm and sagittal_focus_mm from the film, along z,
     colour_mm: by wavelength, from the main one's height."""
 
+def lens_ghosts_json(
+    lens: Lens,
+    setting: LensSetting,
+    *,
+    angle_deg: float = 0.0,
+    azimuth_deg: float = 90.0,
+    wavelength_nm: float = 550.0,
+    focus_distance_mm: float | None = None,
+    film_mm: tuple[float, float] | None = None,
+    reflections: int = 2,
+    brute_force_rays: int = 0,
+    seed: int = 0,
+) -> str:
+    """What `petzval lens ghosts` tells of a far source at an angle to the axis, up at an azimuth of 90 degrees, whose light has the
+    irradiance one before the lens. ghosts, the brightest first: surfaces (that reflect, in the order of the light, the first of the
+    lens is 0), irradiance (of an even disc as wide), radius_mm (of that), centre_mm (in the picture, right and up from its middle),
+    light_mm2 (irradiance times area) that gets to the film's plane, and on_film_mm2 of it; on_film_mm2 of all; and of the setting name,
+    wavelength_nm, f_number, focus_distance_mm, angle_deg, azimuth_deg, film_mm (by default the lens file's, or 36 by 24), reflections.
+    brute_force (null unless asked for): rays, on_film_mm2 by the number of reflections, and its standard error_mm2."""
+
 def lens_illumination_json(lens: Lens, setting: LensSetting, look: LensLook, count: int) -> str:
     """fields that are lit: angle_deg, height_mm, relative to the axis (null where that is dark), projected_sr."""
+
+def lens_transmission_json(lens: Lens, setting: LensSetting, look: LensLook, spectrum_nm: Sequence[float]) -> str:
+    """What the lens lets through of light of these wavelengths, spectrum_nm: fields, each angle_deg, parts (by wavelength, the mean of the
+    light that no rim stops; null where nothing comes through) and is_dark; t_number (of white light in the film's middle; null where that
+    is dark), coating_is_assumed (the file says nothing of it), coatings, each name, before (the medium behind the first surface that has
+    it) and reflected (at right angles, by wavelength), and unknown_absorption: glasses that count as clear."""
 
 def glass_json(name: str, catalogue: str | None, wavelengths_nm: Sequence[float], thickness_mm: float) -> str:
     """A glass of the shipped catalogues, or of the .agf or .yml file `catalogue`: name, source, makers (that have one of this name, the
@@ -181,6 +214,11 @@ class CameraDescription(Protocol):
     blade_rotation_rad: float
     blade_curvature: float  # 0: straight blades, 1: a round opening
     aperture_mask: ApertureMask | None  # the opening's shape instead of blades; turned like them
+    roughness_nm: float  # of the lens's surfaces, rms
+    cleanliness: float  # dust on them: level of IEST-STD-CC1246; 0: none
+    veiling_index: float  # barrel and film: part of an even world's light
+    coating: str | None  # wherever glass meets air: a recipe, or layers as in a lens file; None: as the file has it
+    exposes_by_f_number: bool  # what the lens takes makes the picture darker
     focus_distance: float | None  # along the optical axis from the anchor, Blender units; None: infinity
     anchor: str  # "ENTRANCE_PUPIL" | "FRONT_VERTEX" | "FILM": what of the lens stands at the camera's origin
     # "EXACT" | "THIN": 1/U + 1/V = 1/f, with the focus distance U from the object principal plane
@@ -196,7 +234,8 @@ class CameraDescription(Protocol):
     wavelength_nm: float | None  # None: the visible spectrum
 
 def camera_info_json(camera: CameraDescription, width: int, height: int) -> str:
-    """What the panel shows and the viewport needs: efl_mm, bfd_mm, f_number (in force), widest_f_number,
+    """What the panel shows and the viewport needs: efl_mm, bfd_mm, f_number (in force), widest_f_number, t_number (null: dark),
+    coatings (names), coating_is_assumed (the file says nothing of it), unknown_absorption (glasses that count as clear),
     film_z_mm, film_distance_mm, focus_distance_mm (from the entrance pupil; null: infinity), focus_scale_mm (the same as
     the camera's anchor and relation count it), magnification, fov_horizontal_rad,
     fov_vertical_rad, fov_diagonal_rad, picture_width_mm, picture_height_mm (the used part of the film),
@@ -438,6 +477,7 @@ class Plan:
         *,
         effects: dict[str, str] = ...,  # name: "auto" | "on" | "off"; what is not named is auto
         quality: float = 1.0,  # tolerances are divided by it
+        ghost_reflections: int = 2,  # 2 | 4
         shutter: ShutterDescription | None = None,  # where anything but the lens moves
     ) -> None: ...
     def json(self) -> str:
@@ -516,6 +556,12 @@ class Job:
         """(height, width, 4), what is there now."""
     def stop(self) -> None:
         """Asks to stop; finished samples stay. The job ends within 0.1 s."""
+    def develop(self) -> None:
+        """After the end: finds the light that strays in the lens, if the plan has any simulated; `image` then has it. Takes its time."""
+    def stop_developing(self) -> None:
+        """Ends `develop` in another thread without a result."""
+    def stray(self, name: str) -> np.ndarray:
+        """A part of that light, of shape (height, width, 3), already in `image`: GHOSTS, GLARE or DIFFRACTION; black where it was not found."""
     def end_checkpoints(self, is_done_with: bool) -> None:
         """After the end: waits until what is kept is written; deletes it if it is done with."""
     def stats_json(self) -> str:

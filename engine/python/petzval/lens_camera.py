@@ -49,6 +49,7 @@ def camera_of(arguments: argparse.Namespace, *, wavelength_nm: float | None = No
         blade_rotation_rad=setting.blade_rotation_rad,
         blade_curvature=setting.blade_curvature,
         aperture_mask=setting.aperture_mask,
+        coating=setting.coating,
         focus_distance=None if is_far else distance / _SCALE,
         film_width_mm=arguments.film[0],
         film_height_mm=arguments.film[1],

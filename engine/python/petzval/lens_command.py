@@ -9,7 +9,7 @@ import math
 from pathlib import Path
 from typing import Any
 
-from . import lens_export_command, lens_list, lens_report_command
+from . import lens_export_command, lens_ghosts_command, lens_list, lens_report_command
 from .argument_types import number
 from .errors import CommandError, complain
 from .lens_loading import load, say
@@ -53,6 +53,7 @@ def add_parser(subparsers: argparse._SubParsersAction) -> None:
 
     lens_report_command.add_parsers(actions, KINDS)
     lens_export_command.add_parsers(actions, KINDS)
+    lens_ghosts_command.add_parser(actions, KINDS)
 
     info = actions.add_parser("info", help="focal length, planes, pupils, aberrations", allow_abbrev=False)
     info.add_argument("lens", metavar="FILE", help=f"a lens file ({KINDS}), or the name of a shipped lens")
@@ -174,6 +175,7 @@ _ROWS = (
     ("wavelength_nm", "wavelength", "nm", ""),
     ("efl_mm", "focal length", "mm", "infinite"),
     ("f_number", "f-number", "", "none"),
+    ("t_number", "T-number, white light", "", "none"),
     ("f_number_by_area", "f-number, round and as large", "", "none"),
     ("stop_diameter_mm", "diaphragm's diameter", "mm", ""),
     ("stop_area_mm2", "diaphragm's area", "mm2", ""),
@@ -238,7 +240,16 @@ def _table(info: dict[str, Any]) -> str:
         lines.append(f"{words:<{words_width}}  {aligned} {unit}".rstrip())
     if info["axial_beam_cut_by_surface"] is not None:
         lines.append(f"surface {info['axial_beam_cut_by_surface']} cuts the beam on the axis: the stop is not filled")
+    lines.append(_coating_line(info))
+    if clear := info["unknown_absorption"]:
+        lines.append(f"counted as clear, for their absorption is not known: {', '.join(clear)}")
     return "\n".join([*lines, "", *_sum_lines(info)])
+
+
+def _coating_line(info: dict[str, Any]) -> str:
+    """What its surfaces in air are coated with."""
+    names = ", ".join(info["coatings"]) or "no surface in air"
+    return f"coatings: {names}" + (" (assumed: the file names none)" if info["coating_is_assumed"] else "")
 
 
 def _sum_lines(info: dict[str, Any]) -> list[str]:

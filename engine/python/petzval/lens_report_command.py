@@ -1,5 +1,5 @@
 # SPDX-License-Identifier: GPL-3.0-or-later
-"""`petzval lens spots|fans|mtf|distortion|illumination`: reads arguments, asks the engine, draws its answer. Computes nothing."""
+"""`petzval lens spots|fans|mtf|psf|distortion|illumination|transmission`: reads arguments, asks the engine, draws its answer. Computes nothing."""
 
 from __future__ import annotations
 
@@ -20,7 +20,7 @@ _ALL_FIELDS = "from 0 to the design's half field"
 
 
 def add_parsers(actions: Any, kinds: str) -> None:
-    """Adds the five actions to those of `petzval lens`."""
+    """Adds the six actions to those of `petzval lens`."""
 
     def add(name: str, help_text: str, fields: str, run: Callable[..., int]) -> argparse.ArgumentParser:
         parser = actions.add_parser(name, help=help_text, allow_abbrev=False)
@@ -54,6 +54,8 @@ def add_parsers(actions: Any, kinds: str) -> None:
         help="over the height are 1, 2, 3 and 4 times so many line pairs/mm; default: 10",
     )  # fmt: skip
 
+    add("psf", "what diffraction and aberrations make of a point", _SOME_FIELDS, _psf)
+
     distortion = add("distortion", "distortion, field curvature, lateral colour", _ALL_FIELDS, _distortion)
     distortion.add_argument("--count", type=int, default=41, metavar="N", help="of the fields; default: 41")
 
@@ -62,6 +64,14 @@ def add_parsers(actions: Any, kinds: str) -> None:
     illumination.add_argument(
         "--f-numbers", nargs="+", type=number, default=[], metavar="N", help="a curve for each, instead of --f-number"
     )
+
+    transmission = add(
+        "transmission", "what is left of each colour, and what coatings reflect", _SOME_FIELDS, _transmission
+    )
+    transmission.add_argument(
+        "--spectrum", nargs=3, type=number, default=[380.0, 780.0, 5.0], metavar=("FROM", "TO", "STEP"),
+        help="nanometres; default: 380 780 5",
+    )  # fmt: skip
 
 
 def _lens(arguments: argparse.Namespace) -> Any:
@@ -119,6 +129,15 @@ def _mtf(arguments: argparse.Namespace) -> int:
     return _finish(arguments, lens, found, titles.mtf(found), mtf)
 
 
+def _psf(arguments: argparse.Namespace) -> int:
+    from . import _native
+    from .lens_reports import psf, titles
+
+    lens = _lens(arguments)
+    found = json.loads(_native.lens_psf_json(lens, setting_of(arguments), look_of(arguments)))
+    return _finish(arguments, lens, found, titles.psf(found), psf)
+
+
 def _distortion(arguments: argparse.Namespace) -> int:
     from . import _native
     from .lens_reports import distortion, titles
@@ -140,3 +159,24 @@ def _illumination(arguments: argparse.Namespace) -> int:
     settings = [replace(setting, f_number=n) for n in arguments.f_numbers] or [setting]
     found = [json.loads(_native.lens_illumination_json(lens, one, look, arguments.count)) for one in settings]
     return _finish(arguments, lens, found, titles.ILLUMINATION, illumination)
+
+
+def _transmission(arguments: argparse.Namespace) -> int:
+    from . import _native
+    from .lens_reports import titles, transmission
+
+    first, last, step = arguments.spectrum
+    steps = (last - first) / step if step > 0.0 else 0.0
+    if not 1.0 <= steps <= 1999.0:
+        arguments.usage_error("--spectrum FROM TO STEP: two wavelengths and a step between them, at most 2000 in all")
+    spectrum = [first + step * i for i in range(int(steps + 1e-9) + 1)]
+    lens = _lens(arguments)
+    found = json.loads(_native.lens_transmission_json(lens, setting_of(arguments), look_of(arguments), spectrum))
+    assumed = (
+        [f"its file names no coating: {found['coatings'][0]['name']} is assumed"] if found["coating_is_assumed"] else []
+    )
+    if found["unknown_absorption"]:
+        assumed.append(f"counted as clear, for their absorption is not known: {', '.join(found['unknown_absorption'])}")
+    status = _finish(arguments, lens, found, titles.transmission(found), transmission)
+    say(assumed)
+    return status

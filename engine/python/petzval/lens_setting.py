@@ -27,6 +27,7 @@ class LensSetting:
     blade_curvature: float = 0.0
     blade_rotation_rad: float = 0.0
     aperture_mask: Any = None
+    coating: str | None = None
 
 
 @dataclass(frozen=True)
@@ -72,6 +73,9 @@ def add_setting(parser: argparse.ArgumentParser) -> None:
     parser.add_argument("--blade-curvature", type=number, metavar="C", help="of the blades' edges: 0 straight, 1 round")
     parser.add_argument("--blade-rotation", type=number, metavar="DEG", help="turn of the diaphragm about the axis")
     parser.add_argument("--aperture-mask", metavar="FILE", help="a square picture of the opening, instead of blades")
+    parser.add_argument(
+        "--coating", metavar="NAME", help="wherever glass meets air: none, MgF2, double, triple, ..., or layer by layer"
+    )
     parser.set_defaults(usage_error=parser.error)
 
 
@@ -88,6 +92,7 @@ def setting_of(arguments: argparse.Namespace) -> LensSetting:
         blade_curvature=arguments.blade_curvature or 0.0,
         blade_rotation_rad=math.radians(rotation or 0.0),
         aperture_mask=_mask(arguments.aperture_mask) if arguments.aperture_mask else None,
+        coating=arguments.coating,
     )
 
 

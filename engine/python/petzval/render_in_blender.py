@@ -183,6 +183,8 @@ def _apply(scene: Any, o: dict, addon: Any, found: dict) -> str | None:
         scene.petzval.integrator = o["integrator"]
     if o["quality"] is not None:
         scene.petzval.quality = o["quality"]
+    if o["ghost_reflections"] is not None:
+        scene.petzval.ghost_reflections = str(o["ghost_reflections"])
     for name, word in o["effects"].items():
         setattr(scene.petzval.effects, name, word.upper())
     if o["output"] is not None:
@@ -267,6 +269,10 @@ def _apply_camera(scene: Any, data: Any, o: dict, addon: Any) -> None:
         own.aperture_mask = addon.export.aperture_mask.load(o["aperture_mask"])
     elif o["blades"] is not None:
         own.aperture_mask = None
+    if o["coating"]:
+        own.coating = o["coating"].upper().replace("-", "_")
+    if o["expose_by"]:
+        own.exposes_by_f_number = o["expose_by"] == "f-number"
     if o["scale_mm"]:
         own.scale_from_scene = False
         own.scale_locked = False
@@ -298,6 +304,9 @@ def _apply_camera(scene: Any, data: Any, o: dict, addon: Any) -> None:
             shape = addon.export.camera.resolution(scene.render)
         own.film_mode = "SIZE"
         own.film_width, own.film_height = with_diagonal(*shape, o["film_diagonal_mm"])
+    if own.model not in addon.description.OF_LENS_FILE and (o["film_mm"] or o["film_diagonal_mm"] is not None):
+        # A camera without a lens has Blender's sensor, which is as high as the picture's shape says.
+        data.sensor_fit, data.sensor_width, data.sensor_height = "HORIZONTAL", own.film_width, own.film_height
     if isinstance(o["spectrum"], float):
         own.spectrum, own.wavelength = "SINGLE", o["spectrum"]
     elif o["spectrum"]:

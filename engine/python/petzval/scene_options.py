@@ -49,6 +49,12 @@ def add(p: argparse.ArgumentParser) -> None:
     p.add_argument("--blade-curvature", type=types.part, metavar="C", help="of the blades' edges: 0 straight, 1 round")
     p.add_argument("--blade-rotation", type=types.number, metavar="DEG", help="turn of the diaphragm about the axis")
     p.add_argument("--aperture-mask", metavar="FILE", help="a square picture of the opening, instead of blades")
+    p.add_argument(
+        "--coating", choices=("as-file", "none", "mgf2", "double", "triple"), help="wherever the lens's glass meets air"
+    )
+    p.add_argument(
+        "--expose-by", choices=("t-number", "f-number"), help="f-number: what the lens takes makes the picture darker"
+    )
     p.add_argument("--film", type=types.film, metavar="NAME|WxH", help=f"mm, or one of {types.FILM_NAMES}")
     p.add_argument("--film-diagonal", type=types.positive, metavar="MM", help="the film scaled to it, its shape kept")
     p.add_argument("--focus-distance", type=types.distance, metavar="MM|inf", help="from the anchor")
@@ -97,6 +103,9 @@ def add(p: argparse.ArgumentParser) -> None:
     p.add_argument(
         "--quality", type=types.quality, metavar="Q", help="1 leaves out what is below half a pixel; 2, a quarter"
     )
+    p.add_argument(
+        "--ghost-reflections", type=int, choices=(2, 4), help="of a ghost's path, at most; default: as the scene has it"
+    )
     p.add_argument("--resolution", type=types.pixels, metavar="WxH")
     p.add_argument("--frame", type=int, metavar="N")
     p.add_argument("--threads", type=types.natural, metavar="N", help="0: one for each core")
@@ -131,6 +140,8 @@ def checked(a: argparse.Namespace) -> dict:
         "f_number": a.f_number,
         "pupil_diameter_mm": a.pupil_diameter,
         "blades": a.blades,
+        "coating": a.coating,
+        "expose_by": a.expose_by,
         "shutter_s": a.shutter,
         "iso": a.iso,
         "blade_curvature": a.blade_curvature,
@@ -150,6 +161,7 @@ def checked(a: argparse.Namespace) -> dict:
         "spectrum": a.spectrum,
         "effects": dict(a.effect),
         "quality": a.quality,
+        "ghost_reflections": a.ghost_reflections,
         "precision": a.precision,
         "pipeline": a.pipeline,
         "integrator": {"path": "PATH", "bdpt": "BIDIRECTIONAL", None: None}[a.integrator],
@@ -200,6 +212,8 @@ def study(blender: str | None, options: dict, tell: Callable[[dict[str, Any], Te
             from .render_in_blender import render
 
             status = render(options)
+        # What goes wrong from here on is to be seen.
+        os.dup2(voice, 2)
         with os.fdopen(own_stdout, "w", encoding="utf-8") as out, os.fdopen(voice, "w", errors="replace") as says:
             if answer.exists():
                 tell(json.loads(answer.read_text(encoding="utf-8")), out, says)

@@ -2,11 +2,13 @@
 
 use crate::doorway::away;
 use crate::error::{Error, bad_camera, refused};
+use crate::setting::coating;
 use glam::{DMat4, DVec3};
 use petzval_optics::diaphragm::ApertureMask;
 use petzval_optics::focus::{Anchor, Focusing, Relation};
 use petzval_render::camera::exposure::PhysicalExposure;
 use petzval_render::camera::precision::Precision;
+use petzval_render::camera::scattering::Scattering;
 use petzval_render::camera::{self, CameraDescription, Model, Shown, Spectrum};
 use pyo3::prelude::*;
 use serde_json::json;
@@ -57,6 +59,8 @@ pub(crate) struct PyCamera {
     blade_rotation_rad: f64,
     blade_curvature: f64,
     aperture_mask: Option<PyApertureMask>,
+    coating: Option<String>,
+    exposes_by_f_number: bool,
     focus_distance: Option<f64>,
     anchor: String,
     focus_relation: String,
@@ -71,6 +75,9 @@ pub(crate) struct PyCamera {
     wavelength_nm: Option<f64>,
     spectrum: String,
     precision: String,
+    roughness_nm: f64,
+    cleanliness: f64,
+    veiling_index: f64,
     /// Shutter (s), film speed (ISO), lumens of a watt.
     exposure: Option<(f64, f64, f64)>,
     orthographic_width: f64,
@@ -117,6 +124,7 @@ impl TryFrom<PyCamera> for CameraDescription {
             Some(mask) => Some(mask.read(&format!("camera '{}'", c.object_name))?),
             None => None,
         };
+        let coating = c.coating.as_deref().map(coating).transpose()?;
         let anchor = match c.anchor.as_str() {
             "ENTRANCE_PUPIL" => Anchor::EntrancePupil,
             "FRONT_VERTEX" => Anchor::FrontVertex,
@@ -155,6 +163,9 @@ impl TryFrom<PyCamera> for CameraDescription {
             blade_rotation_rad: c.blade_rotation_rad,
             blade_curvature: c.blade_curvature,
             aperture_mask,
+            coating,
+            transmission: false,
+            exposes_by_f_number: c.exposes_by_f_number,
             focus_distance: c.focus_distance,
             focusing: Focusing { anchor, relation },
             focus_point_world: c.focus_point_world.map(|(x, y, z)| DVec3::new(x, y, z)),
@@ -168,6 +179,11 @@ impl TryFrom<PyCamera> for CameraDescription {
             wavelength_nm: c.wavelength_nm,
             spectrum,
             shown: Shown::default(),
+            scattering: Scattering {
+                roughness_nm: c.roughness_nm,
+                cleanliness: c.cleanliness,
+                veiling_index: c.veiling_index,
+            },
             precision,
             exposure: c.exposure.map(|(shutter_s, iso, lumens_per_watt)| PhysicalExposure {
                 shutter_s,
@@ -191,6 +207,10 @@ pub(crate) fn camera_info_json(py: Python<'_>, camera: PyCamera, width: u32, hei
         "efl_mm": i.efl_mm,
         "bfd_mm": i.bfd_mm,
         "f_number": i.f_number,
+        "t_number": i.t_number,
+        "coatings": i.coatings,
+        "coating_is_assumed": i.coating_is_assumed,
+        "unknown_absorption": i.unknown_absorption,
         "widest_f_number": i.widest_f_number,
         "f_number_was_clamped": i.f_number_was_clamped,
         "film_z_mm": i.film_z_mm,

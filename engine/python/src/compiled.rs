@@ -35,9 +35,7 @@ impl Graphs {
         };
         Ok((Some(graph.clone()), reports.iter().map(|what| format!("{owner}: {what}")).collect()))
     }
-}
 
-impl Graphs {
     /// Drops those that nothing shows any more.
     pub(crate) fn forget_unused(&mut self) {
         self.known.retain(|_, (graph, _)| Arc::strong_count(graph) > 1);

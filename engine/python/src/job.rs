@@ -24,7 +24,9 @@ use petzval_render::job::{self as engine, Beside, Settings};
 use petzval_render::pipeline::Pipeline;
 use petzval_render::pipeline::exposure::{Exposure, Shutter};
 use petzval_render::pipeline::motion::Motion;
+use petzval_render::plan as engine_plan;
 use petzval_render::shading::Caustics;
+use petzval_render::stray::StrayPass;
 use pyo3::prelude::*;
 use serde_json::json;
 use std::collections::BTreeMap;
@@ -134,6 +136,8 @@ pub(crate) struct Job {
     job: engine::Job,
     /// That planning took.
     plan_seconds: f64,
+    /// What decides of the light that strays, and the camera before its decisions.
+    strays: Option<(engine_plan::Plan, CameraDescription)>,
 }
 
 #[pymethods]
@@ -192,7 +196,7 @@ impl Job {
         if let Some(plan) = plan {
             settings.pipeline = plan.plan.pipeline();
         }
-        let now = planned(&now);
+        let (now, unplanned) = (planned(&now), now);
         let plan_seconds = plan.map_or(0.0, |plan| plan.plan.seconds);
         let stage = scene.stage.clone();
         away(py, || -> Result<Self, Error> {
@@ -219,7 +223,8 @@ impl Job {
             let parts = Parts::new(&parts, seen);
             let beside =
                 Beside { mattes, matte_levels, motion, clip, gains, light_groups, parts, checkpoints, exposure };
-            Ok(Self { job: engine::Job::start_with(stage, cameras, settings, beside)?, plan_seconds })
+            let strays = plan.map(|plan| (plan.plan.clone(), unplanned));
+            Ok(Self { job: engine::Job::start_with(stage, cameras, settings, beside)?, plan_seconds, strays })
         })?
     }
 
@@ -251,14 +256,18 @@ impl Job {
 
     fn image<'py>(&self, py: Python<'py>) -> Result<Bound<'py, PyArray3<f32>>, Error> {
         let (width, height) = self.job.film().size();
-        let pixels = away(py, || self.job.film().picture())?;
+        let pixels = away(py, || self.job.picture())?;
         array(py, pixels, width, height)
     }
 
     fn data<'py>(&self, py: Python<'py>, name: &str) -> Result<Bound<'py, PyArray3<f32>>, Error> {
         let (width, height) = self.job.film().size();
         if let Some(place) = ["REMAINDER", "REMAINDER_FINE"].iter().position(|known| *known == name) {
-            let rest = away(py, || self.job.film().remainders())?;
+            // With light that strays the picture is no sum of samples.
+            let rest = away(py, || match self.job.strayed() {
+                Some(_) => vec![[[0.0; 4]; 2]; width as usize * height as usize],
+                None => self.job.film().remainders(),
+            })?;
             return array(py, rest.into_iter().map(|both| both[place]).collect(), width, height);
         }
         let (pass, channels) = match name {
@@ -347,12 +356,35 @@ impl Job {
         self.job.stop();
     }
 
+    fn develop(&self, py: Python<'_>) -> Result<(), Error> {
+        let Some((plan, camera)) = &self.strays else { return Ok(()) };
+        let settings = self.job.settings();
+        away(py, || {
+            if let Some(strays) = plan.strays(camera, [settings.width, settings.height])? {
+                self.job.develop(&strays);
+            }
+            Ok(())
+        })?
+    }
+
+    fn stop_developing(&self) {
+        self.job.stop_developing();
+    }
+
+    fn stray<'py>(&self, py: Python<'py>, name: &str) -> Result<Bound<'py, PyArray3<f32>>, Error> {
+        let pass = StrayPass::ALL.into_iter().find(|pass| pass.name() == name);
+        let pass = pass.ok_or_else(|| refused(format!("no light strays by the name of '{name}'")))?;
+        let pixels = away(py, || self.job.stray_pass(pass).iter().map(|light| light.to_array()).collect())?;
+        self.array_of_three(py, pixels)
+    }
+
     fn end_checkpoints(&self, py: Python<'_>, is_done_with: bool) -> Result<(), Error> {
         away(py, || self.job.end_checkpoints(is_done_with))
     }
 
     fn stats_json(&self) -> String {
         let s = self.job.statistics();
+        let strayed = self.job.strayed();
         let settings = self.job.settings();
         let timed = s.counts.sample_time.as_secs_f64();
         let lens_share = if timed > 0.0 { s.counts.camera_time.as_secs_f64() / timed } else { 0.0 };
@@ -361,6 +393,10 @@ impl Job {
             "plan": self.plan_seconds,
             "render": s.render_seconds,
         });
+        if let Some(strayed) = &strayed {
+            let times = strayed.times().map(|(pass, seconds)| (pass.name().to_lowercase(), seconds));
+            seconds["strays"] = json!(times.collect::<BTreeMap<String, f64>>());
+        }
         if let Some(lens) = self.job.camera().traced_lens() {
             seconds["pupil_map"] = json!(lens.map_seconds());
         }
@@ -393,6 +429,12 @@ impl Job {
             "integrator": settings.integrator.name(),
             "width": settings.width,
             "height": settings.height,
+            "ghosts": strayed.and_then(|strayed| strayed.ghosts.clone()).map(|ghosts| json!({
+                "sources": ghosts.sources,
+                "found": ghosts.found,
+                "simulated": ghosts.simulated,
+                "left_out": ghosts.left_out,
+            })),
             "failure": s.failure,
             "checkpoint": s.kept.map(|kept| json!({
                 "resumed_samples": kept.resumed_samples,

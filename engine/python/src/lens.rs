@@ -15,6 +15,7 @@ use petzval_optics::surface::Section;
 use petzval_optics::system::System;
 use petzval_optics::trace::{Ray, Tracer};
 use petzval_optics::vignetting::Vignetting;
+use petzval_render::camera::t_number;
 use pyo3::prelude::*;
 use serde_json::{Value, json};
 use std::collections::HashMap;
@@ -81,7 +82,9 @@ impl Lens {
         focus_distance_mm: Option<f64>,
     ) -> Result<String, Error> {
         check_wavelength(wavelength_nm)?;
-        let (system, focus) = setting.unwrap_or_default().focused(self, wavelength_nm, focus_distance_mm)?;
+        let setting = setting.unwrap_or_default();
+        let coating_is_assumed = setting.keeps_coatings() && self.prescription.assumes_coatings();
+        let (system, focus) = setting.focused(self, wavelength_nm, focus_distance_mm)?;
         let p = Paraxial::new(&system, wavelength_nm);
         let seidel = Seidel::new(&system, wavelength_nm, focus.object_plane_mm);
         let fields = away(py, || Vignetting::new(&system, wavelength_nm, &focus))?;
@@ -111,6 +114,10 @@ impl Lens {
             "entrance_pupil": pupil(&p.entrance_pupil),
             "exit_pupil": pupil(&p.exit_pupil),
             "f_number": p.f_number,
+            "t_number": t_number(&system, wavelength_nm, focus.film_z_mm),
+            "coatings": system.coatings(),
+            "coating_is_assumed": coating_is_assumed,
+            "unknown_absorption": system.glasses_of_unknown_absorption(),
             "working_f_number": focus.working_f_number,
             "stop_diameter_mm": p.stop_diameter_mm,
             "stop_area_mm2": system.diaphragm().area_mm2(),

@@ -11,6 +11,7 @@ use petzval_render::integrator::Integrator;
 use petzval_render::job::forecast::Forecast;
 use petzval_render::job::{Beside, Settings};
 use petzval_render::plan::{self, Decision, Effect, Wishes, Word};
+use petzval_render::stray::Reflections;
 use pyo3::prelude::*;
 use serde_json::{Value, json};
 use std::collections::BTreeMap;
@@ -26,7 +27,7 @@ pub(crate) struct Plan {
 impl Plan {
     #[new]
     #[allow(clippy::too_many_arguments)]
-    #[pyo3(signature = (scene, camera, settings, over_the_shutter=Vec::new(), *, effects=BTreeMap::new(), quality=1.0, shutter=None))]
+    #[pyo3(signature = (scene, camera, settings, over_the_shutter=Vec::new(), *, effects=BTreeMap::new(), quality=1.0, ghost_reflections=2, shutter=None))]
     fn new(
         py: Python<'_>,
         scene: &Scene,
@@ -35,13 +36,16 @@ impl Plan {
         over_the_shutter: Vec<PyCamera>,
         effects: BTreeMap<String, String>,
         quality: f64,
+        ghost_reflections: usize,
         shutter: Option<PyShutter>,
     ) -> Result<Self, Error> {
         let description: CameraDescription = camera.try_into()?;
         let moving =
             over_the_shutter.into_iter().map(TryInto::try_into).collect::<Result<Vec<CameraDescription>, _>>()?;
         let settings: Settings = settings.try_into()?;
-        let wishes = wishes(&effects, quality, &settings)?;
+        let mut wishes = wishes(&effects, quality, &settings)?;
+        wishes.ghost_reflections = Reflections::of(ghost_reflections)
+            .ok_or_else(|| refused(format!("{ghost_reflections} reflections of ghosts: give 2 or 4")))?;
         let needs_lens = settings.integrator == Integrator::Bidirectional;
         let size = [settings.width, settings.height];
         let stage = scene.stage.clone();
@@ -65,13 +69,13 @@ impl Plan {
         })??;
         let mut told = self.value();
         told["predicted"] = json!({
-            "seconds": found.seconds,
+            "seconds": found.seconds + self.plan.seconds_after(found.threads),
             "samples": samples,
             "threads": found.threads,
             "camera_part": found.camera_part,
         });
         for (row, effect) in told["effects"].as_array_mut().into_iter().flatten().zip(Effect::ALL) {
-            row["predicted_cost"] = json!(self.plan.cost(effect, found.camera_part));
+            row["predicted_cost"] = json!(self.plan.cost(effect, found.camera_part, found.seconds, found.threads));
         }
         Ok(told.to_string())
     }
@@ -100,6 +104,8 @@ impl Plan {
                 "wavelengths": plan.camera.wavelengths(),
                 "pipeline": plan.camera.pipeline.name(),
                 "round_f_number": plan.camera.round_f_number,
+                "diffraction": plan.camera.diffraction,
+                "glare": plan.camera.glare,
             },
             "look": {
                 "depths": look.depths,
@@ -124,6 +130,7 @@ fn row(d: &Decision) -> Value {
         "is_available": d.effect.is_available(),
         "is_uncertain": d.is_uncertain,
         "predicted_cost": Value::Null,
+        "picture_seconds": d.picture_s,
         "why": d.why,
     })
 }

@@ -1,4 +1,4 @@
-//! Reports of a lens, for `petzval lens spots`, `fans`, `mtf`, `distortion` and `illumination`.
+//! Reports of a lens, for `petzval lens spots`, `fans`, `mtf`, `psf`, `distortion` and `illumination`.
 
 use crate::doorway::away;
 use crate::error::{Error, refused};
@@ -8,9 +8,12 @@ use petzval_optics::analysis::Analysis;
 use petzval_optics::analysis::fan::FanLine;
 use petzval_optics::analysis::illumination::Illumination;
 use petzval_optics::analysis::mtf::{Curve, MtfError};
+use petzval_optics::analysis::psf::PsfError;
+use petzval_optics::analysis::transmission::FieldTransmission;
 use petzval_optics::glass::line_nm;
 use petzval_optics::paraxial::Paraxial;
 use petzval_optics::system::System;
+use petzval_render::camera::t_number;
 use pyo3::prelude::*;
 use serde_json::{Value, json};
 
@@ -259,6 +262,33 @@ pub(crate) fn lens_mtf_json(
 
 /// See the stub.
 #[pyfunction]
+pub(crate) fn lens_psf_json(py: Python<'_>, lens: &Lens, setting: Setting, look: Look) -> Result<String, Error> {
+    let system = look.system(lens, setting)?;
+    away(py, || {
+        let (analysis, fields, head) = look.open(&system, &SOME)?;
+        let field = |&angle: &f64| match analysis.psf(angle) {
+            Ok(psf) => json!({
+                "angle_deg": angle,
+                "is_dark": false,
+                "height_mm": psf.height_mm,
+                "strehl": psf.strehl,
+                "side": psf.side,
+                "step_mm": psf.step_mm,
+                "values": psf.values,
+                "radii_mm": psf.radii_mm,
+                "encircled": psf.encircled,
+            }),
+            Err(PsfError::Dark) => json!({ "angle_deg": angle, "is_dark": true }),
+            Err(PsfError::TooWide { spread_mm, times, .. }) => {
+                json!({ "angle_deg": angle, "is_dark": false, "spread_mm": spread_mm, "spread_times": times })
+            }
+        };
+        Ok(with(head, json!({ "fields": fields.iter().map(field).collect::<Vec<_>>() })))
+    })?
+}
+
+/// See the stub.
+#[pyfunction]
 pub(crate) fn lens_distortion_json(
     py: Python<'_>,
     lens: &Lens,
@@ -285,6 +315,48 @@ pub(crate) fn lens_distortion_json(
         };
         let fields: Vec<Value> = fields.iter().map(chief).collect();
         Ok(with(head, json!({ "height_by_slope_mm": analysis.height_by_slope_mm(), "fields": fields })))
+    })?
+}
+
+/// See the stub.
+#[pyfunction]
+pub(crate) fn lens_transmission_json(
+    py: Python<'_>,
+    lens: &Lens,
+    setting: Setting,
+    look: Look,
+    spectrum_nm: Vec<f64>,
+) -> Result<String, Error> {
+    within(spectrum_nm.len(), MOST, "wavelengths")?;
+    spectrum_nm.iter().try_for_each(|&nm| check_wavelength(nm))?;
+    let is_assumed = setting.keeps_coatings() && lens.prescription.assumes_coatings();
+    let system = look.system(lens, setting)?;
+    away(py, || {
+        let (analysis, fields, head) = look.open(&system, &SOME)?;
+        let through = analysis.transmission(&fields, &spectrum_nm);
+        let field = |one: &FieldTransmission| json!({ "angle_deg": one.angle_deg, "parts": one.parts, "is_dark": one.parts.is_none() });
+        let mut coatings: Vec<Value> = Vec::new();
+        for surface in system.surfaces() {
+            let is_known = coatings.iter().any(|known| known["name"] == surface.coating.name());
+            if !is_known && !surface.split(line_nm::D, 1.0, true).reflected.iter().all(|r| *r == 0.0) {
+                let on = surface.element.behind().name();
+                let reflected: Vec<f64> =
+                    spectrum_nm.iter().map(|nm| surface.split(*nm, 1.0, true).mean_reflected()).collect();
+                coatings.push(json!({ "name": surface.coating.name(), "before": on, "reflected": reflected }));
+            }
+        }
+        let t_number = t_number(&system, look.main_nm(), analysis.film().z_mm);
+        Ok(with(
+            head,
+            json!({
+                "spectrum_nm": spectrum_nm,
+                "t_number": t_number,
+                "coating_is_assumed": is_assumed,
+                "coatings": coatings,
+                "unknown_absorption": system.glasses_of_unknown_absorption(),
+                "fields": through.iter().map(field).collect::<Vec<_>>(),
+            }),
+        ))
     })?
 }
 

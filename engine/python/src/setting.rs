@@ -3,6 +3,7 @@
 use crate::camera::PyApertureMask;
 use crate::error::{Error, refused};
 use crate::lens::Lens;
+use petzval_optics::coating::Coating;
 use petzval_optics::focus::{Focus, Focusing};
 use petzval_optics::prescription::moving::MovingParts;
 use petzval_optics::system::{FocalLength, System, SystemSettings};
@@ -19,6 +20,8 @@ pub(crate) struct Setting {
     blade_curvature: f64,
     blade_rotation_rad: f64,
     aperture_mask: Option<PyApertureMask>,
+    /// Wherever glass meets air; `None`: as the lens file has it.
+    coating: Option<String>,
 }
 
 impl Setting {
@@ -30,6 +33,7 @@ impl Setting {
         wavelength_nm: f64,
         distance_mm: Option<f64>,
     ) -> Result<(System, Focus), Error> {
+        let coating = self.coating()?;
         let (settings, mask) = self.parts();
         let moving = lens.prescription.moving.as_ref().is_some_and(MovingParts::focuses);
         let system = match distance_mm.filter(|mm| moving && *mm != f64::INFINITY) {
@@ -39,14 +43,25 @@ impl Setting {
             }
             None => masked(System::new(&lens.prescription, &settings)?, &settings, mask)?,
         };
+        let system = coated(system, coating);
         let focus = focus_at(&system, wavelength_nm, distance_mm)?;
         Ok((system, focus))
     }
 
     /// The lens so set, as it is focused in its file.
     pub(crate) fn system(self, lens: &Lens) -> Result<System, Error> {
+        let coating = self.coating()?;
         let (settings, mask) = self.parts();
-        masked(System::new(&lens.prescription, &settings)?, &settings, mask)
+        Ok(coated(masked(System::new(&lens.prescription, &settings)?, &settings, mask)?, coating))
+    }
+
+    /// True if coatings are those that the lens file names, or those assumed.
+    pub(crate) fn keeps_coatings(&self) -> bool {
+        self.coating.is_none()
+    }
+
+    fn coating(&self) -> Result<Option<Coating>, Error> {
+        self.coating.as_deref().map(coating).transpose()
     }
 
     fn parts(self) -> (SystemSettings, Option<PyApertureMask>) {
@@ -59,6 +74,18 @@ impl Setting {
         let settings =
             SystemSettings { focal_length, f_number, pupil_diameter_mm, blades, blade_rotation_rad, blade_curvature };
         (settings, aperture_mask)
+    }
+}
+
+/// A coating by name or layer by layer.
+pub(crate) fn coating(text: &str) -> Result<Coating, Error> {
+    Coating::parse(text).map_err(|error| refused(error.to_string()))
+}
+
+fn coated(system: System, coating: Option<Coating>) -> System {
+    match coating {
+        Some(coating) => system.coated(&coating),
+        None => system,
     }
 }
 

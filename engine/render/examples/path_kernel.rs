@@ -1,15 +1,16 @@
 //! Renders the bench scene on one thread and says what a sample cost: for profilers, and for counting instructions.
 //!
 //! `cargo run --release -p petzval-render --example path_kernel -- [pinhole|thin|one|exact] [SAMPLES] [WIDTHxHEIGHT]
-//! [small|large] [noise] [blue]`
+//! [small|large] [noise] [blue] [lossy]`
 //!
+//! With `lossy` the lens's surfaces and glasses take what they do of the light.
 //! With `noise` it renders twice, with other random numbers, and says by how much the two differ, pixel by pixel and in
 //! blocks of 4 x 4; with `blue` the errors of neighbours cancel.
 
 #[path = "../benches/stage/mod.rs"]
 mod stage;
 
-use petzval_render::camera::Model;
+use petzval_render::camera::{Camera, CameraDescription, Model};
 use petzval_render::job::{Job, Settings};
 use std::error::Error;
 use std::sync::Arc;
@@ -24,13 +25,23 @@ struct Wish {
     bodies: u32,
     with_noise: bool,
     blue_noise: bool,
+    /// What surfaces and glasses take is taken.
+    transmission: bool,
 }
 
 impl Wish {
     fn new(words: impl Iterator<Item = String>) -> Result<Self, Box<dyn Error>> {
         let (model, wavelength_nm, bodies) = (Model::Pinhole, None, stage::SMALL);
-        let mut wish =
-            Self { model, wavelength_nm, samples: 4, size: [480, 270], bodies, with_noise: false, blue_noise: false };
+        let mut wish = Self {
+            model,
+            wavelength_nm,
+            samples: 4,
+            size: [480, 270],
+            bodies,
+            with_noise: false,
+            blue_noise: false,
+            transmission: false,
+        };
         for word in words {
             match word.as_str() {
                 "pinhole" => wish.model = Model::Pinhole,
@@ -40,6 +51,7 @@ impl Wish {
                 "small" => wish.bodies = stage::SMALL,
                 "large" => wish.bodies = stage::LARGE,
                 "noise" => wish.with_noise = true,
+                "lossy" => wish.transmission = true,
                 "blue" => wish.blue_noise = true,
                 other => match other.split_once('x') {
                     Some((width, height)) => wish.size = [width.parse()?, height.parse()?],
@@ -52,7 +64,7 @@ impl Wish {
 }
 
 fn main() -> Result<(), Box<dyn Error>> {
-    let Wish { model, wavelength_nm, samples, size, bodies, with_noise, blue_noise } =
+    let Wish { model, wavelength_nm, samples, size, bodies, with_noise, blue_noise, transmission } =
         Wish::new(std::env::args().skip(1))?;
     let stage = Arc::new(stage::stage(bodies));
     let render = |seed: u32| -> Result<_, Box<dyn Error>> {
@@ -67,7 +79,8 @@ fn main() -> Result<(), Box<dyn Error>> {
             filter_width_px: 0.0,
             ..Settings::default()
         };
-        let job = Job::start(stage.clone(), stage::camera(model, wavelength_nm, size), settings)?;
+        let d = CameraDescription { transmission, ..stage::description(model, wavelength_nm) };
+        let job = Job::start(stage.clone(), Camera::new(&d, size[0], size[1])?, settings)?;
         while !job.wait(Duration::from_secs(1)) {}
         Ok((job.statistics(), job.film().picture()))
     };

@@ -6,6 +6,7 @@
 mod adaptive;
 pub mod catcher;
 pub mod checkpoint;
+mod develop;
 pub mod forecast;
 mod parts;
 mod settings;
@@ -23,6 +24,7 @@ use crate::pipeline::exposure::Exposure;
 use crate::pipeline::motion::Motion;
 use crate::pipeline::{Counts, Pipeline, Shot, render_pixels, render_tile};
 use crate::sampler::{PathSampler, raster::Raster, warp::PixelFilter};
+use crate::stray::Strayed;
 use adaptive::Adaptive;
 use checkpoint::{Checkpoints, Keeper, Kept};
 use glam::Vec2;
@@ -108,6 +110,8 @@ struct Shared {
     /// Whoever adds a tile's pass shares it; who keeps the whole film has it alone.
     gate: RwLock<()>,
     keeper: Option<Keeper>,
+    strayed: Mutex<Option<Arc<Strayed>>>,
+    stop_developing: AtomicBool,
     running: Mutex<usize>,
     ended: Condvar,
     started: Instant,
@@ -342,6 +346,8 @@ impl Shared {
             ended_at: Mutex::default(),
             gate: RwLock::new(()),
             keeper: None,
+            strayed: Mutex::default(),
+            stop_developing: AtomicBool::new(false),
         };
         shared.keeper = beside.checkpoints.map(|checkpoints| Keeper::new(checkpoints, &mut shared));
         Ok(shared)

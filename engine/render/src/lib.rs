@@ -2,7 +2,7 @@
 //!
 //! Data goes one way, and a module uses only those above it in this list:
 //! [`spectrum`] → [`sampler`] → [`scene`] → [`accel`] → [`surface`] → [`nodes`] → [`shading`] → [`lights`] → [`camera`] →
-//! [`integrator`] → [`film`] → [`pipeline`] → [`plan`] → [`job`].
+//! [`integrator`] → [`film`] → [`pipeline`] → [`stray`] → [`plan`] → [`job`].
 //!
 //! # Spaces and units
 //! *World space* is Blender's, in Blender units. *Render space* has the world's axes and its origin at the
@@ -25,6 +25,7 @@ pub mod sampler;
 pub mod scene;
 pub mod shading;
 pub mod spectrum;
+pub mod stray;
 pub mod surface;
 
 /// A scene-linear Rec.709 colour: radiance, reflectance or a weight by channel.

@@ -1,6 +1,7 @@
 //! A lens while it is read from a design program's file, which says less of it than a prescription needs: how wide the stop is
 //! follows from the beam, clear apertures from the fields, and surfaces where nothing happens are none.
 
+use crate::coating::Coating;
 use crate::first_order::{Matrix, Thin, between_vertices, front_of};
 use crate::glass::Medium;
 use crate::prescription::moving::{MovingParts, Part, Position};
@@ -99,6 +100,8 @@ pub(super) struct Draft<'a> {
     pub(super) wavelength_nm: f64,
     pub(super) film_radius_mm: Option<f64>,
     pub(super) metadata: Metadata,
+    /// Of surfaces where glass meets air.
+    pub(super) coating: Option<Coating>,
     /// Surfaces with gaps that move, and where they are.
     pub(super) moving: Option<(Vec<Part>, Vec<Position>, Vec<Place>)>,
     pub(super) remarks: Remarks,
@@ -118,6 +121,7 @@ impl<'a> Draft<'a> {
             wavelength_nm: crate::glass::line_nm::D,
             film_radius_mm: None,
             metadata: Metadata::default(),
+            coating: None,
             moving: None,
             remarks: Remarks::default(),
         }
@@ -214,6 +218,7 @@ impl<'a> Draft<'a> {
                 behind: row.behind.clone(),
                 semi_diameter_mm: row.semi_diameter_mm.unwrap_or(0.0),
                 obstruction_mm: row.obstruction_mm,
+                coating: None,
                 place: row.place,
             };
             if let Err(error) = surface.check(i) {
@@ -243,7 +248,10 @@ impl<'a> Draft<'a> {
             moving,
             source_file: self.file.to_owned(),
         };
-        let prescription = prescription.in_first_position();
+        let mut prescription = prescription.in_first_position();
+        if let Some(coating) = &self.coating {
+            prescription.coat(coating);
+        }
         if let Err(error) = prescription.check() {
             return self.fail(start, error.into());
         }

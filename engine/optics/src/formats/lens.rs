@@ -47,6 +47,13 @@
 //! - `decenter_x`, `decenter_y` (mm) and `tilt_x`, `tilt_y`, `tilt_z` (degrees): where the surface stands beside its
 //!   place, right-handed about the axis named; the surfaces after it stay where they are.
 //!
+//! - `coating`: thin films, by the name of a recipe, with `@NM` behind it for another design wavelength, or layer by layer from the air
+//!   to the glass as `FILM:THICKNESS` joined by `/`: `MgF2:100nm/ZrO2:0.5w@550/1.65:0.25w@550`, in nm or in waves inside of the film; a
+//!   film is a name or an index, `2.3-0.01i` if it absorbs. `none` is bare, `-` says nothing. Mirrors: `protected-silver` and its like.
+//!
+//! `# coating: MgF2` in the header is that of all surfaces where glass meets air and of which no row says otherwise; where neither says
+//! anything, a single layer of MgF2 is assumed there. Coatings do not grow with a lens that is scaled.
+//!
 //! An element moves as one by a line of the header, surfaces counted from 0, about the vertex of its first:
 //! `# element: 2-3 decenter_x=0.05 tilt_y=0.1`.
 //!
@@ -99,6 +106,7 @@ mod write;
 
 use std::path::{Path, PathBuf};
 
+use crate::coating::Coating;
 use crate::glass::Catalogue;
 use crate::prescription::{Behind, Column, Metadata, Place, Prescription, PrescriptionError, SurfaceRow};
 use crate::surface::{Conic, Shape};
@@ -111,10 +119,10 @@ use header::Header;
 
 pub use super::problem::{LensFileError, Problem};
 
-use columns::{ElementLine, Misalignment, OBSTRUCTION, POSE, RADIUS_X, power};
+use columns::{COATING, ElementLine, Misalignment, NO_COATING_SAID, OBSTRUCTION, POSE, RADIUS_X, power};
 
 pub use write::write;
-pub(super) use write::{header_lines, one_line};
+pub(super) use write::{common_coating, header_lines, one_line};
 
 /// A longer file is no lens: it would only cost memory.
 const LARGEST_FILE: usize = 1 << 20;
@@ -217,7 +225,8 @@ impl<'a> Reader<'a> {
                 Some(_) => {}
                 None if self.extra.contains(&found) => return self.fail(line, column, Problem::SecondColumn(found)),
                 None => {
-                    let is_known = found == OBSTRUCTION || found == RADIUS_X || POSE.contains(&found.as_str());
+                    let is_known =
+                        found == OBSTRUCTION || found == COATING || found == RADIUS_X || POSE.contains(&found.as_str());
                     if !is_known && power(&found).is_none() {
                         return self.fail(line, column, Problem::UnknownColumn(found));
                     }
@@ -257,8 +266,12 @@ impl<'a> Reader<'a> {
         };
         let semi_diameter_mm = number(3)? / 2.0;
         let (mut obstruction_mm, mut radius_x, mut terms) = (0.0, None, Vec::new());
-        let mut misalignment = Misalignment::default();
+        let (mut misalignment, mut coating) = (Misalignment::default(), None);
         for (name, i) in self.extra.iter().zip(COLUMNS.len()..) {
+            if name == COATING {
+                coating = self.coating(line, &words[i])?;
+                continue;
+            }
             let value = number(i)?;
             if let Some(power) = power(name) {
                 terms.push((power, value));
@@ -281,6 +294,7 @@ impl<'a> Reader<'a> {
             behind: self.behind(line, &words[2])?,
             semi_diameter_mm,
             obstruction_mm,
+            coating,
             place: Place { line, column: words[0].column },
         };
         let surface = self.rows.len();
@@ -311,6 +325,13 @@ impl<'a> Reader<'a> {
         }
         let medium = self.glasses.catalogue().medium(word.text);
         medium.map(Behind::Medium).map_err(|error| at(self.file, line, word.column, error.into()))
+    }
+
+    fn coating(&self, line: usize, word: &Token<'_>) -> Result<Option<Coating>, LensFileError> {
+        if word.text == NO_COATING_SAID {
+            return Ok(None);
+        }
+        Coating::parse(word.text).map(Some).map_err(|error| at(self.file, line, word.column, error.into()))
     }
 
     fn flag(&mut self, line: usize, word: &Token<'_>) -> Result<(), LensFileError> {
@@ -382,7 +403,10 @@ impl<'a> Reader<'a> {
             moving,
             source_file: self.file.to_owned(),
         };
-        let prescription = prescription.in_first_position();
+        let mut prescription = prescription.in_first_position();
+        if let Some(coating) = &self.header.coating {
+            prescription.coat(coating);
+        }
         if let Err(error @ PrescriptionError::GradientAtFilm { surface }) = prescription.check() {
             let place = prescription.surfaces[surface].place;
             return Err(at(self.file, place.line, place.column, error.into()));

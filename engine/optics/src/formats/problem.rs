@@ -4,6 +4,7 @@ use std::fmt;
 
 use thiserror::Error;
 
+use crate::coating::CoatingError;
 use crate::glass::GlassError;
 use crate::prescription::moving::MovingError;
 use crate::prescription::{LensGroup, Place, PrescriptionError};
@@ -69,7 +70,7 @@ pub enum Problem {
     },
     /// The header row names a column that is not supported.
     #[error(
-        "column '{0}' is unknown; after isstop there may be obstruction, radius_x, a2 to a20, decenter_x, decenter_y, decenter_z, tilt_x, tilt_y, tilt_z"
+        "column '{0}' is unknown; after isstop there may be obstruction, radius_x, a2 to a20, decenter_x, decenter_y, decenter_z, tilt_x, tilt_y, tilt_z, coating"
     )]
     UnknownColumn(String),
     /// The header row names a column twice.
@@ -115,6 +116,9 @@ pub enum Problem {
         "'{0}' is no transmittance; write a glass defined above, then nm:part@mm: MYGLASS 400:0.997@10 500:0.998@10"
     )]
     TransmittanceLine(String),
+    /// A coating is none.
+    #[error(transparent)]
+    Coating(#[from] CoatingError),
     /// Gaps and positions do not fit together.
     #[error(transparent)]
     Moving(#[from] MovingError),

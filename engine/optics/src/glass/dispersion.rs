@@ -61,7 +61,7 @@ const HERZBERGER: f64 = 0.028;
 
 impl Dispersion {
     /// The index at `l` µm.
-    pub(super) fn index(&self, l: f64) -> f64 {
+    pub(crate) fn index(&self, l: f64) -> f64 {
         let squared = l * l;
         match self {
             Self::Constant(n) => *n,

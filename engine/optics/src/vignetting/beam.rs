@@ -163,6 +163,7 @@ fn without_rims(system: &System) -> Option<System> {
         },
         semi_diameter_mm: s.shape.reach_mm().min(WITHOUT_RIM * size),
         obstruction_mm: 0.0,
+        coating: Some(s.coating.clone()),
         place: Place::default(),
     };
     let prescription = Prescription {

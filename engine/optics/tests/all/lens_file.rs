@@ -48,6 +48,13 @@ const BAD: &[(&str, &str, &str)] = &[
     ("# back_focus: far\n50 5 1.5 20 0 1\n", "1:15", "back_focus 'far'"),
     ("# group: large\n50 5 1.5 20 0 1\n", "1:10", "write one of wide angle, normal"),
     ("# first_choice: maybe\n50 5 1.5 20 0 1\n", "1:17", "neither yes nor no"),
+    ("# coating: magic\n50 5 1.5 20 0 1\n", "1:12", "unknown coating 'magic'"),
+    (
+        "#radius thickness glass diameter conic isstop coating\n50 5 1.5 20 0 1 glue:9nm\n",
+        "2:17",
+        "unknown film 'glue'",
+    ),
+    ("#radius thickness glass diameter conic isstop coating\n50 5 1.5 20 0 1 MgF2:9\n", "2:17", "write 100nm"),
     ("# film: 36xtall\n50 5 1.5 20 0 1\n", "1:9", "film 'tall'"),
 ];
 
@@ -193,4 +200,37 @@ fn focal_length_and_f_number_are_what_was_asked() {
     assert!(system.f_number_was_clamped());
     assert_eq!(system.f_number(), system.widest_f_number());
     assert_eq!(system.stop_semi_diameter_mm(), 18.8);
+}
+
+/// The header's word is for glass in air, a row's for its own surface; where neither speaks, a single layer is assumed, but not on eyes.
+#[test]
+fn coatings_are_those_of_the_file() {
+    let read = |text: &str| parse(text, "some.lens", Catalogue::shipped()).unwrap();
+    let names = |text: &str| -> Vec<String> {
+        let system = System::new(&read(text), &SystemSettings::default()).unwrap();
+        system.surfaces().iter().map(|surface| surface.coating.name().to_owned()).collect()
+    };
+    let rows = "50 5 1.5 20 0 1\n40 5 1.7 20 0 0\n0 2 air 20 0 0\n0 3 air 20 0 0\n50 5 1.5 20 0 0\n-50 45 air 20 0 0\n";
+    assert_eq!(names(rows), ["MgF2", "none", "MgF2", "none", "MgF2", "MgF2"]);
+    assert!(read(rows).assumes_coatings());
+    let triple = format!("# coating: triple@500\n{rows}");
+    assert_eq!(names(&triple), ["triple@500", "none", "triple@500", "none", "triple@500", "triple@500"]);
+    assert!(!read(&triple).assumes_coatings());
+    assert_eq!(names(&format!("# group: eye\n{rows}")), ["none"; 6]);
+    let columns = "# coating: none\n#radius thickness glass diameter conic isstop coating\n50 5 1.5 20 0 1 MgF2:100nm/1.65:0.25w@550\n-50 45 air 20 0 0 -\n";
+    assert_eq!(names(columns), ["MgF2:100nm/1.65:0.25w@550", "none"]);
+    // Written down they are the same again.
+    for text in [rows, &triple, columns] {
+        let lens = read(text);
+        let (written, lost) = lens::write(&lens, Catalogue::shipped());
+        assert!(lost.is_empty() && names(&written) == names(text), "{written}");
+        assert_eq!(read(&written).assumes_coatings(), lens.assumes_coatings());
+    }
+    // A lens that is scaled keeps them.
+    let settings = SystemSettings { focal_length: FocalLength::Scale(3.0), ..SystemSettings::default() };
+    let scaled = System::new(&read(columns), &settings).unwrap();
+    assert_eq!(
+        scaled.surfaces()[0].coating,
+        System::new(&read(columns), &SystemSettings::default()).unwrap().surfaces()[0].coating
+    );
 }

@@ -2,6 +2,7 @@
 
 mod analysis;
 mod common;
+mod diffraction;
 mod drawing;
 mod elements;
 mod eyes;

@@ -6,6 +6,8 @@ from __future__ import annotations
 import math
 from typing import Any
 
+from .ladder import is_camera
+
 #: Times closer than this are called the same.
 ALIKE = 0.05
 #: Of an error, the part that may be bias without being seen beside the noise.
@@ -40,7 +42,7 @@ def advice(found: dict[str, Any]) -> list[str]:
     rows = {row["key"]: row for row in found["rungs"] if row["is_measured"]}
     auto, top = rows["auto"], rows["hero"]
     goal = auto["rel_mse"]
-    cameras = [row for row in rows.values() if row["group"] != "effect"]
+    cameras = [row for row in rows.values() if is_camera(row)]
     reach = {row["key"]: seconds_to(row, goal, found) for row in cameras}
     able = [row for row in cameras if reach[row["key"]] is not None and _is_true(row, goal)]
     best = min(able, key=lambda row: reach[row["key"]], default=auto)

@@ -21,11 +21,13 @@ FINEST = 100.0
 #: Lens effects that are no colours: with one wavelength, these alone can be asked for.
 _COLOURS = ("lateral_colour", "axial_colour")
 
+#: Light that strays is found once a picture, whatever its samples: each is a rung by itself, and in no other.
+STRAYS = {"ghosts": "with ghosts", "glare": "with veiling glare", "diffraction": "with diffraction"}
+
 #: What cannot be simulated yet, but stands in the table so that nobody looks for it in vain.
 NOT_YET = {
     "transmission": "with coatings",
-    "ghosts": "with ghosts",
-    "diffraction": "with diffraction",
+    **STRAYS,
 }
 
 
@@ -35,7 +37,7 @@ class Rung:
 
     key: str
     name: str
-    #: camera | auto | effect
+    #: camera | auto | effect (everything on but one) | stray (everything on and one more)
     group: str
     camera: dict[str, Any] = field(default_factory=dict)
     settings: dict[str, Any] = field(default_factory=dict)
@@ -51,7 +53,7 @@ def ladder(camera: Any, info: dict[str, Any], available: list[str], wishes: dict
     `info` is the engine's `camera_info_json` of it, `available` the effects that can be simulated, `wishes` what the user
     says to the plan.
     """
-    on = dict.fromkeys(available, "on")
+    on = {effect: "off" if effect in STRAYS else "on" for effect in available}
     grey = {name: word for name, word in on.items() if name not in _COLOURS}
     one = {"wavelength_nm": ONE_NM}
     full = {"wavelength_nm": None, "spectrum": "VISIBLE"}
@@ -70,20 +72,33 @@ def ladder(camera: Any, info: dict[str, Any], available: list[str], wishes: dict
         exact("film", "exact, spectral, film-first", full, on, "FILM"),
         exact("scene", "exact, spectral, scene-first", full, on, "SCENE"),
         exact(TOP, "exact, spectral, hero", full, on, "HERO"),
-        Rung(AUTO, "auto: the plan's choice", "auto", {}, {}, wishes["effects"], wishes["quality"]),
+        Rung(AUTO, "auto: the plan's choice", "auto", {}, {}, _straight(wishes["effects"]), wishes["quality"]),
     ]
-    for effect in available:
+    for effect in (one for one in STRAYS if one in available):
+        rungs.append(Rung(f"with-{effect}", STRAYS[effect], "stray", full, {"pipeline": "HERO"}, on | {effect: "on"}))
+    for effect in (one for one in available if one not in STRAYS):
         words = on | {effect: "off"}
         rungs.append(Rung(f"no-{effect}", _without(effect), "effect", full, {}, words, FINEST))
     for effect, name in NOT_YET.items():
         if effect not in available:
-            rungs.append(Rung(f"with-{effect}", name, "camera", missing="cannot be simulated yet"))
+            group = "stray" if effect in STRAYS else "camera"
+            rungs.append(Rung(f"with-{effect}", name, group, missing="cannot be simulated yet"))
     return rungs
 
 
+def _straight(effects: dict[str, str]) -> dict[str, str]:
+    return effects | dict.fromkeys(STRAYS, "off")
+
+
 def effect_of(rung_key: str) -> str | None:
-    """The effect that a rung leaves out."""
-    return rung_key.removeprefix("no-") if rung_key.startswith("no-") else None
+    """The effect that a rung leaves out, or that it alone has."""
+    kind, dash, effect = rung_key.partition("-")
+    return effect if dash and kind in ("no", "with") else None
+
+
+def is_camera(row: dict[str, Any]) -> bool:
+    """Of a row of costs.json: a camera to choose, and neither one with an effect taken out nor one with stray light added."""
+    return row["group"] in ("camera", "auto")
 
 
 def _without(effect: str) -> str:

@@ -8,6 +8,7 @@ from typing import Any
 
 from ..plotting.figure import Figure, Lettering
 from .advice import advice, percent, seconds
+from .ladder import is_camera
 
 _SIZE_IN = (12.0, 6.2)
 _SIMPLE, _LENS, _FULL, _AUTO, _DARK = "#c77700", "#1f6fb4", "#2a8a4a", "#c1272d", "#444444"
@@ -20,7 +21,7 @@ _LETTERS_OF_A_LINE = 118
 
 def cameras(found: dict[str, Any]) -> list[dict[str, Any]]:
     """The rungs that are cameras and were measured, the fastest first."""
-    rows = [row for row in found["rungs"] if row["is_measured"] and row["group"] != "effect"]
+    rows = [row for row in found["rungs"] if row["is_measured"] and is_camera(row)]
     return sorted(rows, key=lambda row: row["seconds"])
 
 

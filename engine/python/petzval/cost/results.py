@@ -12,7 +12,7 @@ from statistics import median
 from typing import Any
 
 from . import accuracy, flip, intervals
-from .ladder import AUTO, TOP, effect_of
+from .ladder import AUTO, TOP, effect_of, is_camera
 
 #: Errors whose price is told.
 TARGETS = (1e-2, 1e-3)
@@ -93,7 +93,7 @@ def _row(one: Any, measured: Any, samples: int, pixels: int) -> dict[str, Any]:
 
 def _mark_front(rows: list[dict[str, Any]]) -> None:
     """Which cameras no other is both faster and nearer to the truth than."""
-    cameras = [row for row in rows if row["is_measured"] and row["group"] != "effect"]
+    cameras = [row for row in rows if row["is_measured"] and is_camera(row)]
     for row in rows:
         row["is_on_front"] = row in cameras and not any(
             (other["seconds"], other["rel_mse"]) != (row["seconds"], row["rel_mse"])

@@ -208,7 +208,7 @@ class _Measured:
         camera = dataclasses.replace(subject.camera, **rung.camera)
         moving = [dataclasses.replace(then, **rung.camera) for then in subject.over_the_shutter]
         settings = dataclasses.replace(self.settings, samples=one.samples, seed=seed, **rung.settings)
-        wishes = {"effects": rung.effects, "quality": rung.quality}
+        wishes = subject.wishes | {"effects": rung.effects, "quality": rung.quality}
         began = time.perf_counter()
         plan = self.native.Plan(subject.scene, camera, settings, moving, shutter=subject.shutter, **wishes)
         planned = time.perf_counter() - began
@@ -225,6 +225,10 @@ class _Measured:
         made = time.process_time() - processor
         self._wait(job)
         processor = time.process_time() - processor
+        # Once a picture, whatever its samples.
+        began = time.perf_counter()
+        job.develop()
+        one.setup_s[-1] += time.perf_counter() - began
         stats = json.loads(job.stats_json())
         if stats.get("failure"):
             raise self.native.PetzvalError(stats["failure"])

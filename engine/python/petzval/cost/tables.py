@@ -6,6 +6,7 @@ from __future__ import annotations
 from typing import Any
 
 from .advice import advice, percent, seconds
+from .ladder import is_camera
 
 _NEVER = "never"
 
@@ -26,7 +27,7 @@ def markdown(found: dict[str, Any], level: int = 1, picture: str | None = "costs
         f"{'' if found['settled'] else '; the time was over before every interval was narrower than 3 %'}. "
         f"The truth: everything on, {truth['samples']} samples, {percent(truth['rel_mse'])} off by noise."
     )
-    parts += [_cameras(found), _effects(found), _notes(found)]
+    parts += [_cameras(found), _effects(found), _strays(found), _notes(found)]
     return "\n\n".join(part for part in parts if part) + "\n"
 
 
@@ -45,7 +46,7 @@ def _cameras(found: dict[str, Any]) -> str:
             *(f"to {percent(target)}" for target in found["targets"]))  # fmt: skip
     rows = []
     for row in found["rungs"]:
-        if row["group"] == "effect":
+        if not is_camera(row):
             continue
         name = f"**{row['name']}**" if row["key"] == "auto" else row["name"]
         if not row["is_measured"]:
@@ -78,6 +79,27 @@ def _effects(found: dict[str, Any]) -> str:
              f"{said['decision']}: {_size(said)}")
         )  # fmt: skip
     return "Each effect of the lens taken out alone:\n\n" + _table(head, rows) if rows else ""
+
+
+def _strays(found: dict[str, Any]) -> str:
+    """What is laid over the finished picture: so many seconds, whatever its samples."""
+    top = next(row for row in found["rungs"] if row["key"] == "hero")
+    head = ("everything on, and", "more for the picture", "of its time", "changes pixels by", "FLIP", "by the plan")
+    planned = {row["effect"]: row for row in found["auto"]["effects"]}
+    rows = []
+    for row in found["rungs"]:
+        if row["group"] != "stray":
+            continue
+        if not row["is_measured"]:
+            rows.append((row["name"], "–", "–", "–", "–", row["why_not"]))
+            continue
+        more = max(row["setup_s"] - top["setup_s"], 0.0)
+        said = planned[row["effect"]]
+        rows.append(
+            (row["name"], seconds(more), f"{100.0 * more / top['seconds']:+.0f} %", _bias(row), f"{row['flip']:.3f}",
+             f"{said['decision']}: {_size(said)}")
+        )  # fmt: skip
+    return "Light that strays, laid over the finished picture by itself:\n\n" + _table(head, rows) if rows else ""
 
 
 def _size(row: dict[str, Any]) -> str:

@@ -4,6 +4,7 @@
 from __future__ import annotations
 
 import json
+import re
 from collections.abc import Callable
 from pathlib import Path
 from typing import Any
@@ -55,8 +56,21 @@ def save(found: Any, out: Path, style: dict[str, Any], make: Callable[[Any], Any
             metadata = {".svg": {"Date": None}, ".png": {"Software": None}, ".pdf": {"CreationDate": None}}
             figure.savefig(out, dpi=150, metadata=metadata[out.suffix.lower()])
             pyplot.close(figure)
+        if out.suffix.lower() == ".svg":
+            out.write_text(_with_steady_names(out.read_text(encoding="utf-8")), encoding="utf-8")
     except OSError as error:
         raise CommandError(f"cannot write {out}: {error.strerror or error}: choose another place") from None
+
+
+def _with_steady_names(svg: str) -> str:
+    """The same with the names of its shared parts numbered as they come: matplotlib makes some of them from addresses in memory,
+    and a report is to be the same file again."""
+    numbers: dict[str, int] = {}
+    return re.sub(
+        r"(?<![0-9A-Za-z])[A-Zmp][0-9a-f]{10}(?![0-9A-Za-z])",
+        lambda name: f"{name[0][0]}{numbers.setdefault(name[0], len(numbers))}",
+        svg,
+    )
 
 
 def write(found: Any, out: Path, size_in: tuple[float, float], title: str, draw: Callable[[Any, Any], None]) -> None:

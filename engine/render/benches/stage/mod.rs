@@ -181,9 +181,14 @@ pub(crate) fn stage(n: u32) -> Stage {
 
 /// 50 mm on 36 x 20.25 mm, f/2, focused at 2 m, as one of the camera models sees it; at one wavelength or at all.
 pub(crate) fn camera(model: Model, wavelength_nm: Option<f64>, [width, height]: [u32; 2]) -> Camera {
+    Camera::new(&description(model, wavelength_nm), width, height).unwrap()
+}
+
+/// Of that camera.
+pub(crate) fn description(model: Model, wavelength_nm: Option<f64>) -> CameraDescription {
     let up = Affine3A::from_rotation_x(PI / 2.0);
     let matrix = DMat4::from_translation(EYE) * glam::Mat4::from(up).as_dmat4();
-    let d = CameraDescription {
+    CameraDescription {
         model,
         matrix_world: matrix,
         lens_path: format!("{}/../../lenses/double-gauss-f2-available.lens", env!("CARGO_MANIFEST_DIR")).into(),
@@ -194,6 +199,5 @@ pub(crate) fn camera(model: Model, wavelength_nm: Option<f64>, [width, height]: 
         film_height_mm: 20.25,
         wavelength_nm,
         ..CameraDescription::default()
-    };
-    Camera::new(&d, width, height).unwrap()
+    }
 }

@@ -14,11 +14,13 @@ impl Accel {
     /// answers may differ.
     pub fn apart(previous: Option<(&Self, &Scene)>, scene: &Scene) -> Self {
         let parts = Parts::apart(scene);
-        // The tree of a mesh that was there; and whether it is the same still.
+        // The tree of a mesh that was there with the same triangles; and whether its vertices are the same still.
         let before = |i: usize| {
             let (accel, then) = previous?;
             let tree = accel.meshes.get(i).filter(|tree| !tree.nodes.is_empty())?;
-            Some((tree, Arc::ptr_eq(then.meshes.get(i)?, &scene.meshes[i])))
+            let (old, now) = (then.meshes.get(i)?, &scene.meshes[i]);
+            let is_same = Arc::ptr_eq(old, now);
+            (is_same || old.triangles == now.triangles).then_some((tree, is_same))
         };
         let tree = |(i, source): (usize, Option<TriangleSource<'_>>)| match (source, before(i)) {
             (None, _) => (Arc::default(), false),
@@ -120,11 +122,20 @@ mod tests {
         let trees = Accel::apart(Some((&trees, &third)), &fourth);
         assert_eq!(trees.refitted(), 2);
         assert_sees(&trees, &fourth);
+        // As many triangles of other corners are another mesh.
+        let mut turned = sheet(12, 0.0);
+        turned.triangles.reverse();
+        builder.forget_mesh(meshes[2]);
+        meshes[2] = builder.add_mesh(turned).unwrap();
+        let other = next(&mut builder, meshes, 0.1);
+        let trees = Accel::apart(Some((&trees, &fourth)), &other);
+        assert_eq!(trees.refitted(), 2);
+        assert_sees(&trees, &other);
         // Of another origin, and without one of them.
         builder.forget_mesh(meshes[1]);
         place(&mut builder, [meshes[0], meshes[2], meshes[0]], 0.2);
         let fifth = builder.build_keeping(DVec3::new(0.1, 0.0, -0.1));
-        let trees = Accel::apart(Some((&trees, &fourth)), &fifth);
+        let trees = Accel::apart(Some((&trees, &other)), &fifth);
         assert_eq!(trees.refitted(), 2);
         assert_sees(&trees, &fifth);
     }

@@ -119,7 +119,15 @@ impl RealLens {
         let samples = is_there.bitselect(samples, f32x8::ZERO);
         let is_lit = samples.simd_gt(f32x8::ZERO);
         let density = is_lit.bitselect(samples * lead_density, f32x8::ZERO).reduce_add();
-        let weights = (samples * f32x8::new(lines.gain) * density.recip()).to_array();
+        let mut weights = samples * f32x8::new(lines.gain) * density.recip();
+        if let Some(lost) = &self.transmission {
+            // Towards the scene, as a ray from the film goes.
+            let [across, up] = target.map(f32x8::new);
+            let through = lost.at_set(set, [across, up, -d[0], -d[1]]);
+            // The leader may have been lost on the way back, by rounding.
+            weights *= is_leader.bitselect(f32x8::splat(lead.part), through);
+        }
+        let weights = weights.to_array();
         let mut splats = Splats::default();
         let sets = film.sets.len();
         let mut lit = is_lit.to_bitmask();

@@ -10,7 +10,7 @@ use petzval_optics::autofocus::{Autofocus, PHOTOPIC, SharpPlaneError, Subject};
 use petzval_optics::focus::{Anchor, FilmPlane, Focusing, magnification};
 use petzval_optics::pupil_map::PupilMap;
 use petzval_optics::system::System;
-use petzval_optics::trace::{Ray as LensRay, Tracer, Travel};
+use petzval_optics::trace::{Ray as LensRay, Tracer};
 
 /// Rays whose mean is what a picture point looks along.
 const RAYS: u32 = 256;
@@ -166,11 +166,7 @@ impl<'a> Finder<'a> {
         distance_to: impl Fn(&Ray) -> Option<f32>,
     ) -> Result<Seen, CameraError> {
         let film = self.mount.film_at(p).point;
-        let mut bundle = tracer.bundle(Travel::FromFilm);
-        beam::push(&mut bundle, map, film, RAYS);
-        tracer.trace(&mut bundle);
-        let through: Vec<LensRay> = (0..bundle.len()).filter_map(|i| bundle.result(i).ok()).collect();
-        let Some(mean) = beam::mean(through.iter()) else {
+        let Some(mean) = beam::mean(beam::through(tracer, map, film, RAYS).iter()) else {
             return Err(self
                 .d
                 .error("the autofocus point gets no light; choose a point nearer to the picture's middle"));

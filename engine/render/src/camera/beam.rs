@@ -2,7 +2,7 @@
 
 use glam::DVec3;
 use petzval_optics::pupil_map::PupilMap;
-use petzval_optics::trace::{Bundle, Ray};
+use petzval_optics::trace::{Bundle, Ray, Tracer, Travel};
 
 /// Adds that many rays from a film point (lens space) to a bundle from the film.
 pub(super) fn push(bundle: &mut Bundle, map: &PupilMap, film: DVec3, rays: u32) {
@@ -10,6 +10,14 @@ pub(super) fn push(bundle: &mut Bundle, map: &PupilMap, film: DVec3, rays: u32) 
         let u = [(f64::from(i) + 0.5) / f64::from(rays), (f64::from(i) * 0.618_033_988_75).fract()];
         bundle.push(Ray { origin: film, direction: (map.sample(film, u).target - film).normalize() });
     }
+}
+
+/// So many rays from a film point, those that get through, before the lens.
+pub(super) fn through(tracer: &Tracer, map: &PupilMap, film: DVec3, rays: u32) -> Vec<Ray> {
+    let mut bundle = tracer.bundle(Travel::FromFilm);
+    push(&mut bundle, map, film, rays);
+    tracer.trace(&mut bundle);
+    (0..bundle.len()).filter_map(|i| bundle.result(i).ok()).collect()
 }
 
 /// The mean of rays that got through; `None` of none.

@@ -3,8 +3,10 @@
 use super::CameraError;
 use super::exposure::PhysicalExposure;
 use super::precision::Precision;
+use super::scattering::Scattering;
 use crate::spectrum::SPECTRAL_COUNT;
 use glam::{DMat3, DMat4, DVec3};
+use petzval_optics::coating::Coating;
 use petzval_optics::diaphragm::ApertureMask;
 use petzval_optics::focus::Focusing;
 use std::path::PathBuf;
@@ -149,6 +151,14 @@ pub struct CameraDescription {
     pub spectrum: Spectrum,
     /// What of the real lens is left out.
     pub shown: Shown,
+    /// How the lens scatters.
+    pub scattering: Scattering,
+    /// Thin films wherever glass meets air; `None`: as the lens file has them.
+    pub coating: Option<Coating>,
+    /// What surfaces and glasses take of the light is taken.
+    pub transmission: bool,
+    /// What they take makes the picture darker; else it is exposed by the T-number, its middle as bright as if nothing were lost.
+    pub exposes_by_f_number: bool,
     /// Of the numbers in which rays are traced from the film through the lens.
     pub precision: Precision,
     /// `None`: a uniform world of radiance one makes the middle of the film one, whatever the f-number.
@@ -192,6 +202,10 @@ impl Default for CameraDescription {
             wavelength_nm: None,
             spectrum: Spectrum::default(),
             shown: Shown::default(),
+            scattering: Scattering::default(),
+            coating: None,
+            transmission: false,
+            exposes_by_f_number: false,
             precision: Precision::default(),
             exposure: None,
             orthographic_width: 1.0,
@@ -260,6 +274,7 @@ impl CameraDescription {
                 return Err(self.error("a pinhole has no f-number to expose by; switch physical exposure off"));
             }
         }
+        self.scattering.check().map_err(|what| self.error(what))?;
         for value in self.scale_mm_per_unit.to_array() {
             positive(value, "a world-to-lens scale")?;
         }

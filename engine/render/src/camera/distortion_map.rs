@@ -13,7 +13,7 @@ use super::{CameraDescription, CameraError, Model};
 use glam::{DMat2, DVec2, DVec3};
 use petzval_optics::paraxial::Paraxial;
 use petzval_optics::pupil_map::PupilMap;
-use petzval_optics::trace::{Tracer, Travel};
+use petzval_optics::trace::Tracer;
 use rayon::prelude::*;
 
 /// Rays whose mean is a picture point's.
@@ -104,10 +104,7 @@ impl DistortionMap {
         if !film.reaches(u, v) {
             return None;
         }
-        let mut bundle = self.tracer.bundle(Travel::FromFilm);
-        beam::push(&mut bundle, &self.pupil, self.mount.frame.at(u, v).point, RAYS);
-        self.tracer.trace(&mut bundle);
-        let through: Vec<_> = (0..bundle.len()).filter_map(|i| bundle.result(i).ok()).collect();
+        let through = beam::through(&self.tracer, &self.pupil, self.mount.frame.at(u, v).point, RAYS);
         let mean = beam::mean(through.iter())?;
         let from_origin = match self.sharp_z_mm {
             Some(z) => {
@@ -174,8 +171,7 @@ impl DistortionMap {
 
     /// The map for a compositor: for each pixel, first row below, the place in the other picture to take it from, x and y from 0 to
     /// 1 with the origin at the lower left, then twice 1 where that place is in the other picture and 0 where it is not: Blender's Map UV
-    /// takes the third number for that, others the fourth. Where the lens sees nothing all
-    /// four are 0.
+    /// takes the third number for that, others the fourth. Where the lens sees nothing all four are 0.
     pub fn pixels(&self, [width, height]: [u32; 2], direction: Direction) -> Vec<[f32; 4]> {
         let pixel = |i: u32, side: u32| (f64::from(i) + 0.5) / f64::from(side) - 0.5;
         let of = |x: u32, y: u32| {

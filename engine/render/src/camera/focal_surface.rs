@@ -12,7 +12,7 @@ use petzval_optics::paraxial::Paraxial;
 use petzval_optics::pupil_map::PupilMap;
 use petzval_optics::surface::Section;
 use petzval_optics::system::System;
-use petzval_optics::trace::{Ray, Tracer, Travel};
+use petzval_optics::trace::Tracer;
 
 /// Distances from the axis at which chief rays are traced.
 const NODES: usize = 96;
@@ -81,10 +81,7 @@ impl FocalSurface {
         for node in 0..NODES {
             // Along y: there the film is not squeezed.
             let film = DVec3::new(0.0, self.step * node as f64, self.film_z);
-            let mut bundle = tracer.bundle(Travel::FromFilm);
-            beam::push(&mut bundle, map, film, RAYS);
-            tracer.trace(&mut bundle);
-            let through: Vec<Ray> = (0..bundle.len()).filter_map(|i| bundle.result(i).ok()).collect();
+            let through = beam::through(tracer, map, film, RAYS);
             seen.push(beam::mean(through.iter()).map(|ray| {
                 let at = ray.origin + ray.direction * self.distance - self.middle;
                 at.y.atan2(-at.z)

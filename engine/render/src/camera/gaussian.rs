@@ -8,12 +8,14 @@
 use super::mount::Mount;
 use super::real_lens::{dark, film_spectrum};
 use super::setup::LensInfo;
+use super::transmission::Middle;
 use super::{CameraDescription, CameraError, CameraRay};
 use crate::spectrum::FilmSpectrum;
 use glam::{DMat3, DVec2, DVec3, Vec2};
 use petzval_optics::diaphragm::Diaphragm;
 use petzval_optics::gaussian::GaussianLens;
 use petzval_optics::glass::line_nm;
+use petzval_optics::transmission::Passages;
 
 /// How much a model keeps of a lens.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
@@ -42,7 +44,7 @@ impl Gaussian {
         height: u32,
     ) -> Result<Self, CameraError> {
         let (mount, system) = Mount::new(d, axes, width, height)?;
-        let spectrum = match order {
+        let mut spectrum = match order {
             Order::Thick => FilmSpectrum::single(d.wavelength_nm.unwrap_or(line_nm::D)),
             Order::Paraxial => film_spectrum(d, &system),
         };
@@ -54,6 +56,16 @@ impl Gaussian {
             (lens, gain)
         };
         let lines: Vec<_> = spectrum.wavelengths().iter().map(|w| line(w.nm)).collect();
+        let mut lines = lines;
+        if d.transmission {
+            let nm = spectrum.wavelengths()[lines.len() / 2].nm;
+            let middle = Middle::new(d, &Passages::new(&system, nm), mount.film.z_mm, &spectrum);
+            let middle = middle.ok_or_else(|| dark(d, &mount.info.lens_name))?;
+            match lines.len() {
+                1 => spectrum = spectrum.tinted(middle.tint()),
+                _ => lines.iter_mut().enumerate().for_each(|(i, (_, gain))| *gain *= middle.gain_at(i)),
+            }
+        }
         if !lines.iter().all(|(_, gain)| gain.is_finite()) {
             return Err(dark(d, &mount.info.lens_name));
         }

@@ -11,12 +11,15 @@
 use super::mount::Mount;
 use super::real_lens::dark;
 use super::setup::LensInfo;
+use super::transmission::Middle;
 use super::{CameraDescription, CameraError, CameraRay};
+use crate::spectrum::FilmSpectrum;
 use glam::{DMat3, Mat3, Vec2};
 use petzval_optics::focus::FilmPoint;
 use petzval_optics::glass::line_nm;
 use petzval_optics::pupil_map::{PupilMap, on_axis_throughput};
 use petzval_optics::ray_table::{Grid, RayTable};
+use petzval_optics::transmission::Passages;
 
 /// A lens as a table before its film.
 pub struct ImageBased {
@@ -25,6 +28,8 @@ pub struct ImageBased {
     table: RayTable,
     /// One over the exposure of the film's middle.
     gain: f64,
+    /// What becomes of a scene colour on the axis.
+    tint: Mat3,
 }
 
 impl ImageBased {
@@ -41,7 +46,14 @@ impl ImageBased {
             return Err(dark(d, &info.lens_name));
         }
         let table = RayTable::new(&system, nm, &map, film, half, Grid::default());
-        Ok(Self { mount, map, table, gain })
+        let tint = match d.transmission {
+            true => {
+                let middle = Middle::new(d, &Passages::new(&system, nm), mount.film.z_mm, &FilmSpectrum::single(nm));
+                middle.ok_or_else(|| dark(d, &mount.info.lens_name))?.tint()
+            }
+            false => Mat3::IDENTITY,
+        };
+        Ok(Self { mount, map, table, gain, tint })
     }
 
     pub(super) fn axes(&self) -> &DMat3 {
@@ -64,7 +76,7 @@ impl ImageBased {
         let direction = to / distance2.sqrt();
         let cosines = normal.dot(direction).abs() * direction.z.abs();
         let exposure = cosines / (distance2 * aim.pdf_per_mm2) * self.gain;
-        Some(CameraRay { ray: self.mount.to_render(&out), weight: Mat3::IDENTITY * exposure as f32 })
+        Some(CameraRay { ray: self.mount.to_render(&out), weight: self.tint * exposure as f32 })
     }
 }
 

@@ -27,13 +27,16 @@ pub mod packet;
 pub mod pinhole;
 pub mod precision;
 pub mod real_lens;
+pub mod scattering;
 pub mod scene_side;
 pub mod setup;
 pub mod shade;
 pub mod sharpness;
 mod steps;
+pub mod straying;
 pub mod survey;
 pub mod thin;
+mod transmission;
 
 pub use description::{CameraDescription, Model, Shown, Spectrum};
 
@@ -49,7 +52,7 @@ use packet::Request;
 use petzval_optics::autofocus::{AutofocusError, SharpPlaneError};
 use petzval_optics::focus::FocusError;
 use petzval_optics::formats::lens::LensFileError;
-use petzval_optics::system::SystemError;
+use petzval_optics::system::{System, SystemError};
 use pinhole::Pinhole;
 use real_lens::RealLens;
 use setup::LensInfo;
@@ -234,6 +237,13 @@ impl Camera {
 pub fn lens_info(d: &CameraDescription, width: u32, height: u32) -> Result<LensInfo, CameraError> {
     d.check(width, height)?;
     setup::Setup::new(d, width, height).map(|setup| setup.info)
+}
+
+/// The T-number of a lens before a film at `film_z_mm`, lens space: the f-number of one that loses nothing and is as bright in the
+/// film's middle, for white light. `None`: that is dark, or the lens has no focal length.
+pub fn t_number(system: &System, wavelength_nm: f64, film_z_mm: f64) -> Option<f64> {
+    let part = transmission::luminous(system, wavelength_nm, film_z_mm)?;
+    Some(system.f_number() / part.sqrt()).filter(|n| n.is_finite())
 }
 
 #[cfg(test)]

@@ -12,6 +12,7 @@ use crate::spectrum::FilmSpectrum;
 use glam::{DMat3, DVec3, Mat3, Vec3A};
 use petzval_optics::lane::Real;
 use petzval_optics::trace::{LINES, SpectralBundle, SpectralTracer, Traced, Travel};
+use wide::f32x8;
 
 /// The way out, ready for rays.
 pub(super) struct Outward<R: Traced> {
@@ -30,6 +31,8 @@ pub(super) struct OutwardBatch<R: Traced> {
     rays: SpectralBundle<R>,
     /// By request: the density of its choice.
     densities: Vec<R>,
+    /// By request: what the lens lets through along it; empty where nothing is lost.
+    parts: Vec<f32>,
 }
 
 /// A flat film as it is seen from the vertex of the last surface.
@@ -166,14 +169,15 @@ impl<R: Traced> Outward<R> {
 
     /// An empty one.
     pub(super) fn batch(&self) -> OutwardBatch<R> {
-        OutwardBatch { rays: self.tracer.bundle(Travel::FromFilm, 1), densities: Vec::new() }
+        OutwardBatch { rays: self.tracer.bundle(Travel::FromFilm, 1), densities: Vec::new(), parts: Vec::new() }
     }
 
     /// Sends a ray for each request through the lens.
     pub(super) fn trace(&self, lens: &RealLens, requests: &[Request], batch: &mut OutwardBatch<R>) {
-        let OutwardBatch { rays, densities } = batch;
+        let OutwardBatch { rays, densities, parts } = batch;
         rays.clear();
         densities.clear();
+        parts.clear();
         let line = |request: &Request| lens.spectrum.sample(request.u_wavelength);
         match &self.film {
             Some(film) => {
@@ -181,6 +185,11 @@ impl<R: Traced> Outward<R> {
                     let (aimed, some_densities) = film.aim(lens, some);
                     rays.push_crossing(&aimed, some.iter().map(line));
                     densities.extend_from_slice(&some_densities[..some.len()]);
+                    if let Some(lost) = &lens.transmission {
+                        let numbers = [0, 1, 2, 3].map(|n| f32x8::new(aimed[n].map(|x| x.to_f64() as f32)));
+                        let through = lost.at_each(numbers, |i| some.get(i).map_or(0, line)).to_array();
+                        parts.extend_from_slice(&through[..some.len()]);
+                    }
                 }
             }
             None => {
@@ -188,6 +197,9 @@ impl<R: Traced> Outward<R> {
                     let (ray, density) = lens.aim_out(request.place, request.u_lens);
                     rays.push(ray, line(request));
                     densities.push(R::from_f64(density));
+                    if let Some(lost) = &lens.transmission {
+                        parts.push(lost.at(line(request), &ray));
+                    }
                 }
             }
         }
@@ -221,6 +233,10 @@ impl<R: Traced> Outward<R> {
                 lines[i] = lens.spectrum.sample(request.u_wavelength);
                 weights[i] = (self.gains[lines[i]] / batch.densities[first + i]).to_f64() as f32;
             }
+            // None where nothing is lost.
+            for (weight, part) in weights.iter_mut().zip(batch.parts.iter().skip(first)) {
+                *weight *= part;
+            }
             rays.extend((0..some.len()).map(|i| {
                 let ray = Ray::new(Vec3A::new(x[i], y[i], z[i]), Vec3A::new(dx[i], dy[i], dz[i]));
                 let is_through = through >> i & 1 != 0;
@@ -234,6 +250,10 @@ impl<R: Traced> OutwardBatch<R> {
     /// What became of request `i`.
     #[inline]
     pub(super) fn lead(&self, i: usize) -> Option<Lead> {
-        self.rays.result(i).ok().map(|out| Lead { out, density: self.densities[i].to_f64() })
+        self.rays.result(i).ok().map(|out| Lead {
+            out,
+            density: self.densities[i].to_f64(),
+            part: self.parts.get(i).copied().unwrap_or(1.0),
+        })
     }
 }

@@ -150,6 +150,10 @@ impl RealLens {
             *arrival = self.arrival(set + i * self.spectrum.sets(), place, raster, turned(u, i), |lens| {
                 lens.lead_density(place, &ray)
             });
+            let index = set + i * self.spectrum.sets();
+            if let (Some(lost), Some(arrival)) = (&self.transmission, arrival) {
+                arrival.importance *= lost.at(index, &ray);
+            }
         }
         arrivals
     }
@@ -222,7 +226,7 @@ impl RealLens {
         // The leader's own place and density are known without the rounding of the way back.
         let own = self.arrival(set + leader * sets, request.place, raster, [0.0; 2], |_| lead.density);
         let [x, y] = request.pixel;
-        arrivals[leader] = own.map(|a| Arrival { x, y, ..a });
+        arrivals[leader] = own.map(|a| Arrival { x, y, importance: a.importance * lead.part, ..a });
         let density: f64 = arrivals.iter().flatten().map(|a| a.density).sum();
         let splats = Splats::new(&arrivals, set, sets, density.recip() as f32);
         Led { ray: self.mount.to_render(&lead.out), splats, set, density }

@@ -139,4 +139,4 @@ fn is_at_an_edge<R: Traced>(lens: &RealLens, way: &Outward<R>, request: &Request
 }
 
 #[cfg(test)]
-mod tests;
+pub(super) mod tests;

@@ -13,6 +13,7 @@ use super::outward::Outward;
 use super::packet::Request;
 use super::precision::Chosen;
 use super::setup::{D_LINE_NM, LensInfo};
+use super::transmission::Transmission;
 use super::{CameraDescription, CameraError, CameraRay, Spectrum};
 use crate::spectrum::FilmSpectrum;
 use glam::{DMat3, Mat3, Vec2};
@@ -54,7 +55,9 @@ pub struct RealLens {
     precision: Chosen,
     /// For packets, if there are any and the film is flat.
     pub(super) short_film: Option<ShortFilm>,
-    system: System,
+    /// `None`: nothing is lost.
+    pub(super) transmission: Option<Transmission>,
+    pub(super) system: System,
     /// Made when rays first start in the scene.
     focal: OnceLock<FocalSurface>,
     entrance: OnceLock<EntranceMap>,
@@ -75,13 +78,15 @@ pub(super) struct Lead {
     pub(super) out: LensRay,
     /// The density of its choice, for each mm² sr of projected solid angle at the film point.
     pub(super) density: f64,
+    /// What the lens lets through along it.
+    pub(super) part: f32,
 }
 
 impl RealLens {
     pub(super) fn new(d: &CameraDescription, axes: DMat3, width: u32, height: u32) -> Result<Self, CameraError> {
         let (mount, system) = Mount::new(d, axes, width, height)?;
         let Mount { info, film, .. } = &mount;
-        let spectrum = film_spectrum(d, &system);
+        let mut spectrum = film_spectrum(d, &system);
         let tracers: Vec<Tracer> = spectrum.wavelengths().iter().map(|w| system.at_wavelength(w.nm)).collect();
         let half = [0.5 * info.picture_width_mm, 0.5 * info.picture_height_mm];
         let middle = tracers.len() / 2;
@@ -93,6 +98,15 @@ impl RealLens {
         let start = Instant::now();
         let map = PupilMap::for_tracers(&representative, &system, film, half[0], half[1]);
         let map_seconds = start.elapsed().as_secs_f64();
+        let transmission = match d.transmission {
+            true => {
+                Some(Transmission::new(d, &mount, &system, &map, &spectrum).ok_or_else(|| dark(d, &info.lens_name))?)
+            }
+            false => None,
+        };
+        if let (Some(lost), 1) = (&transmission, spectrum.wavelengths().len()) {
+            spectrum = spectrum.tinted(lost.middle.tint());
+        }
         let gains = gains(&tracers, &spectrum, &system, film.z_mm);
         if !gains.iter().all(|g| g.is_finite()) {
             return Err(dark(d, &info.lens_name));
@@ -119,6 +133,7 @@ impl RealLens {
             out,
             precision,
             short_film,
+            transmission,
             system,
             focal,
             entrance,
@@ -146,6 +161,11 @@ impl RealLens {
         &self.precision
     }
 
+    /// The largest error of what the lens is taken to let through along a ray, stops; `None` where nothing is lost.
+    pub fn transmission_error_stops(&self) -> Option<f64> {
+        self.transmission.as_ref().map(Transmission::error_stops)
+    }
+
     /// Wall time that the map of the pupil took, s.
     pub fn map_seconds(&self) -> f64 {
         self.map_seconds
@@ -162,7 +182,7 @@ impl RealLens {
     /// What a ray at the film's wavelength number `index` counts.
     #[inline]
     pub(super) fn weighted(&self, index: usize, lead: &Lead) -> CameraRay {
-        CameraRay { ray: self.mount.to_render(&lead.out), weight: self.weight(index, lead.density) }
+        CameraRay { ray: self.mount.to_render(&lead.out), weight: self.weight(index, lead.density) * lead.part }
     }
 
     /// By what radiance at the film's wavelength number `index` counts along a ray that was chosen with this density.

@@ -1,6 +1,6 @@
 //! A lens set, focused and put before its film: what a panel says of it, and what a camera is made of.
 
-use super::{CameraDescription, CameraError};
+use super::{CameraDescription, CameraError, t_number};
 use glam::DVec3;
 use petzval_optics::focus::{self, FilmPlane, FocusError, Focusing, GroupsError, Relation};
 use petzval_optics::formats;
@@ -31,6 +31,15 @@ pub struct LensInfo {
     pub widest_f_number: f64,
     /// The f-number asked for is wider than that.
     pub f_number_was_clamped: bool,
+    /// The f-number of a lens that loses nothing and is as bright: for white light in the film's middle, by reflection and absorption;
+    /// `None` where that is dark.
+    pub t_number: Option<f64>,
+    /// The names of the coatings on its surfaces in air, each once.
+    pub coatings: Vec<String>,
+    /// Nothing is known of some coating: one was assumed.
+    pub coating_is_assumed: bool,
+    /// Glasses whose absorption is not known and that count as clear.
+    pub unknown_absorption: Vec<String>,
     /// Film's middle in lens space, mm.
     pub film_z_mm: f64,
     /// Film's middle from the last vertex, mm.
@@ -103,6 +112,10 @@ impl Setup {
         if let Some(mask) = &d.aperture_mask {
             system = system.with_aperture_mask(mask.clone(), d.blade_rotation_rad).map_err(wrong)?;
         }
+        let coating_is_assumed = d.coating.is_none() && prescription.assumes_coatings();
+        if let Some(coating) = &d.coating {
+            system = system.coated(coating);
+        }
         // The lens moved to the right is the film moved to the left.
         let shift_mm = d.shift_mm.map(|s| -s);
         let curvature_per_mm = system.film_radius_mm().map_or(0.0, f64::recip);
@@ -160,6 +173,10 @@ impl Setup {
             picture_height_mm,
             viewport_focal_length_mm,
             viewport_shift: d.shift_mm.map(|s| s / picture_width_mm.max(picture_height_mm)),
+            t_number: t_number(&system, line, film_z_mm),
+            coatings: system.coatings(),
+            coating_is_assumed,
+            unknown_absorption: system.glasses_of_unknown_absorption().into_iter().map(str::to_owned).collect(),
             entrance_pupil_diameter_mm: paraxial.entrance_pupil.diameter_mm,
             zoom_range_mm: prescription.moving.as_ref().and_then(MovingParts::zoom_range_mm),
             focuses_inside: prescription.moving.as_ref().is_some_and(MovingParts::focuses),

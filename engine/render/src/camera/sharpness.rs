@@ -12,7 +12,7 @@ use super::{CameraDescription, CameraError, Model};
 use glam::{DVec2, DVec3, Vec2};
 use petzval_optics::paraxial::Paraxial;
 use petzval_optics::pupil_map::PupilMap;
-use petzval_optics::trace::{Ray, Tracer, Travel};
+use petzval_optics::trace::{Ray, Tracer};
 
 /// Rays of a film point.
 const RAYS: u32 = 192;
@@ -118,10 +118,7 @@ impl Found {
 impl Look<'_> {
     /// The rays of a film point that get through, in the scene.
     fn rays(&self, film: DVec3, count: u32) -> Vec<Ray> {
-        let mut bundle = self.tracer.bundle(Travel::FromFilm);
-        beam::push(&mut bundle, self.map, film, count);
-        self.tracer.trace(&mut bundle);
-        (0..bundle.len()).filter_map(|i| bundle.result(i).ok()).collect()
+        beam::through(self.tracer, self.map, film, count)
     }
 
     fn at(&self, place: Vec2) -> Option<Found> {
@@ -133,16 +130,16 @@ impl Look<'_> {
         // By how much a step on the film moves the view, there: the mean over two directions of the film.
         let size = DVec2::new(self.mount.info.picture_width_mm, self.mount.info.picture_height_mm);
         let mut scale = Quadratic::default();
+        let own = beam::mean(self.rays(film, NEIGHBOUR_RAYS).iter())?;
         for step in [DVec2::X, DVec2::Y] {
             let beside = place + (step * self.step / size).as_vec2();
             let point = self.mount.film_at(beside).point;
             let neighbour = beam::mean(self.rays(point, NEIGHBOUR_RAYS).iter())?;
-            let own = beam::mean(self.rays(film, NEIGHBOUR_RAYS).iter())?;
             let (a, b) = (across.line(&neighbour), across.line(&own));
             let apart = Quadratic::squared(a.0 - b.0, a.1 - b.1);
             scale = scale + apart * (0.5 / film.distance_squared(point));
         }
-        // An even disc's diameter is so many times the root mean square of its points' distances from the middle.
+        // An even disc's diameter, squared, is so many times the mean squared distance of its points from the middle.
         let disc = 8.0;
         // The lens's own blur where it is least counts as sharp: what defocus adds to it is limited.
         let least = spread.least().filter(|t| *t > 0.0);

@@ -12,17 +12,21 @@ use super::mount::Mount;
 use super::real_lens::film_spectrum;
 use super::setup::LensInfo;
 use super::steps::Steps;
+use super::transmission;
 use crate::accel::Ray;
+use crate::luminance;
 use crate::sampler::evenly::Evenly;
 use glam::{DVec2, DVec3, Vec2};
+use petzval_optics::diffraction::outline::Outline;
 use petzval_optics::gaussian::GaussianLens;
 use petzval_optics::ghosts;
 use petzval_optics::paraxial::Paraxial;
 use petzval_optics::pupil_map::{PupilMap, on_axis_throughput};
+use petzval_optics::scatter::{self, Scatterer};
 use petzval_optics::surface::Shape;
 use petzval_optics::system::System;
 use petzval_optics::trace::{Ray as LensRay, Tracer, Travel};
-use petzval_optics::transmission;
+use petzval_optics::transmission::Passages;
 use std::f64::consts::PI;
 
 mod fan;
@@ -87,8 +91,11 @@ pub struct LensMeasures {
     pub diaphragm_part: f64,
     /// Radius of the first dark ring of a point, 1.22 λ N at 550 nm for the light cone in the film's middle, px.
     pub airy_px: f64,
-    /// What uncoated glass takes of blue (450 nm) more than of red (650 nm) on the axis, stops; negative if less.
-    pub tint_stops: f64,
+    /// What surfaces and glasses take, stops: by how much a channel of a white world differs, somewhere in the picture, from the
+    /// middle's brightness, or from one where the camera is exposed by its f-number.
+    pub transmission: Worst,
+    /// The part of white light that arrives in the middle.
+    pub luminous: f64,
     /// The part of the places that get no light.
     pub dark_part: f64,
 }
@@ -116,6 +123,7 @@ pub struct Survey {
     size_px: DVec2,
     /// Irradiance in the film's middle for a uniform world of radiance one.
     middle: f64,
+    exposes_by_f_number: bool,
 }
 
 impl Survey {
@@ -150,6 +158,7 @@ impl Survey {
             tracer,
             colours,
             middle,
+            exposes_by_f_number: d.exposes_by_f_number,
         })
     }
 
@@ -185,6 +194,27 @@ impl Survey {
     /// The scene's depth is counted along this, render space: from the scene to the film.
     pub fn backwards(&self) -> DVec3 {
         self.mount.axes().z_axis
+    }
+
+    /// Width and height of a pixel, mm of film.
+    pub(crate) fn pixel_mm(&self) -> [f64; 2] {
+        let info = &self.mount.info;
+        [info.picture_width_mm / self.size_px.x, info.picture_height_mm / self.size_px.y]
+    }
+
+    /// The clear pupil as a place of the picture sees it, in direction cosines to the right and up the film; its edge is held to `tolerance`. `None`
+    /// where no light arrives.
+    pub(crate) fn outline(&self, place: Vec2, tolerance: f64) -> Option<Outline> {
+        let info = &self.mount.info;
+        let film =
+            DVec2::new(-f64::from(place.x) * info.picture_width_mm, -f64::from(place.y) * info.picture_height_mm);
+        let index = self.system.image_index(self.tracer.wavelength_nm());
+        Outline::seen_from(&self.tracer, &self.map, &self.mount.frame, film, index, tolerance)
+    }
+
+    /// The surfaces that scatter, as the film sees them.
+    pub(crate) fn scatterers(&self) -> Vec<Scatterer> {
+        scatter::scatterers(&self.system, self.tracer.wavelength_nm(), self.mount.film.z_mm)
     }
 
     /// How bright the brightest disc of light that is reflected twice would be in the picture, uncoated, for a far source whose
@@ -314,7 +344,8 @@ impl Fans<'_> {
             cats_eye: Worst::NONE,
             diaphragm_part: diaphragm_part(&s.system),
             airy_px: s.airy_px(),
-            tint_stops: transmission::tint_stops(&s.system),
+            transmission: Worst::NONE,
+            luminous: 1.0,
             dark_part: self.fans.iter().filter(|fan| fan.mean().is_none()).count() as f64 / self.fans.len() as f64,
         };
         let mut blur = vec![0.0; self.fans.len()];
@@ -331,6 +362,7 @@ impl Fans<'_> {
         let coarse = Self::coarse();
         self.measure_colours(&coarse, &subjects, &steps, &mut found);
         self.measure_brightness(&coarse, &blur, &mut found);
+        self.measure_transmission(&mut found);
         found
     }
 
@@ -398,6 +430,22 @@ impl Fans<'_> {
             found.vignetting = found.vignetting.or(stops, *place);
             let open = (s.map.pupil_area_mm2(s.mount.film_at(*place).point) / full).clamp(0.0, 1.0);
             found.cats_eye = found.cats_eye.or(blur[i] * (1.0 - open.sqrt()), *place);
+        }
+    }
+
+    fn measure_transmission(&self, found: &mut LensMeasures) {
+        let s = self.survey;
+        let passages = Passages::new(&s.system, s.tracer.wavelength_nm());
+        let seen = |place: DVec2| transmission::colour_at(&s.mount, &s.map, &passages, place);
+        // A lens whose middle is dark has no exposure.
+        let Some(middle) = seen(DVec2::ZERO).map(luminance).filter(|y| *y > 0.0) else { return };
+        found.luminous = f64::from(middle);
+        let exposed = if s.exposes_by_f_number { 1.0 } else { middle };
+        let halves: &[f64] = if s.is_upright() { &[0.0, 0.5] } else { &[-0.5, 0.0, 0.5] };
+        for place in halves.iter().flat_map(|x| halves.iter().map(|y| DVec2::new(*x, *y))) {
+            let Some(colour) = seen(place) else { continue };
+            let stops = (colour / exposed).to_array().map(|c| f64::from(c.max(f32::MIN_POSITIVE)).log2().abs());
+            found.transmission = found.transmission.or(stops.into_iter().fold(0.0, f64::max), place.as_vec2());
         }
     }
 

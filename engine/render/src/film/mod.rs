@@ -284,6 +284,11 @@ impl Film {
         Self { gains, groups, ..self }
     }
 
+    /// By what its light is multiplied: all of it, and by pixel as well; without these, by one.
+    pub fn scales(&self) -> (f32, &[f32]) {
+        (self.exposure, &self.gains)
+    }
+
     /// Columns and rows.
     pub fn size(&self) -> (u32, u32) {
         (self.width, self.height)

@@ -55,7 +55,7 @@ impl Job {
     fn pixels_beside(&self, alone: &Self) -> Option<impl Iterator<Item = Pixel>> {
         let (caught, catches) = (self.part(PARTS[0])?, self.part(PARTS[1])?);
         let kept = caught.into_iter().zip(catches);
-        let seen = self.film().picture().into_iter().zip(alone.film().picture());
+        let seen = self.picture().into_iter().zip(alone.film().picture());
         Some(kept.zip(seen).map(|((caught, [catches, finds, _]), ([r, g, b, alpha], [lit_r, lit_g, lit_b, _]))| {
             Pixel {
                 caught: caught.into(),

@@ -2,7 +2,7 @@
 
 use super::measured::{Known, measure};
 use super::motion::SceneMotion;
-use super::price::{Price, sample_ns};
+use super::price::{Price, picture_s, sample_ns, transmission_ns};
 use super::words::size;
 use super::{Decision, Effect, PlanError, Wishes, Word};
 use crate::camera::setup::{D_LINE_NM, LensInfo};
@@ -63,11 +63,19 @@ pub struct CameraChoice {
     pub shown: Shown,
     /// Samples are taken all through the time that the shutter is open.
     pub is_moving: bool,
+    /// Reflections between the lens's surfaces are looked for.
+    pub ghosts: bool,
+    /// The picture is spread by [`crate::stray::diffraction`], of the camera as it was given.
+    pub diffraction: bool,
+    /// And by [`crate::stray::glare`].
+    pub glare: bool,
+    /// What surfaces and glasses take of the light is taken.
+    pub transmission: bool,
 }
 
 impl CameraChoice {
     /// The camera as it is.
-    pub(super) fn given(wishes: &Wishes, is_moving: bool, has_colours: bool) -> Self {
+    pub(super) fn given(wishes: &Wishes, is_moving: bool, has_colours: bool, transmission: bool) -> Self {
         Self {
             way: Way::Given,
             pipeline: wishes.pipeline.of_packets(None),
@@ -75,6 +83,10 @@ impl CameraChoice {
             round_f_number: None,
             shown: Shown::default(),
             is_moving,
+            ghosts: false,
+            diffraction: false,
+            glare: false,
+            transmission,
         }
     }
 
@@ -86,9 +98,9 @@ impl CameraChoice {
     pub(super) fn applied(&self, d: &CameraDescription) -> CameraDescription {
         if self.way == Way::Given {
             let line_nm = d.wavelength_nm.or(self.spectrum.is_none().then_some(D_LINE_NM));
-            return CameraDescription { wavelength_nm: line_nm, ..d.clone() };
+            return CameraDescription { wavelength_nm: line_nm, transmission: self.transmission, ..d.clone() };
         }
-        let mut d = CameraDescription { shown: self.shown, ..d.clone() };
+        let mut d = CameraDescription { shown: self.shown, transmission: self.transmission, ..d.clone() };
         match self.spectrum {
             Some(spectrum) => (d.spectrum, d.wavelength_nm) = (spectrum, None),
             None => d.wavelength_nm = Some(d.wavelength_nm.unwrap_or(D_LINE_NM)),
@@ -115,7 +127,8 @@ pub(super) fn decide(known: &Known<'_>, wishes: &Wishes) -> Result<(Vec<Decision
     }
     let (choice, price) = choose(known, wishes)?;
     let decisions = Effect::ALL.into_iter().map(|effect| decision(effect, known, wishes, &choice, price)).collect();
-    Ok((decisions, choice, sample_ns(price, known.survey.shape())))
+    let lossy_ns = if choice.transmission { transmission_ns(price) } else { 0.0 };
+    Ok((decisions, choice, sample_ns(price, known.survey.shape()) + lossy_ns))
 }
 
 fn tolerance(effect: Effect, wishes: &Wishes) -> f64 {
@@ -186,12 +199,12 @@ fn choose(known: &Known<'_>, wishes: &Wishes) -> Result<(CameraChoice, Price), P
     }
 
     let shape = survey.shape();
-    let geometry = [Effect::Aberration, Effect::Distortion, Effect::Vignetting];
+    let beside_gauss = [Effect::Aberration, Effect::Distortion, Effect::Vignetting, Effect::Transmission];
     let is_plain = !in_colour
         && !known.needs_lens
         && shown == Shown::default()
-        && Effect::ALL.into_iter().all(|e| wishes.word(e) != Word::On || !e.is_lens())
-        && !geometry.into_iter().any(wanted)
+        && Effect::ALL.into_iter().all(|e| wishes.word(e) != Word::On || !e.is_of_rays())
+        && !beside_gauss.into_iter().any(wanted)
         && lens.cats_eye.value * MARGIN <= tolerance(Effect::Defocus, wishes)
         && lens.dark_part == 0.0;
     let carried = spectrum.map_or(1, |s| s.count().min(SET_SIZE));
@@ -210,7 +223,21 @@ fn choose(known: &Known<'_>, wishes: &Wishes) -> Result<(CameraChoice, Price), P
     // Rays that are sent elsewhere on purpose are followed from the film.
     let is_traced = way == Way::Exact && shown.is_traced_plainly();
     let pipeline = wishes.pipeline.of_packets(is_traced.then_some(carried));
-    Ok((CameraChoice { way, pipeline, spectrum, round_f_number, shown, is_moving }, price))
+    let (ghosts, diffraction, glare) = (wanted(Effect::Ghosts), wanted(Effect::Diffraction), wanted(Effect::Glare));
+    let transmission = wanted(Effect::Transmission);
+    let choice = CameraChoice {
+        way,
+        pipeline,
+        spectrum,
+        round_f_number,
+        shown,
+        is_moving,
+        ghosts,
+        diffraction,
+        glare,
+        transmission,
+    };
+    Ok((choice, price))
 }
 
 /// What became of an effect, and why.
@@ -251,7 +278,12 @@ fn decision(effect: Effect, known: &Known<'_>, wishes: &Wishes, choice: &CameraC
     };
     let is_uncertain = known.lens.dark_part > DARK || (is_large && measure.is_some_and(|value| value <= tolerance));
     let cost_ns = if is_on { cost_ns(effect, choice, price, known.survey.shape(), &known.lens) } else { 0.0 };
-    Decision { effect, measure, tolerance, word, is_on, is_uncertain, why, cost_ns }
+    let picture_s = match (effect, &known.ghosts) {
+        _ if !is_on => 0.0,
+        (Effect::Ghosts, Some(ghosts)) => ghosts.picture_s,
+        _ => picture_s(effect, known.pixels),
+    };
+    Decision { effect, measure, tolerance, word, is_on, is_uncertain, why, cost_ns, picture_s }
 }
 
 /// What becomes of motion blur where the camera has no lens to be planned. Of what a simpler model of the lens does meanwhile it
@@ -279,7 +311,7 @@ pub(super) fn motion_without_lens(motion: Option<SceneMotion>, lens_changes: boo
         None => format!("everything stands still: {outcome}"),
     };
     let measure = if lens_changes && !is_large { None } else { Some(px.unwrap_or(0.0)) };
-    Decision { effect, measure, tolerance, word, is_on, is_uncertain: false, why, cost_ns: 0.0 }
+    Decision { effect, measure, tolerance, word, is_on, is_uncertain: false, why, cost_ns: 0.0, picture_s: 0.0 }
 }
 
 fn pinhole(info: &LensInfo) -> Way {
@@ -302,7 +334,11 @@ fn is_simulated(effect: Effect, choice: &CameraChoice, known: &Known<'_>, word: 
         Effect::AxialColour => choice.spectrum.is_some() && choice.shown.axial_colour,
         Effect::Diaphragm => known.lens.diaphragm_part > 0.0 && choice.round_f_number.is_none(),
         Effect::MotionBlur => choice.is_moving,
-        Effect::Transmission | Effect::Ghosts | Effect::Glare | Effect::Diffraction | Effect::SpectralMaterials => {
+        Effect::Ghosts => choice.ghosts,
+        Effect::Diffraction => choice.diffraction,
+        Effect::Transmission => choice.transmission,
+        Effect::Glare => choice.glare,
+        Effect::SpectralMaterials => {
             debug_assert!(word != Word::On);
             false
         }
@@ -321,6 +357,7 @@ fn cost_ns(effect: Effect, choice: &CameraChoice, price: Price, shape: LensShape
             }
             with - sample_ns(Price::Exact { is_single: true, carried: 1 }, shape)
         }
+        Effect::Transmission => transmission_ns(price),
         Effect::Defocus if choice.way == Way::Gaussian => with - sample_ns(Price::Pinhole, shape),
         _ => 0.0,
     }

@@ -36,6 +36,13 @@ pub struct Look {
 }
 
 impl Look {
+    /// Irradiance on the front over that of a world as bright as the picture all over; `None` of a black picture, and where it was not
+    /// asked for.
+    pub fn front_light(&self) -> Option<f64> {
+        let even = std::f64::consts::PI * f64::from(self.exposure);
+        self.front_irradiance.filter(|_| even > 0.0).map(|front| f64::from(front) / even)
+    }
+
     /// Looks along `rays` (render space) of places all over the picture. `backwards` is the camera's axis, from the scene to
     /// the film; `has_front` where there is a lens for light to arrive at. Also what each ray meets.
     pub(super) fn along(

@@ -2,13 +2,9 @@
 
 use super::motion::SceneMotion;
 use super::words::{size, worst};
-use super::{Effect, Unit};
+use super::{Effect, GhostLook, Unit};
 use crate::camera::CameraDescription;
 use crate::camera::survey::{LensMeasures, Survey, Worst};
-
-/// Veiling glare index: in a world that is as bright everywhere, the part of the picture's light that comes from elsewhere than
-/// it should (ISO 9358, integral method). Of photographic lenses it is about one per cent; that of this one is not known.
-const GLARE_INDEX: f64 = 0.01;
 
 /// What is known when it is decided.
 pub(super) struct Known<'a> {
@@ -19,10 +15,16 @@ pub(super) struct Known<'a> {
     pub(super) motion: Option<Worst>,
     /// `None` where nothing else moves either.
     pub(super) scene_motion: Option<SceneMotion>,
-    /// Ghosts of the brightest source, as a part of the exposure.
-    pub(super) ghosts: Option<f64>,
+    /// Of the brightest sources.
+    pub(super) ghosts: Option<GhostLook>,
     /// Irradiance on the front over that of a world as bright as the picture all over; `None` of a black picture.
     pub(super) front_light: Option<f64>,
+    /// The part of the light that the lens scatters.
+    pub(super) glare: f64,
+    /// How far from the edge of the brightest source diffraction's light is seen, px.
+    pub(super) seen_px: f64,
+    /// Of the picture.
+    pub(super) pixels: f64,
     /// Light paths end in a lens that is traced.
     pub(super) needs_lens: bool,
 }
@@ -74,27 +76,40 @@ pub(super) fn measure(known: &Known<'_>, effect: Effect) -> Measured {
             (None, None) => Measured { value: Some(0.0), text: "everything stands still".to_owned() },
         },
         Effect::Transmission => {
-            let value = lens.tint_stops.abs();
-            let colour = if lens.tint_stops > 0.0 { "blue" } else { "red" };
-            Measured {
-                value: Some(value),
-                text: format!("uncoated, it would take {} more of {colour}", size(value, Unit::Stops)),
-            }
+            let (info, changed) = (survey.info(), worst(lens.transmission, effect));
+            let coat = match info.coatings.as_slice() {
+                [] => String::new(),
+                [one] if one == "none" => "uncoated, ".to_owned(),
+                names if info.coating_is_assumed => format!("coated with {} (assumed), ", names.join(", ")),
+                names => format!("coated with {}, ", names.join(", ")),
+            };
+            let exposed = if known.d.exposes_by_f_number { "by its f-number" } else { "for that" };
+            let passed = 100.0 * lens.luminous;
+            let text =
+                format!("{coat}it lets {passed:.0} % through and, exposed {exposed}, changes colours by {changed}");
+            Measured { value: Some(lens.transmission.value), text }
         }
-        Effect::Ghosts => match known.ghosts {
-            Some(value) => Measured {
-                value: Some(value),
-                text: format!("uncoated, the brightest is {}", size(value, Unit::Exposure)),
+        Effect::Ghosts => match &known.ghosts {
+            Some(ghosts) => Measured {
+                value: Some(ghosts.value),
+                text: format!("the brightest is {}", size(ghosts.value, Unit::Exposure)),
             },
-            None => Measured { value: Some(0.0), text: "no bright source in the field or near it".to_owned() },
+            None => Measured { value: Some(0.0), text: "no bright source before the lens".to_owned() },
         },
         Effect::Glare => match known.front_light {
             Some(light) => {
-                let value = GLARE_INDEX * light;
-                let what = size(value, Unit::Exposure);
-                Measured { value: Some(value), text: format!("a lens that scatters 1 % would lay a veil of {what}") }
+                let value = known.glare * light;
+                let (what, part) = (size(value, Unit::Exposure), 100.0 * known.glare);
+                Measured {
+                    value: Some(value),
+                    text: format!("{part:.2} % of the light is scattered: a veil of {what}"),
+                }
             }
             None => Measured { value: None, text: "the picture is black: not measured".to_owned() },
+        },
+        Effect::Diffraction if known.seen_px > lens.airy_px => Measured {
+            value: Some(known.seen_px),
+            text: format!("the brightest source is seen {} around itself", size(known.seen_px, Unit::Pixels)),
         },
         Effect::Diffraction => Measured {
             value: Some(lens.airy_px),

@@ -11,14 +11,20 @@ mod look;
 mod measured;
 mod motion;
 mod price;
+mod spikes;
 mod words;
 
+use crate::Rgb;
 use crate::camera::clip::Clip;
+use crate::camera::straying::StrayLens;
 use crate::camera::survey::{GRID, LensMeasures, Survey, Worst};
 use crate::camera::{Camera, CameraDescription, CameraError, Model};
 use crate::integrator::Stage;
 use crate::pipeline::Pipeline;
 use crate::pipeline::exposure::Exposure;
+use crate::stray::diffraction::Diffraction;
+use crate::stray::glare::Glare;
+use crate::stray::{Ghosts, Reflections, Strays, ghosts, sources::Source};
 use decide::decide;
 pub use decide::{CameraChoice, Way};
 pub use light::Brightest;
@@ -109,14 +115,14 @@ impl Effect {
         }
     }
 
-    /// A lens is needed for it.
-    pub(super) fn is_lens(self) -> bool {
-        !matches!(self, Self::MotionBlur | Self::SpectralMaterials)
+    /// A lens that is traced is needed for it: it is a matter of the rays that make the picture, not of what strays from them.
+    pub(super) fn is_of_rays(self) -> bool {
+        !matches!(self, Self::MotionBlur | Self::SpectralMaterials | Self::Ghosts | Self::Glare | Self::Diffraction)
     }
 
     /// False for those that this engine cannot simulate yet: they are measured and reported.
     pub fn is_available(self) -> bool {
-        !matches!(self, Self::Transmission | Self::Ghosts | Self::Glare | Self::Diffraction | Self::SpectralMaterials)
+        self != Self::SpectralMaterials
     }
 }
 
@@ -191,6 +197,41 @@ fn model_has(model: Model, effect: Effect) -> bool {
     }
 }
 
+/// So many of the sources that send most light are asked for their ghosts.
+const GHOST_SOURCES: usize = 3;
+
+/// The ghosts of the brightest sources before the lens.
+struct GhostLook {
+    /// How bright the brightest is, as a part of the exposure.
+    value: f64,
+    /// What all sources' ghosts cost, s of one thread on the machine of [`price`].
+    picture_s: f64,
+}
+
+/// `None` where there are no sources.
+fn ghosts_of(
+    d: &CameraDescription,
+    [width, height]: [u32; 2],
+    look: &Look,
+    wishes: &Wishes,
+) -> Result<Option<GhostLook>, CameraError> {
+    // What cannot photograph the camera itself says.
+    let Ok(lens) = StrayLens::new(d, width, height) else { return Ok(None) };
+    let is_before = |one: &&Brightest| one.towards.dot(lens.forwards()) > 0.0;
+    let source = |one: &Brightest| {
+        let irradiance = Rgb::splat(one.irradiance);
+        let place = lens.source(one.towards, f64::INFINITY);
+        Source { place, irradiance, radius_rad: 0.0, towards: one.towards, pixel: None }
+    };
+    let sources: Vec<Source> = look.brightest.iter().filter(is_before).map(source).collect();
+    let exposure = lens.brightness() * f64::from(look.exposure);
+    let tolerance = Unit::Exposure.tolerance(wishes.quality);
+    let some = &sources[..sources.len().min(GHOST_SOURCES)];
+    let found = ghosts::glimpse(&lens, some, wishes.ghost_reflections, (tolerance * exposure) as f32);
+    let picture_s = price::ghosts_s(sources.len(), &found, f64::from(width) * f64::from(height));
+    Ok((found.sources > 0).then(|| GhostLook { value: f64::from(found.brightest) / exposure, picture_s }))
+}
+
 /// What the user asks of a plan.
 #[derive(Clone, Debug, PartialEq)]
 pub struct Wishes {
@@ -199,11 +240,13 @@ pub struct Wishes {
     pub quality: f64,
     /// The way that light is followed, if the user has chosen.
     pub pipeline: Pipeline,
+    /// How many reflections a ghost's path has at most.
+    pub ghost_reflections: Reflections,
 }
 
 impl Default for Wishes {
     fn default() -> Self {
-        Self { words: Default::default(), quality: 1.0, pipeline: Pipeline::Auto }
+        Self { words: Default::default(), quality: 1.0, pipeline: Pipeline::Auto, ghost_reflections: Reflections::Two }
     }
 }
 
@@ -255,6 +298,8 @@ pub struct Decision {
     pub why: String,
     /// What simulating it costs, ns for a sample of the camera on the machine of [`price`]; 0 for what comes along.
     pub cost_ns: f64,
+    /// What it takes once, when the picture is done: seconds on that machine, one thread.
+    pub picture_s: f64,
 }
 
 /// Everything that a picture's measures and wishes decide.
@@ -270,6 +315,8 @@ pub struct Plan {
     pub look: Look,
     /// What the camera takes for a sample, by [`price`].
     pub camera_ns: f64,
+    /// Of ghosts.
+    pub ghost_reflections: Reflections,
     /// Wall time that it took, s.
     pub seconds: f64,
 }
@@ -313,15 +360,50 @@ impl Plan {
                 motion = Some(motion.filter(|worst| worst.value >= one.value).unwrap_or(one));
             }
         }
-        let source = look.brightest.iter().find(|one| fans.nearly_sees(one.towards));
-        let of_exposure = |one: &Brightest| survey.ghost_value() * f64::from(one.irradiance / look.exposure);
-        let ghosts = if look.exposure > 0.0 { source.map(of_exposure) } else { None };
-        let even = std::f64::consts::PI * f64::from(look.exposure);
-        let front_light = look.front_irradiance.filter(|_| even > 0.0).map(|front| f64::from(front) / even);
+        let ghosts = if look.exposure > 0.0 { ghosts_of(d, [width, height], &look, wishes)? } else { None };
+        let front_light = look.front_light();
         let scene_motion = scene_motion(&stage.scene, exposure, &fans.rays(), &seen);
-        let known = Known { d, survey: &survey, lens, motion, scene_motion, ghosts, front_light, needs_lens };
+        let seen_px = spikes::seen_px(&survey, &look, lens.airy_px);
+        let glare = Glare::of_surfaces(&survey.scatterers(), d.scattering, survey.pixel_mm(), [1, 1]).part();
+        let pixels = f64::from(width) * f64::from(height);
+        let known = Known {
+            d,
+            survey: &survey,
+            lens,
+            motion,
+            scene_motion,
+            ghosts,
+            front_light,
+            glare,
+            seen_px,
+            pixels,
+            needs_lens,
+        };
         let (decisions, camera, camera_ns) = decide(&known, wishes)?;
-        Ok(Self { decisions, camera, camera_ns, lens: Some(lens), look, seconds: start.elapsed().as_secs_f64() })
+        let (ghost_reflections, seconds) = (wishes.ghost_reflections, start.elapsed().as_secs_f64());
+        Ok(Self { decisions, camera, camera_ns, lens: Some(lens), look, ghost_reflections, seconds })
+    }
+
+    /// What this looks for beside the rays that make the picture of a camera, of that many pixels; `None` if nothing.
+    ///
+    /// # Errors
+    /// As [`Camera::new`].
+    pub fn strays(&self, d: &CameraDescription, [width, height]: [u32; 2]) -> Result<Option<Strays>, CameraError> {
+        let CameraChoice { ghosts, diffraction, glare, .. } = self.camera;
+        if !(ghosts || diffraction || glare) {
+            return Ok(None);
+        }
+        let ghosts = match ghosts {
+            true => Some(Ghosts {
+                lens: StrayLens::new(d, width, height)?,
+                tolerance: self.decision(Effect::Ghosts).tolerance as f32 * self.look.exposure,
+                reflections: self.ghost_reflections,
+            }),
+            false => None,
+        };
+        let diffraction = diffraction.then(|| Diffraction::new(d, [width, height])).transpose()?;
+        let glare = glare.then(|| Glare::new(d, [width, height])).transpose()?;
+        Ok(Some(Strays { ghosts, diffraction, glare, front_light: self.look.front_light() }))
     }
 
     /// A camera without a lens, or with a simpler model of one, is taken as it is.
@@ -339,8 +421,12 @@ impl Plan {
         // What a model leaves out it leaves out; what it has it has, but for its colours.
         let colours = [Effect::LateralColour, Effect::AxialColour].map(|effect| wishes.word(effect));
         let has_colours = model_has(d.model, Effect::LateralColour) && colours != [Word::Off; 2];
+        // The colour that it has on the axis.
+        let may_transmit = matches!(d.model, Model::Thick | Model::Paraxial | Model::ImageBased);
+        let has_transmission = may_transmit && wishes.word(Effect::Transmission) != Word::Off;
         let has = |effect: Effect| match effect {
             Effect::LateralColour | Effect::AxialColour => has_colours,
+            Effect::Transmission => has_transmission,
             _ => model_has(d.model, effect),
         };
         let is_against = |effect: &Effect| {
@@ -382,12 +468,14 @@ impl Plan {
                 is_uncertain: false,
                 why: "decided by the camera's model".to_owned(),
                 cost_ns: 0.0,
+                picture_s: 0.0,
             }
         };
         Ok(Self {
             decisions: Effect::ALL.into_iter().map(decision).collect(),
-            camera: CameraChoice::given(wishes, is_moving, has_colours),
+            camera: CameraChoice::given(wishes, is_moving, has_colours, has_transmission),
             camera_ns: 0.0,
+            ghost_reflections: wishes.ghost_reflections,
             lens: None,
             look,
             seconds: start.elapsed().as_secs_f64(),
@@ -400,11 +488,17 @@ impl Plan {
     }
 
     /// What simulating an effect costs, as a part of the time that a render without it takes; `camera_part` is the part of a
-    /// sample's time that the camera takes with it.
-    pub fn cost(&self, effect: Effect, camera_part: f64) -> f64 {
+    /// sample's time that the camera takes with it, `samples_s` what all samples take on so many threads.
+    pub fn cost(&self, effect: Effect, camera_part: f64, samples_s: f64, threads: usize) -> f64 {
+        let once = self.decision(effect).picture_s / threads.max(1) as f64;
         let of_camera = self.decision(effect).cost_ns / self.camera_ns.max(f64::MIN_POSITIVE);
         let part = (of_camera * camera_part).clamp(-0.99, 0.99);
-        part / (1.0 - part)
+        part / (1.0 - part) + once / samples_s.max(f64::MIN_POSITIVE)
+    }
+
+    /// What is done once a picture after its samples, s on so many threads.
+    pub fn seconds_after(&self, threads: usize) -> f64 {
+        self.decisions.iter().map(|one| one.picture_s).sum::<f64>() / threads.max(1) as f64
     }
 
     /// The camera with what was decided.

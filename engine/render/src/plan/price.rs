@@ -4,7 +4,9 @@
 //! Times are nanoseconds on the machine of docs/accuracy-cost.md, one thread; their ratios hold elsewhere. They are constants,
 //! so that the same scene has the same plan on every machine and at every load.
 
+use super::Effect;
 use crate::camera::survey::LensShape;
+use crate::stray::ghosts::Glimpse;
 
 /// How a camera makes its rays.
 #[derive(Clone, Copy, Debug, PartialEq)]
@@ -33,6 +35,46 @@ const SURFACE_NS: [f64; 2] = [1.1, 2.2];
 const ASPHERE_NS: [f64; 2] = [9.0, 18.0];
 /// Where a wavelength that did not lead arrives, what density it would have led with, and its light on the film.
 const ARRIVAL_NS: f64 = 22.0;
+
+/// Looking for a path's ghost of a source.
+const GHOST_LOOK_S: f64 = 1.5e-4;
+/// Tracing a ghost and laying it on a picture of so many pixels.
+const GHOST_S: f64 = 5e-3;
+const GHOST_PX: f64 = 4e5;
+
+/// Seconds that all ghosts of so many sources take in a picture of so many pixels, by a look at some of them.
+pub(super) fn ghosts_s(sources: usize, look: &Glimpse, pixels: f64) -> f64 {
+    let per_source = look.simulated as f64 / look.sources.max(1) as f64;
+    let traced = per_source * GHOST_S * (0.5 + 0.5 * pixels / GHOST_PX);
+    sources as f64 * (look.paths as f64 * GHOST_LOOK_S + traced)
+}
+
+/// Of a pixel of the finished picture, with one kernel for all of it, in two transforms of a picture six times as large.
+const DIFFRACTION_NS: f64 = 1_200.0;
+const GLARE_NS: f64 = 700.0;
+
+/// Seconds that an effect takes of the finished picture.
+pub(super) fn picture_s(effect: Effect, pixels: f64) -> f64 {
+    let ns = match effect {
+        Effect::Diffraction => DIFFRACTION_NS,
+        Effect::Glare => GLARE_NS,
+        _ => 0.0,
+    };
+    1e-9 * ns * pixels
+}
+
+/// What the lens takes along a ray, and the same for each wavelength that a path carries: a polynomial of some ten terms.
+const TRANSMISSION_NS: [f64; 2] = [25.0, 14.0];
+
+/// Nanoseconds more where surfaces and glasses take their part.
+pub(super) fn transmission_ns(price: Price) -> f64 {
+    let [alone, each] = TRANSMISSION_NS;
+    match price {
+        Price::Exact { carried, .. } if carried > 1 => alone + each * carried as f64,
+        Price::Exact { .. } => alone,
+        Price::Pinhole | Price::Gaussian => 0.0,
+    }
+}
 
 /// Nanoseconds that a sample takes in the camera.
 pub(super) fn sample_ns(price: Price, lens: LensShape) -> f64 {

@@ -96,6 +96,14 @@ impl FilmSpectrum {
         Self { wavelengths }
     }
 
+    /// The same behind something that makes `tint` of each scene colour.
+    pub fn tinted(mut self, tint: Mat3) -> Self {
+        for line in &mut self.wavelengths {
+            line.response = tint * line.response;
+        }
+        self
+    }
+
     /// All wavelengths, in rising order.
     pub fn wavelengths(&self) -> &[FilmWavelength] {
         &self.wavelengths

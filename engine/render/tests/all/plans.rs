@@ -2,7 +2,9 @@
 
 use crate::scenes;
 use glam::{DMat4, DVec3};
+use petzval_optics::coating::Coating;
 use petzval_render::Rgb;
+use petzval_render::camera::scattering::Scattering;
 use petzval_render::camera::{Camera, CameraDescription, Model, Spectrum};
 use petzval_render::integrator::Stage;
 use petzval_render::job::{Job, Settings};
@@ -68,6 +70,13 @@ fn at_quality(quality: f64) -> Wishes {
     wishes
 }
 
+/// Lenses colour what they let through by more than pictures of some tens of pixels show of anything else.
+fn no_colour_at_quality(quality: f64) -> Wishes {
+    let mut wishes = at_quality(quality);
+    wishes.say(Effect::Transmission, Word::Off);
+    wishes
+}
+
 fn wishes(words: &[(Effect, Word)]) -> Wishes {
     let mut wishes = Wishes::default();
     words.iter().for_each(|(effect, word)| wishes.say(*effect, *word));
@@ -103,6 +112,27 @@ fn growing(effect: Effect, x: f64) -> Shot {
         Effect::MotionBlur => {
             let at = |focus: f64| CameraDescription { focus_distance: Some(focus), f_number: Some(8.0), ..triplet() };
             Shot { moving: vec![at(3.0 - x), at(3.0), at(3.0 + x)], ..shot(at(3.0), 3.0, 900) }
+        }
+        Effect::Diffraction => shot(CameraDescription { f_number: Some(between(5.0, 32.0)), ..triplet() }, 3.0, 1600),
+        Effect::Glare => {
+            let mut room = scenes::Room { builder: SceneBuilder::new() };
+            room.builder.set_world(World { color: Rgb::ONE, ..World::default() }).unwrap();
+            let scattering = Scattering { veiling_index: between(1e-4, 0.1), ..Scattering::NONE };
+            let d = CameraDescription { scattering, ..triplet() };
+            Shot { stage: room.finish(), d, moving: Vec::new(), size: [300, 200] }
+        }
+        // A film of a high index: the thicker, the more it reflects, and the less evenly.
+        Effect::Transmission => {
+            let coating = Some(Coating::parse(&format!("2.3:{:.6}nm", 60.0 * x)).unwrap());
+            shot(CameraDescription { coating, ..lens("biconvex-50mm", 8.0) }, 3.0, 300)
+        }
+        // A sun in the picture, before an even sky.
+        Effect::Ghosts => {
+            let mut room = scenes::Room { builder: SceneBuilder::new() };
+            room.builder.set_world(World { color: Rgb::ONE, ..World::default() }).unwrap();
+            let sun = scenes::lamp(LampKind::Sun { half_angle_rad: 0.005 }, between(1e-3, 1e3) as f32);
+            room.light(sun, DMat4::from_rotation_y(std::f64::consts::PI + 0.1));
+            Shot { stage: room.finish(), d: triplet(), moving: Vec::new(), size: [300, 200] }
         }
         other => unreachable!("{other:?} cannot be simulated"),
     }
@@ -253,7 +283,7 @@ fn a_pinhole_stands_for_a_lens_of_which_nothing_is_seen() {
     };
     let stage = scenes::box_under_a_lamp();
     let shot = Shot { stage: stage.clone(), d: d.clone(), moving: Vec::new(), size: [48, 32] };
-    let plan = shot.plan(&at_quality(0.4)).unwrap();
+    let plan = shot.plan(&no_colour_at_quality(0.4)).unwrap();
     let told: Vec<&str> = plan.decisions.iter().map(|d| d.why.as_str()).collect();
     assert!(matches!(plan.camera.way, Way::Pinhole { .. }), "{told:#?}");
     let simple = picture(&stage, &plan.applied(&d), shot.size, 256);
@@ -279,7 +309,7 @@ fn no_pinhole_stands_for_a_lens_that_squeezes() {
         moving: Vec::new(),
         size: [48, 32],
     };
-    let way = |d: CameraDescription| small(d).plan(&at_quality(0.3)).unwrap().camera.way;
+    let way = |d: CameraDescription| small(d).plan(&no_colour_at_quality(0.3)).unwrap().camera.way;
     assert!(matches!(way(triplet()), Way::Pinhole { .. }));
     assert_eq!(way(lens("anamorphic-2x-double-gauss", 2.0)), Way::Exact);
     assert_eq!(way(CameraDescription { tilt_rad: 0.1, ..triplet() }), Way::Exact);
@@ -317,7 +347,7 @@ fn sources_are_found_in_the_picture() {
 /// fills the picture the world around the square counts, too, by its form factor (Howell, "Radiation Heat Transfer
 /// Configuration Factors", B-3: four times that of a corner).
 #[test]
-fn glare_is_a_hundredth_of_the_light_on_the_front() {
+fn glare_is_the_lenss_part_of_the_light_on_the_front() {
     let measure = |albedo: Option<f32>, lamp_at: Option<DVec3>| {
         let mut room = scenes::Room { builder: SceneBuilder::new() };
         room.builder.set_world(World { color: Rgb::ONE, ..World::default() }).unwrap();
@@ -331,7 +361,9 @@ fn glare_is_a_hundredth_of_the_light_on_the_front() {
                 DMat4::from_translation(at),
             );
         }
-        let shot = Shot { stage: room.finish(), d: triplet(), moving: Vec::new(), size: [300, 200] };
+        let scattering = Scattering { veiling_index: 0.01, ..Scattering::NONE };
+        let d = CameraDescription { scattering, ..triplet() };
+        let shot = Shot { stage: room.finish(), d, moving: Vec::new(), size: [300, 200] };
         shot.decision(Effect::Glare).measure.unwrap()
     };
     let form_factor = 4.0 / std::f64::consts::TAU * 2.0f64.sqrt() * (0.5f64.sqrt()).atan();

@@ -1,5 +1,6 @@
 //! The lines `# key: text` before the rows of a lens file.
 
+use crate::coating::Coating;
 use crate::glass::{Dispersion, Gradient, GradientTerm, InternalTransmittance, Medium};
 use crate::prescription::{LensGroup, Metadata, Place, PrescriptionError};
 
@@ -14,6 +15,8 @@ use crate::formats::problem::at;
 pub(crate) struct Header {
     pub(crate) name: Option<String>,
     pub(crate) film_radius_mm: Option<f64>,
+    /// Of surfaces where glass meets air, if no row says otherwise.
+    pub(crate) coating: Option<Coating>,
     pub(super) elements: Vec<ElementLine>,
     pub(super) moving: MovingLines,
     /// Glasses that the file defines itself.
@@ -25,8 +28,8 @@ pub(crate) struct Header {
 }
 
 /// Keys whose lines are written from the lens itself, not from what its file said.
-pub(super) const OF_THE_LENS: [&str; 8] =
-    ["name", "film_radius", "element", "moving", "position", "glass", "gradient", "transmittance"];
+pub(super) const OF_THE_LENS: [&str; 9] =
+    ["name", "film_radius", "coating", "element", "moving", "position", "glass", "gradient", "transmittance"];
 
 /// Takes a line without its `#`; `place` is where it begins. One without a colon is a remark.
 pub(crate) fn line(
@@ -83,6 +86,7 @@ impl Header {
             "transmittance" if value.contains('@') => self.transmittance(value)?,
             "gradient" => self.gradient(value)?,
             "catalogue" if is_glass_file(value) => self.catalogues.push((value.to_owned(), place)),
+            "coating" => self.coating = Some(Coating::parse(value)?),
             "film_radius" => self.film_radius_mm = Some(number(value)?),
             "film" => {
                 let (width, height) = value.split_once('x').unwrap_or((value, value));
@@ -138,6 +142,7 @@ impl Header {
     /// What the lines say, into a lens that is read from another program's file.
     pub(crate) fn apply(self, draft: &mut Draft<'_>) -> Result<(), LensFileError> {
         draft.name = self.name.or(draft.name.take());
+        draft.coating = self.coating.or(draft.coating.take());
         if let Some((parts, positions, places)) = self.moving.parts() {
             draft.moving = Some((parts, positions, places));
         }

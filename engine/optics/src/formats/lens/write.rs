@@ -2,11 +2,12 @@
 
 use std::fmt::Write;
 
+use crate::coating::Coating;
 use crate::glass::{Catalogue, Medium};
 use crate::prescription::{Behind, Prescription, SurfaceRow};
 use crate::surface::{Section, Shape};
 
-use super::columns::{Misalignment, OBSTRUCTION, POSE, RADIUS_X};
+use super::columns::{COATING, Misalignment, NO_COATING_SAID, OBSTRUCTION, POSE, RADIUS_X};
 use super::header::{OF_THE_LENS, glass_lines};
 
 /// The text of a lens file, and what of the lens cannot stand in one.
@@ -58,6 +59,9 @@ pub(in crate::formats) fn header_lines(
     if let Some(radius_mm) = lens.film_radius_mm {
         lines.push(format!("film_radius: {radius_mm}"));
     }
+    if let Some(coating) = common_coating(lens) {
+        lines.push(format!("coating: {}", coating.name()));
+    }
     let mut defined: Vec<Medium> = Vec::new();
     let media = lens.surfaces.iter().filter_map(|row| match &row.behind {
         Behind::Medium(medium) => Some(medium.as_defined()),
@@ -83,6 +87,17 @@ pub(in crate::formats) fn header_lines(
         }
     }
     lines
+}
+
+/// The coating of all surfaces where glass meets air, if they have one in common and no other surface has any.
+pub(in crate::formats) fn common_coating(lens: &Prescription) -> Option<&Coating> {
+    let in_air = lens.in_air();
+    let first = lens.surfaces[*in_air.first()?].coating.as_ref()?;
+    let agrees = |(i, row): (usize, &SurfaceRow)| match row.coating.as_ref() {
+        Some(coating) => in_air.contains(&i) && coating == first,
+        None => !in_air.contains(&i),
+    };
+    lens.surfaces.iter().enumerate().all(agrees).then_some(first)
 }
 
 /// A text without line ends.
@@ -121,6 +136,7 @@ fn radius_text(curvature: f64) -> String {
 enum Extra {
     Obstruction,
     RadiusX,
+    Coating,
     Term(u32),
     /// Place in [`POSE`].
     Pose(usize),
@@ -131,6 +147,7 @@ impl Extra {
         match self {
             Self::Obstruction => format!(" {OBSTRUCTION}"),
             Self::RadiusX => format!(" {RADIUS_X}"),
+            Self::Coating => format!(" {COATING}"),
             Self::Term(power) => format!(" a{power}"),
             Self::Pose(part) => format!(" {}", POSE[*part]),
         }
@@ -147,6 +164,7 @@ impl Extra {
                 }
                 text
             }
+            Self::Coating => row.coating.as_ref().map_or(NO_COATING_SAID, Coating::name).to_owned(),
             Self::Pose(part) => Misalignment::of(&row.pose)[*part].to_string(),
             Self::Term(power) => {
                 let terms = row.shape.profile().terms();
@@ -164,6 +182,9 @@ fn extra_columns(lens: &Prescription) -> Vec<Extra> {
     }
     if lens.surfaces.iter().any(|row| matches!(row.shape, Shape::Toroid(_))) {
         columns.push(Extra::RadiusX);
+    }
+    if common_coating(lens).is_none() && lens.surfaces.iter().any(|row| row.coating.is_some()) {
+        columns.push(Extra::Coating);
     }
     let mut powers: Vec<u32> =
         lens.surfaces.iter().flat_map(|row| row.shape.profile().terms()).map(|(power, _)| power).collect();

@@ -7,7 +7,7 @@ use crate::glass::{Catalogue, Medium, line_nm};
 use crate::prescription::{Behind, Prescription, SurfaceRow};
 use crate::surface::{Section, Shape};
 
-use super::super::lens::{header_lines, one_line};
+use super::super::lens::{common_coating, header_lines, one_line};
 
 /// The catalogues that OpticStudio calls so, by our makers.
 const CATALOGUES: [(&str, &str); 8] = [
@@ -62,6 +62,9 @@ pub fn write(lens: &Prescription, catalogue: &Catalogue) -> (String, Vec<String>
     }
     let film = lens.film_radius_mm.map_or(0.0, f64::recip);
     let _ = writeln!(text, "SURF {}\n  TYPE STANDARD\n  CURV {film} 0 0 0 0 \"\"\n  DISZ 0", lens.surfaces.len() + 1);
+    if common_coating(lens).is_none() && lens.surfaces.iter().any(|row| row.coating.is_some()) {
+        lost.push("coatings that differ from surface to surface are left out".to_owned());
+    }
     if lens.moving.is_some() {
         lost.push("gaps that move stand in the notes only; OpticStudio gets the lens in its first position".to_owned());
     }

@@ -15,6 +15,7 @@ pub(super) fn assert_same(name: &str, a: &Prescription, b: &Prescription) {
         assert_eq!(a.thickness_mm.to_bits(), b.thickness_mm.to_bits(), "{name} {i}");
         assert_eq!(a.semi_diameter_mm, b.semi_diameter_mm, "{name} {i}");
         assert_eq!(a.obstruction_mm, b.obstruction_mm, "{name} {i}");
+        assert_eq!(a.coating, b.coating, "{name} {i}");
         match (&a.behind, &b.behind) {
             (Behind::Mirror, Behind::Mirror) => {}
             (Behind::Medium(a), Behind::Medium(b)) => {

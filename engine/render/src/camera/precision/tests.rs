@@ -22,7 +22,7 @@ fn lenses() -> Vec<PathBuf> {
 }
 
 /// Focused at infinity, before a film of 16:9 that holds the lens's field.
-fn camera(path: &Path, size: [u32; 2], more: impl Fn(&mut CameraDescription)) -> Camera {
+pub(in crate::camera) fn camera(path: &Path, size: [u32; 2], more: impl Fn(&mut CameraDescription)) -> Camera {
     let prescription = lens::read(path, Catalogue::shipped()).unwrap();
     let system = System::new(&prescription, &SystemSettings::default()).unwrap();
     let efl = Paraxial::in_section(&system, Section::Y, line_nm::D).efl_mm.unwrap().abs();

@@ -167,7 +167,10 @@ fn all_lenses_are_measured() {
                 let all =
                     [m.defocus, m.aberration, m.distortion, m.lateral_colour, m.axial_colour, m.vignetting, m.cats_eye];
                 assert!(all.iter().all(|one| one.value >= 0.0), "{name} {depth:?}: {m:?}");
-                assert!(m.airy_px > 0.0 && m.tint_stops.is_finite(), "{name}: {m:?}");
+                assert!(
+                    m.airy_px > 0.0 && m.transmission.value.is_finite() && m.luminous > 0.2 && m.luminous <= 1.0,
+                    "{name}: {m:?}"
+                );
                 assert!(survey.ghost_value() >= 0.0 && survey.f_number_by_area() > 0.0);
                 count += 1;
             }

@@ -1,0 +1,87 @@
+# SPDX-License-Identifier: GPL-3.0-or-later
+"""Point spread: what waves make of a point, by field, bright and in the dark, and how much of its light lies how near."""
+
+from __future__ import annotations
+
+from typing import Any
+
+from .page import DARK, degrees, field_colour, lengths
+
+#: Decades that the dark picture shows.
+_DECADES = 4.0
+#: The bright one reaches so many times as far as this part of the light.
+_ZOOM, _MOST = 1.5, 0.9
+
+
+def size_in(found: dict[str, Any]) -> tuple[float, float]:
+    """Of the report."""
+    return 2.0 + 2.6 * max(len(found["fields"]), 1), 7.6
+
+
+def draw(found: dict[str, Any], figure: Any) -> None:
+    """Into a figure."""
+    fields = found["fields"]
+    grid = figure.add_gridspec(3, max(len(fields), 1))
+    lit = [field for field in fields if "values" in field]
+    reach = max((field["step_mm"] * (field["side"] // 2) for field in lit), default=0.0)
+    factor, unit = lengths(reach)
+    for i, field in enumerate(fields):
+        both = [figure.add_subplot(grid[row, i]) for row in (0, 1)]
+        if "values" in field:
+            _pictures(found, field, i, both, (factor, unit))
+        else:
+            _nothing(field, both)
+    below = figure.add_subplot(grid[2, :])
+    for i, field in enumerate(fields):
+        if "values" in field:
+            radii = [radius * factor for radius in field["radii_mm"]]
+            name = degrees(field["angle_deg"])
+            below.plot(radii, field["encircled"], color=field_colour(i), linewidth=1.4, label=name)
+    below.set_xlabel(f"radius about the middle of the light, {unit}")
+    below.set_ylabel("light within")
+    below.set_ylim(0.0, 1.0)
+    below.set_xlim(left=0.0)
+    if lit:
+        below.legend(loc="lower right", fontsize=8)
+
+
+def _nothing(field: dict[str, Any], both: list[Any]) -> None:
+    why = "dark"
+    if not field["is_dark"]:
+        factor, unit = lengths(field["spread_mm"])
+        times = field["spread_times"]
+        why = f"{degrees(field['angle_deg'])}: spread over\n{factor * field['spread_mm']:.3g} {unit}, {times:.0f} λN:\nits rays say all"
+    for axes in both:
+        axes.text(0.5, 0.5, why, color=DARK, ha="center", va="center", transform=axes.transAxes)
+        axes.set_axis_off()
+
+
+def _pictures(
+    found: dict[str, Any], field: dict[str, Any], number: int, both: list[Any], by: tuple[float, str]
+) -> None:
+    import numpy as np
+
+    factor, unit = by
+    side = field["side"]
+    values = np.array(field["values"]).reshape(side, side)
+    half = 0.5 * side * field["step_mm"] * factor
+    extent = (-half, half, -half, half)
+    bright, dark = both
+    for axes in both:
+        axes.set_aspect("equal")
+        axes.grid(False)
+    bright.imshow(values, extent=extent, origin="lower", cmap="inferno", vmin=0.0, interpolation="nearest")
+    # Near the middle, where most of the light is.
+    most = (r for r, part in zip(field["radii_mm"], field["encircled"], strict=True) if part > _MOST)
+    near = min(half, _ZOOM * factor * next(most, half / factor))
+    bright.set_xlim(-near, near)
+    bright.set_ylim(-near, near)
+    shown = np.log10(np.maximum(values / max(values.max(), 1e-300), 10.0**-_DECADES))
+    dark.imshow(shown, extent=extent, origin="lower", cmap="inferno", vmin=-_DECADES, vmax=0.0, interpolation="nearest")
+    main = field["strehl"][found["main_wavelength"]]
+    bright.set_title(f"{degrees(field['angle_deg'])}: Strehl {main:.3f}", color=field_colour(number))
+    dark.set_title(f"{_DECADES:.0f} decades", color=DARK)
+    if number == 0:
+        bright.set_ylabel(f"tangential, {unit}")
+        dark.set_ylabel(f"tangential, {unit}")
+    dark.set_xlabel(f"sagittal, {unit}")

@@ -1,0 +1,58 @@
+//! What is done to a picture once all its samples are there: the light that strays is found and laid over it.
+
+use super::{Job, Shared, lock};
+use crate::Rgb;
+use crate::stray::{Picture, Straight, StrayPass, Strayed, Strays};
+use rayon::ThreadPoolBuilder;
+use std::sync::Arc;
+use std::sync::atomic::Ordering;
+
+impl Job {
+    /// Finds the light that strays, by the picture as it is now, for [`Self::picture`] and [`Self::stray_pass`]; to be called after the
+    /// end. [`Self::stop_developing`] ends it without a result.
+    pub fn develop(&self, strays: &Strays) {
+        let shared: &Shared = &self.shared;
+        let (width, height) = shared.film.size();
+        let light = shared.film.picture().into_iter().map(|[r, g, b, _]| Rgb::new(r, g, b)).collect();
+        let picture = Picture { width, height, light };
+        let (exposure, gains) = shared.film.scales();
+        let camera = self.camera();
+        let straight = Straight { stage: &shared.stage, camera, picture: &picture, exposure, gains };
+        let stopped = || shared.stop_developing.load(Ordering::Relaxed);
+        let find = || strays.find(&straight, &stopped);
+        // As many threads as the render had; where there can be no more, this one does.
+        let found = match ThreadPoolBuilder::new().num_threads(self.threads.len()).build() {
+            Ok(pool) => pool.install(find),
+            Err(_) => find(),
+        };
+        if let Some(found) = found {
+            *lock(&shared.strayed) = Some(Arc::new(found));
+        }
+    }
+
+    /// Ends [`Self::develop`] without a result.
+    pub fn stop_developing(&self) {
+        self.shared.stop_developing.store(true, Ordering::Relaxed);
+    }
+
+    /// What [`Self::develop`] found.
+    pub fn strayed(&self) -> Option<Arc<Strayed>> {
+        lock(&self.shared.strayed).clone()
+    }
+
+    /// The whole picture as it is now, with the light that strays once that is found; rows from below.
+    pub fn picture(&self) -> Vec<[f32; 4]> {
+        let mut picture = self.shared.film.picture();
+        if let Some(strayed) = self.strayed() {
+            strayed.add_to(&mut picture);
+        }
+        picture
+    }
+
+    /// A part of the light that strays, rows from below; black where it was not found.
+    pub fn stray_pass(&self, pass: StrayPass) -> Vec<Rgb> {
+        let (width, height) = self.shared.film.size();
+        let found = self.strayed().and_then(|strayed| strayed.part(pass).map(<[Rgb]>::to_vec));
+        found.unwrap_or_else(|| vec![Rgb::ZERO; width as usize * height as usize])
+    }
+}

@@ -1,0 +1,125 @@
+//! Which ghosts are bright enough to be seen.
+
+use super::super::sources::Source;
+use crate::camera::straying::StrayLens;
+use crate::luminance;
+use glam::DVec2;
+use petzval_optics::ghosts::beam::Beam;
+use petzval_optics::ghosts::packet::{GhostTracer, Window};
+use petzval_optics::ghosts::power;
+use rayon::prelude::*;
+
+/// A ghost of a source.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub(super) struct Candidate {
+    /// Its number.
+    pub(super) source: usize,
+    /// The number of its path.
+    pub(super) path: usize,
+    /// Luminance in the picture, evenly over its bounds.
+    pub(super) value: f32,
+    /// Its bounds' corners, pixels from the picture's lower left corner.
+    pub(super) bounds: [DVec2; 2],
+    /// How far its images at the ends of the spectrum lie apart, pixels.
+    pub(super) spread_px: f64,
+    /// How far the image of the source's edge lies from that of its middle, pixels.
+    pub(super) blur_px: f64,
+}
+
+/// The ends of what is seen, and the middle.
+pub(super) const LINES_NM: [f64; 3] = [440.0, 550.0, 640.0];
+/// Bounds hold a ghost's light unevenly; the brightest parts of most ghosts are no more than so many times as bright.
+const PEAK: f32 = 4.0;
+/// Along each side of the picture, where it is counted what the left out add.
+const CELLS: usize = 24;
+
+/// All ghosts of all sources that reach the picture.
+pub(super) fn candidates(
+    lens: &StrayLens,
+    paths: &[Vec<usize>],
+    sources: &[Source],
+    beams: &[Option<Beam>],
+    stopped: &(dyn Fn() -> bool + Sync),
+) -> Option<Vec<Candidate>> {
+    let tracers = LINES_NM.map(|nm| lens.system().at_wavelength(nm));
+    let of_path = |(number, turns): (usize, &Vec<usize>)| {
+        let paths: Vec<GhostTracer> = tracers.iter().filter_map(|tracer| GhostTracer::new(tracer, turns)).collect();
+        let Ok([blue, green, red]) = <[GhostTracer; 3]>::try_from(paths) else { return Vec::new() };
+        let mut bundles = [blue.bundle(), green.bundle(), red.bundle()];
+        let mut found = Vec::new();
+        for (source, beam) in beams.iter().enumerate() {
+            let Some(beam) = beam else { continue };
+            if stopped() {
+                break;
+            }
+            let mut window = |k: usize, path: &GhostTracer, beam: &Beam| {
+                path.window(beam, lens.film(), lens.pupil_part(), &mut bundles[k])
+            };
+            let Some(middle) = window(1, &green, beam) else { continue };
+            let Some((value, bounds)) = brightness(lens, &sources[source], beam, &green, &middle) else { continue };
+            let apart = |a: &Option<Window>, b: &Option<Window>| match (a, b) {
+                (Some(a), Some(b)) => {
+                    let apart = |k: usize| (lens.pixel(a.film[k]) - lens.pixel(b.film[k])).abs().max_element();
+                    apart(0).max(apart(1))
+                }
+                _ => 0.0,
+            };
+            let spread_px = apart(&window(0, &blue, beam), &window(2, &red, beam));
+            let radius = f64::from(sources[source].radius_rad);
+            let edge = (radius > 0.0).then(|| Beam::new(lens.system(), sources[source].place.moved([radius, 0.0])));
+            let blur_px = edge.flatten().map_or(0.0, |edge| apart(&window(1, &green, &edge), &Some(middle)));
+            found.push(Candidate { source, path: number, value, bounds, spread_px, blur_px });
+        }
+        found
+    };
+    let found: Vec<Vec<Candidate>> = paths.par_iter().enumerate().map(of_path).collect();
+    (!stopped()).then(|| found.concat())
+}
+
+/// Luminance of a ghost in the picture, evenly over its bounds, and these in pixels; `None` where it lies outside.
+fn brightness(
+    lens: &StrayLens,
+    source: &Source,
+    beam: &Beam,
+    path: &GhostTracer,
+    window: &Window,
+) -> Option<(f32, [DVec2; 2])> {
+    let [a, b] = window.film.map(|corner| lens.pixel(corner));
+    let (low, high) = (a.min(b), a.max(b));
+    if !(high.cmpge(DVec2::ZERO).all() && low.cmple(lens.size_px()).all()) {
+        return None;
+    }
+    let size = (high - low).max(DVec2::ONE);
+    let middle = 0.5 * (window.low + window.high);
+    let open = path.open_path();
+    let left = power::along(lens.system(), open, beam.ray(middle)).map_or(0.0, |found| found.1);
+    let light = window.open_mm2 * left * lens.gain() * lens.px2_per_mm2();
+    let value = luminance(source.irradiance) * (light / size.element_product()) as f32;
+    (value > 0.0 && value.is_finite()).then_some((value, [low, high]))
+}
+
+/// Those that are simulated, and what the others could add to a pixel at most: the weakest go as long as what all of them could add
+/// stays within the tolerance, wherever they lie over each other.
+pub(super) fn keep(mut found: Vec<Candidate>, size_px: DVec2, tolerance: f32) -> (Vec<Candidate>, f32) {
+    found.sort_by(|a, b| a.value.total_cmp(&b.value));
+    let mut left_out = [[0.0f32; CELLS]; CELLS];
+    let mut kept = Vec::new();
+    for one in found {
+        let cells = |axis: usize| {
+            let cell = |at: f64| ((at / size_px[axis] * CELLS as f64).max(0.0) as usize).min(CELLS - 1);
+            cell(one.bounds[0][axis])..=cell(one.bounds[1][axis])
+        };
+        let worst =
+            cells(1).flat_map(|y| cells(0).map(move |x| (x, y))).map(|(x, y)| left_out[y][x]).fold(0.0, f32::max);
+        if worst + PEAK * one.value > tolerance {
+            kept.push(one);
+            continue;
+        }
+        for (x, y) in cells(1).flat_map(|y| cells(0).map(move |x| (x, y))) {
+            left_out[y][x] += PEAK * one.value;
+        }
+    }
+    // An order that does not depend on brightness.
+    kept.sort_by_key(|one| (one.source, one.path));
+    (kept, left_out.as_flattened().iter().copied().fold(0.0, f32::max))
+}

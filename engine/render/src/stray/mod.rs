@@ -1,0 +1,200 @@
+//! Light that strays: what reflections between surfaces, scattering and the wave nature of light add to a picture that rays alone have
+//! made.
+//!
+//! It is found once, after the last sample, from the picture and the scene's sources, and kept apart from it: what is shown is the
+//! sum. Each part is a difference that may be weighed by itself.
+
+pub mod diffraction;
+pub mod ghosts;
+pub mod glare;
+mod sampled;
+pub mod sources;
+pub mod spread;
+
+use crate::Rgb;
+use crate::camera::Camera;
+use crate::camera::straying::StrayLens;
+use crate::integrator::Stage;
+use diffraction::Diffraction;
+use glare::Glare;
+use std::time::Instant;
+
+/// A picture as the film has it: linear, rows from below.
+#[derive(Clone, Debug, PartialEq)]
+pub struct Picture {
+    /// Columns.
+    pub width: u32,
+    /// Rows.
+    pub height: u32,
+    /// By pixel.
+    pub light: Vec<Rgb>,
+}
+
+/// What strays is looked for.
+#[derive(Default)]
+pub struct Strays {
+    /// Reflections between surfaces.
+    pub ghosts: Option<Ghosts>,
+    /// The wave nature of light.
+    pub diffraction: Option<Diffraction>,
+    /// Light scattered by surfaces, dust, barrel and film.
+    pub glare: Option<Glare>,
+    /// For glare: [`Glare::change`] says what.
+    pub front_light: Option<f64>,
+}
+
+/// How many reflections a ghost's path has at most. Paths of four are a hundred times as many as those of two, and each takes
+/// from its light twice what a surface reflects.
+#[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
+pub enum Reflections {
+    /// As most ghosts that are seen have.
+    #[default]
+    Two,
+    /// Two or four: for lenses without coatings, and the sun.
+    Four,
+}
+
+impl Reflections {
+    /// The numbers of reflections that there are.
+    fn counts(self) -> &'static [usize] {
+        match self {
+            Self::Two => &[2],
+            Self::Four => &[2, 4],
+        }
+    }
+
+    /// Of that number, if there is one.
+    pub fn of(count: usize) -> Option<Self> {
+        [Self::Two, Self::Four].into_iter().find(|one| one.counts().last() == Some(&count))
+    }
+}
+
+/// What of reflections is looked for.
+pub struct Ghosts {
+    /// The lens, whatever camera made the picture.
+    pub lens: StrayLens,
+    /// Light that may be left out, as a radiance of the scene.
+    pub tolerance: f32,
+    /// How many a path has at most.
+    pub reflections: Reflections,
+}
+
+/// A part of the light that strays.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub enum StrayPass {
+    /// Reflections between surfaces.
+    Ghosts,
+    /// Light scattered by surfaces, dust, barrel and film; what it takes from where it should be is negative.
+    Glare,
+    /// The wave nature of light; negative where it takes light away.
+    Diffraction,
+}
+
+impl StrayPass {
+    /// All of them.
+    pub const ALL: [Self; 3] = [Self::Ghosts, Self::Glare, Self::Diffraction];
+
+    /// For programs.
+    pub fn name(self) -> &'static str {
+        match self {
+            Self::Ghosts => "GHOSTS",
+            Self::Glare => "GLARE",
+            Self::Diffraction => "DIFFRACTION",
+        }
+    }
+}
+
+/// What was found.
+#[derive(Clone, Debug, Default)]
+pub struct Strayed {
+    parts: Vec<Part>,
+    /// Of ghosts.
+    pub ghosts: Option<ghosts::Report>,
+}
+
+/// One kind of it.
+#[derive(Clone, Debug)]
+struct Part {
+    pass: StrayPass,
+    light: Vec<Rgb>,
+    seconds: f64,
+}
+
+impl Strayed {
+    /// What was looked for, and the wall time that each took, s.
+    pub fn times(&self) -> impl Iterator<Item = (StrayPass, f64)> {
+        self.parts.iter().map(|part| (part.pass, part.seconds))
+    }
+
+    /// A part; `None` if it was not looked for.
+    pub fn part(&self, pass: StrayPass) -> Option<&[Rgb]> {
+        self.parts.iter().find(|part| part.pass == pass).map(|part| part.light.as_slice())
+    }
+
+    /// Adds all parts to a picture.
+    pub fn add_to(&self, picture: &mut [[f32; 4]]) {
+        for part in &self.parts {
+            for (pixel, light) in picture.iter_mut().zip(&part.light) {
+                pixel[..3].iter_mut().zip(light.to_array()).for_each(|(sum, part)| *sum += part);
+            }
+        }
+    }
+}
+
+/// A picture that is finished but for what strays, and how it came about.
+pub struct Straight<'a> {
+    /// The scene.
+    pub stage: &'a Stage,
+    /// The camera in the middle of the exposure.
+    pub camera: &'a Camera,
+    /// What it took.
+    pub picture: &'a Picture,
+    /// By what the camera's light is multiplied in the picture, and by pixel as well; without these, by one.
+    pub exposure: f32,
+    /// As above.
+    pub gains: &'a [f32],
+}
+
+impl Straight<'_> {
+    /// By what the camera's light is multiplied at a pixel.
+    pub fn scale(&self, pixel: usize) -> f32 {
+        self.exposure * self.gains.get(pixel).copied().unwrap_or(1.0)
+    }
+}
+
+impl Strays {
+    /// Finds them; `None` where `stopped` said so.
+    pub fn find(&self, straight: &Straight<'_>, stopped: &(dyn Fn() -> bool + Sync)) -> Option<Strayed> {
+        let mut found = Strayed::default();
+        let mut start = Instant::now();
+        let mut keep = |pass: StrayPass, light: Vec<Rgb>| {
+            let seconds = std::mem::replace(&mut start, Instant::now()).elapsed().as_secs_f64();
+            found.parts.push(Part { pass, light, seconds });
+        };
+        let mut ghost_report = None;
+        if let Some(Ghosts { lens, tolerance, reflections }) = &self.ghosts {
+            let least = tolerance / (lens.brightest_ghost() as f32).max(f32::MIN_POSITIVE);
+            let (sources, dropped) = sources::all(straight, lens, least);
+            let tolerance = tolerance * lens.brightness() as f32;
+            let (mut ghosts, report) = ghosts::ghosts(lens, &sources, *reflections, tolerance, stopped)?;
+            ghosts.light.iter_mut().enumerate().for_each(|(pixel, light)| *light *= straight.scale(pixel));
+            keep(StrayPass::Ghosts, ghosts.light);
+            let left_out = report.left_out + dropped * (lens.brightest_ghost() * lens.brightness()) as f32;
+            ghost_report = Some(ghosts::Report { left_out, ..report });
+        }
+        if stopped() {
+            return None;
+        }
+        if let Some(glare) = &self.glare {
+            keep(StrayPass::Glare, glare.change(&straight.picture.light, self.front_light));
+        }
+        if stopped() {
+            return None;
+        }
+        if let Some(diffraction) = &self.diffraction {
+            keep(StrayPass::Diffraction, diffraction.change(&straight.picture.light));
+        }
+        found.ghosts = ghost_report;
+        Some(found)
+    }
+}

@@ -1,0 +1,144 @@
+#!/usr/bin/env python3
+# SPDX-License-Identifier: GPL-3.0-or-later
+"""Ghosts beside brute force, what they cost, and two pictures full of light that strays: tables and pictures of docs/ghosts.md. Run by
+`make ghosts` in an environment that has petzval, bpy, numpy and Pillow."""
+
+from __future__ import annotations
+
+import argparse
+import json
+import re
+import subprocess
+import sys
+import tempfile
+from pathlib import Path
+from statistics import median
+
+import numpy as np
+from PIL import Image
+
+ROOT = Path(__file__).resolve().parent.parent
+PAGE, IMAGES = ROOT / "docs/ghosts.md", ROOT / "docs/images"
+#: Lens, f-number, angle of the source, and rays of brute force.
+HELD = (
+    ("cooke-triplet-50mm", "4", "0", 400_000),
+    ("double-gauss-f2-tronnier", "4", "8", 200_000),
+    ("flektogon-1954", "8", "20", 400_000),
+    ("fisheye-nikkor-16-f2.8", "4", "10", 200_000),
+    ("nikkor-z-24-70-f4", "5.6", "12", 100_000),
+    ("phone-4.1-f1.8", "1.8", "15", 100_000),
+    ("questar-3.5", "15", "0.2", 400_000),
+)
+#: Scene, lens, focal length, f-number, blades.
+SCENES = {
+    "night": ("takumar-35-1970", "35", "8", "6"),
+    "sun": ("flektogon-1954", "35", "11", "5"),
+}
+COATINGS = ("none", "mgf2", "triple")
+
+
+def petzval(*arguments: object) -> str:
+    done = subprocess.run(
+        [sys.executable, "-m", "petzval", *map(str, arguments)], capture_output=True, text=True, check=False
+    )
+    if done.returncode:
+        raise SystemExit(done.stderr)
+    return done.stdout
+
+
+def held() -> list[str]:
+    rows = [
+        "| lens | f-number | source | ghosts | on the film, mm² | brute force, mm² | apart |",
+        "|---|---:|---:|---:|---:|---:|---:|",
+    ]
+    for lens, f_number, angle, rays in HELD:
+        found = json.loads(
+            petzval("lens", "ghosts", lens, "--f-number", f_number, "--angle", angle, "--brute-force", rays, "--json")
+        )
+        brute = found["brute_force"]
+        expected, error = brute["on_film_mm2"][2], brute["error_mm2"][2]
+        apart = 100.0 * (found["on_film_mm2"] / expected - 1.0)
+        rows.append(
+            f"| {lens} | {f_number} | {angle}° | {len(found['ghosts'])} | {found['on_film_mm2']:.4e} | "
+            f"{expected:.4e} ± {error:.0e} | {apart:+.2f} % |"
+        )
+    return rows
+
+
+def rendered(folder: Path, scene: Path, name: str, *options: object) -> tuple[np.ndarray, dict]:
+    lens, focal, f_number, blades = SCENES[name]
+    out, stats = folder / "picture.png", folder / "stats.json"
+    petzval(
+        "render", scene, "--lens", lens, "--focal-length", focal, "--f-number", f_number, "--blades", blades,
+        *options, "-o", out, "--stats", stats,
+    )  # fmt: skip
+    return np.asarray(Image.open(out).convert("RGB")), json.loads(stats.read_text())
+
+
+def priced(folder: Path, scenes: dict[str, Path], rounds: int) -> list[str]:
+    rows = [
+        "| picture | samples | sources | ghosts | without, s | ghosts, s | glare, s | diffraction, s | ghosts' part |",
+        "|---|---:|---:|---:|---:|---:|---:|---:|---:|",
+    ]
+    for name, scene in scenes.items():
+        runs = [rendered(folder, scene, name, "--resolution", "1536x1024", "--samples", 64)[1] for _ in range(rounds)]
+        times = {
+            key: median(run["seconds"]["strays"][key] for run in runs) for key in ("ghosts", "glare", "diffraction")
+        }
+        without = median(run["seconds"]["render"] for run in runs)
+        ghosts = runs[0]["ghosts"]
+        rows.append(
+            f"| {name} | 64 | {ghosts['sources']} | {ghosts['simulated']} of {ghosts['found']} | {without:.0f} | "
+            f"{times['ghosts']:.1f} | {times['glare']:.1f} | {times['diffraction']:.1f} | "
+            f"{100.0 * times['ghosts'] / without:.1f} % |"
+        )
+    return rows
+
+
+def pictures(folder: Path, scenes: dict[str, Path], samples: int) -> None:
+    for name, scene in scenes.items():
+        taken, _ = rendered(folder, scene, name, "--resolution", "1536x1024", "--samples", samples)
+        Image.fromarray(taken).save(IMAGES / f"stray-{name}.jpg", quality=88)
+    strips = []
+    for coating in COATINGS:
+        options = ("--resolution", "768x512", "--samples", max(samples // 2, 8), "--coating", coating)
+        strips.append(rendered(folder, scenes["sun"], "sun", *options)[0])
+    Image.fromarray(np.concatenate(strips, axis=1)).save(IMAGES / "ghosts-coatings.jpg", quality=88)
+
+
+def write(mark: str, rows: list[str]) -> None:
+    page = PAGE.read_text()
+    page, count = re.subn(
+        rf"(<!-- {mark} -->\n).*?(<!-- end of {mark} -->)",
+        lambda found: found[1] + "\n".join(rows) + "\n" + found[2],
+        page,
+        flags=re.DOTALL,
+    )
+    if count != 1:
+        raise SystemExit(f"{PAGE}: no place for {mark}")
+    PAGE.write_text(page)
+
+
+def main() -> None:
+    parser = argparse.ArgumentParser(description=__doc__)
+    parser.add_argument("--only", choices=("held", "price", "pictures"))
+    parser.add_argument("--samples", type=int, default=256)
+    parser.add_argument("--rounds", type=int, default=3)
+    options = parser.parse_args()
+    with tempfile.TemporaryDirectory() as name:
+        folder = Path(name)
+        scenes = {}
+        for kind in SCENES:
+            scenes[kind] = folder / f"{kind}.blend"
+            made = [sys.executable, str(ROOT / "tests/scenes/stray_scenes.py"), kind, str(scenes[kind])]
+            subprocess.run(made, check=True, capture_output=True)
+        if options.only in (None, "held"):
+            write("held", held())
+        if options.only in (None, "price"):
+            write("price", priced(folder, scenes, options.rounds))
+        if options.only in (None, "pictures"):
+            pictures(folder, scenes, options.samples)
+
+
+if __name__ == "__main__":
+    main()
