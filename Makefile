@@ -7,8 +7,9 @@ BENCH_OPTIONS =
 PARITY_OPTIONS =
 INSTRUCTIONS_OPTIONS =
 GHOSTS_OPTIONS =
+FIGURES_OPTIONS =
 
-.PHONY: help demo test test-all lint setup build wheels extension speed price accuracy-cost bench parity viewport-price newcomer ui-pictures lens-index diffraction ghosts instructions numerics clean
+.PHONY: help demo test test-all lint setup build wheels extension speed price accuracy-cost bench parity viewport-price newcomer ui-pictures lens-index diffraction ghosts figures instructions numerics docs clean
 
 help: ## what there is to make
 	@sed -n 's/^\([a-z-]*\):.*## \(.*\)/\1\t\2/p' Makefile | expand -t 12
@@ -93,6 +94,14 @@ instructions: ## count the instructions of a sample, beside those kept; INSTRUCT
 
 numerics: ## hold the lens tracer against exact numbers, and write docs/numerics.md
 	@cargo run --release --quiet -p petzval-optics --example numerics
+
+figures: build ## the paper's figures and three more, measured, into docs/figures.md; FIGURES_OPTIONS="--only fig-10" to try
+	@PYTHONPATH=tools $(dir $(PETZVAL))python -m figures $(FIGURES_OPTIONS)
+
+docs: ## docs/ as a book, output/book/index.html; a link that leads nowhere fails
+	@tools/setup-python.sh docs
+	@NO_MKDOCS_2_WARNING=1 .venv-docs/bin/mkdocs build --quiet
+	@echo "output/book/index.html"
 
 clean: ## what was built; the environments and the real Blender stay
 	cargo clean

@@ -62,7 +62,7 @@ blender_job=$!
 
 more=
 [ "${1-}" != --all ] || more="bpy50 bpy42"
-for environment in tools bpy52 bpy45 $more; do
+for environment in tools bpy52 bpy45 docs $more; do
     tools/setup-python.sh "$environment" 2>&1 | tee output/setup.log
     has "$environment" || not_run "all on $environment: $(tail -n 1 output/setup.log)"
 done
@@ -78,6 +78,7 @@ step "cargo test" cargo test --quiet --locked --lib --tests
 step "cargo test --doc" cargo test --quiet --locked --doc
 step "ruff check" .venv-tools/bin/ruff check
 step "ruff format" .venv-tools/bin/ruff format --check
+if has docs; then step "book" make --no-print-directory docs; fi
 step "wheel" tools/build-wheel.sh
 
 wait "$blender_job" || true

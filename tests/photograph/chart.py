@@ -50,6 +50,11 @@ class Studio:
         render.image_settings.color_mode = "RGB"
         self.scene.petzval.samples = samples
         self.scene.petzval.max_bounces = 0
+        # What `truth` traces loses nothing; tests/test_coatings.py has what glass takes.
+        self.scene.petzval.effects.transmission = "OFF"
+        # Nor does it stray: tests/test_ghosts.py and the engine's own have that.
+        for stray in ("ghosts", "glare", "diffraction"):
+            setattr(self.scene.petzval.effects, stray, "OFF")
         # A Blackman-Harris window that ends two pixels from its middle has no part at one wave a pixel: the pixels' sum
         # and centroid are then those of the light itself. With a narrower one, centroids are off by up to 0.05 pixel.
         self.scene.petzval.filter_width = 2.0
