@@ -150,8 +150,9 @@ def test_a_render_in_blender_keeps_itself_among_the_users_files(blender, tmp_pat
 
     addon = petzval.load_addon()
     monkeypatch.setattr(blender.utils, "user_resource", lambda _kind, path, create: str(tmp_path))
-    monkeypatch.setattr(addon.checkpoints, "EVERY_S", 0.02)
-    scene = parts.set_up(96, 64, 64)
+    monkeypatch.setattr(addon.checkpoints, "EVERY_S", 0.005)
+    # 64 samples are over in 20 ms where it is fast; these take a second there.
+    scene = parts.set_up(96, 64, 3000)
     parts.square("Square", (0.1, 5, 0.2), 0.6, parts.emitter((1.0, 0.5, 0.2), 2.0))
     seen = []
     monkeypatch.setattr(addon.loop.WATCH, "on_progress", lambda _part, _text: seen.extend(tmp_path.iterdir()))

@@ -37,7 +37,7 @@ def _shots() -> list[Shot]:
                 (*focus, *options, *many),
                 "points",
                 label,
-                samples=16.0,
+                samples=8.0,
                 is_only_shown=True,
             )
         )

@@ -31,6 +31,8 @@ class Shot:
     aspect: float = 1.5
     width: float = 1.0
     samples: float = 1.0
+    #: So many times as wide as it was taken is it shown: what an anamorphic lens squeezed.
+    widened: float = 1.0
     #: Taken for a check, and not shown.
     is_hidden: bool = False
     #: Shown, and of no use to a check.

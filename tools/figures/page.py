@@ -25,6 +25,10 @@ def montage(figure: Figure, taken: dict[str, Taken], folder: Path) -> Image.Imag
     """The figure's pictures with their labels."""
     shown = [shot for shot in figure.shots if not shot.is_hidden]
     pictures = [Image.fromarray(developed(taken[shot.name], folder / f"{shot.name}.png")) for shot in shown]
+    pictures = [
+        p if shot.widened == 1.0 else p.resize((round(p.width * shot.widened), p.height), Image.LANCZOS)
+        for shot, p in zip(shown, pictures, strict=True)
+    ]
     wide = max(picture.width for picture in pictures)
     pictures = [
         p if p.width == wide else p.resize((wide, round(p.height * wide / p.width)), Image.LANCZOS) for p in pictures

@@ -25,7 +25,7 @@ class Rays:
 
     def __init__(self, lens: str, focus_mm: float | None = None, nm: float = LINE_NM, **setting: Any) -> None:
         self.lens = load(lens)
-        self.setting, self.nm = LensSetting(**setting), nm
+        self.setting, self.nm, self.focus_mm = LensSetting(**setting), nm, focus_mm
         self.info = json.loads(self.lens.info_json(self.setting, wavelength_nm=nm, focus_distance_mm=focus_mm))
         self.film_z = self.info["film_z_mm"]
         self.pupil_z = self.info["entrance_pupil"]["z_mm"]
@@ -40,7 +40,7 @@ class Rays:
             for o, d in zip(origins, directions, strict=True)
         ]
         text = json.dumps({"rays": rays})
-        told = json.loads(self.lens.trace_json(text, self.setting, from_film=from_film))["rays"]
+        told = json.loads(self.lens.trace_json(text, self.setting, from_film=from_film, focus_distance_mm=self.focus_mm))["rays"]
         nothing = [float("nan")] * 3
         places = [(one["origin"], one["direction"]) if one["status"] == "ok" else (nothing, nothing) for one in told]
         return np.array([p for p, _ in places]), np.array([d for _, d in places])
@@ -55,10 +55,12 @@ class Rays:
         towards /= np.linalg.norm(towards, axis=1)[:, None]
         return self.trace(pupil - towards * ((self.pupil_z + BEFORE_MM) / towards[:, 2:]), towards)
 
-    def on_film(self, point: np.ndarray, swing_rad: float = 0.0, count: int = 1500) -> np.ndarray:
+    def on_film(
+        self, point: np.ndarray, swing_rad: float = 0.0, count: int = 1500, margin: float = 1.3
+    ) -> np.ndarray:
         """Where the light of a point in lens space meets the film, along its sides, (n, 2) mm. A swung film is turned about its vertical
         axis, its normal (sin, 0, cos)."""
-        places, out = self.through(point, count)
+        places, out = self.through(point, count, margin)
         sin, cos = np.sin(swing_rad), np.cos(swing_rad)
         before = cos * (self.film_z - places[:, 2]) - sin * places[:, 0]
         hits = places + (before / (cos * out[:, 2] + sin * out[:, 0]))[:, None] * out

@@ -70,6 +70,7 @@ def add_parser(subparsers: argparse._SubParsersAction) -> None:
     trace.add_argument("--rays", required=True, metavar="RAYS.json|-", help="the rays; - reads them from stdin")
     trace.add_argument("--precision", choices=("f64", "f32"), default="f64", help="default: f64")
     add_setting(trace)
+    add_focus(trace)
     trace.add_argument("--json", action="store_true", help="print one JSON object")
     trace.set_defaults(run=_trace)
 
@@ -157,7 +158,8 @@ def _trace(arguments: argparse.Namespace) -> int:
         raise CommandError(f'unknown "from": {arguments.rays}: {json.dumps(side)}: give "scene" or "film"')
     setting = setting_of(arguments)
     lens = load(arguments.lens)
-    answer = lens.trace_json(text, setting, from_film=side == "film", precision=arguments.precision)
+    options = _given(precision=arguments.precision, focus_distance_mm=arguments.focus_distance)
+    answer = lens.trace_json(text, setting, from_film=side == "film", **options)
     asked = [ray["wavelength_nm"] for ray in question["rays"] if ray.get("wavelength_nm") is not None]
     notes = [*lens.remarks, *lens.range_notes(asked)]
     if arguments.json:

@@ -6,7 +6,7 @@ use crate::library;
 use crate::setting::Setting;
 use glam::DVec3;
 use petzval_optics::formats;
-use petzval_optics::glass::{Catalogue, Medium, VISIBLE_NM};
+use petzval_optics::glass::{Catalogue, Medium, VISIBLE_NM, line_nm};
 use petzval_optics::lane::Real;
 use petzval_optics::paraxial::{Paraxial, Pupil};
 use petzval_optics::prescription::Prescription;
@@ -144,7 +144,7 @@ impl Lens {
         .to_string())
     }
 
-    #[pyo3(signature = (rays_json, setting = None, *, from_film = false, precision = "f64"))]
+    #[pyo3(signature = (rays_json, setting = None, *, from_film = false, precision = "f64", focus_distance_mm = None))]
     fn trace_json(
         &self,
         py: Python<'_>,
@@ -152,13 +152,18 @@ impl Lens {
         setting: Option<Setting>,
         from_film: bool,
         precision: &str,
+        focus_distance_mm: Option<f64>,
     ) -> Result<String, Error> {
         let trace = match precision {
             "f64" => trace_all::<f64>,
             "f32" => trace_all::<f32>,
             _ => return Err(refused(format!("precision {precision}: there is no such; give f64 or f32"))),
         };
-        let system = setting.unwrap_or_default().system(self)?;
+        let setting = setting.unwrap_or_default();
+        let system = match focus_distance_mm {
+            Some(_) => setting.focused(self, line_nm::D, focus_distance_mm)?.0,
+            None => setting.system(self)?,
+        };
         let document: Value =
             serde_json::from_str(rays_json).map_err(|e| refused(format!("the rays are not JSON: {e}")))?;
         let rays = document["rays"]

@@ -45,6 +45,15 @@ pub fn on_axis_throughput(tracer: &Tracer, system: &System, film_z_mm: f64) -> f
     PI * sum / (2 * PARTS) as f64
 }
 
+/// The part of [`on_axis_throughput`] that central obstructions leave: 1 without them.
+pub fn unobstructed_part(tracer: &Tracer, system: &System, film_z_mm: f64) -> f64 {
+    if !tracer.has_obstructions() {
+        return 1.0;
+    }
+    let clear = tracer.without_obstructions();
+    on_axis_throughput(tracer, system, film_z_mm) / on_axis_throughput(&clear, system, film_z_mm)
+}
+
 /// Σ sin² b − sin² a over the clear rings [a, b] along one meridian.
 fn along_meridian(tracer: &Tracer, system: &System, film_z_mm: f64, meridian: DVec2) -> f64 {
     let rear = &system.surfaces()[system.surface_count() - 1];

@@ -10,7 +10,7 @@ use petzval_optics::focus::{FilmPlane, Focus, Focusing, focus_distance_for_film_
 use petzval_optics::formats::lens;
 use petzval_optics::glass::{Catalogue, line_nm};
 use petzval_optics::paraxial::Paraxial;
-use petzval_optics::prescription::{LensGroup, Prescription};
+use petzval_optics::prescription::{Behind, LensGroup, Prescription, SurfaceRow};
 use petzval_optics::published;
 use petzval_optics::pupil_map::PupilMap;
 use petzval_optics::system::{System, SystemSettings};
@@ -77,7 +77,8 @@ fn every_lens_has_a_group_a_field_and_a_source() {
     }
 }
 
-/// The numbers of sources are never bent: what is in the reference data is here as it is there.
+/// The numbers of sources are never bent: what is in the reference data is here as it is there. An obstruction that a source leaves
+/// out may be added, if it is as wide as a mirror of the lens by the source's own numbers.
 #[test]
 fn the_numbers_are_those_of_the_reference() {
     let library = library();
@@ -91,12 +92,18 @@ fn the_numbers_are_those_of_the_reference() {
         };
         let found = library.iter().find(|one| one.name == shipped).unwrap_or_else(|| panic!("{name}"));
         let numbers = |lens: &Prescription| {
-            let row = |s: &petzval_optics::prescription::SurfaceRow| {
-                (s.shape, s.thickness_mm, s.behind.clone(), s.semi_diameter_mm, s.obstruction_mm)
-            };
+            let row = |s: &SurfaceRow| (s.shape, s.thickness_mm, s.behind.clone(), s.semi_diameter_mm);
             (lens.stop, lens.film_radius_mm, lens.surfaces.iter().map(row).collect::<Vec<_>>())
         };
-        assert_eq!(numbers(&found.lens), numbers(&prescription(name)), "{name}");
+        let reference = prescription(name);
+        assert_eq!(numbers(&found.lens), numbers(&reference), "{name}");
+        let is_mirror = |s: &&SurfaceRow| matches!(s.behind, Behind::Mirror);
+        for (ours, theirs) in found.lens.surfaces.iter().zip(&reference.surfaces) {
+            let added = ours.obstruction_mm;
+            let mut mirrors = reference.surfaces.iter().filter(is_mirror);
+            let is_a_mirrors = theirs.obstruction_mm == 0.0 && mirrors.any(|s| s.semi_diameter_mm == added);
+            assert!(added == theirs.obstruction_mm || is_a_mirrors, "{name}: {added}");
+        }
     }
 }
 

@@ -10,7 +10,7 @@ use petzval_optics::diaphragm::ApertureMask;
 use petzval_optics::focus::{FilmPlane, film_z_for_focus_mm};
 use petzval_optics::formats::lens::parse;
 use petzval_optics::glass::{Catalogue, line_nm};
-use petzval_optics::pupil_map::{PupilMap, on_axis_throughput};
+use petzval_optics::pupil_map::{PupilMap, on_axis_throughput, unobstructed_part};
 use petzval_optics::system::{System, SystemSettings};
 use petzval_optics::trace::{Ray, Tracer};
 
@@ -303,6 +303,19 @@ fn throughput_of_a_polygon_is_exact() {
         let expected = PI * (0..n).map(term).sum::<f64>() / f64::from(n);
         assert!((found / expected - 1.0).abs() < 1e-6, "{blades} {curvature}: {found} {expected}");
     }
+}
+
+/// A hole half as wide as the opening that is its own pupil: of r² / (r² + d²), what is inside.
+#[test]
+fn an_obstruction_takes_its_part() {
+    let part = |radius: f64| radius * radius / (radius * radius + 50.0 * 50.0);
+    let text = "#radius thickness glass diameter conic isstop obstruction\n0 50 air 40 0 1 20";
+    let settings = SystemSettings::default();
+    let system = System::new(&parse(text, "ring", Catalogue::shipped()).unwrap(), &settings).unwrap();
+    let found = unobstructed_part(&system.at_wavelength(550.0), &system, 50.0);
+    assert!((found - (1.0 - part(10.0) / part(20.0))).abs() < 1e-9, "{found}");
+    let system = System::new(&parse("0 50 air 40 0 1", "hole", Catalogue::shipped()).unwrap(), &settings).unwrap();
+    assert_eq!(unobstructed_part(&system.at_wavelength(550.0), &system, 50.0), 1.0);
 }
 
 /// A mask that is dark in its middle, off centre and turned: the map bounds it and stays unbiased.

@@ -1,6 +1,9 @@
 //! Exposure as a photographer sets it: shutter and film speed beside the f-number.
 
 use super::CameraDescription;
+use petzval_optics::pupil_map::{on_axis_throughput, unobstructed_part};
+use petzval_optics::system::System;
+use petzval_optics::trace::Tracer;
 
 /// What a digital camera's saturation is rated by, lux seconds times ISO: ISO 12232:2019, saturation-based speed.
 const SATURATION_LX_S: f64 = 78.0;
@@ -29,5 +32,13 @@ impl CameraDescription {
     /// the exposure is physical.
     pub(super) fn brightness(&self, throughput: f64) -> f64 {
         self.exposure.map_or(1.0, |exposure| exposure.value(throughput))
+    }
+
+    /// The same through a lens that may have something in its middle: by the T-number that is made up for as what glass takes, by the
+    /// f-number it makes the picture darker.
+    pub(super) fn brightness_through(&self, tracer: &Tracer, system: &System, film_z_mm: f64) -> f64 {
+        let throughput = on_axis_throughput(tracer, system, film_z_mm);
+        let clear = if self.exposes_by_f_number { 1.0 } else { unobstructed_part(tracer, system, film_z_mm) };
+        self.brightness(throughput / clear)
     }
 }

@@ -41,7 +41,7 @@ impl ImageBased {
         let half = [0.5 * info.picture_width_mm, 0.5 * info.picture_height_mm];
         let map = PupilMap::new(&tracer, &system, film, half[0], half[1]);
         let middle = on_axis_throughput(&tracer, &system, film.z_mm);
-        let gain = d.brightness(middle) / middle;
+        let gain = d.brightness_through(&tracer, &system, film.z_mm) / middle;
         if !gain.is_finite() {
             return Err(dark(d, &info.lens_name));
         }

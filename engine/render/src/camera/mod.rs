@@ -50,8 +50,10 @@ use image_based::ImageBased;
 use orthographic::Orthographic;
 use packet::Request;
 use petzval_optics::autofocus::{AutofocusError, SharpPlaneError};
+use petzval_optics::axial_beam;
 use petzval_optics::focus::FocusError;
 use petzval_optics::formats::lens::LensFileError;
+use petzval_optics::pupil_map::unobstructed_part;
 use petzval_optics::system::{System, SystemError};
 use pinhole::Pinhole;
 use real_lens::RealLens;
@@ -239,11 +241,12 @@ pub fn lens_info(d: &CameraDescription, width: u32, height: u32) -> Result<LensI
     setup::Setup::new(d, width, height).map(|setup| setup.info)
 }
 
-/// The T-number of a lens before a film at `film_z_mm`, lens space: the f-number of one that loses nothing and is as bright in the
-/// film's middle, for white light. `None`: that is dark, or the lens has no focal length.
+/// The T-number of a lens before a film at `film_z_mm`, lens space: the f-number of one that loses nothing, has nothing in its middle,
+/// and is as bright in the film's middle, for white light. `None`: that is dark, or the lens has no focal length.
 pub fn t_number(system: &System, wavelength_nm: f64, film_z_mm: f64) -> Option<f64> {
-    let part = transmission::luminous(system, wavelength_nm, film_z_mm)?;
-    Some(system.f_number() / part.sqrt()).filter(|n| n.is_finite())
+    let clear = unobstructed_part(&system.at_wavelength(wavelength_nm), system, film_z_mm);
+    let part = clear * transmission::luminous(system, wavelength_nm, film_z_mm)?;
+    axial_beam::f_number(system, wavelength_nm).map(|n| n / part.sqrt()).filter(|n| n.is_finite())
 }
 
 #[cfg(test)]

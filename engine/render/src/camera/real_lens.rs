@@ -111,7 +111,7 @@ impl RealLens {
         if !gains.iter().all(|g| g.is_finite()) {
             return Err(dark(d, &info.lens_name));
         }
-        let brightness = d.brightness(gains[middle].recip());
+        let brightness = d.brightness_through(&tracers[middle], &system, film.z_mm);
         let film_lines = FilmLines::new(&tracers, &spectrum);
         let line = |(tracer, gain): (Tracer, f64)| {
             let index_squared = system.image_index(tracer.wavelength_nm()).powi(2);

@@ -53,11 +53,12 @@ impl StrayLens {
         let (mount, system) = Mount::new(&d, d.axes()?, width, height)?;
         let spectrum = film_spectrum(&d, &system);
         let middle_nm = spectrum.wavelengths()[spectrum.wavelengths().len() / 2].nm;
-        let middle = on_axis_throughput(&system.at_wavelength(middle_nm), &system, mount.film.z_mm);
+        let tracer = system.at_wavelength(middle_nm);
+        let middle = on_axis_throughput(&tracer, &system, mount.film.z_mm);
         if middle.is_nan() || middle <= 0.0 {
             return Err(dark(&d, &mount.info.lens_name));
         }
-        let brightness = d.brightness(middle);
+        let brightness = d.brightness_through(&tracer, &system, mount.film.z_mm);
         // What the lens takes of the light is made up for, unless the picture is exposed by the f-number: then ghosts are as much
         // brighter, beside light that is.
         let passes = match d.exposes_by_f_number {

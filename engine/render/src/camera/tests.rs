@@ -4,6 +4,7 @@ use super::*;
 use glam::{DMat4, DVec3};
 use petzval_optics::diaphragm::ApertureMask;
 use petzval_optics::focus::Focusing;
+use petzval_optics::transmission::Passages;
 use std::path::PathBuf;
 use std::sync::Arc;
 
@@ -390,4 +391,39 @@ fn a_card_is_exposed_as_the_light_meter_says() {
         ..description(Model::Lens)
     };
     assert!(Camera::new(&d, 10, 10).err().unwrap().to_string().contains("shutter"));
+}
+
+/// The mirror in the middle of a mirror lens takes light as glass does: its T-number counts it, and a physical exposure by the f-number
+/// shows it. By areas of the patent's diameters, the hole is 41 / 80 of the rim.
+#[test]
+fn what_stands_in_the_middle_counts_for_the_t_number() {
+    let physical = exposure::PhysicalExposure { shutter_s: 0.01, iso: 100.0, lumens_per_watt: 683.0 };
+    let value = |exposes_by_f_number, model| {
+        let d = CameraDescription {
+            exposure: Some(physical),
+            exposes_by_f_number,
+            transmission: false,
+            focus_distance: None,
+            film_width_mm: 1.0,
+            film_height_mm: 1.0,
+            model,
+            ..with_lens("reflex-nikkor-500-f8.lens", 1.0, 1.0, 0.0)
+        };
+        let camera = Camera::new(&d, 100, 100).unwrap();
+        let all = points(4096).filter_map(|u| camera.sample(Vec2::ZERO, [u[0], u[1]], u[2]));
+        all.map(|ray| f64::from(ray.white().x)).sum::<f64>()
+    };
+    let expected = 1.0 - (41.0f64 / 80.0).powi(2);
+    for model in [Model::Lens, Model::ImageBased] {
+        let part = value(true, model) / value(false, model);
+        // The hole stands 10 mm behind the rim, where the beam has widened by a hundredth.
+        assert!((part / expected - 1.0).abs() < 0.02, "{part} {expected}");
+    }
+    let d = with_lens("reflex-nikkor-500-f8.lens", 36.0, 24.0, 0.0);
+    let info = lens_info(&d, 30, 20).unwrap();
+    let system = setup::Setup::new(&d, 30, 20).unwrap().system;
+    let middle = Passages::new(&system, 550.0).in_the_middle(info.film_z_mm, &[550.0]).unwrap()[0];
+    // As fast as its rim allows: the diaphragm is wider.
+    let t = axial_beam::f_number(&system, 550.0).unwrap() / (expected * middle).sqrt();
+    assert!((info.t_number.unwrap() / t - 1.0).abs() < 0.02, "{:?} {t}", info.t_number);
 }
