@@ -20,7 +20,7 @@ pytestmark = pytest.mark.once
 
 
 @pytest.mark.slow
-@pytest.mark.parametrize("key", ["fig-08", "fig-09", "fig-10", "fig-11", "fig-12", "fig-14"])
+@pytest.mark.parametrize("key", ["fig-08", "fig-09", "fig-10", "fig-11", "fig-12", "fig-13", "fig-14", "fig-15"])
 def test_a_figure_shows_what_its_caption_says(key, tmp_path):
     paths = os.pathsep.join(filter(None, [str(ROOT / "tools"), os.environ.get("PYTHONPATH")]))
     done = subprocess.run(

@@ -1,5 +1,5 @@
 # SPDX-License-Identifier: GPL-3.0-or-later
-"""`python -m figures [--size small|middle|full] [--only KEY ...] [--keep] [--check]`, where petzval and bpy are, tools/ on the path.
+"""`python -m figures [--size small|full|large] [--only KEY ...] [--keep] [--check]`, where petzval and bpy are, tools/ on the path.
 
 Takes the photographs into output/figures, reads them, and writes docs/figures.md and its pictures; with --check or --only no page is
 written, with --keep what was rendered with the same wishes is not rendered again.

@@ -58,7 +58,9 @@ def read(taken: dict[str, Taken]) -> Caption:
     step = float(at[1] - at[0])
     for name, a, b in zip(("inner", "outer"), found, foreseen, strict=True):
         # A pixel of the smallest size is a third of a ring of the profile wide.
-        claim(abs(a - b) < 0.35 * step + 0.02 * b, f"the {name} radius of the ring is {a:.3f} mm, by exact rays {b:.3f}")
+        claim(
+            abs(a - b) < 0.35 * step + 0.02 * b, f"the {name} radius of the ring is {a:.3f} mm, by exact rays {b:.3f}"
+        )
     claim(alike > 0.97, f"light by radius in a blurred lamp and that of exact rays correlate by {alike:.3f} only")
     dark = abs(light[at < 0.5 * found[0]].mean()) / np.median(light[light > 0.5 * light.max()])
     claim(dark < 0.1, f"the ring's middle has {dark:.2f} of the light of the ring")

@@ -10,16 +10,27 @@ from .figure import Caption, Figure, Shot, Taken, claim, luminance
 from .rays import LINE_NM, Rays
 from .scene import in_lens_space, places_mm
 
-LENS, FOCUS_MM, FILM_MM, SQUEEZE = "anamorphic-2x-front-focus", 2700.0, (22.0, 18.6), 2.0
+LENS, FOCUS_MM, FILM_MM, SQUEEZE = "anamorphic-2x-front-focus", 3870.0, (22.0, 18.6), 2.0
 #: A lamp that no other's blur touches, how wide it is, where its image is on the film, and a part of the film about it, mm.
-LAMP, LAMP_RADIUS_MM, AT_MM, PART_MM = "Lamp in the hedge 24", 8352.0 * 0.0030 * 0.6, (8.38, -4.51), (2.4, 4.6)
+LAMP, LAMP_RADIUS_MM, AT_MM, PART_MM = "Lamp in the hedge 24", 7432.0 * 0.0030 * 0.6, (6.81, -4.57), (1.4, 2.8)
+#: What flares.
+BARE = "Bare lamp 0"
 _SET = ("--focus-distance", f"{FOCUS_MM:g}", "--coating", "none")
 _STRAY = tuple(word for name in ("ghosts", "glare", "diffraction") for word in ("--effect", f"{name}=off"))
 
 
 def _shots() -> tuple[Shot, ...]:
     whole = ("--film", f"{FILM_MM[0]:g}x{FILM_MM[1]:g}")
-    part = ("--film", f"{PART_MM[0]:g}x{PART_MM[1]:g}", "--shift", f"{AT_MM[0]:g},{AT_MM[1]:g}", "--samples", "1024", "--spectrum", f"{LINE_NM:g}")
+    part = (
+        "--film",
+        f"{PART_MM[0]:g}x{PART_MM[1]:g}",
+        "--shift",
+        f"{AT_MM[0]:g},{AT_MM[1]:g}",
+        "--samples",
+        "1024",
+        "--spectrum",
+        f"{LINE_NM:g}",
+    )
     shape = FILM_MM[0] / FILM_MM[1]
     many = ("--min-samples", "16", "--noise-threshold", "0.05")
     return (
@@ -49,20 +60,33 @@ def read(taken: dict[str, Taken]) -> Caption:
         claim(abs(a / b - 1.0) < 0.07, f"the root mean square {name} of the blur is {a:.3f} mm, by exact rays {b:.3f}")
     shown, foreseen = SQUEEZE * found[0] / found[1], SQUEEZE * expected[0] / expected[1]
     claim(shown < 0.7, f"a lamp is {shown:.2f} times as wide as high: no upright oval")
+    distances = np.arange(0.75, 1.1, 0.02) * FOCUS_MM
+    spots = [rays.on_film(np.array([0.0, 0.0, rays.pupil_z - d]), 0.0, 3000).std(0) for d in distances]
+    sharpest = float(distances[np.argmin([np.hypot(*one) for one in spots])])
     flare = luminance(taken["fig-15-flare"].light) - luminance(taken["fig-15-none"].light)
     kept = taken["fig-15-flare"].stats["ghosts"]
-    claim(flare.sum() > 0.0 and flare.min() > -1e-4, "ghosts add no light")
-    brightest = float(np.quantile(flare, 0.999))
-    row, column = np.unravel_index(int(flare.argmax()), flare.shape)
-    _ = (row, column)
+    claim(flare.min() > -0.01 * flare.max(), "ghosts take light away")
+    # Cylinders spread what they reflect across; upright they are planes, and it stays at the lamp's height.
+    at = places_mm(picture.blend, BARE)[BARE]
+    height_mm = -rays.on_film(in_lens_space(at, rays.pupil_z), 0.0, 12000, 1.6)[:, 1].mean()
+    rows = flare.mean(axis=1)
+    streak = int(rows.argmax())
+    off_mm = (0.5 - (streak + 0.5) / len(rows)) * FILM_MM[1] - height_mm
+    claim(abs(off_mm) < 0.03 * FILM_MM[1], f"the streak stands {off_mm:.2f} mm above the lamp that makes it")
+    stands_out = float(rows[streak] / np.median(rows))
+    claim(stands_out > 2.0, f"the streak has {stands_out:.1f} times the light of the other ghosts")
+    least = float(flare[streak].min() / np.median(flare[streak]))
+    claim(least > 0.5, f"the streak fades to {least:.2f} of its brightness before the picture ends")
     return Caption(
         [
-            f"Focused at {FOCUS_MM / 1000.0:g} m by the lens's front pair; the lamp by itself is {place[2] / 1000.0:.1f} m away. On the film its blur "
+            f"Set to {FOCUS_MM / 1000.0:g} m by the lens's front pair; wide open what is {sharpest / 1000.0:.1f} m away is sharpest, by exact rays. The lamp by itself is {place[2] / 1000.0:.1f} m away. On the film its blur "
             f"is {found[0]:.3f} mm wide and {found[1]:.3f} mm high (root mean square), by exact rays {expected[0]:.3f} and "
             f"{expected[1]:.3f}; shown {SQUEEZE:g} times as wide it is an upright oval, {shown:.2f} times as wide as high "
             f"({foreseen:.2f} by exact rays). Focal lengths are {rays.info['efl_mm']:.0f} mm upright and "
-            f"{rays.info['section_x']['efl_mm']:.0f} mm across. Of the bare lamp {kept} ghosts were traced; the brightest part of the "
-            f"picture that they cover has {brightest:.2g} of the exposure."
+            f"{rays.info['section_x']['efl_mm']:.0f} mm across. Of "
+            f"{kept['found']} ghosts of its brightest sources {kept['simulated']} are simulated; the others could add {kept['left_out']:.1g} "
+            f"to a pixel at most. Those between cylinders make a streak from side to side, {abs(off_mm):.2f} mm beside the height of the bare lamp "
+            f"on the film, {stands_out:.1f} times as bright as what lies beside it."
         ]
     )
 

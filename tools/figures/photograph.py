@@ -15,7 +15,7 @@ from .figure import Shot, Taken
 ROOT = Path(__file__).resolve().parents[2]
 GALLERY = ROOT / "tests/scenes/gallery"
 #: Pixels of width, and samples.
-SIZES = {"small": (240, 24), "middle": (480, 64), "full": (720, 128)}
+SIZES = {"small": (240, 24), "full": (480, 64), "large": (960, 192)}
 
 
 class Studio:

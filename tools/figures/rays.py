@@ -40,7 +40,8 @@ class Rays:
             for o, d in zip(origins, directions, strict=True)
         ]
         text = json.dumps({"rays": rays})
-        told = json.loads(self.lens.trace_json(text, self.setting, from_film=from_film, focus_distance_mm=self.focus_mm))["rays"]
+        focus = None if self.focus_mm is None else (self.focus_mm, self.nm)
+        told = json.loads(self.lens.trace_json(text, self.setting, from_film=from_film, focus=focus))["rays"]
         nothing = [float("nan")] * 3
         places = [(one["origin"], one["direction"]) if one["status"] == "ok" else (nothing, nothing) for one in told]
         return np.array([p for p, _ in places]), np.array([d for _, d in places])
@@ -55,9 +56,7 @@ class Rays:
         towards /= np.linalg.norm(towards, axis=1)[:, None]
         return self.trace(pupil - towards * ((self.pupil_z + BEFORE_MM) / towards[:, 2:]), towards)
 
-    def on_film(
-        self, point: np.ndarray, swing_rad: float = 0.0, count: int = 1500, margin: float = 1.3
-    ) -> np.ndarray:
+    def on_film(self, point: np.ndarray, swing_rad: float = 0.0, count: int = 1500, margin: float = 1.3) -> np.ndarray:
         """Where the light of a point in lens space meets the film, along its sides, (n, 2) mm. A swung film is turned about its vertical
         axis, its normal (sin, 0, cos)."""
         places, out = self.through(point, count, margin)

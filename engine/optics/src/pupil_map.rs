@@ -38,7 +38,7 @@ use ellipse::{Ellipse, carried_on, conjugate_rotate, midway};
 use lanes::Spot;
 use outline::{Outline, Place, Probe};
 
-pub use throughput::{on_axis_throughput, unobstructed_part};
+pub use throughput::{on_axis_throughput, on_axis_throughput_without_obstructions, unobstructed_part};
 
 /// Part of the samples that covers the whole rear glass. Larger wastes rays; smaller makes light that the outline
 /// misses noisier.

@@ -66,10 +66,10 @@ class Lens:
         *,
         from_film: bool = False,
         precision: str = "f64",
-        focus_distance_mm: float | None = None,
+        focus: tuple[float, float] | None = None,
     ) -> str:
-        """The input and output of `petzval lens trace`; `precision` is "f64" or "f32". `focus_distance_mm` moves the groups of a lens
-        that focuses by them, as for `info_json`; others have the same surfaces at every distance."""
+        """The input and output of `petzval lens trace`; `precision` is "f64" or "f32". `focus`, the distance as for `info_json`, mm, and a wavelength,
+        nm, moves the groups of a lens that focuses by them; others have the same surfaces at every distance."""
 
 def lens_groups() -> list[str]:
     """The words that `# group:` of a lens file may have, in the order of lists."""

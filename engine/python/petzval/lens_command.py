@@ -16,6 +16,8 @@ from .lens_loading import load, say
 from .lens_setting import add_focus, add_setting, setting_of
 from .questions import read_list, vector_text
 
+_D_LINE_NM = 587.5618
+
 #: What is read, by ending; tables of the Optical Bench are known by their sections.
 KINDS = ".lens, .zmx, .seq, .len, .dat or .txt (a table of the Optical Bench)"
 
@@ -158,7 +160,9 @@ def _trace(arguments: argparse.Namespace) -> int:
         raise CommandError(f'unknown "from": {arguments.rays}: {json.dumps(side)}: give "scene" or "film"')
     setting = setting_of(arguments)
     lens = load(arguments.lens)
-    options = _given(precision=arguments.precision, focus_distance_mm=arguments.focus_distance)
+    # Lenses are focused at the d line, as by `petzval lens info`.
+    focus = None if arguments.focus_distance is None else (arguments.focus_distance, _D_LINE_NM)
+    options = _given(precision=arguments.precision, focus=focus)
     answer = lens.trace_json(text, setting, from_film=side == "film", **options)
     asked = [ray["wavelength_nm"] for ray in question["rays"] if ray.get("wavelength_nm") is not None]
     notes = [*lens.remarks, *lens.range_notes(asked)]

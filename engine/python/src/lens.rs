@@ -6,7 +6,7 @@ use crate::library;
 use crate::setting::Setting;
 use glam::DVec3;
 use petzval_optics::formats;
-use petzval_optics::glass::{Catalogue, Medium, VISIBLE_NM, line_nm};
+use petzval_optics::glass::{Catalogue, Medium, VISIBLE_NM};
 use petzval_optics::lane::Real;
 use petzval_optics::paraxial::{Paraxial, Pupil};
 use petzval_optics::prescription::Prescription;
@@ -144,7 +144,7 @@ impl Lens {
         .to_string())
     }
 
-    #[pyo3(signature = (rays_json, setting = None, *, from_film = false, precision = "f64", focus_distance_mm = None))]
+    #[pyo3(signature = (rays_json, setting = None, *, from_film = false, precision = "f64", focus = None))]
     fn trace_json(
         &self,
         py: Python<'_>,
@@ -152,7 +152,7 @@ impl Lens {
         setting: Option<Setting>,
         from_film: bool,
         precision: &str,
-        focus_distance_mm: Option<f64>,
+        focus: Option<(f64, f64)>,
     ) -> Result<String, Error> {
         let trace = match precision {
             "f64" => trace_all::<f64>,
@@ -160,8 +160,11 @@ impl Lens {
             _ => return Err(refused(format!("precision {precision}: there is no such; give f64 or f32"))),
         };
         let setting = setting.unwrap_or_default();
-        let system = match focus_distance_mm {
-            Some(_) => setting.focused(self, line_nm::D, focus_distance_mm)?.0,
+        let system = match focus {
+            Some((distance_mm, nm)) => {
+                check_wavelength(nm)?;
+                setting.focused(self, nm, Some(distance_mm))?.0
+            }
             None => setting.system(self)?,
         };
         let document: Value =

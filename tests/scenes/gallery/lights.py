@@ -6,7 +6,7 @@ python tests/scenes/gallery/lights.py lights.blend [near|points|far|wide]
 near: the table at 1.3 m from the camera, lamps from 3 to 14 m, for lenses of about 100 mm; one bare lamp glares.
 points: the same with lamps a third as wide, and no bare one: nearly points, which show the shape of the blur.
 far: the same garden from 9 m, for a lens of 500 mm.
-wide: from 2.7 m, for an anamorphic lens on a film of 22 x 18.6 mm; a bare lamp stands in the picture.
+wide: from 3.5 m, for an anamorphic lens on a film of 22 x 18.6 mm; a bare lamp stands in the picture.
 """
 
 from __future__ import annotations
@@ -118,7 +118,7 @@ def build(view: str) -> Stage:
         tint = tints[k % 3] if k % 2 else pale
         stage.put(props.bulbs(np.zeros((1, 3)), np.array([radius])), f"Lamp in the hedge {k}", [tint], x=x, y=y, z=z)
     # Bare lamps glare.
-    glare = bulb("Bare lamp", (1.0, 0.9, 0.76), 240.0)
+    glare = bulb("Bare lamp", (1.0, 0.9, 0.76), 1800.0 if view == "wide" else 240.0)
     bare = {"points": (), "wide": ((0.56, 8.0, 1.12),)}.get(view, ((0.86, 8.2, 1.95), (-1.75, 11.0, 2.1)))
     for k, (x, y, z) in enumerate(bare):
         stage.put(tube([(0, 0, -z), (0, 0, -0.03)], 0.03, 10), f"Post {k}", ["black"], x=x, y=y, z=z)
@@ -149,7 +149,7 @@ def build(view: str) -> Stage:
     if far:
         stage.camera((0.0, -7.2, 1.08), (0.0, 1.8, 0.93), 500.0, (36.0, 24.0), 9.0, 8.0)
     elif view == "wide":
-        stage.camera((0.0, -0.9, 1.06), (0.0, 1.8, 0.93), 100.0, (22.0, 18.6), 2.7, 2.0)
+        stage.camera((0.0, -1.75, 1.07), (0.0, 1.8, 0.94), 100.0, (22.0, 18.6), 3.5, 2.0)
     else:
         stage.camera((0.0, 0.5, 1.0), (0.0, 1.8, 0.905), 100.0, (42.0, 28.0), 1.25, 3.4)
     stage.targets(lantern=(-0.05, 1.74, 0.84))

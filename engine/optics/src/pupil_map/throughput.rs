@@ -45,13 +45,17 @@ pub fn on_axis_throughput(tracer: &Tracer, system: &System, film_z_mm: f64) -> f
     PI * sum / (2 * PARTS) as f64
 }
 
+/// [`on_axis_throughput`] if no surface had an obstruction.
+pub fn on_axis_throughput_without_obstructions(tracer: &Tracer, system: &System, film_z_mm: f64) -> f64 {
+    on_axis_throughput(&tracer.without_obstructions(), system, film_z_mm)
+}
+
 /// The part of [`on_axis_throughput`] that central obstructions leave: 1 without them.
 pub fn unobstructed_part(tracer: &Tracer, system: &System, film_z_mm: f64) -> f64 {
     if !tracer.has_obstructions() {
         return 1.0;
     }
-    let clear = tracer.without_obstructions();
-    on_axis_throughput(tracer, system, film_z_mm) / on_axis_throughput(&clear, system, film_z_mm)
+    on_axis_throughput(tracer, system, film_z_mm) / on_axis_throughput_without_obstructions(tracer, system, film_z_mm)
 }
 
 /// Σ sin² b − sin² a over the clear rings [a, b] along one meridian.

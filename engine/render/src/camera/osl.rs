@@ -11,7 +11,7 @@ use crate::spectrum::FilmSpectrum;
 use glam::{DVec2, DVec3};
 use petzval_optics::focus::FilmPlane;
 use petzval_optics::paraxial::Paraxial;
-use petzval_optics::pupil_map::{PupilMap, on_axis_throughput};
+use petzval_optics::pupil_map::{PupilMap, on_axis_throughput, on_axis_throughput_without_obstructions};
 use petzval_optics::surface::Shape;
 use petzval_optics::system::{Element, System};
 use petzval_optics::trace::Tracer;
@@ -100,7 +100,10 @@ struct Script<'a> {
 /// Boxes about the pupil, and the light in the middle of the film.
 struct Tables {
     bounds: Vec<f64>,
+    /// As if nothing stood in the middle of the lens, over the square of the opening.
     light: Vec<f64>,
+    /// What stands there takes as much from every opening; by wavelength.
+    hidden: Vec<f64>,
     cells_per_mm: f64,
 }
 
@@ -185,6 +188,7 @@ impl Script<'_> {
             ("BOUND", list(tables.bounds.into_iter())),
             ("LIGHTS", tables.light.len().to_string()),
             ("LIGHT", list(tables.light.into_iter())),
+            ("HIDDEN", list(tables.hidden.into_iter())),
             ("CELLS_PER_MM", number(tables.cells_per_mm)),
             ("LAST_VERTEX", number(system.last_vertex_z_mm())),
             ("CAN_FOCUS", u8::from(can_focus).to_string()),
@@ -240,6 +244,7 @@ impl Script<'_> {
             |system: &System| -> Vec<Tracer> { self.wavelengths.iter().map(|&nm| system.at_wavelength(nm)).collect() };
         let mut bounds = Vec::new();
         let mut light = vec![0.0; self.wavelengths.len() * LEVELS];
+        let mut hidden = vec![0.0; self.wavelengths.len()];
         for level in 0..LEVELS {
             let opening = 0.5f64.powi(level as i32);
             let round = self.stopped(opening, true)?;
@@ -256,13 +261,18 @@ impl Script<'_> {
             }
             let bladed = self.stopped(opening, false)?;
             for (i, tracer) in lines(&bladed).iter().enumerate() {
-                light[i * LEVELS + level] = on_axis_throughput(tracer, &bladed, film.z_mm) / (opening * opening);
+                let clear = on_axis_throughput_without_obstructions(tracer, &bladed, film.z_mm);
+                light[i * LEVELS + level] = clear / (opening * opening);
+                if level == 0 {
+                    hidden[i] = clear - on_axis_throughput(tracer, &bladed, film.z_mm);
+                }
             }
         }
-        if !light.iter().all(|value| *value > 0.0 && value.is_finite()) {
+        let open: Vec<f64> = hidden.iter().enumerate().map(|(i, hidden)| light[i * LEVELS] - hidden).collect();
+        if !light.iter().chain(&open).all(|value| *value > 0.0 && value.is_finite()) {
             return Err(super::real_lens::dark(self.d, &info.lens_name));
         }
-        Ok(Tables { bounds, light, cells_per_mm: (RADII - 1) as f64 / farthest })
+        Ok(Tables { bounds, light, hidden, cells_per_mm: (RADII - 1) as f64 / farthest })
     }
 
     /// The test of the stop in its own radii, as [`petzval_optics::diaphragm::Diaphragm`] has it.
