@@ -48,7 +48,9 @@ def edge(light: np.ndarray, parts: int = 72) -> np.ndarray:
     for k in range(parts):
         turn = (angle - 2.0 * np.pi * k / parts + np.pi) % (2.0 * np.pi) - np.pi
         sector = np.abs(turn) < 1.5 * np.pi / parts
-        means = np.array([grey[sector & (np.abs(away - r) < 1.5)].mean() for r in steps])
+        rings = (grey[sector & (np.abs(away - r) < 1.5)] for r in steps)
+        # Beyond the picture nothing is known to be lit.
+        means = np.array([ring.mean() if ring.size else 0.0 for ring in rings])
         below = np.flatnonzero(means < level)
         i = below[0] if len(below) else len(steps) - 1
         part = (means[i - 1] - level) / max(means[i - 1] - means[i], 1e-9) if i else 0.0
