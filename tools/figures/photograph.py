@@ -16,7 +16,7 @@ ROOT = Path(__file__).resolve().parents[2]
 GALLERY = ROOT / "tests/scenes/gallery"
 #: Pixels of width, and samples; those of a shot that asks for more are so many times as many at most, but where noise decides.
 SIZES = {"small": (240, 24), "full": (480, 64), "large": (960, 192)}
-MOST = {"small": 4.0, "full": 2.0, "large": 2.0}
+MOST = {"small": 4.0, "full": 1.0, "large": 1.0}
 
 
 class Studio:
