@@ -69,10 +69,10 @@ def read(taken: dict[str, Taken]) -> Caption:
             f"Focused at {FOCUS_MM / 1000.0:g} m; the lamp by itself is {place[2] / 1000.0:.1f} m away. Its blur is a ring from "
             f"{found[0]:.2f} to {found[1]:.2f} mm on the film, from {foreseen[0]:.2f} to {foreseen[1]:.2f} mm by exact rays: the "
             f"hole is {found[0] / found[1]:.2f} of the whole, and in its middle is {100.0 * dark:.0f} % of the ring's light. Light "
-            f"over radius follows exact rays with a correlation of {alike:.3f}. The mirror's shadow makes an f/6.3 lens one of "
+            f"over radius follows exact rays with a correlation of {alike:.3f}. The mirror's shadow and the lens's coatings make an f/6.3 lens one of "
             f"T/{rays.info['t_number']:.1f}."
         ]
     )
 
 
-FIGURE = Figure("fig-13", "Rings: a mirror lens", tuple(_shots()), read)
+FIGURE = Figure("fig-13", "Figure 13: rings of a mirror lens", tuple(_shots()), read)

@@ -118,4 +118,4 @@ def read(taken: dict[str, Taken]) -> Caption:
     return caption
 
 
-FIGURE = Figure("fig-14", "Lateral colour, before and after an achromat", _shots(), read)
+FIGURE = Figure("fig-14", "Figure 14: lateral colour, before and after an achromat", _shots(), read)

@@ -91,4 +91,4 @@ def read(taken: dict[str, Taken]) -> Caption:
     )
 
 
-FIGURE = Figure("fig-15", "Ovals and flare: an anamorphic lens", _shots(), read, 1)
+FIGURE = Figure("fig-15", "Figure 15: ovals and flare of an anamorphic lens", _shots(), read, 1)
