@@ -2,8 +2,8 @@
 //! stops it takes some away.
 //!
 //! From places all over the picture fans of rays leave through the lens. What one place sees of the scene, a ray of the
-//! fan sees somewhat aside: how far, in pixels of this picture, is found by how the place's mean ray moves over the scene
-//! from one place to the next. By reciprocity a point of the scene is spread as far over the picture. Beside each exact fan
+//! fan sees somewhat aside: how far, in pixels of this picture, is found by how the same rays move over the scene when the
+//! place moves a little. By reciprocity a point of the scene is spread as far over the picture. Beside each exact fan
 //! goes that of Gaussian optics, which has defocus and nothing else: what is left between the two are the aberrations.
 
 use super::CameraError;
@@ -234,10 +234,14 @@ impl Survey {
     pub fn fans(&self) -> Fans<'_> {
         let places = (0..GRID[1]).flat_map(|row| (0..GRID[0]).map(move |column| Self::place(column, row)));
         let fans = places.map(|place| Fan::new(&self.mount, &self.map, place)).collect::<Vec<_>>();
-        let mut bundle = self.tracer.bundle(Travel::FromFilm);
-        fans.iter().for_each(|fan| fan.push(&mut bundle));
+        let [mut bundle, mut beside] = [(); 2].map(|()| self.tracer.bundle(Travel::FromFilm));
+        for fan in &fans {
+            fan.push(&mut bundle);
+            fan.push_beside(&mut beside);
+        }
         self.tracer.trace(&mut bundle);
-        let fans = fans.into_iter().enumerate().map(|(i, fan)| fan.traced(&bundle, i)).collect();
+        self.tracer.trace(&mut beside);
+        let fans = fans.into_iter().enumerate().map(|(i, fan)| fan.traced(&bundle, &beside, i)).collect();
         Fans { survey: self, fans }
     }
 
@@ -291,7 +295,7 @@ impl Fans<'_> {
         for i in Self::coarse() {
             let subject = self.subject(seen[i]);
             let (Some(steps), Some(here), Some(then)) =
-                (self.steps(i, subject), self.fans[i].mean(), other.fans[i].mean())
+                (self.fans[i].steps(subject), self.fans[i].mean(), other.fans[i].mean())
             else {
                 continue;
             };
@@ -333,7 +337,8 @@ impl Fans<'_> {
         let s = self.survey;
         let subjects: Vec<Subject> =
             seen.iter().map(|point| point.map_or(Subject::Far, |point| Subject::At(s.mount.to_lens(point)))).collect();
-        let steps: Vec<Option<Steps>> = (0..self.fans.len()).map(|i| self.steps(i, subjects[i])).collect();
+        let steps: Vec<Option<Steps>> =
+            self.fans.iter().zip(&subjects).map(|(fan, subject)| fan.steps(*subject)).collect();
         let mut found = LensMeasures {
             defocus: Worst::NONE,
             aberration: Worst::NONE,
@@ -447,27 +452,6 @@ impl Fans<'_> {
             let stops = (colour / exposed).to_array().map(|c| f64::from(c.max(f32::MIN_POSITIVE)).log2().abs());
             found.transmission = found.transmission.or(stops.into_iter().fold(0.0, f64::max), place.as_vec2());
         }
-    }
-
-    /// How what fan `i` sees moves with its place, from its neighbours.
-    fn steps(&self, i: usize, subject: Subject) -> Option<Steps> {
-        let (column, row) = (i % GRID[0], i / GRID[0]);
-        let here = self.fans[i].mean()?;
-        let slope = |before: Option<usize>, after: Option<usize>| -> Option<DVec3> {
-            let near = |k: Option<usize>| k.and_then(|k| Some((self.fans[k].place, self.fans[k].mean()?)));
-            let one = (self.fans[i].place, here);
-            let (a, b) = match (near(before), near(after)) {
-                (Some(a), Some(b)) => (a, b),
-                (Some(a), None) => (a, one),
-                (None, Some(b)) => (one, b),
-                (None, None) => return None,
-            };
-            let part = f64::from((b.0 - a.0).length());
-            Some((subject.met_by(&b.1, &here)? - subject.met_by(&a.1, &here)?) / part)
-        };
-        let across = slope((column > 0).then(|| i.wrapping_sub(1)), (column + 1 < GRID[0]).then(|| i + 1))?;
-        let up = slope((row > 0).then(|| i.wrapping_sub(GRID[0])), (row + 1 < GRID[1]).then(|| i + GRID[0]))?;
-        Steps::new(across, up)
     }
 }
 

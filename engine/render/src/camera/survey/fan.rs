@@ -18,6 +18,8 @@ const INNER: usize = 4;
 const AREAS: [f64; 2] = [0.25, 0.96];
 /// Numbers below this choose any place of the rear glass rather than one of the pupil.
 const AFTER_DEFENSIVE: f64 = 0.05;
+/// How far beside a place the neighbours start that tell how what it sees moves, as parts of the picture.
+const BESIDE: f32 = 1e-3;
 /// Gaussian optics know planes alone: what lies at a larger angle from the axis than of this cosine counts as far as that.
 const LEAST_COSINE: f64 = 0.3;
 
@@ -60,6 +62,18 @@ pub(super) struct Fan {
     targets: [DVec3; RAYS],
     out: [Option<Ray>; RAYS],
     mean: Option<Ray>,
+    /// To the right and above, or to the left and below: towards the picture's middle.
+    beside: [Neighbour; 2],
+}
+
+/// What goes to a fan's targets from a little beside its place. The same rays are compared: of those that get through
+/// a mean jumps where a rim cuts one more, by more than a small picture's places are apart.
+#[derive(Clone, Copy, Debug)]
+struct Neighbour {
+    film: DVec3,
+    /// Signed, part of the picture.
+    step: f64,
+    out: [Option<Ray>; RAYS],
 }
 
 impl Fan {
@@ -73,21 +87,51 @@ impl Fan {
             };
             map.sample(film, [AFTER_DEFENSIVE + (1.0 - AFTER_DEFENSIVE) * turn, ring]).target
         });
-        Self { place, film, targets, out: [None; RAYS], mean: None }
+        let beside = [Vec2::X, Vec2::Y].map(|axis| {
+            let there = place - axis * BESIDE.copysign(place.dot(axis));
+            let step = f64::from((there - place).dot(axis));
+            Neighbour { film: mount.film_at(there).point, step, out: [None; RAYS] }
+        });
+        Self { place, film, targets, out: [None; RAYS], mean: None, beside }
     }
 
     /// Adds the rays to those to be traced.
     pub(super) fn push(&self, bundle: &mut Bundle) {
+        self.push_from(self.film, bundle);
+    }
+
+    /// Adds those of both neighbours.
+    pub(super) fn push_beside(&self, bundle: &mut Bundle) {
+        self.beside.iter().for_each(|neighbour| self.push_from(neighbour.film, bundle));
+    }
+
+    fn push_from(&self, film: DVec3, bundle: &mut Bundle) {
         for target in self.targets {
-            bundle.push(Ray { origin: self.film, direction: (target - self.film).normalize() });
+            bundle.push(Ray { origin: film, direction: (target - film).normalize() });
         }
     }
 
-    /// With what became of the rays, which are number `number` of the fans in a bundle.
-    pub(super) fn traced(mut self, bundle: &Bundle, number: usize) -> Self {
+    /// With what became of the rays, which are number `number` of the fans in a bundle, and of its neighbours' in another.
+    pub(super) fn traced(mut self, bundle: &Bundle, beside: &Bundle, number: usize) -> Self {
         self.out = Self::out_of(bundle, number);
         self.mean = beam::mean(self.out.iter().flatten());
+        for (axis, neighbour) in self.beside.iter_mut().enumerate() {
+            neighbour.out = Self::out_of(beside, 2 * number + axis);
+        }
         self
+    }
+
+    /// How what the place sees moves with it, through the same points of the pupil; `None` where no light arrives.
+    pub(super) fn steps(&self, subject: Subject) -> Option<Steps> {
+        let mean = self.mean?;
+        let slope = |neighbour: &Neighbour| {
+            let way = |(here, there): (&Option<Ray>, &Option<Ray>)| {
+                Some(subject.met_by(there.as_ref()?, &mean)? - subject.met_by(here.as_ref()?, &mean)?)
+            };
+            let ways: Vec<DVec3> = self.out.iter().zip(&neighbour.out).filter_map(way).collect();
+            (!ways.is_empty()).then(|| ways.iter().sum::<DVec3>() / (ways.len() as f64 * neighbour.step))
+        };
+        Steps::new(slope(&self.beside[0])?, slope(&self.beside[1])?)
     }
 
     fn out_of(bundle: &Bundle, number: usize) -> [Option<Ray>; RAYS] {

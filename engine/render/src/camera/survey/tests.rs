@@ -53,7 +53,7 @@ fn aberrations_are_those_of_rays_from_the_scene() {
         let middle = GRID[1] / 2 * GRID[0] + GRID[0] / 2;
         assert_eq!(Survey::place(GRID[0] / 2, GRID[1] / 2), place);
         let fan = &fans.fans[middle];
-        let steps = fans.steps(middle, Subject::Far).unwrap();
+        let steps = fan.steps(Subject::Far).unwrap();
         let widest = fan.aside(&survey, Subject::Far, &steps).iter().flatten().map(|a| a.length()).fold(0.0, f64::max);
         // Parallel rays through a pupil as wide: the farthest from the axis on the film.
         let radius = 0.5 * survey.info().entrance_pupil_diameter_mm.unwrap();
@@ -66,6 +66,52 @@ fn aberrations_are_those_of_rays_from_the_scene() {
         let ratio = widest / f64::from(scene);
         assert!((0.7..1.1).contains(&ratio), "{file}: {widest} {scene}");
         assert!(found >= 0.9 * widest, "{file}: {found} {widest}");
+    }
+}
+
+/// A small film where another has its corner or its side shows as much: rims there cut the beam, and of a small film the
+/// places lie nearer to each other than the beam's mean jumps when they take one ray more.
+#[test]
+fn a_part_of_the_film_is_measured_like_the_whole() {
+    const PART: f64 = 0.05;
+    for file in ["anamorphic-2x-front-focus.lens", "double-gauss-f2-tronnier.lens", "wide-angle-smith-f3.4.lens"] {
+        let whole = CameraDescription {
+            focus_distance: Some(4.0),
+            wavelength_nm: Some(587.6),
+            ..with_lens(file, 22.0, 18.6, 0.0)
+        };
+        for (column, row) in [(4, 4), (GRID[0] - 1, GRID[1] / 2)] {
+            let place = Survey::place(column, row).as_dvec2();
+            let part = CameraDescription {
+                film_width_mm: 22.0 * PART,
+                film_height_mm: 18.6 * PART,
+                shift_mm: [place.x * 22.0, place.y * 18.6],
+                ..whole.clone()
+            };
+            let size = SIZE.map(|pixels| (f64::from(pixels) * PART) as u32);
+            let surveys =
+                [Survey::new(&whole, SIZE[0], SIZE[1]), Survey::new(&part, size[0], size[1])].map(Result::unwrap);
+            let number = [row * GRID[0] + column, GRID[1] / 2 * GRID[0] + GRID[0] / 2];
+            for depth in [None, Some(1.5), Some(20.0)] {
+                // The largest of the exact blur and of what aberrations add to Gaussian optics', px.
+                let [there, here] = [0, 1].map(|i| {
+                    let fans = surveys[i].fans();
+                    let fan = &fans.fans[number[i]];
+                    let ray = surveys[i].mount.to_render(&fan.mean().unwrap());
+                    let subject = fans.subject(depth.map(|depth| on_plane(&ray, depth).unwrap()));
+                    let exact = fan.aside(&surveys[i], subject, &fan.steps(subject).unwrap());
+                    let apart = exact.iter().zip(fan.ideal_aside(&surveys[i], subject));
+                    let apart = apart.filter_map(|(a, b)| Some(((*a)? - b).length())).fold(0.0, f64::max);
+                    let exact = exact.iter().flatten().map(|a| a.length()).fold(0.0, f64::max);
+                    [exact, apart]
+                });
+                for (there, here) in there.into_iter().zip(here) {
+                    // The two have pupil maps of their own, so that other rays are sent and other ones are cut.
+                    let most = there.max(here);
+                    assert!((there - here).abs() < 0.25 * most + 0.5, "{file} {place} {depth:?}: {there} {here} px");
+                }
+            }
+        }
     }
 }
 
