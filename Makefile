@@ -9,7 +9,7 @@ INSTRUCTIONS_OPTIONS =
 GHOSTS_OPTIONS =
 FIGURES_OPTIONS =
 
-.PHONY: help demo test test-all lint setup build wheels extension speed price accuracy-cost bench parity viewport-price newcomer ui-pictures lens-index diffraction ghosts figures instructions numerics docs clean
+.PHONY: help demo test test-all lint setup build wheels extension speed price accuracy-cost bench parity viewport-price newcomer ui-pictures panel-pictures lens-index diffraction ghosts figures instructions numerics docs clean
 
 help: ## what there is to make
 	@sed -n 's/^\([a-z-]*\):.*## \(.*\)/\1\t\2/p' Makefile | expand -t 12
@@ -76,6 +76,10 @@ newcomer: extension ## time a newcomer's path: install the extension, choose a l
 ui-pictures: ## what the tests of Blender's window saw, into docs/ui; after `make test`
 	@tools/setup-python.sh bench
 	@.venv-bench/bin/python tools/ui-pictures.py
+
+panel-pictures: extension ## the pictures of panels in docs/panel.md and README.md, in Blender's window
+	@tools/setup-python.sh bench
+	@PYTHONPATH=tools .venv-bench/bin/python -m panels
 
 lens-index: build ## the lens library's page with a drawing of each lens, docs/lenses.md
 	@$(dir $(PETZVAL))python tools/lens_index.py
