@@ -14,8 +14,9 @@ from .figure import Shot, Taken
 
 ROOT = Path(__file__).resolve().parents[2]
 GALLERY = ROOT / "tests/scenes/gallery"
-#: Pixels of width, and samples; those of a shot that asks for more are so many times as many at most, but where noise decides.
-SIZES = {"small": (240, 24), "full": (480, 64), "large": (960, 192)}
+#: Pixels of width, samples of a shot that is hidden, and of one that is shown: a reader sees noise that a check does not mind.
+SIZES = {"small": (240, 24, 24), "full": (480, 64, 256), "large": (960, 192, 512)}
+#: Those of a shot that asks for more are so many times as many at most, but where noise decides.
 MOST = {"small": 4.0, "full": 1.0, "large": 1.0}
 
 
@@ -38,7 +39,8 @@ class Studio:
 
     def take(self, shot: Shot) -> Taken:
         """Renders it."""
-        width, samples = SIZES[self.size]
+        width, hidden, shown = SIZES[self.size]
+        samples = hidden if shot.is_hidden else shown
         times = shot.samples if "--noise-threshold" in shot.options else min(shot.samples, MOST[self.size])
         width, samples = round(width * shot.width), max(round(samples * times), 1)
         size = f"{width}x{round(width / shot.aspect)}"

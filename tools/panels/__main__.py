@@ -16,7 +16,7 @@ from PIL import Image, ImageChops
 ROOT = Path(__file__).resolve().parents[2]
 ADDON = "bl_ext.user_default.petzval"
 #: Rows of a picture at most: longer panels are cut off below.
-MOST_ROWS = 830
+MOST_ROWS = 760
 #: Of the area, where it meets others; and the line with the scene's or the camera's name, above the panels.
 _BORDER_PX, _CONTEXT_PX = 12, 38
 
