@@ -95,19 +95,20 @@ main=
 for environment in bpy52 bpy45; do if has $environment; then main=$environment && break; fi; done
 if [ -n "$main" ]; then
     # In two rows of about the same length, side by side: each waits for programs to start and for Blender's one thread about
-    # half of its time. One holds pictures beside Cycles, the other is the second Blender and then all else.
+    # half of its time. One holds pictures beside Cycles and the figures, the other is the second Blender and then all else.
     second=
     if [ "$main" != bpy45 ] && has bpy45; then second=output/pytest-bpy45.log; fi
     others=output/pytest-others.log
-    beside="tests/test_*against_cycles.py tests/test_parity.py tests/test_light_groups.py"
+    beside="tests/test_*against_cycles.py tests/test_parity.py tests/test_light_groups.py tests/test_figures.py"
     {
         [ -z "$second" ] || kept "$second" pytest_on bpy45 2700 -m "not once and not real_blender and not window"
         kept "$others" pytest_on "$main" 2700 -m "not real_blender and not window" \
-            --ignore-glob="*against_cycles.py" --ignore=tests/test_parity.py --ignore=tests/test_light_groups.py
+            --ignore-glob="*against_cycles.py" --ignore=tests/test_parity.py --ignore=tests/test_light_groups.py \
+            --ignore=tests/test_figures.py
     } &
     row=$!
     # shellcheck disable=SC2086
-    step "pytest, $main, beside Cycles" pytest_on "$main" 2700 -m "not real_blender and not window" $beside
+    step "pytest, $main, beside Cycles, and figures" pytest_on "$main" 2700 -m "not real_blender and not window" $beside
     step "pytest, the rest of the other row" wait "$row"
     [ -z "$second" ] || step "pytest, bpy45: see $second" told "$second"
     step "pytest, $main, all else: see $others" told "$others"
