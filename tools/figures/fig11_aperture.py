@@ -28,7 +28,7 @@ def _shots() -> list[Shot]:
     shots = []
     focus = ("--focal-length", f"{FOCAL_MM:g}", "--focus-distance", f"{FOCUS_MM:g}")
     for kind, label, options, film_mm in KINDS:
-        many = ("--min-samples", "16", "--noise-threshold", "0.03")
+        many = ("--min-samples", "64", "--noise-threshold", "0.03")
         shots.append(
             Shot(
                 f"fig-11-{kind}",

@@ -21,7 +21,7 @@ _PLAIN = ("--effect", "ghosts=off", "--effect", "glare=off", "--effect", "diffra
 
 def _shots() -> list[Shot]:
     focus = ("--focus-distance", f"{FOCUS_MM:g}")
-    many = ("--min-samples", "16", "--noise-threshold", "0.03")
+    many = ("--min-samples", "64", "--noise-threshold", "0.03")
     near = ("--film", f"{FILM_MM:g}x{FILM_MM / 1.5:g}", "--shift", f"{AT_MM[0]:g},{AT_MM[1]:g}", "--samples", "1024")
     return [
         Shot("fig-13-garden", "lights", LENS, (*focus, *many), "far", "Reflex-Nikkor 500 mm, f/6.3", samples=8.0, is_only_shown=True),

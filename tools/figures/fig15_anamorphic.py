@@ -32,7 +32,7 @@ def _shots() -> tuple[Shot, ...]:
         f"{LINE_NM:g}",
     )
     shape = FILM_MM[0] / FILM_MM[1]
-    many = ("--min-samples", "16", "--noise-threshold", "0.03")
+    many = ("--min-samples", "64", "--noise-threshold", "0.03")
     return (
         Shot("fig-15-garden", "lights", LENS, (*_SET, *whole, *many), "wide", "anamorphic 2x, f/2, without coatings, widened", shape, samples=8.0, widened=SQUEEZE, is_only_shown=True),
         Shot("fig-15-lamp", "lights", LENS, (*_SET, *part, *_STRAY), "wide", "a lamp", PART_MM[0] / PART_MM[1], width=0.25, is_hidden=True),
