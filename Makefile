@@ -3,21 +3,31 @@
 DEMO_SCENE = tests/scenes/demo.blend
 DEMO_LENS = lenses/wide-angle-smith-f3.4.lens
 DEMO_OPTIONS =
+# The build that is timed: the shipped one. ENGINE=build takes the fast build, to try a recipe.
+ENGINE = wheels
+# A folder; tests of these recipes have one of their own.
+OUTPUT = output
 BENCH_OPTIONS =
+PRICE_OPTIONS =
+ACCURACY_COST_OPTIONS =
+VIEWPORT_PRICE_OPTIONS =
+DIFFRACTION_OPTIONS =
+SPEED_OPTIONS =
 PARITY_OPTIONS =
 INSTRUCTIONS_OPTIONS =
 GHOSTS_OPTIONS =
 FIGURES_OPTIONS =
 
-.PHONY: help demo test test-all lint setup build wheels extension speed price accuracy-cost bench parity viewport-price newcomer ui-pictures panel-pictures lens-index diffraction ghosts figures instructions numerics docs clean
+.PHONY: help demo test test-all lint setup build wheels extension speed price accuracy-cost bench parity viewport-price newcomer ui-pictures panel-pictures lens-index coatings diffraction ghosts figures instructions numerics pages pages-again docs clean
 
 help: ## what there is to make
 	@sed -n 's/^\([a-z-]*\):.*## \(.*\)/\1\t\2/p' Makefile | expand -t 12
 
 demo: build ## render the demo scene through a real lens, into output/demo.png
-	@mkdir -p output
-	$(PETZVAL) render $(DEMO_SCENE) --lens $(DEMO_LENS) -o output/demo.png --stats output/demo.json $(DEMO_OPTIONS)
-	@.venv-tools/bin/python tools/demo-report.py output/demo.png output/demo.json
+	@mkdir -p $(OUTPUT)
+	@echo "petzval: rendering $(DEMO_SCENE) (about 2 minutes on 2 cores)" >&2
+	@$(PETZVAL) render $(DEMO_SCENE) --lens $(DEMO_LENS) -o $(OUTPUT)/demo.png --stats $(OUTPUT)/demo.json $(DEMO_OPTIONS)
+	@.venv-tools/bin/python tools/demo_report.py $(OUTPUT)/demo.png $(OUTPUT)/demo.json
 
 test: ## everything: Rust, Python, bpy 5.2 and 4.5, the real Blender; sets up what it needs
 	@tools/test.sh
@@ -31,14 +41,15 @@ lint: .venv-tools ## formatting and lints of Rust and Python
 	.venv-tools/bin/ruff check
 	.venv-tools/bin/ruff format --check
 
-wheels: build ## the engine's wheel for this kind of machine, dist/petzval-*.whl; docs/packaging.md says how those of others are made
+wheels: setup ## the wheel that is shipped, dist/petzval-*.whl, with every optimisation; docs/packaging.md has other machines
+	@tools/build-wheel.sh --release
 
-extension: build ## the Blender extension for each wheel in dist/, dist/petzval-VERSION-PLATFORM.zip
+extension: build ## the Blender extension of each wheel in dist/, dist/petzval-VERSION-PLATFORM.zip; `make wheels` first to ship it
 	@tools/setup-blender.sh || true
 	@tools/build-extension.sh
 
-build: setup ## the engine's wheel in dist/, and the command petzval in the environments
-	@tools/build-wheel.sh
+build: .venv-tools ## the engine, compiled fast, and the command petzval in the environments
+	@tools/build.sh
 
 setup: .venv-tools ## the Python environments: bpy 5.2, or 4.5 where Python 3.13 is missing
 	@tools/setup-python.sh bpy52 || tools/setup-python.sh bpy45
@@ -48,16 +59,16 @@ setup: .venv-tools ## the Python environments: bpy 5.2, or 4.5 where Python 3.13
 	@tools/setup-python.sh tools
 
 speed: ## time the lens tracer, and write docs/lens-speed.md
-	@python3 tools/lens-speed.py
+	@python3 tools/lens-speed.py $(SPEED_OPTIONS)
 
-price: build ## what each camera and pipeline costs, into docs/camera-price.md
-	@$(dir $(PETZVAL))python tools/camera-price.py
+price: $(ENGINE) ## what each camera and pipeline costs, into docs/camera-price.md
+	@$(dir $(PETZVAL))python tools/camera-price.py $(PRICE_OPTIONS)
 
-accuracy-cost: build ## what each step from the pinhole to the full lens costs and mends, into docs/accuracy-cost.md
+accuracy-cost: $(ENGINE) ## what each step from the pinhole to the full lens costs and mends, into docs/accuracy-cost.md
 	@tools/setup-python.sh bench
-	@.venv-bench/bin/python tools/accuracy_cost.py
+	@.venv-bench/bin/python tools/accuracy_cost.py $(ACCURACY_COST_OPTIONS)
 
-bench: build ## Petzval beside Cycles and Mitsuba, into docs/performance.md; BENCH_OPTIONS=--quick to try
+bench: $(ENGINE) ## Petzval beside Cycles and Mitsuba, into docs/performance.md; BENCH_OPTIONS=--quick to try
 	@tools/setup-python.sh bench
 	@PYTHONPATH=tools .venv-bench/bin/python -m bench $(BENCH_OPTIONS)
 
@@ -65,16 +76,17 @@ parity: build ## Petzval beside Cycles, scene by scene, into docs/parity.md; PAR
 	@tools/setup-python.sh bench
 	@PYTHONPATH=tools .venv-bench/bin/python -m parity $(PARITY_OPTIONS)
 
-viewport-price: build ## how soon a 3D view shows an edit, into docs/viewport.md
-	@$(dir $(PETZVAL))python tools/viewport-price.py
+viewport-price: $(ENGINE) ## how soon a 3D view shows an edit, into docs/viewport.md
+	@$(dir $(PETZVAL))python tools/viewport-price.py $(VIEWPORT_PRICE_OPTIONS)
 
-newcomer: extension ## time a newcomer's path: install the extension, choose a lens, render
+newcomer: $(ENGINE) extension ## time a newcomer's path: install the extension, choose a lens, render
 	@export PETZVAL_BEGAN=$$(date +%s.%N) BLENDER_USER_RESOURCES=$$(mktemp -d) && \
 	tools/blender --command extension install-file -r user_default --enable $$(ls dist/petzval-*-linux-x64.zip) >/dev/null && \
 	tools/blender --in-window --addons bl_ext.user_default.petzval --python tools/newcomer.py
 
-ui-pictures: ## what the tests of Blender's window saw, into docs/ui; after `make test`
+ui-pictures: extension ## what the tests of Blender's window see, into docs/ui
 	@tools/setup-python.sh bench
+	@$(dir $(PETZVAL))python -m pytest -q -m window
 	@.venv-bench/bin/python tools/ui-pictures.py
 
 panel-pictures: extension ## the pictures of panels in docs/panel.md and README.md, in Blender's window
@@ -84,12 +96,16 @@ panel-pictures: extension ## the pictures of panels in docs/panel.md and README.
 lens-index: build ## the lens library's page with a drawing of each lens, docs/lenses.md
 	@$(dir $(PETZVAL))python tools/lens_index.py
 
+coatings: build ## what coatings reflect, and what lenses let through, into docs/coatings.md
+	@cargo build --quiet --locked -p petzval-optics --example coatings
+	@$(dir $(PETZVAL))python tools/coatings.py $(or $(CARGO_TARGET_DIR),target)/debug/examples/coatings
+
 diffraction: build ## what diffraction and glare do, into docs/diffraction.md and docs/glare.md
 	@tools/setup-python.sh bench
 	@cargo build --quiet --release --locked -p petzval-render --example starburst --example glare
-	@.venv-bench/bin/python tools/diffraction.py $(or $(CARGO_TARGET_DIR),target)/release/examples
+	@.venv-bench/bin/python tools/diffraction.py $(or $(CARGO_TARGET_DIR),target)/release/examples $(DIFFRACTION_OPTIONS)
 
-ghosts: build ## ghosts beside brute force, their price, and pictures full of light that strays, into docs/ghosts.md
+ghosts: $(ENGINE) ## ghosts beside brute force, their price, and pictures full of light that strays, into docs/ghosts.md
 	@$(dir $(PETZVAL))python tools/ghosts.py $(GHOSTS_OPTIONS)
 
 instructions: ## count the instructions of a sample, beside those kept; INSTRUCTIONS_OPTIONS=--keep keeps them
@@ -97,10 +113,17 @@ instructions: ## count the instructions of a sample, beside those kept; INSTRUCT
 	@python3 tools/instructions.py $(INSTRUCTIONS_OPTIONS)
 
 numerics: ## hold the lens tracer against exact numbers, and write docs/numerics.md
-	@cargo run --release --quiet -p petzval-optics --example numerics
+	@began=$$(date +%s) && cargo run --quiet --locked -p petzval-optics --example numerics && \
+	PYTHONPATH=tools python3 -m pages stamp docs/numerics.md --began $$began
 
 figures: build ## the paper's figures and three more, measured, into docs/figures.md; FIGURES_OPTIONS="--only fig-10" to try
 	@PYTHONPATH=tools $(dir $(PETZVAL))python -m figures $(FIGURES_OPTIONS)
+
+pages: ## the generated pages of docs/, and the commits since each was made that touch what it shows
+	@PYTHONPATH=tools python3 -m pages
+
+pages-again: ## remake the pages that are stale, one after the other, unattended: for an idle machine
+	@PYTHONPATH=tools python3 -m pages again
 
 docs: ## docs/ as a book, output/book/index.html; a link that leads nowhere fails
 	@tools/setup-python.sh docs

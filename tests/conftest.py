@@ -37,16 +37,37 @@ _exit_status: int | None = None
 _addon_registered = False
 
 
+#: Where pytest keeps how long each file took, in seconds, and how long files take of which it knows nothing.
+_KEPT, _UNKNOWN_S = "petzval/seconds", 10.0
+#: Of this run, by test; kept by the process that starts the others, which hears of every test.
+_seconds: dict[str, float] = {}
+
+
+def pytest_configure(config):
+    # Several processes take files in the order that is given below, not those of the most tests first.
+    if hasattr(config.option, "loadscopereorder"):
+        config.option.loadscopereorder = False
+
+
 @pytest.hookimpl(tryfirst=True)
-def pytest_collection_modifyitems(items):
+def pytest_collection_modifyitems(config, items):
     """`first_only("kind")` is `once` for all but the first value of that parameter: where nothing that a version of Blender
-    changes depends on it."""
+    changes depends on it. What is left to `make test-all` is `once`, too."""
     for item in items:
         for mark in item.iter_markers("first_only"):
             (name,) = mark.args
             values = next(m.args[1] for m in item.iter_markers("parametrize") if m.args[0] == name)
             if item.callspec.params[name] != list(values)[0]:
                 item.add_marker(pytest.mark.once)
+        if item.get_closest_marker("recipe"):
+            item.add_marker(pytest.mark.once)
+    # The longest files first: one that begins last would be waited for by all the other processes.
+    kept = config.cache.get(_KEPT, {}) if hasattr(config, "cache") else {}
+    items.sort(key=lambda item: (-kept.get(item.path.name, _UNKNOWN_S), item.path.name))
+
+
+def pytest_runtest_logreport(report):
+    _seconds[report.nodeid] = _seconds.get(report.nodeid, 0.0) + report.duration
 
 
 @pytest.fixture
@@ -160,9 +181,27 @@ def pytest_terminal_summary(terminalreporter):
             out.write(f"{report.nodeid} ({python}): {reason.removeprefix('Skipped: ')}\n")
 
 
-def pytest_sessionfinish(exitstatus):
+def pytest_sessionfinish(session, exitstatus):
     global _exit_status
     _exit_status = int(exitstatus)
+    if hasattr(session.config, "workerinput"):
+        return
+    _keep_seconds(session.config)
+    if os.environ.get("PETZVAL_DURATIONS"):
+        python = f"Python {sys.version_info.major}.{sys.version_info.minor}"
+        with open(os.environ["PETZVAL_DURATIONS"], "a", encoding="utf-8") as out:
+            out.writelines(f"{s:8.1f}  {test} ({python})\n" for test, s in _seconds.items() if s >= 0.5)
+
+
+def _keep_seconds(config) -> None:
+    """For the order of the next run. A file of which a part has run takes at least half as long as was known of it."""
+    files: dict[str, float] = {}
+    for test, seconds in _seconds.items():
+        name = test.partition("::")[0].rpartition("/")[2]
+        files[name] = files.get(name, 0.0) + seconds
+    kept = config.cache.get(_KEPT, {}) if hasattr(config, "cache") else {}
+    if files and hasattr(config, "cache"):
+        config.cache.set(_KEPT, kept | {name: max(round(s, 1), kept.get(name, 0.0) / 2) for name, s in files.items()})
 
 
 @pytest.hookimpl(trylast=True)

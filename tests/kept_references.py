@@ -14,10 +14,10 @@ import hashlib
 import os
 import re
 import shutil
-from array import array
 from pathlib import Path
 
 import bpy
+import numpy as np
 
 TESTS = Path(__file__).resolve().parent
 KEPT = TESTS.parent / ".cache" / "cycles"
@@ -72,15 +72,44 @@ _MOST_VERTICES = 100_000
 
 
 def _meshes() -> bytes:
-    """A digest of the meshes in memory: what bmesh cuts comes in another order each time that Blender runs."""
+    """A digest of the meshes in memory: what bmesh cuts comes in another order each time that Blender runs.
+
+    Even of a sphere the faces do; their order counts only where something goes by it.
+    """
     digest = hashlib.blake2b(digest_size=12)
+    ordered = _go_by_order()
     for mesh in sorted(bpy.data.meshes, key=lambda mesh: mesh.name_full):
         if 0 < len(mesh.vertices) <= _MOST_VERTICES:
-            places, corners = array("f", bytes(12 * len(mesh.vertices))), array("i", bytes(4 * len(mesh.loops)))
+            places, corners = np.empty(3 * len(mesh.vertices), np.float32), np.empty(len(mesh.loops), np.int32)
             mesh.vertices.foreach_get("co", places)
             mesh.loops.foreach_get("vertex_index", corners)
-            digest.update(places.tobytes() + corners.tobytes())
+            digest.update(places.tobytes())
+            digest.update(corners.tobytes() if mesh.name_full in ordered or ordered is EVERY else _faces(mesh, corners))
     return digest.digest()
+
+
+#: In place of names of meshes.
+EVERY = frozenset({""})
+
+
+def _go_by_order() -> frozenset[str]:
+    """The meshes of which faces are counted or chosen by number: by modifiers, particles, attributes of faces, and nodes that tell
+    islands apart, which may be of any material."""
+    trees = [*(m.node_tree for m in bpy.data.materials if m.node_tree), *bpy.data.node_groups]
+    if any(out.is_linked for t in trees for n in t.nodes for out in n.outputs if out.name == "Random Per Island"):
+        return EVERY
+    made = {o.data.name_full for o in bpy.data.objects if o.type == "MESH" and (o.modifiers or o.particle_systems)}
+    own = {m.name_full for m in bpy.data.meshes if any(a.domain == "FACE" and not a.is_internal and a.name not in ("sharp_face", "material_index") for a in m.attributes)}  # fmt: skip
+    return frozenset(made | own)
+
+
+def _faces(mesh: bpy.types.Mesh, corners: np.ndarray) -> bytes:
+    """The corners of each face and its material, the faces sorted."""
+    starts, materials = (np.empty(len(mesh.polygons), np.int32) for _ in range(2))
+    mesh.polygons.foreach_get("loop_start", starts)
+    mesh.polygons.foreach_get("material_index", materials)
+    faces = np.split(corners, starts[1:])
+    return repr(sorted((*face.tolist(), -1 - m) for face, m in zip(faces, materials.tolist(), strict=True))).encode()
 
 
 def _state() -> tuple:

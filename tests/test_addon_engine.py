@@ -69,6 +69,7 @@ def test_a_render_shows_the_scene(parts, tmp_path):
     assert np.allclose(picture[1, 1, :3], 0.5, rtol=1e-3)
 
 
+@pytest.mark.once
 def test_one_seed_gives_one_picture(parts, tmp_path):
     scene = parts.set_up(model="LENS")
     parts.square("Square", (0.1, 5, 0), 1.0, parts.emitter())

@@ -14,6 +14,7 @@ def parts(blender):
     return scene_parts
 
 
+@pytest.mark.first_only("animated")
 @pytest.mark.parametrize("animated", ["f_number", "focal_length", "focus_distance", "tilt"])
 def test_an_animation_of_the_lens(parts, blender, tmp_path, animated):
     scene = parts.set_up(width=36, height=24, samples=16, model="LENS")
@@ -79,6 +80,7 @@ def test_persistent_data_draws_trees_anew_around_what_moves(parts, blender, tmp_
     assert parts.part("persistent").previous(blender.context.evaluated_depsgraph_get()) is None
 
 
+@pytest.mark.once
 def test_a_focus_pull_while_the_shutter_is_open(parts, blender, tmp_path):
     """From one lamp to another within a frame: the mean of the pictures before, between and after."""
     scene = parts.set_up(width=36, height=24, samples=64, model="LENS")

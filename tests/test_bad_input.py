@@ -88,6 +88,7 @@ def names(message: str, path: Path, line: str | None) -> bool:
     return bool(re.search(re.escape(where) + r"\b", message)) or (line is not None and f"line {line}" in message)
 
 
+@pytest.mark.once
 @pytest.mark.parametrize("case", BAD_LENSES)
 def test_a_bad_lens_file_is_named_with_its_line(good_before_and_after, tmp_path, case):
     text, line, words = BAD_LENSES[case]
@@ -99,6 +100,7 @@ def test_a_bad_lens_file_is_named_with_its_line(good_before_and_after, tmp_path,
     assert words in message
 
 
+@pytest.mark.once
 def test_a_binary_lens_file_is_refused(good_before_and_after, tmp_path):
     path = tmp_path / "picture.lens"
     path.write_bytes(bytes(range(256)) * 4)
@@ -120,6 +122,7 @@ def test_no_lens_file_says_where_to_choose_one(good_before_and_after):
     assert "Camera" in message and "choose" in message
 
 
+@pytest.mark.once
 def test_a_stop_wider_than_the_glass_is_a_lens(studio, tmp_path):
     """Its glass then limits the light; brightness is still one for a white world, and wide open is what the file says."""
     path = tmp_path / "wide-stop.lens"
@@ -262,6 +265,7 @@ def assert_one_line(done, status: int, *words: str) -> None:
         assert word in lines[0]
 
 
+@pytest.mark.once
 @pytest.mark.parametrize("case", ["unknown glass", "not a number", "two stops"])
 def test_the_command_names_a_bad_lens_with_its_line(petzval_cli, scene_file, tmp_path, case):
     text, line, words = BAD_LENSES[case]
@@ -296,6 +300,7 @@ def test_the_command_with_a_broken_scene(petzval_cli, scene_file, tmp_path, case
     assert_one_line(petzval_cli("render", path, "-o", tmp_path / "out.exr"), 1, "broken.blend")
 
 
+@pytest.mark.once
 def test_the_command_cannot_write(petzval_cli, scene_file, tmp_path):
     (tmp_path / "folder.exr").mkdir()
     for place in (tmp_path / "folder.exr", "/proc/out.exr"):  # no one may make files in the second
@@ -357,6 +362,7 @@ def test_nodes_in_a_circle_are_cut_and_named(studio, blender, tmp_path):
     assert "Material 'Circle'" in warning and "Mix Shader" in warning and "itself" in warning
 
 
+@pytest.mark.once
 def test_twenty_thousand_lamps(blender, tmp_path):
     """As many as instances of one: together as bright as one that has all their power."""
     import scene_parts as parts
@@ -384,6 +390,7 @@ def test_twenty_thousand_lamps(blender, tmp_path):
     assert many == pytest.approx(one, rel=0.02)
 
 
+@pytest.mark.once
 def test_more_triangles_than_memory(studio, blender):
     """A mesh that does not fit: the object, what it needs and what there is; and nothing is lost."""
     from petzval import _native
@@ -406,6 +413,7 @@ def test_more_triangles_than_memory(studio, blender):
     assert _native.free_memory_bytes() > 1e8
 
 
+@pytest.mark.once
 @pytest.mark.skipif(not Path("/proc/meminfo").exists(), reason="needs /proc/meminfo")
 def test_free_memory_is_no_more_than_the_system_says():
     from petzval import _native

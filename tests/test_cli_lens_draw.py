@@ -88,11 +88,14 @@ def test_what_cannot_be_drawn_is_said_in_a_line(petzval_cli, arguments, said):
 
 
 def test_every_shipped_lens_can_be_drawn(petzval_cli, tmp_path):
-    """By the engine: as many rays on the axis as asked for, whole lines, nothing that is no number."""
+    """By the engine: as many rays on the axis as asked for, whole lines, nothing that is no number; but for the eye with gradients,
+    whose rays take long: tests/test_cli_lens_eyes.py draws it."""
     from petzval import _native
     from petzval.places import lenses_folder
 
     for path in sorted(lenses_folder().glob("*.lens")):
+        if path.stem == "eye-liou-brennan":
+            continue
         found = json.loads(_native.lens_drawing_json(_native.Lens(str(path)), None, [], 5))
         assert len(found["fields"][0]["rays"]) == 5, path.name
         for field in found["fields"]:

@@ -59,6 +59,7 @@ ERRORS = {
 }
 
 
+@pytest.mark.first_only("case")
 @pytest.mark.parametrize("case", ERRORS)
 def test_errors(petzval_cli, cli_scenes, tmp_path, case):
     words, wanted = ERRORS[case]
@@ -70,6 +71,7 @@ def test_errors(petzval_cli, cli_scenes, tmp_path, case):
     assert wanted in one_line(done)
 
 
+@pytest.mark.once
 def test_a_mask_that_is_no_picture_is_said(cli_scenes, petzval_cli, tmp_path):
     (tmp_path / "text.png").write_text("this is no picture")
     done = petzval_cli("render", cli_scenes / "scene.blend", "--camera", "thin", "--aperture-mask", tmp_path / "text.png",
@@ -78,6 +80,7 @@ def test_a_mask_that_is_no_picture_is_said(cli_scenes, petzval_cli, tmp_path):
     assert "text.png" in one_line(done)
 
 
+@pytest.mark.once
 def test_a_broken_lens_names_file_line_and_column(petzval_cli, cli_scenes, tmp_path):
     lens = tmp_path / "broken.lens"
     lens.write_text("#radius thickness glass diameter conic isstop\n50 5 BK7 20 0 0\n-50 x air 20 0 1\n")

@@ -100,6 +100,7 @@ def test_options_reach_the_lens(blender, cli_renders):
         assert one.stats["non_finite_samples"] == 0
 
 
+@pytest.mark.once
 def test_a_mask_from_a_file_shapes_the_blur(blender, cli_renders, tmp_path):
     names = ("left", "right", "open")
     for name, column in zip(names, (0, 1, None), strict=True):

@@ -103,6 +103,7 @@ def maps(blender, petzval_cli, tmp_path):
     return made
 
 
+@pytest.mark.once
 def test_the_maps_turn_one_picture_into_the_other(pictures, maps):
     by_lens, by_pinhole = (picture[..., 1] for picture in pictures)
     cases = {"undistort": (by_lens, by_pinhole), "distort": (by_pinhole, by_lens)}
@@ -120,6 +121,7 @@ def test_the_maps_turn_one_picture_into_the_other(pictures, maps):
     assert np.hypot((st[..., 0] - x) * width, (st[..., 1] - y) * height).max() > 20.0
 
 
+@pytest.mark.once
 def test_there_and_back_is_where_one_was(maps):
     there = maps["undistort"]
     back = taken(maps["distort"], there)

@@ -41,6 +41,7 @@ def passed(nm: float) -> float:
     return (1.0 - ((index - 1.0) / (index + 1.0)) ** 2) ** 4 * row["transmittance"]
 
 
+@pytest.mark.once
 def test_a_report_is_the_product_of_surfaces_and_glass(petzval_cli, flint, tmp_path):
     out = tmp_path / "flint.json"
     done = petzval_cli("lens", "transmission", flint, "-o", out, "--spectrum", 420, 700, 40)
@@ -59,6 +60,7 @@ def test_a_report_is_the_product_of_surfaces_and_glass(petzval_cli, flint, tmp_p
         assert done.returncode == 0 and (tmp_path / name).stat().st_size > 5000, done.stderr
 
 
+@pytest.mark.once
 def test_coatings_are_shown_and_chosen(petzval_cli, flint):
     def info(lens, *options):
         done = petzval_cli("lens", "info", lens, "--json", *options)
@@ -78,6 +80,7 @@ def test_coatings_are_shown_and_chosen(petzval_cli, flint):
     assert done.returncode == 1 and "unknown coating 'magic'" in done.stderr and done.stderr.count("\n") == 1
 
 
+@pytest.mark.once
 def test_conversion_keeps_coatings(petzval_cli, flint, tmp_path):
     own = tmp_path / "own.lens"
     rows = [line + (" MgF2:99.6nm/1.65:0.25w@500" if i == 1 else " -") for i, line in enumerate(FLINT.splitlines()[1:])]
@@ -130,6 +133,7 @@ def observer() -> list[tuple[float, float, float, float, float]]:
     return rows
 
 
+@pytest.mark.once
 def test_a_white_world_through_bare_flint_is_yellowish(blender, tmp_path, flint):
     """In Blender, by the plan's own choice: the middle is as bright as ever and has the product's colour; exposed by the f-number it
     is darker by what is lost; and without the effect it is white."""

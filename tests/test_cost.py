@@ -55,6 +55,19 @@ def test_bias_is_told_from_noise(off):
     assert found.noise == pytest.approx(0.16 * 4.0 / 3.0, rel=0.05)
 
 
+def test_a_part_of_the_light_is_as_large_as_it_is():
+    """Beside pixels of 1, a part of 0.1 with noise of a fifth of that is a change of a hundredth, whatever the noise of the rest."""
+    random_numbers = np.random.default_rng(3)
+    truth, part = np.ones((60, 80, 3)), np.full((60, 80, 3), 0.1)
+    found = accuracy.change(sums(part, 0.02, 8, random_numbers), truth)
+    # The floor adds a hundredth to the square of the truth. Of 14400 values.
+    assert found.bias == pytest.approx(0.01 / 1.01, rel=0.02)
+    assert found.sure_bias > 0.0 and found.noise == pytest.approx(0.0004 / 1.01, rel=0.05)
+    # Noise alone is nothing.
+    assert accuracy.change(sums(0.0 * part, 0.05, 8, random_numbers), truth).sure_bias == 0.0
+    assert accuracy.size(part, truth) == pytest.approx(0.01 / 1.01)
+
+
 def test_flip_is_that_of_its_authors():
     y, x = np.mgrid[0:48, 0:64]
     first = np.stack([x / 63, y / 47, ((x // 8 + y // 8) % 2) * 0.8 + 0.1], -1)
@@ -126,14 +139,29 @@ def test_a_small_run(petzval_cli, cli_scenes, tmp_path):
     assert told["rounds"] == 8 and told["scene"] == "scene" and told["threads"] == 1
     assert rows["with-ghosts"]["is_measured"] and rows["with-ghosts"]["effect"] == "ghosts"
     assert not any(row["is_on_front"] for row in rows.values() if row["group"] in ("effect", "stray"))
-    # A hundredth of what lights the front lies over all of the picture: it looks different, beyond the noise of either.
-    assert rows["with-glare"]["flip"] > 1.3 * rows["hero"]["flip"]
+    strays = {row["effect"]: row for row in rows.values() if row["group"] == "stray"}
+    assert strays.keys() == {"ghosts", "glare", "diffraction"} and rows["no-transmission"]["is_measured"]
+    for stray in strays.values():
+        assert stray["is_measured"] and stray["stray_s"] > 0.0
+        # What these change is the same in every picture, but for the little noise that is spread with it.
+        assert stray["bias"] <= told["strays"]["bias"] + 3.0 * stray["bias_uncertainty"] + 1e-9
+    # A hundredth of what lights the front lies over all of the picture: without it pixels are off, and it looks different.
+    assert 1e-6 < strays["glare"]["bias"] < 0.1 and strays["glare"]["flip"] > 0.003
+    assert told["strays"]["stray_s"] == pytest.approx(sum(row["stray_s"] for row in strays.values()))
     assert rows["pinhole"]["ratio"] == 1.0
     for row in rows.values():
         if row["is_measured"]:
             assert row["us_a_sample"] > 0.0 and row["noise_of_one_sample"] >= 0.0 and 0.0 <= row["flip"] <= 1.0
     assert rows["hero"]["wavelengths"] >= 8 and rows["one-f32"]["wavelengths"] == 1
     page = (tmp_path / "costs/costs.md").read_text()
+    for effect in (
+        "| without transmission (coatings, glass) |",
+        "| ghosts |",
+        "| veiling glare |",
+        "| diffraction |",
+        "| all of it |",
+    ):
+        assert effect in page
     assert page == tables.markdown(told, picture="costs.png" if (tmp_path / "costs/costs.png").exists() else None)
     if not (tmp_path / "costs/costs.png").exists():
         assert done.stderr.count("\n") == 1 and "petzval[plots]" in done.stderr

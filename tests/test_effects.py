@@ -39,6 +39,7 @@ def test_everybody_has_the_same_list(blender):
     assert [word[0].lower() for word in addon.effects.WORDS] == list(effect_names.WORDS)
 
 
+@pytest.mark.once
 def test_a_plan_says_what_the_contract_asks(plan):
     found = plan(*LENS, "--resolution", "96x64")
     for one in found["effects"]:
@@ -51,6 +52,7 @@ def test_a_plan_says_what_the_contract_asks(plan):
     assert row(found, "vignetting")["unit"] == "stops"
 
 
+@pytest.mark.once
 def test_finer_pictures_call_for_more(plan):
     coarse, fine = (plan(*LENS, "--resolution", size) for size in ("48x32", "1920x1280"))
     assert coarse["camera"]["wavelengths"] == 1 < fine["camera"]["wavelengths"]
@@ -63,6 +65,7 @@ def test_finer_pictures_call_for_more(plan):
     assert row(fine, "vignetting")["measure"] == pytest.approx(row(coarse, "vignetting")["measure"], rel=1e-6)
 
 
+@pytest.mark.once
 def test_quality_and_words_reach_the_plan(plan):
     found = plan(*LENS, "--resolution", "48x32", "--quality", 50, "--effect", "vignetting=off")
     assert row(found, "defocus")["tolerance"] == pytest.approx(0.01)
@@ -71,6 +74,7 @@ def test_quality_and_words_reach_the_plan(plan):
     assert found["quality"] == 50
 
 
+@pytest.mark.once
 def test_a_plan_for_people_is_a_table(petzval_cli, cli_scenes):
     done = petzval_cli("plan", cli_scenes / "scene.blend", *LENS, "--resolution", "48x32")
     assert done.returncode == 0, done.stderr
@@ -80,6 +84,7 @@ def test_a_plan_for_people_is_a_table(petzval_cli, cli_scenes):
     assert any(line.startswith("camera: ") for line in lines)
 
 
+@pytest.mark.once
 @pytest.mark.parametrize(
     ("options", "said"),
     [

@@ -19,12 +19,20 @@ from figures import blur, sharpness  # noqa: E402
 pytestmark = pytest.mark.once
 
 
+#: The quickest, of a ring's light and of colours' places, by exact rays; the others take up to a minute each.
+AT_ONCE = ("fig-13", "fig-14")
+LATER = ("fig-08", "fig-09", "fig-10", "fig-11", "fig-12", "fig-15")
+#: Every figure passes its check at the smallest size but this one: its detail of a few pixels is lost in noise there.
+LARGER = "fig-09"
+
+
 @pytest.mark.slow
-@pytest.mark.parametrize("key", ["fig-08", "fig-09", "fig-10", "fig-11", "fig-12", "fig-13", "fig-14", "fig-15"])
+@pytest.mark.parametrize("key", [*AT_ONCE, *(pytest.param(key, marks=pytest.mark.recipe) for key in LATER)])
 def test_a_figure_shows_what_its_caption_says(key, tmp_path):
+    size = "small" if key == LARGER else "smallest"
     paths = os.pathsep.join(filter(None, [str(ROOT / "tools"), os.environ.get("PYTHONPATH")]))
     done = subprocess.run(
-        [sys.executable, "-m", "figures", "--size", "small", "--check", "--only", key, "--output", tmp_path],
+        [sys.executable, "-m", "figures", "--size", size, "--check", "--only", key, "--output", tmp_path],
         capture_output=True,
         text=True,
         env=os.environ | {"PYTHONPATH": paths},

@@ -59,6 +59,7 @@ def focus(petzval_cli, scene, tmp_path):
     return run
 
 
+@pytest.mark.first_only("anchor")
 @pytest.mark.parametrize("anchor", ["entrance-pupil", "front-vertex", "film"])
 def test_autofocus_looks_where_it_is_told(focus, anchor):
     lens = ("--lens", TRIPLET, "--f-number", 11, "--anchor", anchor)
@@ -73,6 +74,7 @@ def test_autofocus_looks_where_it_is_told(focus, anchor):
     assert stats["autofocus"]["subject_world"] is None
 
 
+@pytest.mark.once
 def test_a_zoom_focuses_by_its_groups(focus):
     lens = ("--lens", "zoom-nikon-57-143-f2.8", "--anchor", "front-vertex", "--spectrum", 587.56)
     done, stats = focus(*lens, "--focal-length", 100, "--f-number", 11, "--autofocus", "0.5,0.5")
@@ -92,6 +94,7 @@ def test_a_zoom_focuses_by_its_groups(focus):
         assert done.returncode == 1 and word in done.stderr, done.stderr
 
 
+@pytest.mark.once
 def test_three_points_turn_the_film_as_scheimpflug_says(focus):
     """Object plane, lens and film meet in a line: here 2.5 m below the axis, for the plane is y = 5 + 2 z."""
     # Equally far from the axis as the lens sees them, so that field curvature moves all three alike.
@@ -106,6 +109,7 @@ def test_three_points_turn_the_film_as_scheimpflug_says(focus):
     assert 0.0 < found["rms_spot_mm"] < 0.05
 
 
+@pytest.mark.once
 def test_what_cannot_be_focused_is_refused(focus):
     for options, word in (
         (("--lens", TRIPLET, "--sharp", "0,1,0", "0,2,0", "0,3,0"), "line"),
@@ -136,6 +140,7 @@ def test_bad_usage(petzval_cli, scene, options):
     assert done.stderr.startswith("petzval: "), done.stderr
 
 
+@pytest.mark.once
 def test_film_and_distance_are_linked_for_each_anchor_and_relation():
     for anchor in ("ENTRANCE_PUPIL", "FRONT_VERTEX", "FILM"):
         for relation in ("EXACT", "THIN"):
@@ -165,6 +170,7 @@ def test_the_panels_settings_reach_the_engine(blender):
     assert (sent.anchor, sent.focus_relation, sent.autofocus) == ("ENTRANCE_PUPIL", "EXACT", None)
 
 
+@pytest.mark.once
 def test_a_scene_is_looked_at_through_the_lens():
     """The picture is not turned: what lies to the right, nearer, is found at the right."""
     builder = _native.SceneBuilder()

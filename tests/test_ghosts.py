@@ -23,6 +23,7 @@ def told(petzval_cli, *options) -> dict:
     return json.loads(done.stdout)
 
 
+@pytest.mark.once
 @pytest.mark.parametrize(
     ("lens", "angle", "rays"),
     [(LENS, "8", "40000"), ("cooke-triplet-50mm", "0", "80000"), ("fisheye-nikkor-16-f2.8", "10", "60000")],
@@ -38,6 +39,7 @@ def test_the_light_is_that_of_brute_force(petzval_cli, lens, angle, rays):
     assert brute["on_film_mm2"][1] == brute["on_film_mm2"][3] == 0.0
 
 
+@pytest.mark.once
 def test_the_table_says_what_the_numbers_say(petzval_cli):
     found = told(petzval_cli, LENS, "--angle", "8")
     done = petzval_cli("lens", "ghosts", LENS, "--angle", "8", "--count", "3")
@@ -51,6 +53,7 @@ def test_the_table_says_what_the_numbers_say(petzval_cli):
     assert all(abs(ghost["centre_mm"][0]) < 0.05 for ghost in found["ghosts"][:8])
 
 
+@pytest.mark.once
 @pytest.mark.parametrize(
     ("options", "said"),
     [(("--angle", "120"), "120 degrees"), (("--reflections", "3"), "reflections"), (("--brute-force", "-5"), "-5")],
@@ -94,6 +97,7 @@ def passes(scene, path, word: str) -> dict[str, np.ndarray]:
     return pass_parts.photograph(path, samples=4)
 
 
+@pytest.mark.once
 def test_the_pass_has_the_light_of_the_sequential_trace(blender, sun, petzval_cli, tmp_path):
     """The sum of the pass is the irradiance of the sun, times what `lens ghosts` has of it on the film, times what a picture counts
     irradiance: one over the projected solid angle of the light cone in its middle."""
@@ -142,6 +146,7 @@ def test_the_pass_has_the_light_of_the_sequential_trace(blender, sun, petzval_cl
     assert ghosts[row, column, 1] >= np.quantile(ghosts[..., 1], 0.6)
 
 
+@pytest.mark.once
 def test_four_reflections_add_what_the_trace_has_of_them(blender, sun, petzval_cli, tmp_path):
     """In a lens without coatings, that they have light worth the name."""
     sun.camera.data.petzval.coating = "NONE"
@@ -176,6 +181,7 @@ def plan(scene) -> dict[str, dict]:
     return {row["effect"]: row for row in told["effects"]}
 
 
+@pytest.mark.once
 def test_the_same_bits_for_any_threads(blender, sun, tmp_path):
     sun.view_layers[0].petzval.use_pass_ghosts = True
     found = []

@@ -10,6 +10,7 @@ from __future__ import annotations
 import ast
 import graphlib
 import re
+import shutil
 import subprocess
 import tomllib
 import warnings
@@ -98,6 +99,7 @@ def test_a_module_uses_only_those_above_it(crate):
 @pytest.mark.parametrize(
     ("crate", "forbidden"),
     [
+        ("fourier", {"petzval-optics", "petzval-nodes", "petzval-render", "petzval-python", "pyo3", "petzval-testkit"}),
         ("optics", {"petzval-render", "petzval-python", "pyo3", "numpy", "petzval-testkit"}),
         ("nodes", {"petzval-optics", "petzval-render", "petzval-python", "pyo3", "numpy", "petzval-testkit"}),
         (
@@ -117,6 +119,20 @@ def test_crates_depend_downward(crate, forbidden):
 def test_cargo_test_needs_no_python():
     workspace = tomllib.loads((ROOT / "Cargo.toml").read_text())["workspace"]
     assert "engine/python" not in workspace["default-members"]
+
+
+def test_module_and_tests_share_compiled_crates():
+    """Every crate of the Python module has the same features in the workspace with its tests, else it is compiled twice."""
+    if shutil.which("cargo") is None:
+        pytest.skip("no cargo")
+
+    def features(*selection: str) -> set[str]:
+        command = ["cargo", "tree", "--locked", "--prefix", "none", "--format", "{p} [{f}]", *selection]
+        done = subprocess.run(command, cwd=ROOT, capture_output=True, text=True, check=True)
+        return {line.removesuffix(" (*)") for line in done.stdout.splitlines()}
+
+    module = features("--package", "petzval-python", "--edges", "normal,build")
+    assert module <= features("--workspace", "--edges", "normal,build,dev"), "see engine/python/Cargo.toml"
 
 
 # Python ----------------------------------------------------------------------------------------------------------

@@ -211,6 +211,7 @@ def test_frames_of_an_animation(parts, blender, tmp_path):
     assert np.allclose(colour(alone), colour(after), atol=1e-6)
 
 
+@pytest.mark.once
 def test_a_checkpoint_is_of_one_motion(parts, blender, tmp_path):
     """A render that moves otherwise does not take up what another has left."""
     scene, _, slides, _ = stage(parts)

@@ -44,6 +44,7 @@ def asked(monkeypatch, name: str) -> list:
     return calls
 
 
+@pytest.mark.first_only("kind")
 @pytest.mark.parametrize("kind", KINDS)
 def test_each_report_is_a_picture(blender, scene, kind):
     bpy = blender

@@ -149,6 +149,7 @@ def test_out_of_focus_data_are_as_cycles_has_them(room, blender, tmp_path):
     assert cover[0] == pytest.approx(cover[1], abs=0.003)
 
 
+@pytest.mark.once
 def test_joined_renders_still_add_up(room, blender, petzval_cli, tmp_path):
     scene = blender.context.scene
     scene.view_layers[0].petzval.use_pass_mergeable = True

@@ -47,6 +47,7 @@ CIRCLES = {
 }
 
 
+@pytest.mark.first_only("case")
 @pytest.mark.parametrize("case", CIRCLES)
 def test_a_circle_of_confusion_is_that_of_exact_rays(blender, tmp_path, case):
     depth, f_number, blades, turn_deg, film_mm = CIRCLES[case]
@@ -84,6 +85,7 @@ def symmetry_moment(spot: Spot, fold: int) -> complex:
     return complex(spot.weight @ away**fold / spot.weight.sum())
 
 
+@pytest.mark.once
 def test_a_pentagon_turns_over_where_the_focus_is_passed(blender, tmp_path):
     """Without exact rays: one corner of the opening points to the right as the lens is seen from behind. Nearer than the
     focus the film is met before the rays have crossed, and the picture is the film turned by half a turn."""

@@ -37,6 +37,7 @@ def place_lamps(studio: Studio, exact, places, depths, diameter_px, matrix=None)
     return points
 
 
+@pytest.mark.first_only("case")
 @pytest.mark.parametrize("case", LENSES)
 def test_points_lie_where_exact_rays_meet_the_film(blender, tmp_path, case):
     name, focal_length, film, focus, depths, diameter_px = LENSES[case]
@@ -106,6 +107,7 @@ def test_magnification_and_blenders_frame(blender, tmp_path, case):
     assert np.abs(np.array(found) - framed).max() < 0.06, (found, framed)
 
 
+@pytest.mark.once
 def test_the_same_bits_for_any_threads_and_others_for_another_seed(blender, tmp_path):
     studio = Studio(blender, tmp_path, (48, 32), samples=24)
     exact = studio.lens("double-gauss-f2-tronnier", (36.0, 24.0), 2.0, focal_length_mm=50.0)
@@ -124,6 +126,7 @@ def test_the_same_bits_for_any_threads_and_others_for_another_seed(blender, tmp_
     assert other.sum() == pytest.approx(one.sum(), rel=0.05)
 
 
+@pytest.mark.once
 def test_ranges_of_samples_average_to_the_whole(blender, tmp_path):
     studio = Studio(blender, tmp_path, (48, 32), samples=16)
     exact = studio.lens("double-gauss-f2-tronnier", (36.0, 24.0), 2.0, focal_length_mm=50.0)

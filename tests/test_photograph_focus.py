@@ -69,6 +69,7 @@ def test_an_object_is_focused_by_its_depth(studio, blender):
     assert film_z(studio) < by_distance - 0.1
 
 
+@pytest.mark.once
 def test_infinity_is_what_far_distances_come_to(studio):
     studio.lens(WIDE_ANGLE, FILM, None)
     # Blender keeps the wavelength in single precision.
@@ -80,6 +81,7 @@ def test_infinity_is_what_far_distances_come_to(studio):
     assert film_z(studio) > at_infinity
 
 
+@pytest.mark.once
 def test_a_film_distance_is_a_focus_distance(studio):
     """Set to the film's distance that a focus distance gave, it gives that focus distance again, and the picture."""
     exact = studio.lens(WIDE_ANGLE, FILM, 1.2)
@@ -96,6 +98,7 @@ def test_a_film_distance_is_a_focus_distance(studio):
     assert_same_picture(studio.shoot(), by_focus)
 
 
+@pytest.mark.once
 def test_a_focal_length_is_a_scale(studio):
     published = json.loads(_native.Lens(str(LENSES / f"{WIDE_ANGLE}.lens")).info_json())["efl_mm"]
     exact = studio.lens(WIDE_ANGLE, (36.0, 24.0), 1.2, focal_length_mm=28.0)

@@ -97,6 +97,7 @@ def test_it_is_measured_by_the_timer_once_nothing_changes(blender, parts, scene,
     blender.app.timers.unregister(size.LOOKOUT.timer)
 
 
+@pytest.mark.once
 def test_lengths_are_written_for_people(blender, parts):
     scale = parts.part("ui.scale")
     assert scale.millimetres(12400.0) == "12\u2009400 mm" and scale.millimetres(0.01) == "0.0100 mm"

@@ -17,6 +17,14 @@ from photograph import chart, native, truth
 LENSES = sorted((Path(__file__).resolve().parent.parent / "lenses").glob("*.lens"))
 OPENINGS = {"wide open": {}, "f/8": {"f_number": 8.0}, "f/8, five blades": {"f_number": 8.0, "blades": 5}}
 WIDTH, HEIGHT, SAMPLES = 6, 4, 256
+#: Its gradients take 20 s to be ready for any opening: the smallest one with blades stands for the others in `make test`.
+SLOW = "eye-liou-brennan"
+
+
+def each_lens(*, is_tested_at_once: bool = False) -> list:
+    """All lenses, the slow one as a recipe unless `make test` has it here."""
+    own = [] if is_tested_at_once else [pytest.mark.recipe]
+    return [pytest.param(lens, id=lens.stem, marks=own if lens.stem == SLOW else []) for lens in LENSES]
 
 
 def assert_white(picture: np.ndarray, tolerance: float) -> None:
@@ -35,8 +43,14 @@ def small_film(lens: Path) -> dict[str, float]:
 # The exposure of the axis is known to a millionth; a few samples in ten thousand fall between the steps of the pupil
 # map's boundary: a thousandth is room enough, and far below what an eye or a histogram tells.
 @pytest.mark.once
-@pytest.mark.parametrize("opening", OPENINGS)
-@pytest.mark.parametrize("lens", LENSES, ids=lambda lens: lens.stem)
+@pytest.mark.parametrize(
+    ("lens", "opening"),
+    [
+        pytest.param(*lens.values, opening, id=f"{lens.id}-{opening}", marks=lens.marks)
+        for opening in OPENINGS
+        for lens in each_lens(is_tested_at_once=opening == "f/8, five blades")
+    ],
+)
 def test_white_is_one_on_the_axis_of_every_lens(lens, opening):
     camera = native.camera(lens, **small_film(lens), **OPENINGS[opening])
     assert_white(native.white_world(camera, WIDTH, HEIGHT, SAMPLES), 1e-3)
@@ -44,12 +58,13 @@ def test_white_is_one_on_the_axis_of_every_lens(lens, opening):
 
 # By wavelength the weights of the samples differ by their colour, which are white only on average: that is the noise.
 @pytest.mark.once
-@pytest.mark.parametrize("lens", LENSES, ids=lambda lens: lens.stem)
+@pytest.mark.parametrize("lens", each_lens())
 def test_white_is_white_on_the_axis_of_every_lens(lens):
     camera = native.camera(lens, **small_film(lens), wavelength_nm=None)
     assert_white(native.white_world(camera, WIDTH, HEIGHT, SAMPLES), 1e-3)
 
 
+@pytest.mark.first_only("name")
 @pytest.mark.parametrize("spectrum", ["SINGLE", "THREE", "VISIBLE"])
 @pytest.mark.parametrize("name", ["wide-angle-smith-f3.4", "double-gauss-f2-tronnier"])
 def test_white_is_one_in_blender(blender, tmp_path, name, spectrum):

@@ -1,64 +1,94 @@
 #!/bin/sh
-# Builds the wheel into dist/ when something it holds has changed, and lends the checkout to the test environments:
-# the compiled modules are put into their Python package, and each .venv-* gets the package and the command `petzval`
-# from the checkout, so that a change of a Python file needs no build.
+# Builds this machine's wheel into dist/ when something that it holds has changed, and installs the checkout into the test
+# environments: the compiled modules are copied into their Python package, and each .venv-bpy* gets the package and the command
+# `petzval` from the checkout, so that a change of a Python file needs no build.
+#
+#   tools/build-wheel.sh            the development build: one engine, compiled fast; shares its artifacts with `cargo test`
+#   tools/build-wheel.sh --release  the wheel that is shipped: link-time optimisation, an engine for each level of processor,
+#                                   and an old C library (docs/packaging.md)
+#
+# A release wheel that is up to date serves as a development build too.
 set -eu
 cd "$(dirname "$0")/.."
 
+. tools/processor.sh
+build=development
+[ "${1-}" != --release ] || build=release
+
 package=engine/python/petzval
-stamp=dist/.petzval-wheel
-# The name of this machine's wheel.
-own=dist/.petzval-own-wheel
-mkdir -p dist
+stamp=dist/.petzval-wheel # holds the build, the levels and the wheel's name
+log=output/build.log
+mkdir -p dist output
 
-# The levels of processors that the wheel has an engine for, lowest first; petzval/processors.py picks one at import.
-# Where there are none, the one engine is for every processor of the machine's kind.
-case $(uname -sm) in
-"Linux x86_64") levels="x86-64-v2 x86-64-v3" ;;
-*) levels= ;;
-esac
+# The levels of processors that a release wheel has an engine for, lowest first; petzval/processors.py picks one at import.
+# Without levels the one engine is for every processor of the machine's kind.
+levels=
+[ "$build $(uname -sm)" != "release Linux x86_64" ] || levels="x86-64-v2 x86-64-v3"
 
-# The compiled modules' places in the package.
+# The places of the compiled modules in the package; the arguments are levels.
 modules() {
-    [ -n "$levels" ] || echo _native.abi3.so
-    for level in $levels; do echo "_engines/$level/_native.abi3.so"; done
+    [ $# -gt 0 ] || echo _native.abi3.so
+    for level in "$@"; do echo "_engines/$level/_native.abi3.so"; done
 }
 
 fresh() {
-    [ -e "$stamp" ] && [ -e "$own" ] && [ -e "$(cat "$own")" ] || return 1
-    lent=$(cd "$package" && find . -name '_native.abi3.so' | sed 's,^\./,,' | sort)
-    [ "$lent" = "$(modules | sort)" ] || return 1
+    [ -e "$stamp" ] || return 1
+    # shellcheck disable=SC2046
+    set -- $(cat "$stamp")
+    [ "$1" = "$build" ] || [ "$1" = release ] || return 1
+    [ -e "dist/$2" ] || return 1
+    shift 2
+    installed=$(cd "$package" && find . -name '_native.abi3.so' | sed 's,^\./,,' | sort)
+    [ "$installed" = "$(modules "$@" | sort)" ] || return 1
     # Folders count too: theirs is the time of the last file added or taken away. The package's own is left out: the
     # build itself adds to it.
-    changed=$(find engine addon lenses Cargo.toml Cargo.lock pyproject.toml LICENSE tools/build-wheel.sh tools/join-wheels.py \
+    changed=$(find engine addon lenses .cargo Cargo.toml Cargo.lock pyproject.toml LICENSE tools/build-wheel.sh tools/join-wheels.py \
         \( -name __pycache__ -o -name _bundled -o -name _engines -o -name '*.so' \) -prune -o \
         ! -path "$package" -newer "$stamp" -print | head -n 1)
     [ -z "$changed" ]
 }
 
+# run COMMAND...: keeps what a build says in the log, and shows it when the build fails.
+run() {
+    "$@" >"$log" 2>&1 || { cat "$log" >&2; echo "petzval: the engine was not built: see above, or $log" >&2; exit 1; }
+}
+
+compile_release() {
+    # Zig links against an old C library, so that the wheel runs wherever Blender 4.2 does (glibc 2.28).
+    # A Linux without it, and every other system, gets a wheel for itself.
+    flags="build --release"
+    if .venv-tools/bin/python -c 'import ziglang' 2>/dev/null; then flags="$flags --zig --compatibility manylinux_2_28"; fi
+    if [ -z "$levels" ]; then
+        # shellcheck disable=SC2086
+        run maturin $flags --out dist/new
+        return
+    fi
+    # Side by side, each in a folder of its own: for most of its time a build compiles one crate, on one core.
+    # shellcheck disable=SC2016,SC2086
+    printf '%s\n' $levels | FLAGS=$flags run xargs -P 0 -I LEVEL sh -c '
+        RUSTFLAGS="${RUSTFLAGS-} -C target-cpu=$1" exec maturin $FLAGS \
+            --target-dir "${CARGO_TARGET_DIR:-target}/$1" --out "dist/new/$1"' sh LEVEL
+    # shellcheck disable=SC2086
+    .venv-tools/bin/python tools/join-wheels.py dist/new $levels
+}
+
 build() {
+    case $build in
+    development) echo "petzval: compiling the engine (about 3 minutes on 2 cores the first time; log: $log)" >&2 ;;
+    release) echo "petzval: compiling the release wheel (about 7 minutes on 2 cores; log: $log)" >&2 ;;
+    esac
     rm -rf "$package/_bundled" dist/new
     find "$package" -name '*.so.new' -exec rm {} +
     mkdir -p "$package/_bundled"
     cp -R addon lenses "$package/_bundled/"
     find "$package/_bundled" -name __pycache__ -prune -exec rm -rf {} +
-    # Zig links against an old C library, so that the wheel runs wherever Blender 4.2 does (glibc 2.28).
-    # A Linux without it, and every other system, gets a wheel for itself.
-    flags=
-    if .venv-tools/bin/python -c 'import ziglang' 2>/dev/null; then flags="--zig --compatibility manylinux_2_28"; fi
-    flags="build --quiet --release $flags"
-    # Side by side, each in a folder of its own: for most of its time a build compiles one crate, on one core.
-    # shellcheck disable=SC2016,SC2086
-    if [ -n "$levels" ]; then
-        printf '%s\n' $levels | FLAGS=$flags PATH="$PWD/.venv-tools/bin:$PATH" xargs -P 0 -I LEVEL sh -c '
-            RUSTFLAGS="${RUSTFLAGS-} -C target-cpu=$1" exec maturin $FLAGS \
-                --target-dir "${CARGO_TARGET_DIR:-target}/$1" --out "dist/new/$1"' sh LEVEL
-        .venv-tools/bin/python tools/join-wheels.py dist/new $levels
-    else
-        PATH="$PWD/.venv-tools/bin:$PATH" maturin $flags --out dist/new
-    fi
-    # shellcheck disable=SC2046
-    .venv-tools/bin/python - "$package" $(modules) <<'PY'
+    PATH="$PWD/.venv-tools/bin:$PATH"
+    case $build in
+    development) run maturin build --profile dev --out dist/new ;;
+    release) compile_release ;;
+    esac
+    # shellcheck disable=SC2046,SC2086
+    .venv-tools/bin/python - "$package" $(modules $levels) <<'PY'
 import glob, os, pathlib, sys, zipfile
 package, *modules = sys.argv[1:]
 package = pathlib.Path(package)
@@ -71,38 +101,42 @@ with zipfile.ZipFile(wheel) as archive:
         new.parent.mkdir(parents=True, exist_ok=True)
         new.write_bytes(archive.read(f"petzval/{module}"))
         os.replace(new, target)
-# What an earlier build lent and this one does not; one beside the package would go before all others.
+# Those of another build; one beside the package would be loaded before all others.
 for left in package.rglob("_native.abi3.so"):
     if left.relative_to(package).as_posix() not in modules:
         left.unlink()
 PY
     rm -rf "$package/_bundled"
-    # Those of other machines, copied here for their extensions, stay; this machine's of another version or C library goes.
-    [ ! -e "$own" ] || rm -f "$(cat "$own")"
-    echo "dist/$(basename dist/new/petzval-*.whl)" >"$own"
-    mv dist/new/petzval-*.whl dist/
+    # Wheels of other machines, copied here for their extensions, stay; this machine's last one goes.
+    [ ! -e "$stamp" ] || rm -f "dist/$(cut -d ' ' -f 2 "$stamp")"
+    wheel=$(basename dist/new/petzval-*.whl)
+    mv "dist/new/$wheel" dist/
     rm -rf dist/new
 }
 
-lend() {
+# Makes the checkout's package and command the environment's own.
+install_checkout() {
     for python in .venv-bpy*/bin/python; do
         [ -x "$python" ] || continue
         folder=${python%/bin/python}
-        [ "$(cat "$folder/.petzval-lent" 2>/dev/null)" = "$PWD" ] && continue
+        [ "$(cat "$folder/.petzval-installed" 2>/dev/null)" = "$PWD" ] && continue
         site=$("$python" -c 'import sysconfig; print(sysconfig.get_path("purelib"))')
         echo "$PWD/engine/python" >"$site/petzval-checkout.pth"
         printf '#!%s\nimport sys\nfrom petzval.cli import main\nsys.exit(main())\n' "$PWD/$python" >"$folder/bin/petzval"
         chmod +x "$folder/bin/petzval"
-        echo "$PWD" >"$folder/.petzval-lent"
+        echo "$PWD" >"$folder/.petzval-installed"
     done
 }
 
-# One build at a time, whoever asks.
+# One build at a time.
 if command -v flock >/dev/null; then exec 9>dist/.lock && flock 9; fi
-# A build may begin before a change and end after it: then the change is newer than the beginning, not than the end.
 if ! fresh; then
+    # The stamp's time is the beginning of the build: what changes during a build is newer than the stamp.
     touch "$stamp.begun"
     build
-    mv "$stamp.begun" "$stamp"
+    # shellcheck disable=SC2086
+    echo $build "$wheel" $levels >"$stamp"
+    touch -r "$stamp.begun" "$stamp"
+    rm -f "$stamp.begun"
 fi
-lend
+install_checkout

@@ -1,7 +1,8 @@
 #!/usr/bin/env python3
 # SPDX-License-Identifier: GPL-3.0-or-later
 """What diffraction and glare do: pictures and tables of docs/diffraction.md and docs/glare.md. Run by `make diffraction` in an
-environment that has petzval, numpy, matplotlib and Pillow, with the folder of the engine's examples `starburst` and `glare`."""
+environment that has petzval, numpy, matplotlib and Pillow, with the folder of the engine's examples `starburst` and `glare`. `--quick` tries
+it with one row of each table."""
 
 from __future__ import annotations
 
@@ -12,9 +13,11 @@ import resource
 import subprocess
 import sys
 import tempfile
+import time
 from pathlib import Path
 
 import numpy as np
+import pages
 from PIL import Image
 
 ROOT = Path(__file__).resolve().parent.parent
@@ -165,17 +168,18 @@ def glare(examples: Path, folder: Path) -> list[str]:
 
 
 def filled(file: Path, name: str, rows: list[str]) -> None:
-    """Puts rows between the marks of that name."""
+    """Puts rows between the marks of that name, below the head of the table there."""
     text = file.read_text()
-    begin, end = f"<!-- {name} -->\n", f"<!-- end of {name} -->"
-    head, rest = text.split(begin)
-    tail = rest.split(end)[1]
-    table_head = rest.split(end)[0].splitlines()[:2]
-    file.write_text(head + begin + "\n".join([*table_head, *rows]) + "\n" + end + tail)
+    table_head = text.partition(f"<!-- {name} -->\n")[2].splitlines()[:2]
+    file.write_text(pages.filled(text, name, [*table_head, *rows]))
 
 
 def main() -> None:
-    examples = Path(sys.argv[1])
+    global BURSTS, HYBRID, SCATTERING
+    if "--quick" in sys.argv[2:]:
+        BURSTS, HYBRID, SCATTERING = BURSTS[:1], (("plano-hyperbolic-50mm", (8,), (0.0,)),), SCATTERING[:1]
+    examples, began = Path(sys.argv[1]), time.monotonic()
+    origins = {page: pages.made(page) for page in ("docs/diffraction.md", "docs/glare.md")}
     with tempfile.TemporaryDirectory() as name:
         folder = Path(name)
         for lens, out, more in (
@@ -188,6 +192,8 @@ def main() -> None:
         filled(diffraction, "hybrid", hybrid(folder))
         filled(diffraction, "bursts", bursts(examples, folder))
         filled(ROOT / "docs/glare.md", "scattered", glare(examples, folder))
+    for page, origin in origins.items():
+        pages.stamp(page, origin.took(time.monotonic() - began))
 
 
 if __name__ == "__main__":

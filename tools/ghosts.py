@@ -7,14 +7,15 @@ from __future__ import annotations
 
 import argparse
 import json
-import re
 import subprocess
 import sys
 import tempfile
+import time
 from pathlib import Path
 from statistics import median
 
 import numpy as np
+import pages
 from PIL import Image
 
 ROOT = Path(__file__).resolve().parent.parent
@@ -107,16 +108,7 @@ def pictures(folder: Path, scenes: dict[str, Path], samples: int) -> None:
 
 
 def write(mark: str, rows: list[str]) -> None:
-    page = PAGE.read_text()
-    page, count = re.subn(
-        rf"(<!-- {mark} -->\n).*?(<!-- end of {mark} -->)",
-        lambda found: found[1] + "\n".join(rows) + "\n" + found[2],
-        page,
-        flags=re.DOTALL,
-    )
-    if count != 1:
-        raise SystemExit(f"{PAGE}: no place for {mark}")
-    PAGE.write_text(page)
+    PAGE.write_text(pages.filled(PAGE.read_text(), mark, rows))
 
 
 def main() -> None:
@@ -125,6 +117,7 @@ def main() -> None:
     parser.add_argument("--samples", type=int, default=256)
     parser.add_argument("--rounds", type=int, default=3)
     options = parser.parse_args()
+    began, origin = time.monotonic(), pages.made("docs/ghosts.md")
     with tempfile.TemporaryDirectory() as name:
         folder = Path(name)
         scenes = {}
@@ -138,6 +131,9 @@ def main() -> None:
             write("price", priced(folder, scenes, options.rounds))
         if options.only in (None, "pictures"):
             pictures(folder, scenes, options.samples)
+    # What is renewed in part stays as old as the rest.
+    if options.only is None:
+        pages.stamp("docs/ghosts.md", origin.took(time.monotonic() - began))
 
 
 if __name__ == "__main__":

@@ -2,30 +2,35 @@
 # SPDX-License-Identifier: GPL-3.0-or-later
 """Writes docs/lens-speed.md: runs the lens benches, tabulates them, and counts what their inner loop is made of.
 
-tools/lens-speed.py [--no-run]    --no-run: tabulates the last run again
+tools/lens-speed.py [--no-run] [--quick]    --no-run: tabulates the last run again; --quick: to try, with few repetitions
 """
 
 from __future__ import annotations
 
 import json
+import os
 import platform
 import re
 import subprocess
 import sys
-from datetime import date
+import time
 from pathlib import Path
+
+import pages
 
 TOP = Path(__file__).resolve().parent.parent
 PAGE = TOP / "docs" / "lens-speed.md"
 BENCH = ["cargo", "bench", "-p", "petzval-optics", "--bench", "lens"]
+# All levels of processors are timed: these flags leave none out of the kernels.
+ENVIRONMENT = os.environ | ({"RUSTFLAGS": "-C target-cpu=x86-64"} if platform.machine() == "x86_64" else {})
 LIMIT = "two roots and two divisions"
 LENSES = ("wide angle (figure 3)", "double Gauss", "fisheye", "aspheres", "mirrors")
 LANES = ("one", "SSE2", "AVX2", "AVX-512", "best")
 
 HEAD = """# What a ray costs
 
-Nanoseconds a ray and surface on one core, from the film to the scene, for rays that get through. Medians of criterion;
-made by `make speed`. *One*: rays one after the other, as `Tracer::from_film` takes them. The others: bundles
+Nanoseconds a ray and surface on one core, from the film to the scene, for rays that get through. Medians of criterion.
+*One*: rays one after the other, as `Tracer::from_film` takes them. The others: bundles
 (`Tracer::trace`) with registers of 128, 256 and 512 bits; a bundle takes the widest that the processor has. The time to
 copy a ray into the bundle is counted.
 """
@@ -71,7 +76,9 @@ def timings() -> list[str]:
 
 
 def binary() -> Path:
-    out = subprocess.run([*BENCH, "--no-run"], cwd=TOP, capture_output=True, text=True, check=True).stderr
+    out = subprocess.run(
+        [*BENCH, "--no-run"], cwd=TOP, capture_output=True, text=True, check=True, env=ENVIRONMENT
+    ).stderr
     return TOP / re.search(r"\((\S*lens-\S+)\)", out)[1]
 
 
@@ -135,27 +142,24 @@ def mixes() -> list[str]:
     return lines
 
 
-def processor() -> str:
-    try:
-        text = Path("/proc/cpuinfo").read_text()
-    except OSError:
-        return platform.processor() or platform.machine()
-    names = re.findall(r"model name\s*: (.*)", text)
-    return f"{names[0]}, {len(names)} cores" if names else platform.machine()
-
-
 def main() -> int:
-    if "--no-run" not in sys.argv[1:]:
-        subprocess.run(BENCH, cwd=TOP, check=True)
+    began, page = time.monotonic(), str(PAGE.relative_to(TOP))
+    # The last run's numbers keep its footer.
+    is_run = "--no-run" not in sys.argv[1:]
+    origin = pages.made(page) if is_run else pages.kept(page)
+    if is_run:
+        quick = ["--", "--quick"] if "--quick" in sys.argv[1:] else []
+        subprocess.run([*BENCH, *quick], cwd=TOP, check=True, env=ENVIRONMENT)
+        origin = origin.took(time.monotonic() - began)
     compiler = subprocess.run(["rustc", "--version"], capture_output=True, text=True, check=True).stdout.split(" (")[0]
-    parts = [HEAD, f"Measured on {date.today()}: {processor()}; {compiler}.\n", "\n".join(timings()) + "\n"]
+    parts = [HEAD, f"Compiled by {compiler}.\n", "\n".join(timings()) + "\n"]
     if mix := mixes():
         parts.append(
             "The loop over a block at a sphere between two glasses, read off the disassembly (with the few that only\nnear-critical rays run):\n"
         )
         parts.append("\n".join(mix) + "\n")
-    PAGE.write_text("\n".join(parts) + READING)
-    print(f"petzval: wrote {PAGE.relative_to(TOP)}")
+    PAGE.write_text(pages.stamped("\n".join(parts) + READING, origin))
+    print(f"petzval: wrote {page}")
     return 0
 
 

@@ -13,8 +13,11 @@ import json
 import re
 import subprocess
 import sys
+import time
 from pathlib import Path
 from typing import Any
+
+import pages
 
 from petzval import lens_library as texts
 
@@ -38,7 +41,7 @@ of the axis into every corner of their film, at every zoom and distance.
 
 Numbers are those at the d line, 587.6 nm, wide open; of a zoom in the first position of its table. The f-number is that of the
 diaphragm, or where a rim is narrower, that of the beam which comes through. Drawings show rays from the axis, 0.7 of the half field and
-the half field. This page is written by `make lens-index`.
+the half field.
 """
 
 
@@ -164,10 +167,11 @@ def main() -> int:
     parser.add_argument("--check", action="store_true")
     parser.add_argument("--no-drawings", action="store_true")
     arguments = parser.parse_args()
+    began = time.monotonic()
     found = json.loads(petzval("lens", "list", "--json"))
     texts = {PAGE: page(found), README: readme(found, README.read_text(encoding="utf-8"))}
     if arguments.check:
-        wrong = [path for path, text in texts.items() if not path.exists() or path.read_text(encoding="utf-8") != text]
+        wrong = [path for path, text in texts.items() if not path.exists() or _read(path) != text]
         drawings = {path.stem for path in DRAWINGS.glob("*.svg") if path.stat().st_size <= LARGEST_DRAWING}
         missing = {entry["id"] for entry in found["lenses"]} ^ drawings
         for path in wrong:
@@ -175,11 +179,21 @@ def main() -> int:
         for name in sorted(missing):
             print(f"lens-index: {name}: drawing and lens do not stand side by side: make lens-index")
         return 1 if wrong or missing else 0
-    for path, text in texts.items():
-        path.write_text(text, encoding="utf-8")
-    if not arguments.no_drawings:
+    name = str(PAGE.relative_to(ROOT))
+    if arguments.no_drawings:
+        origin = pages.kept(name)
+    else:
+        origin = pages.made(name)
         draw(found)
+        origin = origin.took(time.monotonic() - began)
+    README.write_text(texts[README], encoding="utf-8")
+    PAGE.write_text(pages.stamped(texts[PAGE], origin), encoding="utf-8")
     return 0
+
+
+def _read(path: Path) -> str:
+    """A page as the lenses have it, without the footer that says when it was made."""
+    return pages.without_footer(path.read_text(encoding="utf-8"))
 
 
 if __name__ == "__main__":

@@ -48,7 +48,11 @@ make_one() {
     # shellcheck disable=SC2086
     python=$(find_python $versions) || { say "$name: no Python $versions: install it (with venv), on PATH or by pyenv"; return 1; }
     log=$folder.log
-    echo "petzval: making $folder (log: $log)" >&2
+    case $name in
+    bpy*) long="fetches Blender as a Python module, about a minute" ;;
+    *) long="a few seconds" ;;
+    esac
+    echo "petzval: making $folder ($long; log: $log)" >&2
     # Broken off on the way, or of another Python: from the start. Otherwise only the list changed.
     if [ ! -e "$folder/.petzval-ready" ] || ! "$folder/bin/python" -c '' 2>/dev/null; then
         "$python" -m venv --clear "$folder" >"$log" 2>&1 || { say "$name: cannot make $folder: read $log"; return 1; }

@@ -1,128 +1,135 @@
 #!/bin/sh
-# Everything that must hold, one step after another; at the end what failed and what could not run.
+# Runs everything that must hold, and ends with a summary: what failed, what could not run, the slowest tests.
 #
 #   tools/test.sh         Rust, Python, bpy 5.2 and 4.5, the real Blender
-#   tools/test.sh --all   bpy 5.0 and 4.2 too
+#   tools/test.sh --all   bpy 5.0 and 4.2 too, the release wheel, and a small run of every page's recipe
+#
+# Every step has a log in output/test/. Two lanes run side by side: one compiles and runs the Rust tests, the other the Python
+# tests, whose engine is compiled first.
 set -eu
 cd "$(dirname "$0")/.."
 
-mkdir -p output
-report=$PWD/output/test-report.txt
-PETZVAL_NOT_RUN=$PWD/output/not-run.txt
-export PETZVAL_NOT_RUN
+. tools/processor.sh
+logs=output/test
+rm -rf "$logs"
+mkdir -p "$logs"
+report=$logs/steps.txt
+PETZVAL_NOT_RUN=$PWD/$logs/not-run.txt
+PETZVAL_DURATIONS=$PWD/$logs/durations.txt
+export PETZVAL_NOT_RUN PETZVAL_DURATIONS
 : >"$report"
 : >"$PETZVAL_NOT_RUN"
-failed=0
+: >"$PETZVAL_DURATIONS"
+start=$(date +%s)
 
-# step NAME COMMAND...: runs it, keeps how it ended.
+# step NAME COMMAND...: runs it, keeps what it prints in a log, and shows the log if it fails.
 step() {
-    name=$1 began=$(date +%s)
+    name=$1 log=$logs/$(echo "$1" | tr -cs 'A-Za-z0-9.\n' -).log began=$(date +%s) status=0
     shift
-    printf '\n== %s\n' "$name"
-    status=0
-    "$@" || status=$?
-    # pytest says 5 when a selection is empty.
-    [ "$status" = 124 ] && name="$name (out of time)"
-    if [ "$status" = 0 ]; then word=ok; else word=FAILED failed=1; fi
-    printf '%-7s %5s s  %s\n' "$word" "$(($(date +%s) - began))" "$name" >>"$report"
-    return 0
+    "$@" >"$log" 2>&1 || status=$?
+    case $status in
+    0) word=ok ;;
+    124) word="OUT OF TIME" ;;
+    *) word=FAILED ;;
+    esac
+    [ "$word" = ok ] || { cat "$log"; }
+    line=$(printf '%-11s %5s s  %s' "$word" "$(($(date +%s) - began))" "$name")
+    echo "$line" >>"$report"
+    echo "$line"
 }
 
 not_run() { echo "$*" >>"$PETZVAL_NOT_RUN"; }
 
 has() { [ -e ".venv-$1/.petzval-ready" ]; }
 
-# pytest_on ENVIRONMENT SECONDS ARGUMENTS...
+# pytest_on ENVIRONMENT SECONDS ARGUMENTS...: two processes, as a test waits for Blender's start or its one thread half of the time.
 pytest_on() {
     environment=$1 seconds=$2
     shift 2
-    timeout --kill-after=20 "$seconds" ".venv-$environment/bin/python" -m pytest -q "$@"
+    timeout --kill-after=20 "$seconds" ".venv-$environment/bin/python" -m pytest -q -n 2 --dist loadfile "$@"
 }
 
-# kept LOG COMMAND...: keeps what a command says and, in LOG.status, how it ended.
-kept() {
-    log=$1 ended=0 started=$(date +%s)
-    shift
-    rm -f "$log.status"
-    "$@" >"$log" 2>&1 || ended=$?
-    echo "petzval: $(($(date +%s) - started)) s" >>"$log"
-    echo "$ended" >"$log.status"
+# prepared ENVIRONMENT...: makes the Python environments, and notes those that could not be made.
+prepared() {
+    for environment in "$@"; do
+        tools/setup-python.sh "$environment" >"$logs/setup-$environment.log" 2>&1 || true
+        has "$environment" || not_run "all on $environment: $(tail -n 1 "$logs/setup-$environment.log")"
+    done
 }
 
-# told LOG: says what `kept` has kept, and ends like it.
-told() {
-    cat "$1"
-    return "$(cat "$1.status" 2>/dev/null || echo 1)"
-}
+all=
+if [ "${1-}" = --all ]; then
+    all=yes
+    # Rust tests take all lenses and the full number of rays.
+    PETZVAL_TEST_ALL=1
+    export PETZVAL_TEST_ALL
+fi
 
-# Fetching the real Blender waits for the network and the disk mostly: it runs beside the Rust steps.
-blender_log=output/setup-blender.log
-tools/setup-blender.sh >"$blender_log" 2>&1 &
+# Fetching Blender waits for the network and the disk mostly: it runs beside the compiler.
+tools/setup-blender.sh >"$logs/setup-blender.log" 2>&1 &
 blender_job=$!
-
-more=
-[ "${1-}" != --all ] || more="bpy50 bpy42"
-for environment in tools bpy52 bpy45 docs $more; do
-    tools/setup-python.sh "$environment" 2>&1 | tee output/setup.log
-    has "$environment" || not_run "all on $environment: $(tail -n 1 output/setup.log)"
-done
+prepared tools
 has tools || { echo "petzval: without its tools nothing can be built: see above" >&2; exit 1; }
-# The crate of the Python module asks an interpreter for its version.
-PYO3_PYTHON=$PWD/.venv-tools/bin/python
-export PYO3_PYTHON
-
+# shellcheck disable=SC2046
+prepared bpy52 bpy45 docs bench $([ -z "$all" ] || echo bpy50 bpy42) &
+python_job=$!
+echo "petzval: logs of all steps are in $logs"
 step "cargo fmt" cargo fmt --all --check
-step "cargo clippy" cargo clippy --quiet --all-targets --workspace --locked -- -D warnings
-# Examples, which clippy has compiled, are left out: the tracer's kernels are long to make for each program.
-step "cargo test" cargo test --quiet --locked --lib --tests
-step "cargo test --doc" cargo test --quiet --locked --doc
 step "ruff check" .venv-tools/bin/ruff check
 step "ruff format" .venv-tools/bin/ruff format --check
-if has docs; then step "book" make --no-print-directory docs; fi
-step "wheel" tools/build-wheel.sh
+step "wheel" tools/build-wheel.sh $([ -z "$all" ] || echo --release)
 
-wait "$blender_job" || true
-cat "$blender_log"
-step "extension" tools/build-extension.sh
-if tools/setup-blender.sh --where >/dev/null; then
-    real=yes
-else
-    not_run "all in the real Blender: $(tail -n 1 "$blender_log")"
-    real=
-fi
+rust_lane() {
+    # The settings with which maturin compiles pyo3: with others it would be compiled again here, and for the next wheel.
+    PYO3_CONFIG_FILE=$(ls "$PWD"/target/maturin/pyo3-config-*.txt 2>/dev/null | head -n 1)
+    PYO3_BUILD_EXTENSION_MODULE=1 PYO3_PYTHON=$PWD/.venv-tools/bin/python
+    [ -n "$PYO3_CONFIG_FILE" ] && export PYO3_CONFIG_FILE PYO3_BUILD_EXTENSION_MODULE || export PYO3_PYTHON
+    step "cargo clippy" cargo clippy --quiet --all-targets --workspace --locked -- -D warnings
+    step "cargo test" .venv-tools/bin/python tools/rust_tests.py
+    step "cargo test --doc" cargo test --quiet --workspace --locked --doc
+}
 
-main=
-for environment in bpy52 bpy45; do if has $environment; then main=$environment && break; fi; done
-if [ -n "$main" ]; then
-    # In two rows of about the same length, side by side: each waits for programs to start and for Blender's one thread about
-    # half of its time. One holds pictures beside Cycles and the figures, the other is the second Blender and then all else.
-    second=
-    if [ "$main" != bpy45 ] && has bpy45; then second=output/pytest-bpy45.log; fi
-    others=output/pytest-others.log
-    beside="tests/test_*against_cycles.py tests/test_parity.py tests/test_light_groups.py tests/test_figures.py"
-    {
-        [ -z "$second" ] || kept "$second" pytest_on bpy45 2700 -m "not once and not real_blender and not window"
-        kept "$others" pytest_on "$main" 2700 -m "not real_blender and not window" \
-            --ignore-glob="*against_cycles.py" --ignore=tests/test_parity.py --ignore=tests/test_light_groups.py \
-            --ignore=tests/test_figures.py
-    } &
-    row=$!
-    # shellcheck disable=SC2086
-    step "pytest, $main, beside Cycles, and figures" pytest_on "$main" 2700 -m "not real_blender and not window" $beside
-    step "pytest, the rest of the other row" wait "$row"
-    [ -z "$second" ] || step "pytest, bpy45: see $second" told "$second"
-    step "pytest, $main, all else: see $others" told "$others"
-    for environment in $more; do
+python_lane() {
+    wait "$python_job" || true
+    # Makes the checkout the Petzval of environments that were made after the wheel.
+    tools/build-wheel.sh
+    wait "$blender_job" || true
+    step "extension" make --no-print-directory extension
+    if has docs; then step "book" make --no-print-directory docs; fi
+    main=
+    for environment in bpy52 bpy45; do if has $environment; then main=$environment && break; fi; done
+    if [ -z "$main" ]; then
+        not_run "pytest: no environment with bpy could be made"
+        echo "FAILED          0 s  pytest: no environment with bpy" >>"$report"
+        return 0
+    fi
+    step "pytest, $main" pytest_on "$main" 3600 -m "not real_blender and not window and not recipe"
+    if [ "$main" != bpy45 ] && has bpy45; then
+        step "pytest, bpy45" pytest_on bpy45 2700 -m "not once and not real_blender and not window"
+    fi
+    if tools/setup-blender.sh --where >/dev/null; then
+        step "pytest, real Blender" pytest_on "$main" 1200 -m "real_blender or window"
+    else
+        not_run "all in the real Blender: $(tail -n 1 "$logs/setup-blender.log")"
+    fi
+    [ -n "$all" ] || return 0
+    for environment in bpy50 bpy42; do
         has "$environment" || continue
-        step "pytest, $environment" pytest_on "$environment" 900 -m "not once and not real_blender and not window"
+        step "pytest, $environment" pytest_on "$environment" 1800 -m "not once and not real_blender and not window"
     done
-    [ -z "$real" ] || step "pytest, real Blender" pytest_on "$main" 1200 -m "real_blender or window"
-else
-    not_run "pytest: no environment with bpy could be made"
-    failed=1
-fi
+    step "pytest, every recipe" pytest_on "$main" 7200 -m recipe
+}
 
-printf '\n== summary\n'
+trap 'kill 0' INT TERM
+rust_lane &
+rust_job=$!
+python_lane
+wait "$rust_job" || true
+
+printf '\n== summary, %s s in all\n' "$(($(date +%s) - start))"
 cat "$report"
+printf '\nThe twenty slowest tests, in seconds:\n'
+sort -rn "$PETZVAL_DURATIONS" | head -n 20
+printf '\n'
 sort -u "$PETZVAL_NOT_RUN" | sed 's/^/not run: /'
-exit $failed
+! grep -qv '^ok ' "$report"

@@ -7,6 +7,7 @@ from __future__ import annotations
 import sys
 from pathlib import Path
 
+import pages
 from PIL import Image
 
 ROOT = Path(__file__).resolve().parent.parent
@@ -43,7 +44,7 @@ def main() -> int:
     lines = [
         "# The interface, as the tests saw it",
         "",
-        "Blender 4.3 under Xvfb; `make ui-pictures` makes them anew.",
+        "Blender 4.3 under Xvfb.",
         "",
     ]
     wanted = set()
@@ -64,7 +65,8 @@ def main() -> int:
     for old in TO.glob("*.png"):
         if old.name not in wanted:
             old.unlink()
-    (TO / "README.md").write_text("\n".join(lines).rstrip() + "\n", encoding="utf-8")
+    text = "\n".join(lines).rstrip() + "\n"
+    (TO / "README.md").write_text(pages.stamped(text, pages.made("docs/ui/README.md")), encoding="utf-8")
     print(f"{TO}: {len(wanted)} pictures")
     return 0
 

@@ -17,6 +17,7 @@ from importlib import import_module
 from pathlib import Path
 
 import bpy
+import pages
 
 import petzval
 
@@ -134,7 +135,9 @@ def main() -> None:
     parser = argparse.ArgumentParser()
     parser.add_argument("--scene", default=str(ROOT / "tests/scenes/demo.blend"))
     parser.add_argument("--divide", type=int, default=4)
+    parser.add_argument("--repeats", type=int, default=REPEATS, help="of each edit")
     arguments = parser.parse_args()
+    began, origin = time.monotonic(), pages.made(str(PAGE.relative_to(ROOT)))
     bpy.ops.wm.open_mainfile(filepath=arguments.scene)
     scene = bpy.context.scene
     size = (scene.render.resolution_x // arguments.divide, scene.render.resolution_y // arguments.divide)
@@ -143,10 +146,10 @@ def main() -> None:
     for name, change in edits(scene).items():
         print(f"{name} ...", file=sys.stderr, flush=True)
         clock.edit(change)
-        rows[name] = [clock.edit(change) for _ in range(REPEATS)]
+        rows[name] = [clock.edit(change) for _ in range(arguments.repeats)]
     lines = [
         f"Of `{Path(arguments.scene).name}`, {clock.session._scene.triangle_count} triangles, {size[0]} x {size[1]} pixels, "
-        f"{os.cpu_count()} cores; ms, medians of {REPEATS}.",
+        f"{os.cpu_count()} cores; ms, medians of {arguments.repeats}.",
         "",
         "| edit | sent | first picture | all pixels |",
         "|---|---:|---:|---:|",
@@ -158,7 +161,8 @@ def main() -> None:
     print(table)
     text = PAGE.read_text(encoding="utf-8")
     head, _, rest = text.partition(BEGIN)
-    PAGE.write_text(head + BEGIN + "\n\n" + table + "\n\n" + END + rest.partition(END)[2], encoding="utf-8")
+    text = head + BEGIN + "\n\n" + table + "\n\n" + END + rest.partition(END)[2]
+    PAGE.write_text(pages.stamped(text, origin.took(time.monotonic() - began)), encoding="utf-8")
     clock.session.close()
     sys.stdout.flush()
     # bpy with an engine registered does not end by itself.

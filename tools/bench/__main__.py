@@ -8,13 +8,14 @@
 from __future__ import annotations
 
 import argparse
-import datetime
 import importlib.metadata
 import json
-import platform
 import re
 import sys
+import time
 from pathlib import Path
+
+import pages
 
 from . import kernels, measure, plot, report, scene
 from .programs import TOP, WORK, Bench, Failed
@@ -44,15 +45,18 @@ def main() -> int:
 
 
 def _measured(plan: measure.Plan) -> dict:
+    began, made = time.monotonic(), pages.made("docs/performance.md")
     (WORK / "pictures").mkdir(parents=True, exist_ok=True)
     scene.write(WORK / "scenes")
     bench = Bench()
     camera = scene.CAMERA
     bench.set_up(plan.scenes, camera["focus_m"], camera["focal_length_mm"], camera["f_number"])
     found = measure.Experiments(bench, plan).all()
+    if plan is measure.FULL:
+        kernels.run(TOP)
+    found["kernels"] = kernels.read(TOP)
     found["about"] = {
-        "date": str(datetime.date.today()),
-        "machine": _machine(),
+        "made": made.took(time.monotonic() - began),
         "versions": _versions(bench),
         "triangles": {name: scene.read(WORK / "scenes" / name)[0]["triangles"] for name in plan.scenes},
         "missing": bench.missing,
@@ -61,19 +65,12 @@ def _measured(plan: measure.Plan) -> dict:
 
 
 def _write(found: dict, plan: measure.Plan, folder: Path) -> None:
-    found["kernels"] = kernels.read(TOP)
     plot.draw(found, report.TARGETS, folder / "images" / "performance-noise")
     page = folder / "performance.md"
-    page.write_text(report.page(found, plan, found["about"], "images/performance-noise.png"))
+    text = report.page(found, plan, found["about"], "images/performance-noise.png")
+    made = found["about"].get("made")
+    page.write_text(pages.stamped(text, pages.Made(*made) if made else pages.kept("docs/performance.md")))
     print(f"petzval: wrote {page.relative_to(TOP)}")
-
-
-def _machine() -> str:
-    try:
-        names = re.findall(r"model name\s*: (.*)", Path("/proc/cpuinfo").read_text())
-    except OSError:
-        names = []
-    return f"{names[0]}, {len(names)} cores" if names else platform.machine()
 
 
 def _versions(bench: Bench) -> str:

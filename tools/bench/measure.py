@@ -29,7 +29,7 @@ class Plan:
 
 
 FULL = Plan(("small", "large"), 3, (960, 540), 16, (192, 108), (8, 32, 128), 1024)
-QUICK = Plan(("small",), 1, (480, 270), 4, (96, 54), (8, 32), 64)
+QUICK = Plan(("small",), 1, (160, 90), 2, (48, 27), (4, 16), 32)
 
 #: Of the two halves of a converged picture: their difference is its noise.
 REFERENCE_SEEDS = (77, 78)

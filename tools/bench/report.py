@@ -14,7 +14,7 @@ AGREE = 0.003
 
 
 def page(found: dict, plan: Plan, about: dict, image: str) -> str:
-    """Markdown. `about`: date, machine, versions, triangles, missing."""
+    """Markdown. `about`: versions, triangles, missing."""
     parts = [
         _head(plan, about),
         _speed(found, plan),
@@ -31,7 +31,7 @@ def _head(plan: Plan, about: dict) -> str:
     scenes = ", ".join(f"{name} ({about['triangles'][name]:,} triangles)" for name in plan.scenes)
     text = f"""# Petzval beside Cycles and Mitsuba
 
-The same scene in three renderers, measured by `make bench` on {about["date"]}: {about["machine"]}; {about["versions"]}.
+The same scene in three renderers: {about["versions"]}.
 
 Twenty bumpy bodies (diffuse, rough metal, glass) at 0.8 to 30 m on a ground before a wall, 24 small lamps, a sky:
 {scenes}. 50 mm on 36 x 20.25 mm of film, f/2, focused at 2 m. Eight bounces, a box filter of one pixel; no clamping, no

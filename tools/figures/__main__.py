@@ -1,5 +1,5 @@
 # SPDX-License-Identifier: GPL-3.0-or-later
-"""`python -m figures [--size small|full|large] [--only KEY ...] [--keep] [--check]`, where petzval and bpy are, tools/ on the path.
+"""`python -m figures [--size smallest|small|full|large] [--only KEY ...] [--keep] [--check]`, where petzval and bpy are, tools/ on the path.
 
 Takes the photographs into output/figures, reads them, and writes docs/figures.md and its pictures; with --check or --only no page is
 written, with --keep what was rendered with the same wishes is not rendered again.
@@ -14,6 +14,8 @@ import pkgutil
 import sys
 import time
 from pathlib import Path
+
+import pages
 
 from . import __path__ as here
 from . import page
@@ -45,6 +47,8 @@ def main() -> int:
             return 2
         chosen = [one for one in chosen if one.key in options.only]
     wrong, chapters = [], []
+    # Of photographs that were kept nobody knows the commit: the page stays as old as it was.
+    start, origin = time.monotonic(), pages.kept("docs/figures.md") if options.keep else pages.made("docs/figures.md")
     for figure in chosen:
         began = time.monotonic()
         shots = [shot for shot in figure.shots if not (options.check and shot.is_only_shown)]
@@ -66,7 +70,10 @@ def main() -> int:
     if wrong:
         return 1
     if not (options.only or options.check):
-        (ROOT / "docs/figures.md").write_text(page.HEAD + "\n" + "\n".join(chapters))
+        if not options.keep:
+            origin = origin.took(time.monotonic() - start)
+        text = page.HEAD + "\n" + "\n".join(chapters)
+        (ROOT / "docs/figures.md").write_text(pages.stamped(text, origin))
         print("petzval: wrote docs/figures.md")
     return 0
 

@@ -14,7 +14,7 @@ from .photograph import developed
 HEAD = """# Figures
 
 Figures 8 to 12 of Wu et al. 2011, and three that the paper could not make, photographed through lenses of the library in scenes of
-`tests/scenes/gallery`. `make figures` renders them. Numbers below a figure are computed, by exact rays through the prescription or
+`tests/scenes/gallery`. Numbers below a figure are computed, by exact rays through the prescription or
 from the picture itself, and the build fails where a picture contradicts them; `tools/figures` says how.
 """
 #: Between pictures, and for what stands below one, pixels.

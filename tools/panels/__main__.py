@@ -9,11 +9,14 @@ import os
 import subprocess
 import sys
 import tempfile
+import time
 from pathlib import Path
 
+import pages
 from PIL import Image, ImageChops
 
 ROOT = Path(__file__).resolve().parents[2]
+PICTURES = ROOT / "docs/images"
 ADDON = "bl_ext.user_default.petzval"
 #: Rows of a picture at most: longer panels are cut off below.
 MOST_ROWS = 760
@@ -24,8 +27,9 @@ _BORDER_PX, _CONTEXT_PX = 12, 38
 def main() -> int:
     asked = argparse.ArgumentParser(prog="panels", description="Photographs the panels.")
     asked.add_argument("--extension", type=Path, help="default: the newest in dist/")
-    asked.add_argument("--output", type=Path, default=ROOT / "docs/images")
+    asked.add_argument("--output", type=Path, default=PICTURES)
     options = asked.parse_args()
+    began, origin = time.monotonic(), pages.made("docs/panel.md")
     built = sorted((ROOT / "dist").glob("petzval-*.zip"), key=lambda one: one.stat().st_mtime)
     if not (options.extension or built):
         print("panels: no extension in dist/: run make extension", file=sys.stderr)
@@ -57,6 +61,8 @@ def main() -> int:
             # A few dozen colours are the interface's own.
             picture.quantize(192, dither=Image.Dither.NONE).save(target, optimize=True)
             print(f"{target}: {picture.width} x {picture.height}")
+    if options.output == PICTURES:
+        pages.stamp("docs/panel.md", origin.took(time.monotonic() - began))
     return 0
 
 

@@ -16,7 +16,10 @@ import subprocess
 import sys
 import tempfile
 import threading
+import time
 from pathlib import Path
+
+import pages
 
 from . import MARK, compare, page
 
@@ -51,9 +54,11 @@ def main() -> int:
     if unknown:
         print(f"petzval: no parity scene {', '.join(unknown)}: see tests/scenes/parity_scenes", file=sys.stderr)
         return 1
+    began = time.monotonic()
     results = run.all({name: WORK / name for name in chosen})
     if not options.only:
-        page.write(TOP / "docs", WORK, scenes, results, size, options.samples, options.most)
+        now = run.made.took(time.monotonic() - began)
+        page.write(TOP / "docs", WORK, scenes, results, size, options.samples, options.most, now)
     if options.scenes and not options.only:
         paths = sorted(Path(options.scenes).rglob("*.blend"))
         others = run.all({str(path): WORK / "others" / path.stem for path in paths})
@@ -75,6 +80,7 @@ class Run:
 
     def __init__(self, python: Path, numbers: list[int], again: bool) -> None:
         self.python, self.numbers, self.again = python, [*map(str, numbers)], again
+        self.made = pages.made("docs/parity.md")
         paths = [TOP / "tools", TOP / "tests", TOP / "tests" / "scenes", *filter(None, [os.environ.get("PYTHONPATH")])]
         self.environment = {**os.environ, "PYTHONPATH": os.pathsep.join(map(str, paths))}
 
@@ -104,7 +110,8 @@ class Run:
     def _kept(self, folder: Path) -> dict | None:
         kept = folder / "found.json"
         found = json.loads(kept.read_text()) if kept.exists() and not self.again else {}
-        return found if found.get("numbers") == self.numbers else None
+        # One that does not say where it came from would leave the page without a footer that is true.
+        return found if found.get("numbers") == self.numbers and "made" in found else None
 
     def _rendered(self, scenes: dict[str, Path]):
         """Scenes and what is found of them, in one process: up to the first that fails."""
@@ -122,11 +129,12 @@ class Run:
                 if found is None:
                     errors.seek(0)
                     last = (errors.read().strip().splitlines() or ["it said nothing, or was not done in time"])[-1]
-                    yield scene, {"failed": f"exit {job.wait()}: {last}"}
+                    yield scene, {"failed": f"exit {job.wait()}: {last}", "made": self.made}
                     return
                 if "skipped" not in found:
                     found |= compare.compare(folder)
-                (folder / "found.json").write_text(json.dumps({**found, "numbers": self.numbers}, indent=1) + "\n")
+                found |= {"numbers": self.numbers, "made": self.made}
+                (folder / "found.json").write_text(json.dumps(found, indent=1) + "\n")
                 yield scene, found
             job.wait()
 

@@ -6,6 +6,7 @@ from __future__ import annotations
 import re
 from pathlib import Path
 
+import pages
 from PIL import Image
 
 #: In the order of the scenes; others are called by their module.
@@ -30,8 +31,10 @@ CHAPTERS = {
 ALIKE = 0.01
 
 
-def write(docs: Path, work: Path, scenes: dict, results: dict, size: tuple[int, int], samples: int, most: int) -> None:
-    """The page, from what was found."""
+def write(
+    docs: Path, work: Path, scenes: dict, results: dict, size: tuple[int, int], samples: int, most: int, now: pages.Made
+) -> None:
+    """The page, from what was found. `now`: the origin of scenes that were rendered just now."""
     pictures = docs / "images" / "parity"
     pictures.mkdir(parents=True, exist_ok=True)
     for old in pictures.glob("*.jpg"):
@@ -41,8 +44,8 @@ def write(docs: Path, work: Path, scenes: dict, results: dict, size: tuple[int, 
         "# Petzval beside Cycles",
         "",
         "The scenes of `tests/scenes/parity_scenes`, one feature each, made by script and rendered by both engines inside of",
-        f"{_taken(results, size, samples, most)} Written by",
-        "`make parity`. From the left: Petzval, Cycles, and where the eye would see a difference (FLIP, from black over purple to",
+        _taken(results, size, samples, most),
+        "From the left: Petzval, Cycles, and where the eye would see a difference (FLIP, from black over purple to",
         "yellow); of passes and of an animation's frames two to a row, in the order of their names.",
         "",
         "- **FLIP**: the mean difference to the eye (Andersson et al. 2021, for high dynamic range), 0 to 1. *Of halves*: between two",
@@ -60,7 +63,14 @@ def write(docs: Path, work: Path, scenes: dict, results: dict, size: tuple[int, 
         lines += [f"## {title}", "", "| scene | Petzval, Cycles, difference | FLIP | of halves | worst block | noise | mean |", "|---|---|---:|---:|---:|---:|---:|"]  # fmt: skip
         lines += [_row(scenes[name], name, results[name], work, pictures) for name in names]
         lines.append("")
-    (docs / "parity.md").write_text("\n".join(lines).rstrip() + "\n")
+    origin = _oldest(results, now)
+    (docs / "parity.md").write_text(pages.stamped("\n".join(lines).rstrip() + "\n", origin))
+
+
+def _oldest(results: dict, now: pages.Made) -> pages.Made:
+    """The origin of the page: that of its oldest scene, for scenes that were rendered before are not rendered again."""
+    before = [pages.Made(*one["made"]) for one in results.values() if tuple(one["made"]) != now._replace(time="")]
+    return min(before, key=lambda one: one.date, default=now)
 
 
 def _taken(results: dict, size: tuple[int, int], samples: int, most: int) -> str:

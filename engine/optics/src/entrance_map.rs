@@ -265,8 +265,7 @@ mod tests {
 
     fn systems() -> Vec<System> {
         let folder = std::path::Path::new(concat!(env!("CARGO_MANIFEST_DIR"), "/../../lenses"));
-        let mut paths: Vec<_> = std::fs::read_dir(folder).unwrap().map(|e| e.unwrap().path()).collect();
-        paths.sort();
+        let paths = petzval_testkit::lenses::shipped(folder);
         let read = |path: &std::path::PathBuf| lens::read(path, Catalogue::shipped()).ok();
         let open = |p: &_| System::new(p, &SystemSettings::default()).unwrap();
         paths.iter().filter_map(read).map(|p| open(&p)).collect()

@@ -31,7 +31,7 @@ def lines(plan: dict[str, Any]) -> list[str]:
     """A plan for people: a row an effect, then the camera that follows from it."""
     rows = [("effect", "", "measure", "tolerance", "cost", "why")]
     rows += [
-        (row["effect"], row["decision"], _size(row), f"{row['tolerance']:.3g}", _cost(row), row["why"])
+        (row["effect"], row["decision"], size(row), f"{row['tolerance']:.3g}", cost(row), row["why"])
         for row in plan["effects"]
     ]
     widths = [max(len(row[column]) for row in rows) for column in range(5)]
@@ -50,12 +50,16 @@ def lines(plan: dict[str, Any]) -> list[str]:
     return table + end
 
 
-def _size(row: dict[str, Any]) -> str:
+def size(row: dict[str, Any]) -> str:
+    """The measure in a row of the plan, with its unit."""
     if row["is_unbounded"]:
         return "unbounded"
     return "-" if row["measure"] is None else f"{row['measure']:.3g} {row['unit']}"
 
 
-def _cost(row: dict[str, Any]) -> str:
-    cost = row.get("predicted_cost")
-    return "-" if cost is None else f"{100.0 * cost:+.1f} %"
+def cost(row: dict[str, Any]) -> str:
+    """The predicted cost in a row of the plan: a share of the time, or seconds once a picture for stray light."""
+    share, seconds = row.get("predicted_cost"), row.get("picture_seconds")
+    if seconds:
+        return f"+{seconds:.2g} s"
+    return "-" if share is None else f"{100.0 * share:+.1f} %"

@@ -72,7 +72,7 @@ def choose(engines: Collection[str], flags: Collection[str] | None, wish: str = 
     if not fitting:
         raise ProcessorError(
             f"this processor lacks {_words(_lacking(held[0], flags))}, and the wheel's engines begin at {held[0]}: "
-            "build one for it, by `pip install .` in Petzval's source"
+            "build one for it, by `RUSTFLAGS=-Ctarget-cpu=native pip install .` in Petzval's source"
         )
     return fitting[-1] if flags is not None else held[0]
 

@@ -227,9 +227,13 @@ impl Accel {
         left
     }
 
-    /// Gives every surface between the ray's ends to `pass`, in any order, until that says no.
+    /// Gives every surface between the ray's ends to `pass`, in any order, until `pass` returns false.
     fn each_between(&self, ray: &Ray, kind: Rays, mut pass: impl FnMut(&Hit) -> bool) {
-        let pass: &mut dyn FnMut(&Hit) -> bool = &mut pass;
+        self.each_between_dyn(ray, kind, &mut pass);
+    }
+
+    /// [`Self::each_between`] of one type for all callers: the kernels are compiled once, not once for each type of `pass`.
+    fn each_between_dyn(&self, ray: &Ray, kind: Rays, pass: &mut dyn FnMut(&Hit) -> bool) {
         let end = dispatch!(self.level, simd => self.each_between_with(simd, ray, kind, pass));
         if let (ControlFlow::Continue(()), Some(beside)) = (end, &self.beside) {
             let _ = beside.each_between(self.level, ray, |instance| self.shows(instance, kind), pass);

@@ -8,8 +8,7 @@
 use std::f64::consts::TAU;
 
 use glam::DVec2;
-use rustfft::FftPlanner;
-use rustfft::num_complex::Complex;
+use petzval_fourier::{Complex, Direction, complex_f64};
 use thiserror::Error;
 
 use super::wavefront::Eikonal;
@@ -132,7 +131,7 @@ impl Analysis<'_> {
 
 /// Amplitudes on the film, of `side` by `side` places; the first is (0, 0), and the second half of rows and columns lies before it.
 fn transformed(waves: &Waves, side: usize) -> Vec<Complex<f64>> {
-    let fft = FftPlanner::new().plan_fft_inverse(side);
+    let fft = complex_f64(side, Direction::Back);
     let mut columns = vec![Complex::default(); side * side];
     // Rows of the pupil, then turned, so that the second transform, too, goes along rows.
     let mut row = vec![Complex::default(); side];

@@ -183,11 +183,7 @@ fn points_that_make_no_plane_are_refused() {
 fn every_lens_finds_its_focus() {
     let folder = std::path::Path::new(concat!(env!("CARGO_MANIFEST_DIR"), "/../../lenses"));
     let mut found = 0;
-    for entry in std::fs::read_dir(folder).unwrap() {
-        let path = entry.unwrap().path();
-        if path.extension().is_none_or(|e| e != "lens") {
-            continue;
-        }
+    for path in petzval_testkit::lenses::shipped(folder) {
         let system = system(path.file_name().unwrap().to_str().unwrap(), Some(8.0));
         let info = Paraxial::new(&system, line_nm::D);
         let (Some(focal), Some(pupil)) = (info.efl_mm, info.entrance_pupil.z_mm) else { continue };

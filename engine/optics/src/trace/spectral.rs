@@ -234,8 +234,8 @@ mod tests {
     /// All shipped lenses, with spheres, aspheres, toroids, mirrors and blades.
     fn systems() -> impl Iterator<Item = System> {
         let folder = std::path::Path::new(concat!(env!("CARGO_MANIFEST_DIR"), "/../../lenses"));
-        std::fs::read_dir(folder).unwrap().filter_map(|entry| {
-            let prescription = lens::read(&entry.unwrap().path(), Catalogue::shipped()).ok()?;
+        petzval_testkit::lenses::shipped(folder).into_iter().filter_map(|path| {
+            let prescription = lens::read(&path, Catalogue::shipped()).ok()?;
             let settings = SystemSettings { blades: 6, ..SystemSettings::default() };
             Some(System::new(&prescription, &settings).unwrap())
         })

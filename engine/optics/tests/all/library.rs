@@ -231,7 +231,10 @@ const LEAST_EFFICIENCY: f64 = 0.9;
 #[test]
 fn light_comes_through_over_the_field() {
     let mut complaints = Vec::new();
-    for shipped in library() {
+    let quick = petzval_testkit::lenses::shipped(repository("lenses"));
+    let is_quick =
+        |one: &Shipped| quick.iter().any(|path| path.file_stem().is_some_and(|stem| stem == one.name.as_str()));
+    for shipped in library().into_iter().filter(is_quick) {
         let settings = Setting::all(&shipped);
         // The film that the published field fills in the first position at infinity is there in all others, too.
         let half_field_deg = shipped.lens.metadata.half_field_deg.unwrap();

@@ -1,4 +1,4 @@
-//! A million hard rays against an exact tracer: what docs/numerics.md promises.
+//! Many hard rays against an exact tracer: what docs/numerics.md promises.
 
 mod measure;
 
@@ -12,13 +12,13 @@ const LARGEST_OVER_DATA: f64 = 10.0;
 /// A status may differ only where so small a change of the data, in roundings, would turn it. The largest seen is 0.4.
 const LARGEST_MARGIN: f64 = 1.0;
 
-fn check(category: Category, by: By, tally: &mut Tally) {
+fn check(category: Category, by: By, tally: &mut Tally, least: u64) {
     let what = format!("{} {by:?}: {:?}", category.name(), tally.worst_case);
     assert_eq!(tally.not_finite, 0, "{what}");
     if by == By::Printed {
         return;
     }
-    assert!(tally.rays >= 10_000, "{what}: {}", tally.rays);
+    assert!(tally.rays >= least, "{what}: {}", tally.rays);
     assert!(tally.worst_margin < LARGEST_MARGIN, "{what}: {} roundings", tally.worst_margin);
     for errors in [&tally.point, &tally.direction] {
         assert!(errors.worst_over_data < LARGEST_OVER_DATA, "{what}: {}", errors.worst_over_data);
@@ -35,17 +35,19 @@ fn is_printed_form_lost(category: Category, tally: &Tally) -> bool {
     !is_known || tally.point.worst_over_data > 1e6
 }
 
+/// Two hundred thousand rays; a million in `make test-all`.
 #[test]
-fn a_million_hard_rays() {
+fn many_hard_rays() {
+    let least = if petzval_testkit::is_thorough() { 1_000_000 } else { 200_000 };
     let mut rays = 0;
-    for (category, mut tallies) in measure(1_050_000, 1) {
+    for (category, mut tallies) in measure(least + least / 20, 1) {
         for (by, tally) in By::ALL.into_iter().zip(&mut tallies) {
-            check(category, by, tally);
+            check(category, by, tally, least / 100);
         }
         assert!(is_printed_form_lost(category, &tallies[2]), "{}", category.name());
         rays += tallies[0].rays;
     }
-    assert!(rays >= 1_000_000, "{rays}");
+    assert!(rays >= least, "{rays}");
 }
 
 proptest! {

@@ -70,9 +70,9 @@ def error(pictures: Sums, truth: tuple[Sums, Sums]) -> Error:
 
     first, second = (half.mean() for half in truth)
     reference = 0.5 * (first + second)
-    scale = 1.0 / (reference**2 + (FLOOR * reference.mean()) ** 2)
-    n, mean, variance = pictures.count, pictures.mean(), pictures.variance()
-    pairs = (pictures.sum**2 - pictures.squares) / (n * (n - 1))
+    scale = _scale(reference)
+    mean, variance = pictures.mean(), pictures.variance()
+    pairs = _pairs(pictures)
     bias = ((pairs - mean * (first + second) + first * second) * scale).mean(-1)
     noise = (variance * scale).mean(-1)
     kept = np.argsort((((mean - reference) ** 2 * scale).mean(-1) + noise), axis=None)
@@ -80,3 +80,40 @@ def error(pictures: Sums, truth: tuple[Sums, Sums]) -> Error:
     # What pixels differ by, which is their noise and more: on the safe side.
     uncertainty = np.sqrt(_PIXELS_ALIKE * bias.ravel()[kept].var() / kept.size)
     return Error(float(bias.ravel()[kept].mean()), float(uncertainty), float(noise.ravel()[kept].mean()))
+
+
+def change(parts: Sums, truth: Any) -> Error:
+    """The error of a picture without a part of its light, against the truth with it: how large the part is. It is known by itself, so
+    the noise of the rest does not hide it. Needs it from two pictures."""
+    import numpy as np
+
+    scale, n, variance = _scale(truth), parts.count, parts.variance()
+    kept = np.argsort((parts.mean() ** 2 * scale).mean(-1), axis=None)
+    kept = kept[: int(kept.size * (1.0 - TRIMMED))]
+
+    def mean(values: Any) -> float:
+        return float(values.mean(-1).ravel()[kept].mean())
+
+    square = _pairs(parts)
+    # Of a product of two pictures' values. Stray light is spread over the picture, and its noise with it: nothing cancels over pixels.
+    uncertainty = np.sqrt(4.0 * np.maximum(square, 0.0) * variance / n + 2.0 * variance**2 / (n * (n - 1)))
+    return Error(mean(square * scale), mean(uncertainty * scale), mean(variance * scale))
+
+
+def size(part: Any, truth: Any) -> float:
+    """The relative mean square of a part of the light, its noise included."""
+    import numpy as np
+
+    squares = np.sort(((part**2) * _scale(truth)).mean(-1), axis=None)
+    return float(squares[: int(squares.size * (1.0 - TRIMMED))].mean())
+
+
+def _pairs(pictures: Sums) -> Any:
+    """The square of the pictures' limit, from products of different pictures: their noise cancels."""
+    n = pictures.count
+    return (pictures.sum**2 - pictures.squares) / (n * (n - 1))
+
+
+def _scale(reference: Any) -> Any:
+    """Of a squared error, to be relative."""
+    return 1.0 / (reference**2 + (FLOOR * reference.mean()) ** 2)

@@ -21,7 +21,8 @@ FINEST = 100.0
 #: Lens effects that are no colours: with one wavelength, these alone can be asked for.
 _COLOURS = ("lateral_colour", "axial_colour")
 
-#: Light that strays is found once a picture, whatever its samples: each is a rung by itself, and in no other.
+#: Light that strays is found once a picture, whatever its samples, and laid over it: each kind is a rung by itself, and in no other.
+#: The cameras are held against the truth without it, and each kind of it against the truth with all of it.
 STRAYS = {"ghosts": "with ghosts", "glare": "with veiling glare", "diffraction": "with diffraction"}
 
 #: What cannot be simulated yet, but stands in the table so that nobody looks for it in vain.
@@ -102,7 +103,7 @@ def is_camera(row: dict[str, Any]) -> bool:
 
 
 def _without(effect: str) -> str:
-    return "without " + effect.replace("_", " ")
+    return "without " + ("transmission (coatings, glass)" if effect == "transmission" else effect.replace("_", " "))
 
 
 def _simple(camera: Any, info: dict[str, Any]) -> list[Rung]:

@@ -129,7 +129,9 @@ def _name(axes: Any, ends: list[tuple[dict[str, Any], float, float]]) -> None:
 def _effects(axes: Any, found: dict[str, Any]) -> None:
     planned = {row["effect"]: row["decision"] for row in found["auto"]["effects"]}
     rows = [row for row in found["rungs"] if row["is_measured"] and not is_camera(row)]
-    axes.set_title("Everything on, but without, or with ...", loc="left", fontsize=10)
+    # A logarithm has no place for nothing at all.
+    rows = [row for row in rows if row["bias"] > 0.0 or row["bias_uncertainty"] > 0.0]
+    axes.set_title("Everything on, but without ...", loc="left", fontsize=10)
     if not rows:
         axes.set_axis_off()
         return
@@ -147,7 +149,7 @@ def _effects(axes: Any, found: dict[str, Any]) -> None:
         axes.annotate(
             text, (size, place), (7, 0), textcoords="offset points", fontsize=_LABEL, va="center", color=colour
         )
-    axes.set_yticks(range(len(rows)), [_added_or_not(rows[i]) for i in order])
+    axes.set_yticks(range(len(rows)), [rows[i]["effect"].replace("_", " ") for i in order])
     axes.set(xscale="log", xlabel="changes pixels for good by, %", ylim=(-0.7, len(rows) - 0.3))
     axes.set_xlim(min(sizes) / 2.5, max(sizes) * 5.0)
     axes.tick_params(axis="y", length=0)
@@ -158,10 +160,6 @@ def _effects(axes: Any, found: dict[str, Any]) -> None:
     handles.append(axes.plot([], [], "<", color="#555555", fillstyle="none")[0])
     texts = ["auto simulates it", "auto leaves it out", "too small to be told from noise"]
     axes.legend(handles, texts, frameon=False, fontsize=_LABEL, loc="upper left", bbox_to_anchor=(-0.25, -0.13))
-
-
-def _added_or_not(row: dict[str, Any]) -> str:
-    return ("with " if row["group"] == "stray" else "") + row["effect"].replace("_", " ")
 
 
 def _plain_numbers(axis: Any) -> None:

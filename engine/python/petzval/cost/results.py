@@ -24,6 +24,7 @@ def of(measured: Any) -> dict[str, Any]:
     samples = settings.samples
     pixels = settings.width * settings.height
     rows = [_row(one, measured, samples, pixels) for one in measured.runs.values()]
+    strays = _add_strays(rows, measured)
     _mark_front(rows)
     top = measured.runs[TOP]
     noise = accuracy.error(top.pictures, measured.truth).noise * top.samples / measured.truth_samples
@@ -42,6 +43,7 @@ def of(measured: Any) -> dict[str, Any]:
         "base": measured.base().rung.key,
         "targets": list(TARGETS),
         "rungs": rows,
+        "strays": strays,
         "auto": _forecast(measured, samples),
     }
 
@@ -91,6 +93,43 @@ def _row(one: Any, measured: Any, samples: int, pixels: int) -> dict[str, Any]:
     }
 
 
+def _add_strays(rows: list[dict[str, Any]], measured: Any) -> dict[str, Any] | None:
+    """Puts into the rows of stray light what it alone costs and changes, and gives the same of all of it together.
+
+    Each is held against the truth with everything on, all stray light with it. The rungs know that light apart from the picture, so it is
+    not lost in the picture's noise.
+    """
+    kinds = {row["key"]: measured.runs[row["key"]] for row in rows if row["group"] == "stray" and row["is_measured"]}
+    if not kinds:
+        return None
+    exposure = 2.0**measured.exposure_stops
+    straight = 0.5 * (measured.truth[0].mean() + measured.truth[1].mean())
+    together = sum(one.strayed.mean() for one in kinds.values())
+    truth = straight + together
+    for row in rows:
+        if row["key"] in kinds:
+            one = kinds[row["key"]]
+            error = accuracy.change(one.strayed, truth)
+            row |= {
+                "bias": error.sure_bias,
+                "bias_estimate": error.bias,
+                "bias_uncertainty": error.bias_uncertainty,
+                "stray_s": median(one.stray_s),
+                "flip": flip.flip((truth - one.strayed.mean()) * exposure, truth * exposure),
+            }
+    # Different kinds are from different pictures, so their noise is not alike.
+    each = [accuracy.change(one.strayed, truth) for one in kinds.values()]
+    noise = sum(error.noise / one.strayed.count for error, one in zip(each, kinds.values(), strict=True))
+    return {
+        "bias": max(accuracy.size(together, truth) - noise, 0.0),
+        "stray_s": sum(median(one.stray_s) for one in kinds.values()),
+        "flip": flip.flip(straight * exposure, truth * exposure),
+        "planned": [
+            row["effect"] for row in measured.planned if row["decision"] == "on" and f"with-{row['effect']}" in kinds
+        ],
+    }
+
+
 def _mark_front(rows: list[dict[str, Any]]) -> None:
     """Which cameras no other is both faster and nearer to the truth than."""
     cameras = [row for row in rows if row["is_measured"] and is_camera(row)]
@@ -116,6 +155,6 @@ def _forecast(measured: Any, samples: int) -> dict[str, Any]:
         "predicted_over_measured": quotient,
         "interval": [low, high] if math.isfinite(high) else None,
         "quotients": quotients,
-        "effects": one.plan["effects"],
+        "effects": measured.planned,
         "camera": one.plan["camera"],
     }

@@ -3,8 +3,8 @@
 
 A round renders the rungs for about as long each, in an order that is drawn anew, and a part of the truth (the top rung with
 random numbers of its own, in two halves). What the machine does beside meets all rungs of a round alike, so times are
-compared within rounds. Effects taken out that take long to set up have their turn in every `SLOW_STRIDE`th round, with as many more
-samples. The first round is not counted: it warms up, and says how many samples fit. It ends when the interval of every rung's
+compared within rounds. Effects taken out, and strays, that take long to set up have their turn in every `SLOW_STRIDE`th round, with as
+many more samples. The first round is not counted: it warms up, and says how many samples fit. It ends when the interval of every rung's
 median ratio to the pinhole is narrower than `SETTLED`, but not before `LEAST_ROUNDS`; or when the time given is over, or
 the rounds asked for are done.
 """
@@ -21,7 +21,7 @@ from typing import Any
 from . import results
 from .accuracy import Sums
 from .intervals import LEAST, is_settled
-from .ladder import AUTO, PINHOLE, TOP, Rung, ladder
+from .ladder import AUTO, PINHOLE, TOP, Rung, effect_of, ladder
 
 LEAST_ROUNDS = 2 * LEAST
 #: Rounds that should fit into the time given.
@@ -63,6 +63,9 @@ class Runs:
     #: That foretelling took.
     forecast_s: list[float] = field(default_factory=list)
     pictures: Sums = field(default_factory=Sums)
+    #: Of a rung with stray light: that light, and the time to find it, by the clock.
+    strayed: Sums = field(default_factory=Sums)
+    stray_s: list[float] = field(default_factory=list)
     stats: dict[str, Any] = field(default_factory=dict)
     #: Why it could not be rendered.
     why_not: str | None = None
@@ -107,6 +110,8 @@ class _Measured:
         self.runs = {rung.key: Runs(rung, why_not=rung.missing) for rung in rungs}
         self.truth = (Sums(), Sums())
         self.truth_samples = 0
+        #: The rows of the plan as the user wishes it, stray light with it.
+        self.planned: list[dict[str, Any]] = []
         self.truth_each = 0
         self.rounds = 0
         self.began = time.monotonic()
@@ -138,7 +143,7 @@ class _Measured:
     def settled(self) -> bool:
         """True if every rung's ratio to the pinhole is known well enough."""
         return self.rounds >= LEAST_ROUNDS and all(
-            one.pictures.count and is_settled(self.ratios(one)) for one in self._able()
+            one.pictures.count and is_settled(self.ratios(one)) for one in self._able() if one.rung.group != "stray"
         )
 
     def ratios(self, one: Runs) -> list[float]:
@@ -167,13 +172,14 @@ class _Measured:
         return self.rounds % 2 == 0 and (self.elapsed() > self.options["seconds"] or self.settled())
 
     def _warm_up(self) -> None:
+        self.planned = self._plan_as_wished()
         for one in self._able():
             self._tell(f"warming up: {one.rung.name}")
             self._prepare(one)
         ready = self._able()
         most_stride = min(SLOW_STRIDE, (self.options["rounds"] or WANTED_ROUNDS) // 2)
         for one in ready:
-            is_slow = one.rung.group == "effect" and one.setup_s[-1] > SLOW_SETUP_S
+            is_slow = one.rung.group in ("effect", "stray") and one.setup_s[-1] > SLOW_SETUP_S
             one.stride = most_stride if is_slow else 1
         round_s = max(self.options["seconds"] - self.elapsed(), 1.0) / (self.options["rounds"] or WANTED_ROUNDS)
         apart_s = sum(one.setup_s[-1] / one.stride for one in ready) + sum(self.runs[AUTO].forecast_s)
@@ -184,7 +190,19 @@ class _Measured:
             one.samples = max(int(each_s * one.stride / one.wall_s[-1] * WARM_UP_SAMPLES), WARM_UP_SAMPLES)
             one.rounds, one.setup_s, one.wall_s, one.processor_s = [], [], [], []
             one.predicted_s, one.forecast_s = [], []
-            one.pictures = Sums()
+            one.pictures, one.strayed, one.stray_s = Sums(), Sums(), []
+
+    def _plan_as_wished(self) -> list[dict[str, Any]]:
+        subject = self.subject
+        plan = self.native.Plan(
+            subject.scene,
+            subject.camera,
+            self.settings,
+            subject.over_the_shutter,
+            shutter=subject.shutter,
+            **subject.wishes,
+        )
+        return json.loads(plan.json())["effects"]
 
     def _prepare(self, one: Runs) -> None:
         """Renders a rung for the first time; what cannot be rendered is left with the reason."""
@@ -228,7 +246,8 @@ class _Measured:
         # Once a picture, whatever its samples.
         began = time.perf_counter()
         job.develop()
-        one.setup_s[-1] += time.perf_counter() - began
+        developed = time.perf_counter() - began
+        one.setup_s[-1] += developed
         stats = json.loads(job.stats_json())
         if stats.get("failure"):
             raise self.native.PetzvalError(stats["failure"])
@@ -237,6 +256,9 @@ class _Measured:
         one.wall_s.append(stats["seconds"]["render"])
         one.processor_s.append(processor - made)
         one.pictures.add(job.image()[..., :3])
+        if rung.group == "stray":
+            one.strayed.add(job.stray(effect_of(rung.key).upper()))
+            one.stray_s.append(developed)
 
     def _add_truth(self) -> None:
         """The top rung, with other random numbers, into the half that has less."""

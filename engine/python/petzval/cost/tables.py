@@ -25,7 +25,8 @@ def markdown(found: dict[str, Any], level: int = 1, picture: str | None = "costs
         f"{width} x {height} pixels, {found['samples']} samples a pixel, {_count(found['threads'], 'thread')}. "
         f"{found['rounds']} rounds, rungs interleaved, {least} to {most} samples of each"
         f"{'' if found['settled'] else '; the time was over before every interval was narrower than 3 %'}. "
-        f"The truth: everything on, {truth['samples']} samples, {percent(truth['rel_mse'])} off by noise."
+        f"The truth: everything on but light that strays, which has a table of its own, {truth['samples']} samples, "
+        f"{percent(truth['rel_mse'])} off by noise."
     )
     parts += [_cameras(found), _effects(found), _strays(found), _notes(found)]
     return "\n\n".join(part for part in parts if part) + "\n"
@@ -82,24 +83,36 @@ def _effects(found: dict[str, Any]) -> str:
 
 
 def _strays(found: dict[str, Any]) -> str:
-    """What is laid over the finished picture: so many seconds, whatever its samples."""
+    """The light that is laid over the finished picture: so many seconds, whatever its samples."""
     top = next(row for row in found["rungs"] if row["key"] == "hero")
-    head = ("everything on, and", "more for the picture", "of its time", "changes pixels by", "FLIP", "by the plan")
+    head = ("light that strays", "on: more for the picture", "of its time", "off: for good", "FLIP", "by the plan")
     planned = {row["effect"]: row for row in found["auto"]["effects"]}
     rows = []
     for row in found["rungs"]:
         if row["group"] != "stray":
             continue
+        name = row["name"].removeprefix("with ")
         if not row["is_measured"]:
-            rows.append((row["name"], "–", "–", "–", "–", row["why_not"]))
+            rows.append((name, "–", "–", "–", "–", row["why_not"]))
             continue
-        more = max(row["setup_s"] - top["setup_s"], 0.0)
         said = planned[row["effect"]]
         rows.append(
-            (row["name"], seconds(more), f"{100.0 * more / top['seconds']:+.0f} %", _bias(row), f"{row['flip']:.3f}",
-             f"{said['decision']}: {_size(said)}")
-        )  # fmt: skip
-    return "Light that strays, laid over the finished picture by itself:\n\n" + _table(head, rows) if rows else ""
+            (name, *_stray_cells(row, top), _bias(row), f"{row['flip']:.3f}", f"{said['decision']}: {_size(said)}")
+        )
+    if not rows:
+        return ""
+    if found.get("strays") and len(rows) > 1:
+        every = found["strays"]
+        rows.append(("all of it", *_stray_cells(every, top), percent(every["bias"]), f"{every['flip']:.3f}", ""))
+    return (
+        "Light that strays, laid over the finished picture, each kind alone. Off, pixels miss it: against the truth with everything on, "
+        "stray light with it.\n\n" + _table(head, rows)
+    )
+
+
+def _stray_cells(row: dict[str, Any], top: dict[str, Any]) -> tuple[str, str]:
+    more = row["stray_s"]
+    return seconds(more), f"{100.0 * more / top['seconds']:+.0f} %"
 
 
 def _size(row: dict[str, Any]) -> str:
@@ -116,6 +129,8 @@ def _ratio(row: dict[str, Any]) -> str:
 
 
 def _bias(row: dict[str, Any]) -> str:
+    if row["bias_estimate"] == row["bias_uncertainty"] == 0.0:
+        return "nothing"
     return percent(row["bias"]) if row["bias"] > 0.0 else f"none above {percent(3.0 * row['bias_uncertainty'])}"
 
 
@@ -123,8 +138,10 @@ def _notes(found: dict[str, Any]) -> str:
     auto = found["auto"]
     camera = auto["camera"]
     light = _count(camera["wavelengths"], "wavelength")
+    strays = [name.replace("_", " ") for name in (found.get("strays") or {}).get("planned", ())]
+    laid_over = f", and {', '.join(strays)} laid over the picture: the times here are without" if strays else ""
     return (
-        f"The plan chose: {camera['model']} camera, {light}. It foretold {seconds(auto['predicted_s'])} by the clock; it took "
+        f"The plan chose: {camera['model']} camera, {light}{laid_over}. It foretold {seconds(auto['predicted_s'])} by the clock; it took "
         f"{seconds(auto['measured_s'])} (within a round, {100.0 * (auto['predicted_over_measured'] - 1.0):+.0f} %). "
         "Time is processor time over threads. An error is how far a pixel is off, of its brightness: the root of "
         "the mean relative squared error, the worst pixel of a thousand left out. "

@@ -3,10 +3,8 @@
 use super::spread::{self, Transfer};
 use crate::Rgb;
 use glam::Mat3;
+use petzval_fourier::{Complex, Direction, complex_f32, real_f32};
 use rayon::prelude::*;
-use realfft::RealFftPlanner;
-use rustfft::FftPlanner;
-use rustfft::num_complex::Complex;
 
 /// The transfer function of a kernel, less what it takes from the light that is not spread.
 pub(super) struct Sampled {
@@ -23,7 +21,7 @@ impl Sampled {
         let sides = spread::padded(size);
         let [width, height] = sides;
         let (columns, rows) = (width / 2 + 1, height / 2 + 1);
-        let row_fft = RealFftPlanner::new().plan_fft_forward(width);
+        let row_fft = real_f32(width);
         // Rows look alike to the left and right: their spectra are real.
         let mut spectra = vec![Rgb::ZERO; rows * columns];
         spectra.par_chunks_mut(columns).enumerate().for_each(|(y, spectra)| {
@@ -37,7 +35,7 @@ impl Sampled {
                 spectra.iter_mut().zip(&spectrum).for_each(|(to, from)| to[channel] = from.re);
             }
         });
-        let column_fft = FftPlanner::new().plan_fft_forward(height);
+        let column_fft = complex_f32(height, Direction::Forward);
         let mut values = vec![Rgb::ZERO; columns * height];
         values.par_chunks_mut(height).enumerate().for_each(|(x, values)| {
             let mut column = vec![Complex::default(); height];

@@ -9,10 +9,8 @@
 
 use crate::Rgb;
 use glam::Mat3;
+use petzval_fourier::{Complex, ComplexToReal, Direction, Fft, RealToComplex, complex_f32, real_back_f32, real_f32};
 use rayon::prelude::*;
-use realfft::{ComplexToReal, RealFftPlanner, RealToComplex};
-use rustfft::num_complex::Complex;
-use rustfft::{Fft, FftPlanner};
 use std::sync::Arc;
 
 /// Columns or rows that go together: a line of the cache.
@@ -113,16 +111,15 @@ struct Transforms {
 impl Transforms {
     fn new(width: usize, height: usize) -> Self {
         let sides = padded([width, height]);
-        let (mut real, mut complex) = (RealFftPlanner::new(), FftPlanner::new());
         Self {
             width,
             height,
             sides,
             frequencies: sides[0] / 2 + 1,
-            row: real.plan_fft_forward(sides[0]),
-            row_back: real.plan_fft_inverse(sides[0]),
-            column: complex.plan_fft_forward(sides[1]),
-            column_back: complex.plan_fft_inverse(sides[1]),
+            row: real_f32(sides[0]),
+            row_back: real_back_f32(sides[0]),
+            column: complex_f32(sides[1], Direction::Forward),
+            column_back: complex_f32(sides[1], Direction::Back),
         }
     }
 

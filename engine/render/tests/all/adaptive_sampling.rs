@@ -217,7 +217,7 @@ fn rare_light_is_kept_in_the_mean() {
 fn all_pipelines_are_true_in_the_mean() {
     // Light paths have to do where there is a wall to be lit.
     let stages = [bodies(), lit_wall()];
-    const SEEDS: u32 = 24;
+    let seeds = if petzval_testkit::is_thorough() { 24 } else { 12 };
     // The threshold is one that some blocks reach and others do not.
     for (lens, model, pipeline, integrator, threshold) in [
         ("wide-angle-smith-f3.4", Model::Lens, Pipeline::FilmFirst, Integrator::Path, 0.4),
@@ -233,8 +233,8 @@ fn all_pipelines_are_true_in_the_mean() {
             let s = Settings { min_samples: 4, pipeline, integrator, ..settings(samples, noise, seed) };
             render(stage, &d, s)
         };
-        let adaptive: Vec<Done> = (0..SEEDS).map(|seed| with(threshold, 32, seed)).collect();
-        let uniform: Vec<_> = (0..SEEDS).map(|seed| blocks(&with(0.0, 16, 1000 + seed).picture)).collect();
+        let adaptive: Vec<Done> = (0..seeds).map(|seed| with(threshold, 32, seed)).collect();
+        let uniform: Vec<_> = (0..seeds).map(|seed| blocks(&with(0.0, 16, 1000 + seed).picture)).collect();
         let one = &adaptive[0];
         let s = &one.statistics;
         let sum: u32 = one.counts.iter().sum();
@@ -249,7 +249,8 @@ fn all_pipelines_are_true_in_the_mean() {
         let squares: Vec<f64> = a.iter().zip(&b).map(|(a, b)| (a.0 - b.0).powi(2) / (a.1 + b.1).max(1e-12)).collect();
         let mean = squares.iter().sum::<f64>() / squares.len() as f64;
         println!("{lens} {model:?} {pipeline:?} {integrator:?}: {:.1} samples, squares {mean:.2}", s.mean_samples);
-        // One, to what 24 blocks of 3 channels that depend on another leave of it.
+        // One, to what 24 blocks of 3 channels that depend on another leave of it; that 12 pictures know their own spread to a
+        // fifth adds a tenth.
         assert!(mean < 1.7, "{lens} {pipeline:?} {mean} {squares:?}");
         assert!(squares[squares.len() - CHANNELS..].iter().all(|s| *s < 16.0), "{lens} {pipeline:?} {squares:?}");
     }

@@ -195,11 +195,7 @@ fn vignetting_of_a_bare_stop_is_cos_to_the_fourth() {
 fn all_lenses_are_measured() {
     let folder = std::path::Path::new(env!("CARGO_MANIFEST_DIR")).join("../../lenses");
     let mut count = 0;
-    for entry in std::fs::read_dir(folder).unwrap() {
-        let path = entry.unwrap().path();
-        if path.extension().is_none_or(|e| e != "lens") {
-            continue;
-        }
+    for path in petzval_testkit::lenses::shipped(folder) {
         let name = path.file_name().unwrap().to_str().unwrap().to_owned();
         for tilt in [0.0, 0.1] {
             let small = if name.starts_with("eye") { 4.0 } else { 12.0 };

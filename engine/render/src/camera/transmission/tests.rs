@@ -36,12 +36,8 @@ fn white(camera: &Camera, place: Vec2) -> Rgb {
 fn every_lens_is_fitted() {
     let folder = std::path::Path::new(env!("CARGO_MANIFEST_DIR")).join("../../lenses");
     let mut count = 0;
-    for entry in std::fs::read_dir(folder).unwrap() {
-        let path = entry.unwrap().path();
+    for path in petzval_testkit::lenses::shipped(folder) {
         let name = path.file_name().unwrap().to_str().unwrap().to_owned();
-        if !name.ends_with(".lens") {
-            continue;
-        }
         let camera = of_own_field(&path, SIZE, |d| (d.transmission, d.spectrum) = (true, Spectrum::Bands(8)));
         let lens = camera.traced_lens().unwrap();
         let error = lens.transmission_error_stops().unwrap();

@@ -77,10 +77,10 @@ fn difference(a: &[[f32; 4]], b: &[[f32; 4]]) -> Difference {
     Difference { blocks, whole: whole.map(|(mean, error)| mean / error), noise }
 }
 
-/// Five scenes, with light from lamps, glowing meshes and the sky, through seven lenses. Hero is the measure.
+/// Seven lenses, each with three of five scenes (all five in `make test-all`), whose light comes from lamps, glowing meshes and the sky. Hero is the measure.
 ///
-/// A comparison's noise is 1 to 10 % of the picture's mean, about 2 % for half of them: a way that is wrong by 2 %
-/// through every lens is told by all 31 together, and through a single one by 10 %; one that is wrong by half in one
+/// A comparison's noise is 1 to 10 % of the picture's mean, about 2 % for half of them: a pipeline that is wrong by 2.5 %
+/// through every lens is told by all 19 together, and through a single one by 10 %; one that is wrong by half in one
 /// block, there.
 #[test]
 fn every_way_through_every_lens_takes_the_same_picture() {
@@ -99,10 +99,12 @@ fn every_way_through_every_lens_takes_the_same_picture() {
     let mut by_way = ways.map(|(name, ..)| (name, Vec::new(), Vec::new()));
     // No two pictures have the same random numbers: what they got wrong would add up.
     let mut seeds = 1..;
-    for (scene, stage) in &scenes {
-        for (lens, d) in &lenses() {
-            // A map of the pupil takes long where no symmetry helps: one scene will do.
-            if *lens == "anamorphic" && *scene != "triangles" {
+    for (i_scene, (scene, stage)) in scenes.iter().enumerate() {
+        for (i_lens, (lens, d)) in lenses().iter().enumerate() {
+            // A map of the pupil takes long where no symmetry helps: one scene will do. The others have three each, or all.
+            let is_one_of_three = petzval_testkit::is_thorough() || (i_scene + i_lens) % 5 < 3;
+            let is_wanted = if *lens == "anamorphic" { *scene == "triangles" } else { is_one_of_three };
+            if !is_wanted {
                 continue;
             }
             let mut shoot = |integrator, pipeline, samples| {
