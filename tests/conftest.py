@@ -107,7 +107,14 @@ def petzval_cli():
 
 
 @pytest.fixture(scope="session")
-def run_blender():
+def real_blender_environment() -> dict[str, str]:
+    """The environment of the real Blender, with a user folder of its own: the bpy module would load an extension that lies in its
+    folder in place of the checkout."""
+    return os.environ | {"BLENDER_USER_RESOURCES": str(_SESSION_FOLDER / "real-blender")}
+
+
+@pytest.fixture(scope="session")
+def run_blender(real_blender_environment):
     """Runs the real Blender (at least 4.2): `run_blender("-b", scene, "--python", script)`.
 
     With `window=True` it has a window of 1600 x 1000 on a virtual screen. Skips where there is no real Blender.
@@ -121,6 +128,7 @@ def run_blender():
         try:
             return subprocess.run(
                 [*map(str, start), *map(str, arguments)],
+                env=real_blender_environment,
                 stdin=subprocess.DEVNULL,
                 stdout=subprocess.PIPE,
                 stderr=subprocess.STDOUT,

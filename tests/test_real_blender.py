@@ -101,7 +101,7 @@ def innermost(pid: int) -> int:
     return pid
 
 
-def test_ctrl_c_ends_blender(installed_extension, scene):
+def test_ctrl_c_ends_blender(installed_extension, real_blender_environment, scene):
     folder = scene(1_000_000)
     process = subprocess.Popen(
         [
@@ -109,6 +109,7 @@ def test_ctrl_c_ends_blender(installed_extension, scene):
             "-E", "PETZVAL", "-o", "//long-####", "-f", "1",
         ],
         stdin=subprocess.DEVNULL, stdout=subprocess.PIPE, stderr=subprocess.STDOUT, start_new_session=True,
+        env=real_blender_environment,
     )  # fmt: skip
     seen = b""
     try:
