@@ -73,6 +73,16 @@ def _with_steady_names(svg: str) -> str:
     )
 
 
+def _fix_layout(figure: Any) -> None:
+    """Lays a figure out, and rounds the places of its axes. The solver of the layout adds up in the order of addresses in memory: the
+    last bits of its results differ from process to process, and a report is to be the same file again."""
+    figure.draw_without_rendering()
+    figure.set_layout_engine("none")
+    for axes in figure.axes:
+        left, bottom, width, height = axes.get_position(original=True).bounds
+        axes.set_position([round(part, 9) for part in (left, bottom, width, height)])
+
+
 def write(found: Any, out: Path, size_in: tuple[float, float], title: str, draw: Callable[[Any, Any], None]) -> None:
     """Writes a report: its picture, `draw(found, figure)`, that size without its head; or it as it is, into .json."""
 
@@ -82,6 +92,7 @@ def write(found: Any, out: Path, size_in: tuple[float, float], title: str, draw:
         figure.get_layout_engine().set(rect=(0.01, 0.01, 0.98, height / (height + HEAD_IN) - 0.01))
         draw(found, figure)
         head(found, title, figure, height + HEAD_IN)
+        _fix_layout(figure)
         return figure
 
     save(found, out, _STYLE, make)
