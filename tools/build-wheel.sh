@@ -56,8 +56,10 @@ run() {
 compile_release() {
     # Zig links against an old C library, so that the wheel runs wherever Blender 4.2 does (glibc 2.28).
     # A Linux without it, and every other system, gets a wheel for itself.
+    tools/setup-python.sh wheels
+    PATH="$PWD/.venv-wheels/bin:$PATH"
     flags="build --release"
-    if .venv-tools/bin/python -c 'import ziglang' 2>/dev/null; then flags="$flags --zig --compatibility manylinux_2_28"; fi
+    if .venv-wheels/bin/python -c 'import ziglang' 2>/dev/null; then flags="$flags --zig --compatibility manylinux_2_28"; fi
     if [ -z "$levels" ]; then
         # shellcheck disable=SC2086
         run maturin $flags --out dist/new

@@ -5,6 +5,11 @@ cd "$(dirname "$0")/.."
 
 { tools/setup-python.sh bpy52 || tools/setup-python.sh bpy45; } &
 environment=$!
+# Downloads, while the environment of the build is made. Without a connection the build itself says so.
+cargo fetch --quiet --locked 2>/dev/null &
+fetched=$!
+tools/setup-python.sh tools
+wait "$fetched" || true
 built=0
 tools/build-wheel.sh || built=$?
 wait "$environment"

@@ -1,7 +1,7 @@
 #!/bin/sh
 # Makes the Python environments .venv-NAME of the checkout from tools/requirements/NAME.txt; costs nothing when they are up to date.
 #
-#   tools/setup-python.sh NAME...     tools bpy52 bpy45 bpy50 bpy42 bench docs
+#   tools/setup-python.sh NAME...     tools bpy52 bpy45 bpy50 bpy42 bench docs wheels
 #
 # Exit 1, with one line that says what to do, if one of them cannot be made; the others are made all the same.
 set -eu
@@ -14,7 +14,7 @@ version_of() {
     case $1 in
     bpy52) echo 3.13 ;;
     bpy45 | bpy50 | bpy42) echo 3.11 ;;
-    tools | docs) echo 3.11 3.12 3.13 3.14 ;;
+    tools | docs | wheels) echo 3.11 3.12 3.13 3.14 ;;
     bench) echo 3.13 3.12 3.11 ;;
     *) return 1 ;;
     esac
@@ -57,10 +57,11 @@ make_one() {
     if [ ! -e "$folder/.petzval-ready" ] || ! "$folder/bin/python" -c '' 2>/dev/null; then
         "$python" -m venv --clear "$folder" >"$log" 2>&1 || { say "$name: cannot make $folder: read $log"; return 1; }
     fi
-    "$folder/bin/python" -m pip install --disable-pip-version-check -r "$list" >>"$log" 2>&1 ||
+    # Python compiles what it imports; all of Blender's scripts would take a quarter of the time of the installation.
+    "$folder/bin/python" -m pip install --disable-pip-version-check --no-compile -r "$list" >>"$log" 2>&1 ||
         { say "$name: cannot install $list: read $log"; return 1; }
     case $name in
-    tools | bench | docs) needs_bpy=no ;;
+    tools | bench | docs | wheels) needs_bpy=no ;;
     *) needs_bpy=yes ;;
     esac
     if [ $needs_bpy = yes ] && ! import_bpy; then

@@ -68,6 +68,7 @@ fi
 # Fetching Blender waits for the network and the disk mostly: it runs beside the compiler.
 tools/setup-blender.sh >"$logs/setup-blender.log" 2>&1 &
 blender_job=$!
+cargo fetch --quiet --locked 2>/dev/null &
 prepared tools
 has tools || { echo "petzval: without its tools nothing can be built: see above" >&2; exit 1; }
 # shellcheck disable=SC2046
