@@ -16,12 +16,12 @@ import scene_parts
 #: before each render; what is seen does not depend on it.
 SKY_TABLE = 256
 
-#: Few samples tell most pictures that agree: Petzval's is taken with this part of them, beside all of Cycles's, whose pictures
-#: are kept from run to run; and where both are not within this share of the limits, more are added. What is truly beyond a
-#: limit passes an early look less often than the last: what is off by x more than the limit must be thought x + 1 - share
-#: nearer than it is, by the noise of both, which is 2.9, 2.1, 1.6 or 1.2 times the last one's; that is the rarer chance up to an
-#: x of 0.17, 0.3, 0.35 and 0.45 of the limit, and beyond none has a chance that matters.
-LOOKS = ((1 / 16, 2 / 3), (1 / 8, 2 / 3), (1 / 4, 0.8), (1 / 2, 0.9), (1, 1.0))
+#: Few samples tell most pictures that agree: looks are taken with these parts of them, Petzval's and Cycles's, whose picture a
+#: warm run has kept; and where both are not within this share of the limits, more are added. What is truly beyond a limit passes
+#: an early look less often than the last: what is off by x more than the limit must be thought x + 1 - share nearer than it is,
+#: by the noise of both, which is 3.2, 2.4, 1.7 or 1.2 times the last one's; that is the rarer chance up to an x of 0.15, 0.24,
+#: 0.27 and 0.5 of the limit, and beyond none has a chance that matters.
+LOOKS = ((1 / 16, 1 / 4, 2 / 3), (1 / 8, 1 / 4, 2 / 3), (1 / 4, 1 / 2, 0.8), (1 / 2, 1, 0.9), (1, 1, 1.0))
 
 
 def without_tricks(samples: int) -> None:
@@ -57,23 +57,36 @@ def _joined(first: Pictures, first_samples: int, second: Pictures, second_sample
 
 
 def looks(samples: int, take: Callable[[str], Pictures]) -> Iterator[tuple[int, float, Pictures, Pictures]]:
-    """By the `LOOKS`: samples so far, the share of the limits, Petzval's picture and Cycles's. `take` renders with the engine
-    of that name, a picture or several by their names. What Petzval has rendered it does not render again: samples are added to
-    it, the next ones of its sequence."""
-    own = bpy.context.scene.petzval
-    bpy.context.scene.cycles.samples = samples
-    theirs = take("CYCLES")
-    done, ours = 0, None
-    for part, share in LOOKS:
-        more = max(round(part * samples), 1) - done
+    """By the `LOOKS`: Petzval's samples so far, the share of the limits, Petzval's picture and Cycles's. `take` renders with the
+    engine of that name, a picture or several by their names. What has been rendered is not rendered again: samples are added to
+    it, the next ones of the same sequence."""
+    own, cycles = bpy.context.scene.petzval, bpy.context.scene.cycles
+    done, pictures = {"PETZVAL": 0, "CYCLES": 0}, {}
+
+    def add(engine: str, part: float) -> None:
+        first = done[engine]
+        more = max(round(part * samples), 1) - first
         if not more:
+            return
+        if engine == "PETZVAL":
+            own.samples, own.sample_offset = more, first
+        elif hasattr(cycles, "use_sample_subset"):
+            cycles.samples, cycles.use_sample_subset = samples, True
+            cycles.sample_offset, cycles.sample_subset_length = first, more
+        else:
+            cycles.samples, cycles.sample_offset = more, first
+        taken = take(engine)
+        pictures[engine] = _joined(pictures[engine], first, taken, more) if first else taken
+        done[engine] += more
+
+    for ours, theirs, share in LOOKS:
+        before = dict(done)
+        add("PETZVAL", ours)
+        add("CYCLES", theirs)
+        if done == before:
             continue
-        own.samples, own.sample_offset = more, done
-        taken = take("PETZVAL")
-        ours = _joined(ours, done, taken, more) if done else taken
-        done += more
-        own.samples, own.sample_offset = done, 0
-        yield done, share, ours, theirs
+        own.samples, own.sample_offset = done["PETZVAL"], 0
+        yield done["PETZVAL"], share, pictures["PETZVAL"], pictures["CYCLES"]
 
 
 def both(folder: Path, samples: int, bounces: int | None = None, **cycles_settings) -> tuple[np.ndarray, np.ndarray]:

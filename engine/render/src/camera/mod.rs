@@ -58,6 +58,7 @@ use petzval_optics::system::{System, SystemError};
 use pinhole::Pinhole;
 use real_lens::RealLens;
 use setup::LensInfo;
+use std::sync::Arc;
 use thin::Thin;
 
 /// Why a camera cannot photograph.
@@ -124,20 +125,21 @@ impl CameraRay {
     }
 }
 
-/// A camera ready to photograph.
+/// A camera ready to photograph. A clone shares its tables.
+#[derive(Clone)]
 pub enum Camera {
     /// A point.
     Pinhole(Pinhole),
     /// A thin lens.
     Thin(Thin),
     /// A real one.
-    Lens(Box<RealLens>),
+    Lens(Arc<RealLens>),
     /// A real one to first order.
-    Gaussian(Box<Gaussian>),
+    Gaussian(Arc<Gaussian>),
     /// A real one as a table.
-    ImageBased(Box<ImageBased>),
+    ImageBased(Arc<ImageBased>),
     /// A real one of which something is taken out.
-    Adapted(Box<Adapted>),
+    Adapted(Arc<Adapted>),
     /// None.
     Orthographic(Orthographic),
 }
@@ -154,12 +156,12 @@ impl Camera {
             Model::Pinhole => Self::Pinhole(Pinhole::new(d, axes, width, height)),
             Model::Thin => Self::Thin(Thin::new(d, axes, width, height)?),
             Model::Lens if !d.shown.is_traced_plainly() => {
-                Self::Adapted(Box::new(Adapted::new(d, axes, width, height)?))
+                Self::Adapted(Arc::new(Adapted::new(d, axes, width, height)?))
             }
-            Model::Lens => Self::Lens(Box::new(RealLens::new(d, axes, width, height)?)),
-            Model::Thick => Self::Gaussian(Box::new(Gaussian::new(Order::Thick, d, axes, width, height)?)),
-            Model::Paraxial => Self::Gaussian(Box::new(Gaussian::new(Order::Paraxial, d, axes, width, height)?)),
-            Model::ImageBased => Self::ImageBased(Box::new(ImageBased::new(d, axes, width, height)?)),
+            Model::Lens => Self::Lens(Arc::new(RealLens::new(d, axes, width, height)?)),
+            Model::Thick => Self::Gaussian(Arc::new(Gaussian::new(Order::Thick, d, axes, width, height)?)),
+            Model::Paraxial => Self::Gaussian(Arc::new(Gaussian::new(Order::Paraxial, d, axes, width, height)?)),
+            Model::ImageBased => Self::ImageBased(Arc::new(ImageBased::new(d, axes, width, height)?)),
             Model::Orthographic => Self::Orthographic(Orthographic::new(d, axes, width, height)),
         })
     }

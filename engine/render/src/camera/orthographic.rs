@@ -5,6 +5,7 @@ use crate::accel::Ray;
 use glam::{DMat3, DVec2, DVec3, Mat3, Vec2};
 
 /// An orthographic camera.
+#[derive(Clone)]
 pub struct Orthographic {
     axes: DMat3,
     /// Blender units.

@@ -5,6 +5,7 @@ use crate::accel::Ray;
 use glam::{DMat3, DVec2, DVec3, Mat3, Vec2, Vec3A};
 
 /// A perspective camera.
+#[derive(Clone)]
 pub struct Pinhole {
     axes: DMat3,
     // At unit depth: width, height, and the picture's centre.

@@ -11,6 +11,7 @@ use std::f64::consts::FRAC_PI_4;
 const DEFAULT_F_NUMBER: f64 = 2.8;
 
 /// Blender's perspective camera with depth of field: framing does not change with focus.
+#[derive(Clone)]
 pub struct Thin {
     pinhole: Pinhole,
     diaphragm: Diaphragm,

@@ -1,5 +1,6 @@
 //! Pictures whose pixels have as many samples as they need: true in the mean, the same for any number of threads.
 
+use crate::cameras::camera;
 use glam::{DMat4, DVec3, Vec3};
 use petzval_render::Rgb;
 use petzval_render::camera::{Camera, CameraDescription, Model};
@@ -107,7 +108,7 @@ struct Done {
 }
 
 fn finished(stage: &Arc<Stage>, d: &CameraDescription, s: Settings) -> Job {
-    let job = Job::start(stage.clone(), Camera::new(d, s.width, s.height).unwrap(), s).unwrap();
+    let job = Job::start(stage.clone(), camera(d, s.width, s.height), s).unwrap();
     assert!(job.wait(Duration::from_secs(600)));
     let statistics = job.statistics();
     assert!(statistics.failure.is_none() && statistics.counts.non_finite == 0, "{statistics:?}");

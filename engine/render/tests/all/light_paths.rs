@@ -2,6 +2,7 @@
 
 mod lenses;
 
+use crate::cameras::camera;
 use crate::scenes;
 use glam::DVec3;
 use petzval_render::camera::clip::Clip;
@@ -52,7 +53,7 @@ fn settings(integrator: Integrator, samples: u32, seed: u32) -> Settings {
 }
 
 fn render(stage: &Arc<Stage>, d: &CameraDescription, s: Settings) -> Vec<[f32; 4]> {
-    let camera = Camera::new(d, s.width, s.height).unwrap();
+    let camera = camera(d, s.width, s.height);
     let beside = Beside { clip: Clip::new(d, &camera), ..Beside::default() };
     let job = Job::start_with(stage.clone(), vec![camera], s, beside).unwrap();
     assert!(job.wait(Duration::from_secs(600)));
@@ -63,7 +64,7 @@ fn render(stage: &Arc<Stage>, d: &CameraDescription, s: Settings) -> Vec<[f32; 4
 
 /// Light that ends in the lens after at least one scattering, alone.
 fn light_alone(stage: &Stage, d: &CameraDescription, samples: u32, seed: u32, max_bounces: u32) -> Vec<[f32; 4]> {
-    let camera = Camera::new(d, WIDTH, HEIGHT).unwrap();
+    let camera = camera(d, WIDTH, HEIGHT);
     let raster = Raster::new(WIDTH, HEIGHT, PixelFilter::new(1.5));
     let limits = Limits {
         max_bounces,

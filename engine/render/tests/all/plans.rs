@@ -1,5 +1,6 @@
 //! Plans of effects: each effect's trigger from both sides, what users say, and that a picture is the same whatever was left out.
 
+use crate::cameras::camera;
 use crate::scenes;
 use glam::{DMat4, DVec3};
 use petzval_optics::coating::Coating;
@@ -266,7 +267,7 @@ fn the_user_has_the_last_word() {
 fn picture(stage: &Arc<Stage>, d: &CameraDescription, size: [u32; 2], samples: u32) -> Vec<[f32; 4]> {
     let settings =
         Settings { width: size[0], height: size[1], samples, pipeline: Pipeline::Auto, ..Settings::default() };
-    let job = Job::start(stage.clone(), Camera::new(d, size[0], size[1]).unwrap(), settings).unwrap();
+    let job = Job::start(stage.clone(), camera(d, size[0], size[1]), settings).unwrap();
     assert!(job.wait(Duration::from_secs(300)));
     assert_eq!(job.statistics().counts.non_finite, 0);
     job.film().picture()

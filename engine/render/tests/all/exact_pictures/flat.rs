@@ -4,7 +4,8 @@
 //! the noise. The fold's power is tested with a ripple laid over the picture.
 
 use super::studio::{lens, white_world};
-use petzval_render::camera::{Camera, CameraDescription};
+use crate::cameras::camera;
+use petzval_render::camera::CameraDescription;
 use petzval_render::film::TILE_SIZE;
 use petzval_render::integrator::Stage;
 use petzval_render::job::{Job, Settings};
@@ -40,7 +41,7 @@ impl Field {
                 pipeline,
                 ..Settings::default()
             };
-            let job = Job::start(stage.clone(), Camera::new(d, width, height).unwrap(), settings).unwrap();
+            let job = Job::start(stage.clone(), camera(d, width, height), settings).unwrap();
             assert!(job.wait(Duration::from_secs(300)));
             assert_eq!(job.pipeline(), pipeline);
             job.film().picture().iter().map(|p| f64::from(p[1])).collect()

@@ -1,8 +1,9 @@
 //! A dark room with lamps, and the camera before it.
 
+use crate::cameras::camera;
 use glam::{DMat4, DVec3, Vec3};
 use petzval_render::Rgb;
-use petzval_render::camera::{Camera, CameraDescription, Model, Spectrum};
+use petzval_render::camera::{CameraDescription, Model, Spectrum};
 use petzval_render::integrator::Stage;
 use petzval_render::job::{Job, Settings};
 use petzval_render::pipeline::Pipeline;
@@ -96,7 +97,7 @@ pub(crate) fn shoot(stage: &Arc<Stage>, d: &CameraDescription, e: &Exposure, see
         pipeline: e.pipeline,
         ..Settings::default()
     };
-    let job = Job::start(stage.clone(), Camera::new(d, width, height).unwrap(), settings).unwrap();
+    let job = Job::start(stage.clone(), camera(d, width, height), settings).unwrap();
     assert!(job.wait(Duration::from_secs(300)));
     assert_eq!(job.pipeline(), e.pipeline);
     let done = job.statistics();
