@@ -4,7 +4,8 @@
 #   tools/test.sh         Rust, Python, bpy 5.2 and 4.5, the real Blender
 #   tools/test.sh --all   bpy 5.0 and 4.2 too, the release wheel, and a small run of every page's recipe
 #
-# Every step has a log in output/test/. Two lanes run side by side: one compiles and runs the Rust tests, the other the Python
+# Every step has a log in output/test/. A step that has passed is not run again while nothing that it reads has changed:
+# PETZVAL_TEST_AGAIN=1 runs all of them. Two lanes run side by side: one compiles and runs the Rust tests, the other the Python
 # tests, whose engine is compiled first.
 set -eu
 cd "$(dirname "$0")/.."
@@ -12,7 +13,10 @@ cd "$(dirname "$0")/.."
 . tools/processor.sh
 logs=output/test
 rm -rf "$logs"
-mkdir -p "$logs"
+passed_steps=.cache/test
+mkdir -p "$logs" "$passed_steps"
+# What the Rust tests read.
+rust="engine lenses tests/reference Cargo.toml Cargo.lock .cargo tools/rust_tests.py"
 report=$logs/steps.txt
 PETZVAL_NOT_RUN=$PWD/$logs/not-run.txt
 PETZVAL_DURATIONS=$PWD/$logs/durations.txt
@@ -36,6 +40,36 @@ step() {
     line=$(printf '%-11s %5s s  %s' "$word" "$(($(date +%s) - began))" "$name")
     echo "$line" >>"$report"
     echo "$line"
+}
+
+# digest PATHS...: of the files under them that git tracks or would track, of the programs that read them, and of scenes by others.
+# Nothing where there is no git.
+digest() {
+    git rev-parse --git-dir >/dev/null 2>&1 || return 0
+    {
+        git ls-files -coz --exclude-standard -- "$@" | sort -zu | xargs -0 sha256sum 2>/dev/null
+        cat .venv-*/.petzval-ready 2>/dev/null
+        rustc -vV
+        uname -srm
+        echo "$all ${PETZVAL_SCENES-}"
+        [ -z "${PETZVAL_SCENES-}" ] || find "$PETZVAL_SCENES" -type f -printf '%p %s %T@\n' | sort
+    } | sha256sum | cut -c 1-64
+}
+
+# step_of PATHS NAME COMMAND...: the step, unless it has passed with the same files under these paths.
+step_of() {
+    # shellcheck disable=SC2086
+    now=$(digest $1) passed=$passed_steps/$(echo "$2" | tr -cs 'A-Za-z0-9.\n' -)
+    shift
+    if [ -n "$now" ] && [ -z "${PETZVAL_TEST_AGAIN-}" ] && [ "$(cat "$passed" 2>/dev/null)" = "$now" ]; then
+        line=$(printf '%-11s %5s s  %s (passed before, nothing has changed)' ok 0 "$1")
+        echo "$line" >>"$report"
+        echo "$line"
+        return
+    fi
+    rm -f "$passed"
+    step "$@"
+    [ "$word" != ok ] || [ -z "$now" ] || echo "$now" >"$passed"
 }
 
 not_run() { echo "$*" >>"$PETZVAL_NOT_RUN"; }
@@ -85,9 +119,9 @@ rust_lane() {
     PYO3_CONFIG_FILE=$(ls "$PWD"/target/maturin/pyo3-config-*.txt 2>/dev/null | head -n 1)
     PYO3_BUILD_EXTENSION_MODULE=1 PYO3_PYTHON=$PWD/.venv-tools/bin/python
     [ -n "$PYO3_CONFIG_FILE" ] && export PYO3_CONFIG_FILE PYO3_BUILD_EXTENSION_MODULE || export PYO3_PYTHON
-    step "cargo clippy" cargo clippy --quiet --all-targets --workspace --locked -- -D warnings
-    step "cargo test" .venv-tools/bin/python tools/rust_tests.py
-    step "cargo test --doc" cargo test --quiet --workspace --locked --doc
+    step_of "$rust" "cargo clippy" cargo clippy --quiet --all-targets --workspace --locked -- -D warnings
+    step_of "$rust" "cargo test" .venv-tools/bin/python tools/rust_tests.py
+    step_of "$rust" "cargo test --doc" cargo test --quiet --workspace --locked --doc
 }
 
 python_lane() {
@@ -104,21 +138,21 @@ python_lane() {
         echo "FAILED          0 s  pytest: no environment with bpy" >>"$report"
         return 0
     fi
-    step "pytest, $main" pytest_on "$main" 3600 -m "not real_blender and not window and not recipe"
+    step_of . "pytest, $main" pytest_on "$main" 3600 -m "not real_blender and not window and not recipe"
     if [ "$main" != bpy45 ] && has bpy45; then
-        step "pytest, bpy45" pytest_on bpy45 2700 -m "not once and not real_blender and not window"
+        step_of . "pytest, bpy45" pytest_on bpy45 2700 -m "not once and not real_blender and not window"
     fi
     if tools/setup-blender.sh --where >/dev/null; then
-        step "pytest, real Blender" pytest_on "$main" 1200 -m "real_blender or window"
+        step_of . "pytest, real Blender" pytest_on "$main" 1200 -m "real_blender or window"
     else
         not_run "all in the real Blender: $(tail -n 1 "$logs/setup-blender.log")"
     fi
     [ -n "$all" ] || return 0
     for environment in bpy50 bpy42; do
         has "$environment" || continue
-        step "pytest, $environment" pytest_on "$environment" 1800 -m "not once and not real_blender and not window"
+        step_of . "pytest, $environment" pytest_on "$environment" 1800 -m "not once and not real_blender and not window"
     done
-    step "pytest, every recipe" pytest_on "$main" 7200 -m recipe
+    step_of . "pytest, every recipe" pytest_on "$main" 7200 -m recipe
 }
 
 trap 'kill 0' INT TERM
