@@ -98,6 +98,27 @@ def test_the_wheel_holds_what_it_must_and_no_more(wheel):
 
 
 @pytest.mark.once
+def test_the_wheel_carries_the_licences_of_what_it_is_linked_from(wheel):
+    with zipfile.ZipFile(wheel) as archive:
+        text = archive.read("petzval/_bundled/THIRD-PARTY-NOTICES.txt").decode()
+    # MIT and BSD ask for their notices.
+    assert (
+        "Redistributions in binary form must reproduce the above copyright" in text and text.count("\nMIT License") > 0
+    )
+
+
+@pytest.mark.once
+@pytest.mark.skipif(not IS_RELEASE, reason="a release wheel: make wheels, or make test-all")
+def test_the_wheel_names_no_folder_of_the_machine_that_built_it(wheel):
+    folders = [str(ROOT), str(Path.home()), "/.cargo/registry"]
+    with zipfile.ZipFile(wheel) as archive:
+        for name in archive.namelist():
+            if name.endswith(".so"):
+                data = archive.read(name)
+                assert [folder for folder in folders if folder.encode() in data] == [], name
+
+
+@pytest.mark.once
 def test_the_wheel_holds_an_engine_for_each_level(wheel):
     with zipfile.ZipFile(wheel) as archive:
         modules = {name for name in archive.namelist() if name.endswith(".so")}

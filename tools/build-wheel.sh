@@ -42,7 +42,7 @@ fresh() {
     [ "$installed" = "$(modules "$@" | sort)" ] || return 1
     # Folders count too: theirs is the time of the last file added or taken away. The package's own is left out: the
     # build itself adds to it.
-    changed=$(find engine addon lenses .cargo Cargo.toml Cargo.lock pyproject.toml LICENSE tools/build-wheel.sh tools/join-wheels.py \
+    changed=$(find engine addon lenses .cargo Cargo.toml Cargo.lock pyproject.toml LICENSE tools/build-wheel.sh tools/join-wheels.py tools/supply \
         \( -name __pycache__ -o -name _bundled -o -name _engines -o -name '*.so' \) -prune -o \
         ! -path "$package" -newer "$stamp" -print | head -n 1)
     [ -z "$changed" ]
@@ -58,6 +58,10 @@ compile_release() {
     # A Linux without it, and every other system, gets a wheel for itself.
     tools/setup-python.sh wheels
     PATH="$PWD/.venv-wheels/bin:$PATH"
+    # Messages name places in the sources, not in the folders of the machine that builds.
+    sources="--remap-path-prefix=$PWD=petzval --remap-path-prefix=${CARGO_HOME:-$HOME/.cargo}/registry/src=crates"
+    RUSTFLAGS="${RUSTFLAGS-} $sources"
+    export RUSTFLAGS
     flags="build --release"
     if .venv-wheels/bin/python -c 'import ziglang' 2>/dev/null; then flags="$flags --zig --compatibility manylinux_2_28"; fi
     if [ -z "$levels" ]; then
@@ -84,6 +88,7 @@ build() {
     mkdir -p "$package/_bundled"
     cp -R addon lenses "$package/_bundled/"
     find "$package/_bundled" -name __pycache__ -prune -exec rm -rf {} +
+    PYTHONPATH=tools .venv-tools/bin/python -m supply notices "$package/_bundled/THIRD-PARTY-NOTICES.txt"
     PATH="$PWD/.venv-tools/bin:$PATH"
     case $build in
     development) run maturin build --profile dev --out dist/new ;;

@@ -42,7 +42,10 @@ install_libraries() {
 make_one() {
     name=$1 folder=.venv-$1 list=tools/requirements/$1.txt
     versions=$(version_of "$name") && [ -e "$list" ] || { say "$name: no such environment: see tools/requirements"; return 1; }
-    stamp=$(cat "$list" tools/requirements/tests.txt | sha256sum)
+    # With the hashes of all packages, where they are known: nothing else is installed then.
+    what="-r $list" locked=tools/requirements/locked/$1.txt
+    [ ! -e "$locked" ] || what="--require-hashes --no-deps -r $locked"
+    stamp=$(cat "$list" tools/requirements/tests.txt "$locked" 2>/dev/null | sha256sum)
     if [ "$(cat "$folder/.petzval-ready" 2>/dev/null)" = "$stamp" ] && "$folder/bin/python" -c '' 2>/dev/null; then return 0; fi
 
     # shellcheck disable=SC2086
@@ -58,7 +61,8 @@ make_one() {
         "$python" -m venv --clear "$folder" >"$log" 2>&1 || { say "$name: cannot make $folder: read $log"; return 1; }
     fi
     # Python compiles what it imports; all of Blender's scripts would take a quarter of the time of the installation.
-    "$folder/bin/python" -m pip install --disable-pip-version-check --no-compile -r "$list" >>"$log" 2>&1 ||
+    # shellcheck disable=SC2086
+    "$folder/bin/python" -m pip install --disable-pip-version-check --no-compile $what >>"$log" 2>&1 ||
         { say "$name: cannot install $list: read $log"; return 1; }
     case $name in
     tools | bench | docs | wheels) needs_bpy=no ;;
