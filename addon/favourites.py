@@ -44,9 +44,9 @@ def toggle(lens_key: str) -> bool:
     if not folder:
         raise OSError("Blender has no folder for its settings")
     place = Path(folder) / _FILE
-    beside = place.with_suffix(".new")
-    beside.write_text(json.dumps({"lenses": _lenses}, indent=1, ensure_ascii=False) + "\n", encoding="utf-8")
-    beside.replace(place)
+    from petzval import atomic_files
+
+    atomic_files.write_text(place, json.dumps({"lenses": _lenses}, indent=1, ensure_ascii=False) + "\n")
     return is_one
 
 

@@ -100,11 +100,13 @@ class PETZVAL_OT_export_osl(LensOperator, ExportHelper, bpy.types.Operator):
             return {"CANCELLED"}
 
         def write() -> str:
+            from petzval import atomic_files
+
             camera, size = described(holder, context.scene, context.evaluated_depsgraph_get())
             text = engine().osl_camera(camera, *size)
             out = Path(bpy.path.abspath(self.filepath))
             try:
-                out.write_text(text, encoding="utf-8")
+                atomic_files.write_text(out, text)
             except OSError as error:
                 raise ExportError(f"cannot write {out}: {error.strerror or error}: choose another place") from None
             return str(out)

@@ -48,6 +48,8 @@ class Watch:
         #: It stays at the end.
         self.checkpoint: str | None = None
         self.checkpoint_every_s: float | None = None
+        #: The checkpoints of the renders of such a file: whoever writes the picture deletes them.
+        self.written_checkpoints: list[Any] = []
         #: Instead of a render: is handed what would be rendered, once for each view layer.
         self.study: Callable[[Subject], None] | None = None
 

@@ -77,10 +77,12 @@ class Photograph:
         settings = render_settings.describe(self.scene, width, height, self.results.has_data)
         settings = render_settings.of_layer(settings, self.scene, self.depsgraph.view_layer_eval)
         self.samples = settings.samples
+        checkpoint = checkpoints.of(self.depsgraph, is_part=self.results.is_mergeable)
+        is_kept = checkpoint is not None and checkpoint.file is not None
+        self.results.check_memory(width, height, halves=settings.noise_threshold > 0.0, is_kept=is_kept)
         blur, opened, moving = self._over_the_shutter(shutter, camera, width, height)
         neighbours, motion = self._beside(camera, width, height)
         builder, size = native.SceneBuilder(), (width, height)
-        checkpoint = checkpoints.of(self.depsgraph)
         told = checkpoint.watched(builder) if checkpoint else builder
         catches = staging.fill(told, self.depsgraph, camera, size, self.report, self._check_stop, motion, blur)
         self.report.warnings += builder.warnings()
@@ -117,10 +119,12 @@ class Photograph:
             "shutter": opened,
             "mist": world_export.mist(self.scene.world),
         }
+        picture_of: dict[str, str] = {}
         if checkpoint:
             decided = [(row["effect"], row["decision"]) for row in self.told["effects"]]
             others = {name: value for name, value in beside.items() if name != "plan"}
             beside["checkpoint"] = checkpoint.arguments(settings, camera, moving, decided, others)
+            picture_of = checkpoint.picture(settings, camera, effects=decided, shutter=(moving, opened))
         job = loop.stoppable(lambda: native.Job(scene, camera, settings, moving, **beside), self._stop_asked)
         limit_s = self.scene.petzval.time_limit
         self.progress = progress.Progress(job, limit_s)
@@ -143,7 +147,7 @@ class Photograph:
             alone, sky = others(is_sky=False), others(is_sky=True) if is_opaque and not is_apart else None
             picture = job.over_photograph(alone, sky, is_opaque=is_opaque, is_apart=is_apart)
             shadow = job.shadow(alone)
-        self.results.show_all(job, picture, shadow, self.told)
+        self.results.show_all(job, picture, shadow, self.told, picture_of)
         for warning in scene.warnings():
             if warning not in self.report.warnings:
                 self.report.warn(warning)
@@ -151,8 +155,11 @@ class Photograph:
         self._keep(json.loads(job.stats_json()), sync_seconds, stopped)
         if checkpoint:
             self._tell("Keeping the render", 1.0)
-            is_done_with = not stopped and loop.WATCH.checkpoint is None
-            loop.stoppable(lambda: job.end_checkpoints(is_done_with), lambda: False)
+            written = loop.stoppable(job.end_checkpoints, lambda: False)
+            if written is not None and loop.WATCH.checkpoint is not None:
+                loop.WATCH.written_checkpoints.append(written)
+            elif written is not None and not stopped:
+                written.delete()
 
     def _is_on(self, effect: str) -> bool:
         return any(row["effect"] == effect and row["decision"] == "on" for row in self.told["effects"])

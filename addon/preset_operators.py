@@ -66,6 +66,8 @@ class _AddPreset(AddPresetBase):
 
     def _make_paths_absolute(self, context) -> None:
         """A path that begins with // is of this file, and a preset is for all."""
+        from petzval import atomic_files
+
         from .operators import shown_camera
 
         camera = shown_camera(context)
@@ -75,7 +77,7 @@ class _AddPreset(AddPresetBase):
         kept = camera.petzval.lens_file
         whole = bpy.path.abspath(kept, library=camera.library)
         file = Path(found)
-        file.write_text(file.read_text(encoding="utf-8").replace(repr(kept), repr(whole)), encoding="utf-8")
+        atomic_files.write_text(file, file.read_text(encoding="utf-8").replace(repr(kept), repr(whole)))
 
 
 class PETZVAL_OT_camera_preset(_AddPreset, bpy.types.Operator):

@@ -127,7 +127,7 @@ class PetzvalScene(bpy.types.PropertyGroup):
     )
     memory_limit: FloatProperty(
         name="Memory Limit",
-        description="Most memory, in gigabytes, that the scene's meshes may take; a scene that needs more is not rendered, and says so. "
+        description="Most memory, in gigabytes, that the picture or the scene's meshes may take; one that needs more is not rendered, and says so. "
         "Zero takes what the machine has free",
         default=0.0,
         min=0.0,

@@ -11,6 +11,8 @@ import numpy as np
 
 from . import passes, tiles
 from .export import camera as camera_export
+from .export import memory
+from .native import engine
 
 
 def region(render: bpy.types.RenderSettings) -> tiles.Window:
@@ -80,14 +82,28 @@ class Results:
             "parts": [name for one in self._parts for name in passes.engine_names(one)],
         }
 
+    def check_memory(self, width: int, height: int, *, halves: bool, is_kept: bool) -> None:
+        """Raises `ExportError` where the picture does not fit into memory; `is_kept`: on disk, too, from a copy of the film."""
+        groups = len(self._light_groups) + len(self.for_job()["parts"])
+        mattes = bool(self._mattes or self._indices)
+        film = engine().film_bytes_a_pixel(
+            surfaces=self.has_data, vectors=self.has_vectors, mattes=mattes, halves=halves, groups=groups
+        )
+        every = (*self._data, *self._merging, *self._light_groups, *self._parts, *self._indices, *self._strays)
+        numbers = 4 + sum(one.channels for one in every) + 4 * len(self._mattes) * ((self._matte_levels + 1) // 2)
+        limit = self._depsgraph.scene_eval.petzval.memory_limit
+        memory.check_picture(limit, width, height, film * (2 if is_kept else 1), numbers)
+
     def show(self, finished: list[tiles.Tile]) -> None:
         """Tiles, while the render goes on."""
         inside = (tiles.clipped(tile, self._window) for tile in finished)
         deliver(self._host, self._depsgraph, [tile for tile in inside if tile is not None])
 
-    def show_all(self, job: Any, picture: np.ndarray, shadow: np.ndarray | None, plan: dict) -> None:
+    def show_all(
+        self, job: Any, picture: np.ndarray, shadow: np.ndarray | None, plan: dict, picture_of: dict[str, str]
+    ) -> None:
         """The finished picture with its passes of data, at once: a result without a pass would blacken it. `shadow`: what is left
-        of the light on what catches shadows, if anything does; `plan` as the engine tells it."""
+        of the light on what catches shadows, if anything does; `plan` as the engine tells it; `picture_of`: what decides the picture, whichever of its samples it holds."""
         pictures = {passes.COMBINED.name: picture}
         if self.has_shadow:
             pictures[passes.SHADOW.name] = np.ones_like(picture[..., :3]) if shadow is None else shadow
@@ -109,7 +125,7 @@ class Results:
         self._host.end_result(result)
         self._name_mattes(job)
         self._name_effects(plan)
-        self._name_samples(json.loads(job.stats_json()))
+        self._name_samples(json.loads(job.stats_json()), picture_of)
 
     def _name_effects(self, plan: dict) -> None:
         """Says in the picture's metadata what of the lens was simulated."""
@@ -119,13 +135,15 @@ class Results:
         whole.stamp_data_add_field("petzval/camera", json.dumps(plan["camera"]))
         whole.stamp_data_add_field("petzval/quality", f"{plan['quality']:g}")
 
-    def _name_samples(self, stats: dict) -> None:
-        """Says in the picture's metadata which samples it holds: for joining it with others."""
+    def _name_samples(self, stats: dict, picture_of: dict[str, str]) -> None:
+        """Says in the picture's metadata which samples of which picture it holds: for joining it with others."""
         whole = self._host.get_result()
         first, most = self._depsgraph.scene_eval.petzval.sample_offset, stats["samples_most"]
         whole.stamp_data_add_field("petzval/ranges", f"{stats['seed']}:{first}+{most}")
         if stats["samples"] == most:
             whole.stamp_data_add_field("petzval/samples", str(most))
+        if picture_of:
+            whole.stamp_data_add_field("petzval/picture", "; ".join(f"{k}={v}" for k, v in picture_of.items()))
 
     def _name_mattes(self, job: Any) -> None:
         """Says in the picture's metadata what the mattes' numbers stand for."""

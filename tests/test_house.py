@@ -22,7 +22,7 @@ import pytest
 pytestmark = pytest.mark.once
 
 ROOT = Path(__file__).resolve().parent.parent
-CRATES = ("optics", "nodes", "pictures", "render")
+CRATES = ("files", "optics", "nodes", "pictures", "render")
 
 # A longer file is asked whether it is one subject.
 LONG_FILE_LINES = 450
@@ -99,6 +99,18 @@ def test_a_module_uses_only_those_above_it(crate):
 @pytest.mark.parametrize(
     ("crate", "forbidden"),
     [
+        (
+            "files",
+            {
+                "petzval-optics",
+                "petzval-nodes",
+                "petzval-render",
+                "petzval-pictures",
+                "petzval-python",
+                "pyo3",
+                "petzval-testkit",
+            },
+        ),
         ("fourier", {"petzval-optics", "petzval-nodes", "petzval-render", "petzval-python", "pyo3", "petzval-testkit"}),
         ("optics", {"petzval-render", "petzval-python", "pyo3", "numpy", "petzval-testkit"}),
         ("nodes", {"petzval-optics", "petzval-render", "petzval-python", "pyo3", "numpy", "petzval-testkit"}),

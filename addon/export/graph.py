@@ -8,11 +8,11 @@ from __future__ import annotations
 
 from collections.abc import Callable
 from functools import cache
-from pathlib import Path
 from typing import Any
 
 import bpy
 
+from ..native import engine
 from . import nodes
 
 #: Gives the engine's index of the image that a texture node shows; None: it shows none.
@@ -20,6 +20,8 @@ ImageIndex = Callable[[bpy.types.Node], int | None]
 
 # As many rows as Cycles takes, ends included.
 _ROWS = 257
+#: Bytes of an IES file; measured luminaires have some ten thousand.
+_LONGEST_LUMINAIRE = 4 << 20
 # From this version on Blender scatters the points of the Voronoi texture otherwise.
 _NEW_CELLS = (5, 0, 0)
 #: Ends of the tree, by the description's name for each.
@@ -197,9 +199,9 @@ def _luminaire(node: bpy.types.Node) -> str | None:
     if node.mode == "INTERNAL":
         return None if node.ies is None else node.ies.as_string()
     library = node.id_data.library
-    path = Path(bpy.path.abspath(node.filepath, library=library)) if node.filepath else None
+    path = bpy.path.abspath(node.filepath, library=library) if node.filepath else None
     try:
-        return path.read_text(encoding="latin-1") if path is not None else None
+        return engine().read_bounded(path, _LONGEST_LUMINAIRE).decode("latin-1") if path is not None else None
     except OSError:
         return None
 

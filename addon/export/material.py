@@ -83,8 +83,11 @@ class Materials:
 
     def _surface(self, material: bpy.types.Material) -> MaterialDescription:
         report = Report()
-        described = self._by_the_short_way(material, report)
-        if not report.warnings:
+        try:
+            described = self._by_the_short_way(material, report)
+        except nodes.TooLarge:
+            described = None
+        if described is not None and not report.warnings:
             numbers = [
                 layer.numbers.get(name.lower(), 0.0) for layer in described.layers for name in attributes.STRETCH
             ]

@@ -1,6 +1,6 @@
 # SPDX-License-Identifier: GPL-3.0-or-later
-"""Whether a mesh fits into memory: asked before anything of it is copied. An engine that runs out of memory takes Blender with
-it."""
+"""Whether a picture and its meshes fit into memory: asked before anything of them is made. An engine that runs out of memory takes
+Blender with it."""
 
 from __future__ import annotations
 
@@ -13,6 +13,26 @@ BYTES_A_TRIANGLE = 250
 BYTES_OF_TREES = 100
 #: Fewer need no question.
 MANY_TRIANGLES = 100_000
+
+
+#: A number of a pass is in the engine's answer, in Blender's own picture, and in the one that Blender takes it from.
+BYTES_A_NUMBER = 3 * 4
+
+
+def check_picture(limit_gb: float, width: int, height: int, film_bytes_a_pixel: int, numbers_a_pixel: int) -> None:
+    """Raises `ExportError` where a picture of so many numbers a pixel in all passes does not fit."""
+    need = width * height * (film_bytes_a_pixel + numbers_a_pixel * BYTES_A_NUMBER)
+    free = engine().free_memory_bytes()
+    if limit_gb and need > limit_gb * 1e9:
+        room, left = "the limit under Performance > Memory Limit is", limit_gb * 1e9
+    elif free is not None and need > free:
+        room, left = "free are", free
+    else:
+        return
+    raise ExportError(
+        f"A picture of {width} x {height} pixels needs about {need / 1e9:.2g} GB of memory, {room} {left / 1e9:.2g} GB: "
+        "make it smaller, or ask for fewer passes"
+    )
 
 
 class Room:

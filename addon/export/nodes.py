@@ -17,8 +17,16 @@ import bpy
 # Deeper than any sane tree; a group that holds itself cannot be made in Blender.
 _DEEPEST = 1000
 
-# Nodes that are being looked into.
+#: Nodes that are looked into from one end, each as often as it is reached, and one inside the other.
+_MOST_VISITS, _DEEPEST_VISIT = 2000, 60
+
+# Nodes that are being looked into, and the visits since there was none.
 _open: set[tuple[int, tuple[int, ...]]] = set()
+_visits = 0
+
+
+class TooLarge(Exception):
+    """A tree of so many or so deep nodes is handed over whole instead of being looked into."""
 
 
 @dataclass(frozen=True)
@@ -48,7 +56,11 @@ class Source:
 
 @contextmanager
 def entered(source: Source) -> Iterator[bool]:
-    """Whether a node may be looked into: not if that is already going on, for then its links run in a circle."""
+    """Whether a node may be looked into: not if that is already going on, for then its links run in a circle. Raises `TooLarge`."""
+    global _visits
+    _visits = _visits + 1 if _open else 0
+    if _visits > _MOST_VISITS or len(_open) > _DEEPEST_VISIT:
+        raise TooLarge
     key = (source.node.as_pointer(), tuple(group.as_pointer() for group in source.groups))
     is_new = key not in _open
     _open.add(key)
@@ -116,7 +128,7 @@ def find_upstream(start: Input, kind: str) -> Source | None:
                 continue
             if found.node.type == kind:
                 return found
-            key = (found.node.as_pointer(), found.groups)
+            key = (found.node.as_pointer(), *(group.as_pointer() for group in found.groups))
             if key not in seen:
                 seen.add(key)
                 following += found.inputs()

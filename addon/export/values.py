@@ -76,9 +76,12 @@ def _luminance(colour: tuple[float, ...]) -> float:
 
 
 def _fold(source: Source, ask: Ask) -> Any:
-    """Of a node whose inputs stand still."""
+    """The value of a node whose inputs stand still; None where the engine is to find it."""
     converter = _NODES.get(source.node.type)
-    return None if converter is None else converter(source, ask)
+    try:
+        return None if converter is None else converter(source, ask)
+    except (OverflowError, ZeroDivisionError):
+        return None
 
 
 def _guess(source: Source, ask: Ask) -> Any:

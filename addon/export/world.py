@@ -21,8 +21,11 @@ def describe(world: bpy.types.World | None, images: Images, report: Report) -> W
     if world is None:
         return WorldDescription()
     described = Report()
-    description = _surface(world, Inputs(f"World '{world.name}'", images, described))
-    if described.warnings:
+    try:
+        description = _surface(world, Inputs(f"World '{world.name}'", images, described))
+    except nodes.TooLarge:
+        description = None
+    if description is None or described.warnings:
         description = _by_its_nodes(world, images, report)
     description.hidden_from = visibility.world_hidden_from(world)
     return description

@@ -6,7 +6,7 @@ pub mod moving;
 use thiserror::Error;
 
 use crate::coating::{ASSUMED, Coating, parts_glass_from_air};
-use crate::glass::Medium;
+use crate::glass::{Medium, VISIBLE_NM};
 use crate::surface::{Pose, Section, Shape};
 
 use moving::MovingParts;
@@ -238,6 +238,22 @@ impl Prescription {
         let published = self.moving.as_ref().map(|moving| moving.first_zoom_mm());
         let surfaces = published.map(|zoom_mm| self.at_position(zoom_mm, 0.0).surfaces);
         Self { surfaces: surfaces.unwrap_or_else(|| self.surfaces.clone()), ..self }
+    }
+
+    /// Everything that decides where the lens sends light and how much of it, as text: the rows, and of each medium its indices,
+    /// transmittances and gradient, whatever files they came from. Two lenses of one text are one lens.
+    pub fn identity(&self) -> String {
+        let mut text = format!("{:?} {} {:?} {:?}", self.surfaces, self.stop, self.film_radius_mm, self.moving);
+        for row in &self.surfaces {
+            if let Behind::Medium(medium) = &row.behind {
+                let step_nm = 10.0;
+                for nm in (0..=40).map(|i| VISIBLE_NM[0] + step_nm * f64::from(i)) {
+                    text += &format!(" {:?} {:?}", medium.index(nm), medium.internal_transmittance(nm, 10.0));
+                }
+                text += &format!(" {:?}", medium.gradient());
+            }
+        }
+        text
     }
 
     /// The media whose index is not known everywhere between two wavelengths, each once; beyond its range a medium keeps the index

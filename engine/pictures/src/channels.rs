@@ -1,7 +1,10 @@
 //! A picture of named channels into a file.
 
+use std::fs::File;
+use std::io::BufWriter;
 use std::path::Path;
 
+use exr::error::UnitResult;
 use exr::prelude::*;
 
 use crate::error::MergeError;
@@ -22,6 +25,14 @@ pub fn write(
     let attributes = LayerAttributes { comments: Some(comments.into()), ..LayerAttributes::default() };
     let encoding = Encoding { compression: Compression::ZIP16, ..Encoding::FAST_LOSSLESS };
     let layer = Layer::new((width, height), attributes, encoding, AnyChannels::sort(list));
-    let wrong = |error: exr::error::Error| MergeError::Write { file: path.to_owned(), reason: error.to_string() };
-    Image::from_layer(layer).write().to_file(path).map_err(wrong)
+    replace(path, |file| Image::from_layer(layer).write().to_buffered(file))
+}
+
+/// Replaces a file by what a function writes; the old file stays where that fails.
+pub(crate) fn replace(
+    path: &Path,
+    content: impl FnOnce(&mut BufWriter<File>) -> UnitResult,
+) -> std::result::Result<(), MergeError> {
+    petzval_files::write(path, content)
+        .map_err(|error: exr::error::Error| MergeError::Write { file: path.to_owned(), reason: error.to_string() })
 }

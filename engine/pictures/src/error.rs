@@ -32,6 +32,20 @@ pub enum MergeError {
         /// What is not.
         what: String,
     },
+    /// More pixels than there is memory for, or than a file of that length can hold.
+    #[error("{}: its {width} x {height} pixels need {} MB of memory: {why}", file.display(), bytes / 1_000_000)]
+    TooLarge {
+        /// The picture.
+        file: PathBuf,
+        /// Pixels.
+        width: usize,
+        /// Pixels.
+        height: usize,
+        /// All channels as they are in memory.
+        bytes: u64,
+        /// The limit.
+        why: String,
+    },
     /// It is not known how much it counts.
     #[error("{}: it does not say how many samples its pixels have: render it with --mergeable", .0.display())]
     Counts(PathBuf),

@@ -6,6 +6,7 @@
 //! a kind of lobe is divided by its colour: it is joined times that, as far as the colour is there. Pass indices are those of the
 //! most samples.
 
+use crate::channels::replace;
 use crate::error::MergeError;
 use crate::mattes;
 use crate::part::{COUNTS, Part};
@@ -29,15 +30,20 @@ pub struct Merged {
     pub is_exact: bool,
 }
 
-/// Joins pictures, and writes the whole with the first one's layers and attributes.
+/// Joins pictures, and writes the whole with the first one's layers and attributes. They take no more than so many bytes of memory.
 ///
 /// # Errors
 /// [`MergeError`]; nothing is written then.
-pub fn merge(files: &[PathBuf], output: &Path) -> Result<Merged, MergeError> {
+pub fn merge(files: &[PathBuf], output: &Path, memory_bytes: u64) -> Result<Merged, MergeError> {
     if files.len() < 2 {
         return Err(MergeError::TooFew(files.len()));
     }
-    let mut parts = files.iter().map(|file| Part::read(file)).collect::<Result<Vec<_>, _>>()?;
+    let (mut parts, mut left) = (Vec::new(), memory_bytes);
+    for file in files {
+        let (part, bytes) = Part::read(file, left)?;
+        left = left.saturating_sub(bytes);
+        parts.push(part);
+    }
     check(&parts)?;
 
     let names: Vec<String> = parts[0].names().cloned().collect();
@@ -90,11 +96,8 @@ fn colour_of(pass: &str) -> Option<String> {
 
 fn write(part: &Part, output: &Path) -> Result<(), MergeError> {
     use exr::prelude::WritableImage;
-    // It may be one of those that were read.
-    part.picture
-        .write()
-        .to_file(output)
-        .map_err(|error| MergeError::Write { file: output.to_owned(), reason: error.to_string() })
+    // It may be one of those that were read: they are whole in memory.
+    replace(output, |file| part.picture.write().to_buffered(file))
 }
 
 /// Whether they are parts of one picture, none of them twice.
@@ -113,6 +116,9 @@ fn check(parts: &[Part]) -> Result<(), MergeError> {
             let (with, without) = (with.file.display(), without.file.display());
             return Err(unlike(format!("the channel {name} is in {with}, not in {without}")));
         }
+        if let Some(what) = difference(first, part) {
+            return Err(unlike(what));
+        }
     }
     for (i, part) in parts.iter().enumerate() {
         for other in &parts[..i] {
@@ -130,6 +136,26 @@ fn check(parts: &[Part]) -> Result<(), MergeError> {
         }
     }
     Ok(())
+}
+
+/// The first thing in which the pictures of two parts differ, if they do.
+fn difference(first: &Part, part: &Part) -> Option<String> {
+    let names: BTreeSet<&String> = first.picture_of.keys().chain(part.picture_of.keys()).collect();
+    let other = first.file.display();
+    let named = names.into_iter().find_map(|name| {
+        let (here, there) = (part.picture_of.get(name), first.picture_of.get(name));
+        (here != there).then_some((name, here, there))
+    });
+    let (name, here, there) = named?;
+    Some(match (here, there) {
+        _ if first.picture_of.is_empty() || part.picture_of.is_empty() => {
+            let silent = if part.picture_of.is_empty() { part } else { first };
+            format!("{} does not say of which picture it is", silent.file.display())
+        }
+        // Digests tell nothing.
+        (Some(here), Some(there)) if name.contains('.') => format!("{name} is {here}, and {there} in {other}"),
+        _ => format!("its {name} is not that of {other}"),
+    })
 }
 
 fn totals(counts: &[Vec<f64>]) -> Vec<f64> {

@@ -1,6 +1,8 @@
 //! One of the pictures that are joined: its channels by pass, and what it says of its samples.
 
 use crate::error::MergeError;
+use exr::meta::MetaData;
+use exr::meta::header::Header;
 use exr::prelude::*;
 use std::collections::BTreeMap;
 use std::path::{Path, PathBuf};
@@ -11,6 +13,9 @@ pub(crate) const COUNTS: &str = "Debug Sample Count";
 const SAMPLES: &str = "petzval/samples";
 /// Attribute: SEED:FIRST+COUNT, more of them with spaces between.
 const RANGES: &str = "petzval/ranges";
+
+/// Attribute: what decides the picture, whichever of its samples are taken: NAME=VALUE, more of them with "; " between.
+const PICTURE: &str = "petzval/picture";
 
 /// A picture as it is read.
 pub(crate) type Picture = Image<Layers<AnyChannels<FlatSamples>>>;
@@ -27,10 +32,14 @@ pub(crate) struct Part {
     samples: Option<f64>,
     /// Seed, first, count.
     pub(crate) ranges: Vec<(u64, u64, u64)>,
+    /// What decides the picture, by name; empty where the file does not say it.
+    pub(crate) picture_of: BTreeMap<String, String>,
 }
 
 impl Part {
-    pub(crate) fn read(file: &Path) -> std::result::Result<Self, MergeError> {
+    /// Reads a picture, if it fits into so many bytes of memory; gives the bytes that it took, too.
+    pub(crate) fn read(file: &Path, memory_bytes: u64) -> std::result::Result<(Self, u64), MergeError> {
+        let bytes = bytes_in_memory(file, memory_bytes)?;
         let failed = |error: Error| MergeError::Read { file: file.to_owned(), reason: error.to_string() };
         let picture: Picture = read()
             .no_deep_data()
@@ -57,9 +66,11 @@ impl Part {
             };
             of(&picture.attributes.other).or_else(|| picture.layer_data.iter().find_map(|l| of(&l.attributes.other)))
         };
-        let samples = text(SAMPLES).and_then(|text| text.trim().parse().ok());
+        let samples = text(SAMPLES).and_then(|text| text.trim().parse().ok()).filter(|n: &f64| is_count(*n));
         let ranges = text(RANGES).map_or_else(Vec::new, |text| text.split_whitespace().filter_map(range).collect());
-        Ok(Self { file: file.to_owned(), picture, places, view_layers, samples, ranges })
+        let named = |text: &str| text.split_once('=').map(|(name, value)| (name.to_owned(), value.to_owned()));
+        let picture_of = text(PICTURE).map_or_else(BTreeMap::new, |text| text.split("; ").filter_map(named).collect());
+        Ok((Self { file: file.to_owned(), picture, places, view_layers, samples, ranges, picture_of }, bytes))
     }
 
     /// Whole names of all channels.
@@ -105,7 +116,9 @@ impl Part {
             self.channel(found)
         });
         if let Some(counts) = own {
-            return Ok(counts.into_iter().map(f64::from).collect());
+            let counts: Vec<f64> = counts.into_iter().map(f64::from).collect();
+            let is_good = counts.iter().copied().all(is_count);
+            return if is_good { Ok(counts) } else { Err(MergeError::Counts(self.file.clone())) };
         }
         let [width, height] = self.size();
         let samples = self.samples.ok_or_else(|| MergeError::Counts(self.file.clone()))?;
@@ -132,6 +145,35 @@ impl Part {
     pub(crate) fn even_samples(&self) -> Option<f64> {
         self.samples
     }
+}
+
+/// The bytes that a picture takes in memory, by its headers alone, which may say anything.
+fn bytes_in_memory(file: &Path, memory_bytes: u64) -> std::result::Result<u64, MergeError> {
+    let failed = |reason: String| MergeError::Read { file: file.to_owned(), reason };
+    let length = std::fs::metadata(file).map_err(|error| failed(error.to_string()))?.len();
+    let headers = MetaData::read_from_file(file, false).map_err(|error| failed(error.to_string()))?.headers;
+    let of_header = |header: &Header| {
+        let [width, height] = [header.layer_size.x(), header.layer_size.y()].map(|side| side as u64);
+        width.saturating_mul(height).saturating_mul(header.channels.list.len() as u64 * size_of::<f32>() as u64)
+    };
+    let bytes = headers.iter().map(of_header).fold(0, u64::saturating_add);
+    let [width, height] = headers.first().map_or([0; 2], |header| [header.layer_size.x(), header.layer_size.y()]);
+    let too_large = |why: String| MergeError::TooLarge { file: file.to_owned(), width, height, bytes, why };
+    if bytes / MOST_PACKED > length {
+        return Err(too_large("the file is too short to hold them: it is damaged".into()));
+    }
+    if bytes > memory_bytes {
+        return Err(too_large(format!("{} MB are free", memory_bytes / 1_000_000)));
+    }
+    Ok(bytes)
+}
+
+/// Bytes that a byte of a file can stand for. Deflate reaches 1032 (zlib's documentation); PIZ of one value somewhat more.
+const MOST_PACKED: u64 = 10_000;
+
+/// Whether a number can be one of samples.
+fn is_count(samples: f64) -> bool {
+    (0.0..=4_294_967_296.0).contains(&samples)
 }
 
 fn whole_name(layer: &Layer<AnyChannels<FlatSamples>>, channel: &Text) -> String {

@@ -7,6 +7,7 @@ Every error is a subclass of `PetzvalError`; its message is one line: what, wher
 """
 
 from collections.abc import Callable, Sequence
+from os import PathLike
 from typing import Any, Protocol
 
 import numpy as np
@@ -30,6 +31,8 @@ class Lens:
     @property
     def remarks(self) -> list[str]:
         """What of the file is not in the lens, or was taken for something else: lines `FILE:LINE:COLUMN: what`."""
+    def identity(self) -> str:
+        """All numbers of the lens and its glasses: two lenses of one text are one lens."""
     def range_notes(self, wavelengths_nm: Sequence[float] = ...) -> list[str]:
         """A sentence on each glass whose index is not known at all of these wavelengths, or between them; of none given, at those
         that are seen, 380 to 780 nm. Beyond what is known they keep the index of its end."""
@@ -564,15 +567,51 @@ class Job:
         """Ends `develop` in another thread without a result."""
     def stray(self, name: str) -> np.ndarray:
         """A part of that light, of shape (height, width, 3), already in `image`: GHOSTS, GLARE or DIFFRACTION; black where it was not found."""
-    def end_checkpoints(self, is_done_with: bool) -> None:
-        """After the end: waits until what is kept is written; deletes it if it is done with."""
+    def end_checkpoints(self) -> Checkpoint | None:
+        """Waits, after the end, until the last checkpoint is written; the checkpoint that this render has written or taken up."""
     def stats_json(self) -> str:
         """{"seconds": {"bvh", "render", "plan"}, "samples" (that every pixel has), "samples_mean", "samples_most", "camera_rays", "camera_rays_lost", "rays",
         "lens_share" (part of the render time spent in the lens), "non_finite_samples", "seed", "threads",
         "lens", "width", "height"}."""
 
+def film_bytes_a_pixel(
+    *, surfaces: bool = False, vectors: bool = False, mattes: bool = False, halves: bool = False, groups: int = 0
+) -> int:
+    """Bytes of memory that each pixel takes of a film that keeps these: as `Job` is asked for them; `groups`: of light and its parts
+    together."""
+
+class Checkpoint:
+    """The checkpoint that a render has written or taken up."""
+
+    path: str
+    def delete(self) -> bool:
+        """Removes it, unless another render has replaced it meanwhile; True where it was removed."""
+
+def checkpoint_problem(file: str | PathLike[str]) -> str | None:
+    """Why a file may not be replaced by a checkpoint; None where there is no file, or where it is empty or a checkpoint."""
+
+class FileReplacement:
+    """A temporary file that is to replace another one; without `commit`, the old file stays. Raises `OSError`."""
+
+    part: str
+    def __init__(self, place: str | PathLike[str]) -> None: ...
+    def commit(self) -> None:
+        """Brings the temporary file to the disk, and renames it into place."""
+    def abandon(self) -> None:
+        """Removes the temporary file."""
+
+def check_replaceable(file: str | PathLike[str]) -> None:
+    """Raises `OSError` where a file cannot be replaced, or made."""
+
+def read_bounded(file: str | PathLike[str], most: int) -> bytes:
+    """The bytes of a regular file of at most `most` bytes; raises `OSError`, also for a longer file, a device or a pipe."""
+
+def check_exr(file: str | PathLike[str]) -> tuple[int, int]:
+    """Width and height of an OpenEXR file all of whose pixels are there; raises `PetzvalError` where some are missing."""
+
 def merge_pictures_json(files: Sequence[str], output: str) -> str:
-    """Joins renders of one picture with other samples: {"samples" (mean a pixel), "is_exact"}."""
+    """Joins renders of one picture with other samples: {"samples" (mean a pixel), "is_exact"}. Pictures that do not fit into the
+    memory that is free are refused."""
 
 def random_per_island(vertices: int, edges: npt.NDArray[np.int32]) -> npt.NDArray[np.float32]:
     """A number from 0 to 1 by vertex, Blender's, the same for all that edges join."""

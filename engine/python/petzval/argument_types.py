@@ -68,6 +68,17 @@ def count(text: str) -> int:
     return value
 
 
+#: Blender's first and last frame.
+_FRAMES = 1_048_574
+
+
+def frame(text: str) -> int:
+    value = int(text)
+    if not -_FRAMES <= value <= _FRAMES:
+        raise argparse.ArgumentTypeError(f"must be from {-_FRAMES} to {_FRAMES}: {text}")
+    return value
+
+
 def _split(text: str, separator: str, count: int) -> list[str]:
     parts = text.lower().split(separator)
     if len(parts) != count:
@@ -124,7 +135,7 @@ def effect(text: str) -> tuple[str, str]:
 
 
 for _type, _name in ((number, "number"), (positive, "number"), (part, "number"), (quality, "number"), (distance, "distance"),
-                     (threshold, "number"), (natural, "number"), (count, "number"), (size_mm, "size"), (film, "film"),
+                     (threshold, "number"), (frame, "number"), (natural, "number"), (count, "number"), (size_mm, "size"), (film, "film"),
                      (pixels, "size"), (pair, "pair"), (triple, "triple"), (effect, "effect"),
                      (wavelengths, "spectrum"), (place, "place"), (point, "point")):  # fmt: skip
     # argparse names the type in its message: "invalid number value: 'x'".

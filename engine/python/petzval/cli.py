@@ -9,6 +9,7 @@ where, what to do` with exit status 1, bad usage likewise with 2; a broken-off c
 from __future__ import annotations
 
 import argparse
+import contextlib
 import importlib
 import os
 import shutil
@@ -96,11 +97,16 @@ def run_command(argv: Sequence[str] | None = None) -> int:
         return status
     except CommandError as error:
         complain(str(error))
+        return error.status
     except KeyboardInterrupt:
         return EXIT_INTERRUPTED
     except BrokenPipeError:
-        # The reader has gone; the interpreter's own flush at exit must not complain a second time.
-        os.dup2(os.open(os.devnull, os.O_WRONLY), sys.stdout.fileno())
+        # The reader has gone.
+        _mute_stdout()
+    except OSError as error:
+        # Commands name the files that they write; what is left is the standard output.
+        complain(f"{error.filename or 'standard output'}: {error.strerror or error}: is there room, is it open")
+        _mute_stdout()
     except ImportError:
         if f"{__package__}._native" in sys.modules or not _engine_is_missing():
             raise
@@ -109,6 +115,12 @@ def run_command(argv: Sequence[str] | None = None) -> int:
             raise
         complain(str(error))
     return EXIT_ERROR
+
+
+def _mute_stdout() -> None:
+    """Has the interpreter's own flush at its end go nowhere."""
+    with contextlib.suppress(OSError, ValueError, AttributeError):
+        os.dup2(os.open(os.devnull, os.O_WRONLY), sys.stdout.fileno())
 
 
 def main() -> int:

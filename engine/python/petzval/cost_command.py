@@ -70,13 +70,14 @@ def run(arguments: argparse.Namespace) -> int:
 
 def _write(found: dict, folder: Path, says) -> str:
     """All files; gives what a terminal shows."""
+    from . import atomic_files
     from .cost import advice, tables
 
     found["advice"] = advice.advice(found)
-    (folder / "costs.json").write_text(json.dumps(found, indent=1) + "\n", encoding="utf-8")
+    atomic_files.write_json(folder / "costs.json", found, indent=1)
     has_pictures = _draw(found, folder, says)
     page = tables.markdown(found, picture="costs.png" if has_pictures else None)
-    (folder / "costs.md").write_text(page, encoding="utf-8")
+    atomic_files.write_text(folder / "costs.md", page)
     return page
 
 

@@ -3,11 +3,27 @@
 
 import sys
 
+#: Characters of a word, as of a name or of a word from a file, and of a whole message.
+_LONGEST_WORD, _LONGEST_MESSAGE = 200, 2000
+
 
 class CommandError(Exception):
-    """The message is one line: what, where, what to do. The command line prints it and exits 1."""
+    """The message is one line: what, where, what to do. The command line prints it and exits with `status`."""
+
+    def __init__(self, message: str, status: int = 1) -> None:
+        super().__init__(message)
+        self.status = status
 
 
 def complain(message: str) -> None:
-    """The one line on stderr, whatever line breaks the message had."""
-    print("petzval:", " ".join(message.split()), file=sys.stderr)
+    """Prints one line on stderr, whatever line breaks the message had; words without end are cut."""
+    print("petzval:", one_line(message), file=sys.stderr)
+
+
+def one_line(message: str) -> str:
+    """A message in one line of bounded length."""
+    return _cut(" ".join(_cut(word, _LONGEST_WORD) for word in message.split()), _LONGEST_MESSAGE)
+
+
+def _cut(text: str, most: int) -> str:
+    return text if len(text) <= most else text[:most] + "…"

@@ -6,14 +6,16 @@ from __future__ import annotations
 import argparse
 import json
 import math
+import os
 from pathlib import Path
 from typing import Any
 
 from . import lens_export_command, lens_ghosts_command, lens_list, lens_report_command
-from .argument_types import number
+from .argument_types import count, number
 from .errors import CommandError, complain
 from .lens_loading import load, say
 from .lens_setting import add_focus, add_setting, setting_of
+from .places import find_lens
 from .questions import read_list, vector_text
 
 _D_LINE_NM = 587.5618
@@ -47,7 +49,7 @@ def add_parser(subparsers: argparse._SubParsersAction) -> None:
         "--fields", nargs="+", type=number, default=[], metavar="DEG",
         help="angles to the axis; default: 0, and 0.7 and all of the design's half field",
     )  # fmt: skip
-    draw.add_argument("--rays", type=int, default=7, metavar="N", help="of each field; default: 7")
+    draw.add_argument("--rays", type=count, default=7, metavar="N", help="of each field; default: 7")
     draw.add_argument("--wavelength", type=number, metavar="NM", help="nanometres; default: the d line")
     add_setting(draw)
     add_focus(draw)
@@ -109,12 +111,18 @@ def _check(arguments: argparse.Namespace) -> int:
 
 
 def _convert(arguments: argparse.Namespace) -> int:
+    from . import atomic_files
+
     out = Path(arguments.out)
     lens = load(arguments.lens)
+    if out.exists() and os.path.samefile(out, find_lens(arguments.lens)):
+        raise CommandError(
+            f"{out}: it would replace the file that is read, of which not all may be written: name another"
+        )
     text, lost = lens.written(out.suffix.lower().removeprefix("."))
     say([*lens.remarks, *(f"{out}: {what}" for what in lost)])
     try:
-        out.write_text(text, encoding="utf-8")
+        atomic_files.write_text(out, text)
     except OSError as error:
         raise CommandError(f"cannot write {out}: {error.strerror or error}: choose another place") from None
     print(f"{out}: {lens.name}, {lens.surface_count} surfaces")

@@ -70,7 +70,7 @@ def _stmap(arguments: argparse.Namespace) -> int:
 
 
 def _osl(arguments: argparse.Namespace) -> int:
-    from . import _native
+    from . import _native, atomic_files
 
     out = _output(arguments, ".osl")
     lens = load(arguments.lens)
@@ -78,7 +78,7 @@ def _osl(arguments: argparse.Namespace) -> int:
     camera = camera_of(arguments, wavelength_nm=arguments.spectrum if is_one else None, spectrum="THREE")
     text = _native.osl_camera(camera, *arguments.pixels)
     try:
-        out.write_text(text, encoding="utf-8")
+        atomic_files.write_text(out, text)
     except OSError as error:
         raise CommandError(f"cannot write {out}: {error.strerror or error}: choose another place") from None
     say(lens.remarks)

@@ -5,10 +5,12 @@ from __future__ import annotations
 
 import json
 import sys
-from pathlib import Path
 from typing import Any
 
 from .errors import CommandError
+
+#: Bytes of a question: some million rays.
+_LONGEST = 1 << 30
 
 
 def read_list(path: str, name: str, example: str) -> tuple[str, dict[str, Any]]:
@@ -29,11 +31,17 @@ def read_list(path: str, name: str, example: str) -> tuple[str, dict[str, Any]]:
 
 
 def _read(path: str, name: str) -> str:
+    from . import _native
+
     try:
-        data = sys.stdin.buffer.read() if path == "-" else Path(path).read_bytes()
+        data = sys.stdin.buffer.read(_LONGEST + 1) if path == "-" else _native.read_bounded(path, _LONGEST)
+        if len(data) > _LONGEST:
+            raise CommandError(f"too long: {path}: more than {_LONGEST} bytes: ask in parts")
         return data.decode("utf-8")
     except OSError as error:
-        raise CommandError(f"cannot read: {path}: {error.strerror}: name a file of {name}, or - for stdin") from None
+        raise CommandError(
+            f"cannot read: {path}: {error.strerror or error}: name a file of {name}, or - for stdin"
+        ) from None
     except UnicodeDecodeError:
         raise CommandError(f"not text: {path}: give JSON in UTF-8") from None
 

@@ -7,7 +7,7 @@ import argparse
 from pathlib import Path
 
 from . import argument_types as types
-from . import scene_options
+from . import interrupts, scene_options
 from .errors import CommandError
 
 _SUFFIXES = {".exr", ".png"}
@@ -71,11 +71,12 @@ def run(arguments: argparse.Namespace) -> int:
     options = _checked(arguments)
     if arguments.blender:
         return scene_options.in_blender(arguments.blender, options)
+    interrupts.listen()
     from .render_in_blender import finish, render
 
     # bpy with a render engine hangs or crashes when Python ends by itself.
     finish(render(options))
-    return scene_options.INTERRUPTED
+    return interrupts.INTERRUPTED
 
 
 def _checked(a: argparse.Namespace) -> dict:
@@ -87,13 +88,20 @@ def _checked(a: argparse.Namespace) -> dict:
     for name in ("mergeable", "passes"):
         if getattr(a, name) and output.suffix.lower() != ".exr":
             raise CommandError(f"--{name} needs an EXR: {output}: end its name in .exr")
+    scene_options.check_name(output)
     checkpoint = None if a.checkpoint == "off" else Path(a.checkpoint or f"{output}.checkpoint")
-    for file in (output, Path(a.stats) if a.stats else None, checkpoint):
-        if file is not None:
-            scene_options.check_writable(file)
+    stats = Path(a.stats) if a.stats else None
+    written = {"--output": output, "--stats": stats, "--checkpoint": checkpoint}
+    scene_options.check_apart(
+        written, {"the scene": a.scene, "--lens": options["lens"], "--aperture-mask": a.aperture_mask}
+    )
+    if checkpoint is not None and (problem := _checkpoint_problem(checkpoint)):
+        raise CommandError(f"--checkpoint {checkpoint}: {problem}")
+    for file in filter(None, written.values()):
+        scene_options.check_writable(file)
     return options | {
         "output": str(output.absolute()),
-        "stats": str(Path(a.stats).absolute()) if a.stats else None,
+        "stats": str(stats.absolute()) if stats else None,
         "samples": a.samples,
         "noise_threshold": a.noise_threshold,
         "min_samples": a.min_samples,
@@ -106,3 +114,9 @@ def _checked(a: argparse.Namespace) -> dict:
         "checkpoint": str(checkpoint.absolute()) if checkpoint else "",
         "checkpoint_every_s": a.checkpoint_every,
     }
+
+
+def _checkpoint_problem(file: Path) -> str | None:
+    from . import _native
+
+    return _native.checkpoint_problem(file)

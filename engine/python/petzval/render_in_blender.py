@@ -7,18 +7,53 @@ Imported in bpy, or run as a script by `blender -b --python render_in_blender.py
 
 from __future__ import annotations
 
-import glob
 import json
 import math
 import os
-import signal
+import struct
 import sys
-import time
+import zlib
+from pathlib import Path
 from typing import Any, TextIO
 
-_INTERRUPTED = 130
-# A terminal and the program before this one may both hand on one Ctrl-C; only a later one means: at once.
-_ONE_KEYPRESS_SECONDS = 1.0
+_BAD_USAGE, _INTERRUPTED = 2, 130
+
+
+class _OutOfRange(Exception):
+    """A value that Blender would silently clamp; the message says from where to where values go."""
+
+
+#: Blender's names of settings whose option is called otherwise.
+_OPTIONS = {"resolution_x": "resolution", "resolution_y": "resolution", "film_width": "film", "film_height": "film",
+            "lens": "focal-length", "sensor_width": "film", "sensor_height": "film", "focus_distance": "focus-distance",
+            "shift_x": "shift", "shift_y": "shift", "wavelength": "spectrum", "autofocus_point": "autofocus"}  # fmt: skip
+
+
+class _Strict:
+    """The settings of something in Blender, which takes no value that it would change."""
+
+    def __init__(self, owner: Any) -> None:
+        object.__setattr__(self, "_owner", owner)
+
+    def __getattr__(self, name: str) -> Any:
+        return getattr(self._owner, name)
+
+    def __setattr__(self, name: str, value: Any) -> None:
+        setattr(self._owner, name, value)
+        kept = getattr(self._owner, name)
+        values, kept_values = (value, kept) if hasattr(kept, "__len__") else ((value,), (kept,))
+        for asked, got in zip(values, kept_values, strict=False):
+            # Blender's numbers are of single precision.
+            if type(asked) in (int, float) and not math.isclose(asked, got, rel_tol=1e-6, abs_tol=1e-12):
+                raise _OutOfRange(self._said(name, asked))
+
+    def _said(self, name: str, asked: float) -> str:
+        kind = self._owner.bl_rna.properties[name]
+        unit, factor = (" degrees", 180.0 / math.pi) if kind.subtype == "ANGLE" else ("", 1.0)
+        numbers = (asked, kind.hard_min, kind.hard_max)
+        shown, low, high = (str(one) if isinstance(one, int) else f"{factor * one:.6g}" for one in numbers)
+        option = _OPTIONS.get(name, name.replace("_", "-"))
+        return f"bad usage: --{option} {shown}: must be from {low} to {high}{unit}; see petzval render --help"
 
 
 def render(options: dict) -> int:
@@ -29,6 +64,9 @@ def render(options: dict) -> int:
         error, interrupted = _render(options, voice)
     except KeyboardInterrupt:
         return _INTERRUPTED
+    except _OutOfRange as refused:
+        print("petzval:", refused, file=voice, flush=True)
+        return _BAD_USAGE
     if error:
         print("petzval:", " ".join(error.split()), file=voice, flush=True)
         return 1
@@ -57,7 +95,7 @@ def _render(options: dict, voice: TextIO) -> tuple[str | None, bool]:
     except ImportError as error:
         return f"no Blender in this Python: {error}: pip install bpy, or name a Blender with --blender", False
 
-    from petzval import load_addon
+    from petzval import interrupts, load_addon
     from petzval.progress_bar import ProgressBar
 
     addon = load_addon()
@@ -76,44 +114,102 @@ def _render(options: dict, voice: TextIO) -> tuple[str | None, bool]:
     watch = addon.loop.WATCH
     watch.study = study = _study(options.get("study"), scene, watch)
     watch.checkpoint, watch.checkpoint_every_s = options["checkpoint"], options["checkpoint_every_s"]
+    watch.written_checkpoints.clear()
     if voice.isatty() and (study is None or study.is_long):
         watch.on_progress = ProgressBar(voice)
-    _stop_on_interrupt(watch)
-    problem = None
-    try:
-        bpy.ops.render.render(write_still=study is None, scene=scene.name)
-    except RuntimeError as failed:
-        problem = _one_line(failed)
-    interrupted = watch.stop.is_set()
-    if watch.on_progress is not None:
-        watch.on_progress.end()
+    interrupts.ask(watch.stop.set)
     if study is not None:
-        return problem or _save(study, options["answer"], interrupted), interrupted
+        problem = _take(scene, watch, writes=False)
+        return problem or _save(study, options["answer"], watch.stop.is_set()), watch.stop.is_set()
+    problem = _render_into(options["output"], scene, addon, options, voice)
     last = addon.statistics.last(scene.name)
-    if problem is None and last is None and not interrupted:
-        problem = f"nothing was rendered: {options['scene']}: look at what Blender said"
-    if problem is None and not os.path.isfile(options["output"]):
-        problem = f"cannot write {options['output']}: is there room, and may you write there"
     if problem is None and options["stats"] and last is not None:
         try:
-            _write_stats(options["stats"], last, found)
+            _write_stats(Path(options["stats"]), last, found)
         except OSError as failed:
-            problem = f"cannot write {options['stats']}: {failed.strerror}: name another file"
-    if problem is None:
-        _end_checkpoints(options["checkpoint"], interrupted, voice)
-    return problem, interrupted
+            problem = f"cannot write {options['stats']}: {failed.strerror or failed}: name another file"
+    _end_checkpoints(watch, problem is None and not watch.stop.is_set(), voice)
+    return problem, watch.stop.is_set()
 
 
-def _end_checkpoints(file: str, interrupted: bool, voice: TextIO) -> None:
-    """What was kept of a render goes when its picture is written; of one that was broken off it is said where it is."""
-    # View layers have files of their own (addon/checkpoints.py).
-    for kept in [file, *glob.glob(glob.escape(file) + "." + 12 * "[0-9a-f]")]:
-        if not os.path.isfile(kept):
-            continue
-        if interrupted:
-            print(f"petzval: kept in {kept}: the same command goes on from there", file=voice)
-        else:
-            os.unlink(kept)
+def _take(scene: Any, watch: Any, *, writes: bool) -> str | None:
+    """Renders the scene, into its file where it `writes`; the error, if any."""
+    import bpy
+
+    try:
+        bpy.ops.render.render(write_still=writes, scene=scene.name)
+    except RuntimeError as failed:
+        return _one_line(failed)
+    finally:
+        if watch.on_progress is not None:
+            watch.on_progress.end()
+    return None
+
+
+class _NothingToKeep(Exception):
+    """The render was broken off before its first sample."""
+
+
+def _render_into(output: str, scene: Any, addon: Any, options: dict, voice: TextIO) -> str | None:
+    """Renders into a file that is replaced only by a whole picture; the error, if any."""
+    from petzval import atomic_files
+
+    watch, problem = addon.loop.WATCH, None
+    try:
+        with atomic_files.replacing(Path(output), lambda part: _check_picture(part, output)) as part:
+            _apply_output(scene.render, str(part), output, options["mergeable"] or options["passes"])
+            problem = _take(scene, watch, writes=True)
+            last = addon.statistics.last(scene.name)
+            if problem is None and last is None and not watch.stop.is_set():
+                problem = f"nothing was rendered: {options['scene']}: look at what Blender said"
+            if problem is not None and part.name in problem:
+                raise OSError("Blender cannot write it")
+            if problem is not None or last is None or not last.stats["samples_mean"]:
+                raise _NothingToKeep
+    except _NothingToKeep:
+        if problem is None:
+            print(f"petzval: broken off before the first sample: {output} is not written", file=voice)
+    except OSError as failed:
+        kept = "".join(f"; the render is kept in {one.path}" for one in watch.written_checkpoints)
+        problem = f"cannot write {output}: {failed.strerror or failed}: is there room, and may you write there{kept}"
+    return problem
+
+
+def _check_picture(file: Path, output: str) -> None:
+    """Raises `OSError` where a picture that Blender wrote is not whole: it does not always say when a disk is full."""
+    from petzval import _native
+
+    whole = OSError("the picture is not whole on the disk")
+    try:
+        if output.lower().endswith(".exr"):
+            _native.check_exr(file)
+        elif not _is_whole_png(file.read_bytes()):
+            raise whole
+    except (_native.PetzvalError, struct.error):
+        raise whole from None
+
+
+def _is_whole_png(data: bytes) -> bool:
+    """Whether all chunks are there, each with the checksum that it names."""
+    at = 8
+    while data[at : at + 8]:
+        length, kind = struct.unpack_from(">I4s", data, at)
+        (checksum,) = struct.unpack_from(">I", data, at + 8 + length)
+        if zlib.crc32(data[at + 4 : at + 8 + length]) != checksum:
+            return False
+        at += 12 + length
+        if kind == b"IEND":
+            return True
+    return False
+
+
+def _end_checkpoints(watch: Any, is_done: bool, voice: TextIO) -> None:
+    """Deletes the checkpoints of this render when its picture is written; otherwise says where they are."""
+    for checkpoint in watch.written_checkpoints:
+        if is_done:
+            checkpoint.delete()
+        elif watch.stop.is_set():
+            print(f"petzval: kept in {checkpoint.path}: the same command goes on from there", file=voice)
 
 
 def _study(asked: dict | None, scene: Any, watch: Any) -> Any:
@@ -138,24 +234,9 @@ def _save(study: Any, file: str, interrupted: bool) -> str | None:
     return None
 
 
-def _stop_on_interrupt(watch: Any) -> None:
-    """Ctrl-C asks the render to stop and to keep what is there; once more, later, ends everything."""
-    first: list[float] = []
-
-    def asked(_signal: int, _frame: object) -> None:
-        now = time.monotonic()
-        if first and now - first[0] > _ONE_KEYPRESS_SECONDS:
-            os._exit(_INTERRUPTED)
-        first.append(now)
-        watch.stop.set()
-
-    signal.signal(signal.SIGINT, asked)
-    signal.signal(signal.SIGTERM, asked)
-
-
 def _apply(scene: Any, o: dict, addon: Any, found: dict) -> str | None:
     """Sets what the command line asked for; the error, if any. What had to be found goes into `found`."""
-    r = scene.render
+    r, own = _Strict(scene.render), _Strict(scene.petzval)
     if scene.camera is None:
         return f"no camera in scene '{scene.name}' of {o['scene']}: add one, or make one active"
     if scene.camera.type != "CAMERA":
@@ -171,24 +252,22 @@ def _apply(scene: Any, o: dict, addon: Any, found: dict) -> str | None:
             r.threads = o["threads"]
     for name in ("samples", "min_samples", "time_limit", "seed", "sample_offset"):
         if o[name] is not None:
-            setattr(scene.petzval, name, o[name])
+            setattr(own, name, o[name])
     if o["blue_noise"] is not None:
-        scene.petzval.use_blue_noise = o["blue_noise"] == "on"
+        own.use_blue_noise = o["blue_noise"] == "on"
     if o["noise_threshold"] is not None:
-        scene.petzval.use_noise_threshold = o["noise_threshold"] > 0.0
-        scene.petzval.noise_threshold = o["noise_threshold"] or scene.petzval.noise_threshold
+        own.use_noise_threshold = o["noise_threshold"] > 0.0
+        own.noise_threshold = o["noise_threshold"] or own.noise_threshold
     if o["pipeline"]:
-        scene.petzval.pipeline = o["pipeline"].upper()
+        own.pipeline = o["pipeline"].upper()
     if o["integrator"]:
-        scene.petzval.integrator = o["integrator"]
+        own.integrator = o["integrator"]
     if o["quality"] is not None:
-        scene.petzval.quality = o["quality"]
+        own.quality = o["quality"]
     if o["ghost_reflections"] is not None:
-        scene.petzval.ghost_reflections = str(o["ghost_reflections"])
+        own.ghost_reflections = str(o["ghost_reflections"])
     for name, word in o["effects"].items():
         setattr(scene.petzval.effects, name, word.upper())
-    if o["output"] is not None:
-        _apply_output(r, o["output"], o["mergeable"] or o["passes"])
     for layer in scene.view_layers if o["mergeable"] else ():
         layer.petzval.use_pass_mergeable = True
     try:
@@ -213,8 +292,12 @@ def _apply_sharp(scene: Any, points: list[list[float]], addon: Any, found: dict)
     return None
 
 
-def _apply_output(r: Any, output: str, of_layers: bool) -> None:
-    r.filepath = output
+def _apply_output(r: Any, file: str, output: str, of_layers: bool) -> None:
+    """Has Blender write into `file` a picture of the kind of `output`."""
+    import bpy
+
+    # Braces hold templates since Blender 5; doubled, they are braces.
+    r.filepath = file.replace("{", "{{").replace("}", "}}") if bpy.app.version >= (5, 0) else file
     # The name is taken as it is; a placeholder for the frame's number is for animations.
     r.use_file_extension = False
     r.use_overwrite = True
@@ -241,8 +324,8 @@ def _apply_output(r: Any, output: str, of_layers: bool) -> None:
         settings.color_mode = "RGBA" if r.film_transparent else "RGB"
 
 
-def _apply_camera(scene: Any, data: Any, o: dict, addon: Any) -> None:
-    own = data.petzval
+def _apply_camera(scene: Any, camera: Any, o: dict, addon: Any) -> None:
+    own, data = _Strict(camera.petzval), _Strict(camera)
     if o["camera"] or o["lens"]:
         own.model = (o["camera"] or "lens").upper().replace("-", "_")
     if o["lens"]:
@@ -320,14 +403,12 @@ def _apply_camera(scene: Any, data: Any, o: dict, addon: Any) -> None:
         own.shift_x, own.shift_y = o["shift_mm"]
 
 
-def _write_stats(path: str, last: Any, found: dict) -> None:
-    from petzval import _native
+def _write_stats(path: Path, last: Any, found: dict) -> None:
+    from petzval import _native, atomic_files
 
     stats = {**last.stats, **found, "processor": _native.PROCESSOR, "peak_memory_mb": _peak_memory_mb(),
              "warnings": last.warnings, "interrupted": last.stopped}  # fmt: skip
-    with open(path, "w", encoding="utf-8") as out:
-        json.dump(stats, out, indent=2)
-        out.write("\n")
+    atomic_files.write_json(path, stats, indent=2)
 
 
 def _peak_memory_mb() -> float | None:
@@ -347,9 +428,14 @@ def _one_line(error: BaseException) -> str:
 def _main() -> None:
     options = json.loads(sys.argv[sys.argv.index("--") + 1])
     sys.path.insert(0, options["package_parent"])
+    from petzval import interrupts
+
+    interrupts.listen_by_handlers()
+    # Signals that come earlier are heard by the program before this one.
+    os.write(options["ready_fd"], b".")
     # As render_command reads it.
     status = render(options)
-    finish({0: 70, 1: 71}.get(status, status))
+    finish({0: 70, 1: 71, _BAD_USAGE: 72}.get(status, status))
 
 
 if __name__ == "__main__":

@@ -5,26 +5,28 @@ in this Python's bpy, or in a Blender that is named."""
 from __future__ import annotations
 
 import argparse
+import contextlib
 import json
 import math
 import os
 import re
+import select
 import signal
 import subprocess
 import sys
 import tempfile
-from collections.abc import Callable
+from collections.abc import Callable, Mapping
 from pathlib import Path
 from typing import Any, TextIO
 
 from . import argument_types as types
+from . import interrupts
 from .errors import CommandError
+from .interrupts import INTERRUPTED
 from .places import find_lens
 
-#: Exit status of a command that was broken off.
-INTERRUPTED = 130
 #: What the half in Blender ends with, having said why, and what that means here. No program ends so by chance.
-_OWN_STATUS = {70: 0, 71: 1, INTERRUPTED: INTERRUPTED}
+_OWN_STATUS = {70: 0, 71: 1, 72: 2, INTERRUPTED: INTERRUPTED}
 
 
 def add(p: argparse.ArgumentParser) -> None:
@@ -107,13 +109,15 @@ def add(p: argparse.ArgumentParser) -> None:
         "--ghost-reflections", type=int, choices=(2, 4), help="of a ghost's path, at most; default: as the scene has it"
     )
     p.add_argument("--resolution", type=types.pixels, metavar="WxH")
-    p.add_argument("--frame", type=int, metavar="N")
+    p.add_argument("--frame", type=types.frame, metavar="N")
     p.add_argument("--threads", type=types.natural, metavar="N", help="0: one for each core")
     p.add_argument("--blender", metavar="PATH", help="run in this Blender rather than in bpy")
 
 
 def checked(a: argparse.Namespace) -> dict:
     """These options as plain data, checked as far as they can be without Blender."""
+    for file in filter(None, (a.scene, a.lens, a.aperture_mask)):
+        check_name(file)
     scene = Path(a.scene)
     if not scene.is_file():
         raise CommandError(f"no such scene: {scene}: name a .blend file")
@@ -184,17 +188,36 @@ def checked(a: argparse.Namespace) -> dict:
     }
 
 
+def check_name(file: str | Path) -> None:
+    """Raises `CommandError` where Blender cannot be told the name of a file."""
+    try:
+        str(file).encode("utf-8")
+    except UnicodeEncodeError:
+        raise CommandError(
+            f"{ascii(str(file))}: its name is no UTF-8, which Blender needs: name another file"
+        ) from None
+
+
 def check_writable(file: Path) -> None:
-    """Before the work, not after it."""
+    """Raises `CommandError` where a file cannot be written: before the work, not after it."""
+    from . import _native
+
     if not file.absolute().parent.is_dir():
         raise CommandError(f"no such folder: {file.parent}: make it first")
-    is_new = not file.exists()
     try:
-        file.open("ab").close()
-        if is_new:
-            file.unlink()
+        _native.check_replaceable(file)
     except OSError as error:
-        raise CommandError(f"cannot write {file}: {error.strerror}: name another file") from None
+        raise CommandError(f"cannot write {file}: {error.strerror or error}: name another file") from None
+
+
+def check_apart(written: Mapping[str, Path | None], read: Mapping[str, str | Path | None]) -> None:
+    """Raises `CommandError` where a file that is written is one of those that are read, or is written twice. Keys are the files'
+    names in the message."""
+    files = [(name, os.path.realpath(file)) for name, file in [*read.items(), *written.items()] if file]
+    for i, (name, file) in enumerate(files):
+        for other, same in files[:i]:
+            if file == same and name in written:
+                raise CommandError(f"{name} {file}: it is the file of {other}, too: name another file")
 
 
 def study(blender: str | None, options: dict, tell: Callable[[dict[str, Any], TextIO, TextIO], None]) -> int:
@@ -209,6 +232,7 @@ def study(blender: str | None, options: dict, tell: Callable[[dict[str, Any], Te
         if blender:
             status = in_blender(blender, options)
         else:
+            interrupts.listen()
             from .render_in_blender import render
 
             status = render(options)
@@ -232,19 +256,42 @@ def in_blender(program: str, options: dict) -> int:
     # Blender may complain on its stderr as it likes: that goes to stdout, and Petzval's own words come through a pipe
     # of their own.
     voice = os.dup(2)
-    handed_over = {**options, "package_parent": str(Path(__file__).resolve().parent.parent), "stderr_fd": voice}
+    ready, tell_ready = os.pipe()
+    os.set_blocking(ready, False)
+    handed_over = {**options, "package_parent": str(Path(__file__).resolve().parent.parent), "stderr_fd": voice,
+                   "ready_fd": tell_ready}  # fmt: skip
     command = [program, "-b", "--factory-startup", "--disable-autoexec", "--python-exit-code", "3"]
     command += ["--python", str(runner), "--", json.dumps(handed_over)]
+    child: subprocess.Popen | None = None
+    asked: list[int] = []
+
+    def hand_on(number: int, _frame: object) -> None:
+        asked.append(number)
+        if child is not None:
+            # Until it is ready Blender itself hears the signal, and may ignore it.
+            with contextlib.suppress(ProcessLookupError):
+                os.killpg(child.pid, number if _has_byte(ready) else signal.SIGKILL)
+
+    for number in (signal.SIGINT, signal.SIGTERM):
+        signal.signal(number, hand_on)
     try:
         # A group of its own: the terminal's Ctrl-C comes here alone, and goes on to all that the program started.
         child = subprocess.Popen(
-            command, stdin=subprocess.DEVNULL, stderr=subprocess.STDOUT, pass_fds=(voice,), start_new_session=True
-        )
+            command, stdin=subprocess.DEVNULL, stderr=subprocess.STDOUT, pass_fds=(voice, tell_ready),
+            start_new_session=True,
+        )  # fmt: skip
     except OSError as error:
         raise CommandError(f"cannot start {program}: {error.strerror}: give --blender a Blender program") from None
-    for number in (signal.SIGINT, signal.SIGTERM):
-        signal.signal(number, lambda asked, _frame: os.killpg(child.pid, asked))
+    if asked:
+        hand_on(asked[-1], None)
     status = child.wait()
     if status in _OWN_STATUS:
         return _OWN_STATUS[status]
+    if asked and status == -signal.SIGKILL:
+        raise CommandError("broken off before the first sample: nothing was written", INTERRUPTED)
     raise CommandError(f"{program} ended with status {status}: it does not run, or crashed: see what it said above")
+
+
+def _has_byte(pipe: int) -> bool:
+    """Whether something was ever written into a pipe, of which nothing is read."""
+    return bool(select.select([pipe], [], [], 0.0)[0])

@@ -3,6 +3,7 @@
 use crate::camera::{Matrix4, PyCamera};
 use crate::doorway::away;
 use crate::error::{Error, refused};
+use crate::files::Checkpoint;
 use crate::parts::part;
 use crate::plan::Plan;
 use crate::scene::Scene;
@@ -13,6 +14,7 @@ use petzval_render::camera::imaging::Imaging;
 use petzval_render::camera::precision::TOLERANCE_PX;
 use petzval_render::camera::shade;
 use petzval_render::camera::{Camera, CameraDescription};
+use petzval_render::film;
 use petzval_render::film::cryptomatte::{self, MatteLayer};
 use petzval_render::film::data::DataPass;
 use petzval_render::integrator::Integrator;
@@ -131,6 +133,13 @@ impl PyShutter {
 type PyTile<'py> = (u32, u32, u32, u32, Bound<'py, PyArray3<f32>>);
 
 /// One render.
+/// See the stub.
+#[pyfunction]
+#[pyo3(signature = (*, surfaces = false, vectors = false, mattes = false, halves = false, groups = 0))]
+pub(crate) fn film_bytes_a_pixel(surfaces: bool, vectors: bool, mattes: bool, halves: bool, groups: usize) -> usize {
+    film::bytes_a_pixel(surfaces, vectors, mattes, halves, groups)
+}
+
 #[pyclass(frozen)]
 pub(crate) struct Job {
     job: engine::Job,
@@ -378,8 +387,8 @@ impl Job {
         self.array_of_three(py, pixels)
     }
 
-    fn end_checkpoints(&self, py: Python<'_>, is_done_with: bool) -> Result<(), Error> {
-        away(py, || self.job.end_checkpoints(is_done_with))
+    fn end_checkpoints(&self, py: Python<'_>) -> Result<Option<Checkpoint>, Error> {
+        Ok(away(py, || self.job.end_checkpoints())?.map(Checkpoint))
     }
 
     fn stats_json(&self) -> String {

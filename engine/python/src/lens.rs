@@ -20,7 +20,7 @@ use pyo3::prelude::*;
 use serde_json::{Value, json};
 use std::collections::HashMap;
 use std::f64::consts::PI;
-use std::path::Path;
+use std::path::PathBuf;
 
 /// A checked lens prescription.
 #[pyclass(frozen)]
@@ -32,8 +32,8 @@ pub(crate) struct Lens {
 #[pymethods]
 impl Lens {
     #[new]
-    fn new(path: &str) -> Result<Self, Error> {
-        let reading = formats::read(Path::new(path), Catalogue::shipped())?;
+    fn new(py: Python<'_>, path: PathBuf) -> Result<Self, Error> {
+        let reading = away(py, || formats::read(&path, Catalogue::shipped()))??;
         let remarks = reading.remarks.iter().map(ToString::to_string).collect();
         Ok(Self { prescription: reading.prescription, remarks })
     }
@@ -57,6 +57,10 @@ impl Lens {
             other => return Err(refused(format!("lenses cannot be written as .{other}; give .lens or .zmx"))),
         };
         Ok(write(&self.prescription, Catalogue::shipped()))
+    }
+
+    fn identity(&self) -> String {
+        self.prescription.identity()
     }
 
     #[getter]

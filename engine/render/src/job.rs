@@ -26,7 +26,7 @@ use crate::pipeline::{Counts, Pipeline, Shot, render_pixels, render_tile};
 use crate::sampler::{PathSampler, raster::Raster, warp::PixelFilter};
 use crate::stray::Strayed;
 use adaptive::Adaptive;
-use checkpoint::{Checkpoints, Keeper, Kept};
+use checkpoint::{Checkpoints, Keeper, Kept, OwnFile};
 use glam::Vec2;
 pub use settings::{MIN_SAMPLES, Settings, SettingsError};
 use std::panic::{AssertUnwindSafe, catch_unwind};
@@ -165,15 +165,14 @@ impl Job {
         Ok(Self { shared, threads, keeping })
     }
 
-    /// After the end: waits until what is to be kept is written; then deletes it, if it is not needed any more.
-    pub fn end_checkpoints(&self, is_done_with: bool) {
+    /// Waits, after the end, until the last checkpoint is written. The checkpoint that this render has written or taken up; `None`
+    /// where there is none. The caller deletes it when the picture is safe.
+    pub fn end_checkpoints(&self) -> Option<OwnFile> {
         if let Some(thread) = lock(&self.keeping).take() {
             // It reports what goes wrong, and does not panic.
             let _ = thread.join();
         }
-        if let (Some(keeper), true) = (&self.shared.keeper, is_done_with) {
-            keeper.delete();
-        }
+        self.shared.keeper.as_ref().and_then(Keeper::own_file)
     }
 
     /// Waits until the render has ended or `timeout` is over; true where it has ended.
@@ -291,7 +290,7 @@ impl Drop for Job {
             // A panic was caught and recorded inside.
             let _ = thread.join();
         }
-        self.end_checkpoints(false);
+        let _ = self.end_checkpoints();
     }
 }
 

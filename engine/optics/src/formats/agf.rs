@@ -138,6 +138,10 @@ fn finished(entry: Entry, file: &str, remarks: &mut Remarks) -> Option<Medium> {
         left_out(&format!("its coefficients make an index of {index:.4} at d"));
         return None;
     }
+    if let Some(nm) = medium.hole_nm() {
+        left_out(&format!("its coefficients make no index at {nm} nm"));
+        return None;
+    }
     if let Some(nd) = entry.nd.filter(|nd| has_d && (nd - index).abs() > PRINTED) {
         let text = format!("'{}': its coefficients make an index of {index:.6} at d, the file says {nd}", entry.name);
         remarks.say(entry.place, text);

@@ -1,6 +1,6 @@
 //! The glass names of design programs: who made the glass, by the file's own list of catalogues or the name's ending.
 
-use std::collections::HashMap;
+use std::collections::{HashMap, HashSet};
 use std::path::PathBuf;
 
 use crate::glass::{Catalogue, Dispersion, GlassError, Medium};
@@ -15,6 +15,8 @@ use crate::prescription::Place;
 
 /// A larger catalogue is none.
 const LARGEST_CATALOGUE: usize = 8 << 20;
+/// Files of glasses that one lens file may name.
+const MOST_CATALOGUES: usize = 16;
 
 /// Catalogues as design programs call them, and ours, in the order in which they are asked.
 const CATALOGUES: [(&str, &[&str]); 12] = [
@@ -55,13 +57,24 @@ pub(super) struct Glasses<'a> {
     folder: Option<PathBuf>,
     /// Glasses that the file, or a catalogue beside it, defines.
     own: HashMap<String, Medium>,
+    /// Those of them that are other names for glasses of the catalogues.
+    renamed: HashSet<String>,
+    /// Files of glasses that were read.
+    read: HashSet<PathBuf>,
     /// The file's own list of catalogues, as it writes them.
     listed: Vec<String>,
 }
 
 impl<'a> Glasses<'a> {
     pub(super) fn new(catalogue: &'a Catalogue, folder: Option<PathBuf>) -> Self {
-        Self { catalogue, folder, own: HashMap::new(), listed: Vec::new() }
+        Self {
+            catalogue,
+            folder,
+            own: HashMap::new(),
+            renamed: HashSet::new(),
+            read: HashSet::new(),
+            listed: Vec::new(),
+        }
     }
 
     pub(super) fn catalogue(&self) -> &'a Catalogue {
@@ -73,14 +86,19 @@ impl<'a> Glasses<'a> {
         self.own.insert(medium.name().to_lowercase(), medium);
     }
 
-    /// What a header defines.
-    pub(super) fn define_all(&mut self, header: &Header) {
-        for medium in &header.glasses {
-            self.define(medium.clone());
+    /// Defines the glasses and names that a header has got or changed since the last time. A name that the header gives to a glass
+    /// of the catalogues goes before a glass that it defines.
+    pub(super) fn define_new(&mut self, header: &mut Header) {
+        for changed in std::mem::take(&mut header.changed_glasses) {
+            let medium = header.glasses[changed].clone();
+            if !self.renamed.contains(&medium.name().to_lowercase()) {
+                self.define(medium);
+            }
         }
-        for (name, token) in &header.aliases {
-            if let Ok(medium) = self.catalogue.medium(token) {
+        for (name, token) in std::mem::take(&mut header.new_aliases) {
+            if let Ok(medium) = self.catalogue.medium(&token) {
                 self.own.insert(name.to_lowercase(), medium);
+                self.renamed.insert(name.to_lowercase());
             }
         }
     }
@@ -131,6 +149,12 @@ impl<'a> Glasses<'a> {
         let Some(path) = found.into_iter().find(|path| path.is_file()) else { return Ok(false) };
         let shown = path.display().to_string();
         let wrong = |why: String| at(file, place.line, place.column, Problem::Beside { name: name.to_owned(), why });
+        if self.read.contains(&path) {
+            return Ok(true);
+        }
+        if self.read.len() >= MOST_CATALOGUES {
+            return Err(wrong(format!("a lens has glasses of at most {MOST_CATALOGUES} files")));
+        }
         let bytes = text::bytes(&path, &shown, LARGEST_CATALOGUE).map_err(|error| wrong(error.to_string()))?;
         let media = if name.to_lowercase().ends_with(".yml") {
             let medium = rii::parse_bytes(&bytes, &shown, &one_word(&text::stem(name)))
@@ -144,6 +168,7 @@ impl<'a> Glasses<'a> {
         for medium in media {
             self.own.entry(medium.name().to_lowercase()).or_insert(medium);
         }
+        self.read.insert(path);
         Ok(true)
     }
 

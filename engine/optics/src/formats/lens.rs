@@ -111,6 +111,7 @@ use crate::glass::Catalogue;
 use crate::prescription::{Behind, Column, Metadata, Place, Prescription, PrescriptionError, SurfaceRow};
 use crate::surface::{Conic, Shape};
 
+use super::draft::MOST_SURFACES;
 use super::glass_names::Glasses;
 use super::problem::at;
 use super::remarks::{Reading, Remarks};
@@ -246,7 +247,7 @@ impl<'a> Reader<'a> {
                 return Err(at(self.file, place.line, place.column, Problem::Beside { name, why }));
             }
         }
-        self.glasses.define_all(&self.header);
+        self.glasses.define_new(&mut self.header);
         Ok(())
     }
 
@@ -254,6 +255,10 @@ impl<'a> Reader<'a> {
         let words = tokens(text);
         if words.is_empty() {
             return Ok(());
+        }
+        if self.rows.len() >= MOST_SURFACES {
+            let problem = Problem::Unsupported(format!("a lens has no more than {MOST_SURFACES} surfaces"));
+            return self.fail(line, words[0].column, problem);
         }
         let expected = COLUMNS.len() + self.extra.len();
         if words.len() != expected {

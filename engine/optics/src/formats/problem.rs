@@ -166,11 +166,19 @@ pub struct LensFileError {
 impl fmt::Display for LensFileError {
     fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
         let Place { line, column } = self.place;
-        write!(f, "{}:{line}:{column}: {}", self.file, self.problem)
+        // A file may repeat itself in its error, and a line of a file may be a million letters long.
+        let problem = self.problem.to_string();
+        match problem.char_indices().nth(LONGEST_PROBLEM) {
+            None => write!(f, "{}:{line}:{column}: {problem}", self.file),
+            Some((end, _)) => write!(f, "{}:{line}:{column}: {}…", self.file, &problem[..end]),
+        }
     }
 }
 
 impl std::error::Error for LensFileError {}
+
+/// Characters of a problem that are told.
+const LONGEST_PROBLEM: usize = 200;
 
 pub(super) fn at(file: &str, line: usize, column: usize, problem: Problem) -> LensFileError {
     LensFileError { file: file.to_owned(), place: Place { line, column }, problem }

@@ -71,6 +71,9 @@ pub fn parse(text: &str, file: &str, name: &str) -> Result<Medium, LensFileError
         if !(0.5..=6.0).contains(&middle) {
             return fail(format!("its numbers make an index of {middle:.4} at d"));
         }
+        if let Some(nm) = found.hole_nm() {
+            return fail(format!("its numbers make no index at {nm} nm"));
+        }
         medium = Some(found);
     }
     let missing = || at(file, 1, 1, Problem::Unsupported("there is no index in DATA".to_owned()));

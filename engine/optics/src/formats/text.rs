@@ -1,20 +1,19 @@
 //! Files as text: how much is read, in which encoding, and the words of a line.
 
-use std::fs::File;
-use std::io::Read;
+use std::io::ErrorKind;
 use std::path::Path;
 
 use super::problem::{LensFileError, Problem, at};
 
-/// The bytes of a file; of a longer one than `largest` no more than those are read.
+/// The bytes of a regular file of at most `largest` bytes.
 pub(super) fn bytes(path: &Path, file: &str, largest: usize) -> Result<Vec<u8>, LensFileError> {
-    let mut bytes = Vec::new();
-    let read = File::open(path).and_then(|file| file.take(largest as u64 + 1).read_to_end(&mut bytes));
-    match read {
-        Ok(count) if count > largest => Err(at(file, 1, 1, Problem::TooLong { largest })),
-        Ok(_) => Ok(bytes),
-        Err(error) => Err(at(file, 1, 1, Problem::Unreadable(error.to_string()))),
-    }
+    petzval_files::read_bounded(path, largest as u64).map_err(|error| {
+        let problem = match error.kind() {
+            ErrorKind::FileTooLarge => Problem::TooLong { largest },
+            _ => Problem::Unreadable(error.to_string()),
+        };
+        at(file, 1, 1, problem)
+    })
 }
 
 /// Text in UTF-8, without its mark.

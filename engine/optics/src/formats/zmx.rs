@@ -135,7 +135,7 @@ impl<'a> Reader<'a> {
                         Place { line, column },
                         self.draft.file,
                     )?;
-                    self.glasses.define_all(&self.header);
+                    self.glasses.define_new(&mut self.header);
                 }
             }
             "MODE" if value != "SEQ" => {

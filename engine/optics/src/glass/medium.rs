@@ -23,6 +23,9 @@ pub mod line_nm {
 /// The shortest and the longest wave that the eye sees, nm: between them the index of a lens's glasses should be known.
 pub const VISIBLE_NM: [f64; 2] = [380.0, 780.0];
 
+/// Indices that a medium may have at a visible wavelength.
+const PLAUSIBLE_INDEX: std::ops::RangeInclusive<f64> = 0.5..=6.0;
+
 /// A transparent medium.
 #[derive(Clone, PartialEq)]
 pub struct Medium {
@@ -153,6 +156,14 @@ impl Medium {
     pub fn base_index(&self, wavelength_nm: f64) -> f64 {
         let [shortest, longest] = self.range_nm;
         self.dispersion.index(wavelength_nm.max(shortest).min(longest) / 1000.0) + self.shift
+    }
+
+    /// The first visible wavelength in nm, looked for at every nanometre, at which the formula gives no index of a glass: it is NaN,
+    /// infinite, or out of [`PLAUSIBLE_INDEX`], as near a pole. `None`: there is none.
+    pub fn hole_nm(&self) -> Option<f64> {
+        let [shortest, longest] = VISIBLE_NM;
+        let all = (0..=(longest - shortest) as u32).map(|i| shortest + f64::from(i));
+        all.into_iter().find(|&nm| !PLAUSIBLE_INDEX.contains(&self.base_index(nm)))
     }
 
     /// True if the formula was made for all wavelengths between these, but for a nanometre.

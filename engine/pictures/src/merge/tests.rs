@@ -32,6 +32,10 @@ impl Drop for Folder {
     }
 }
 
+fn read(file: &Path) -> Part {
+    Part::read(file, u64::MAX).unwrap().0
+}
+
 #[test]
 fn means_are_by_each_pixels_samples() {
     let folder = Folder::new("means");
@@ -42,15 +46,15 @@ fn means_are_by_each_pixels_samples() {
     let files =
         [part("a.exr", [1.0, 8.0], [4.0, 1.0], [3.0, 1e10]), part("b.exr", [3.0, 8.0], [8.0, 2.0], [1e10, 1e10])];
     let out = folder.0.join("out.exr");
-    let merged = merge(&files, &out).unwrap();
+    let merged = merge(&files, &out, u64::MAX).unwrap();
     assert_eq!(merged, Merged { samples: 10.0, is_exact: false });
-    let whole = Part::read(&out).unwrap();
+    let whole = read(&out);
     assert_eq!(whole.channel("View.1.Combined.R").unwrap(), [7.0, 1.5]);
     // Most of the samples saw nothing.
     assert_eq!(whole.channel("View.1.Depth.Z").unwrap(), [1e10, 1e10]);
     let files = [files[0].clone(), part("c.exr", [1.0, 1.0], [0.0, 0.0], [5.0, 2.0])];
-    merge(&files, &out).unwrap();
-    assert_eq!(Part::read(&out).unwrap().channel("View.1.Depth.Z").unwrap(), [4.0, 1e10]);
+    merge(&files, &out, u64::MAX).unwrap();
+    assert_eq!(read(&out).channel("View.1.Depth.Z").unwrap(), [4.0, 1e10]);
     assert_eq!(whole.channel("View.1.Debug Sample Count.X").unwrap(), [4.0, 16.0]);
 }
 
@@ -62,14 +66,14 @@ fn a_plain_picture_counts_as_its_metadata_says() {
     let a = part("a.exr", 1.0, &[("petzval/samples", "16"), ("petzval/ranges", "7:0+16")]);
     let b = part("b.exr", 3.0, &[("petzval/samples", "48"), ("petzval/ranges", "7:16+48")]);
     let (ab, out) = (folder.0.join("ab.exr"), folder.0.join("out.exr"));
-    assert_eq!(merge(&[a.clone(), b.clone()], &ab).unwrap().samples, 64.0);
-    assert_eq!(Part::read(&ab).unwrap().channel("R").unwrap(), [2.5, 2.5]);
+    assert_eq!(merge(&[a.clone(), b.clone()], &ab, u64::MAX).unwrap().samples, 64.0);
+    assert_eq!(read(&ab).channel("R").unwrap(), [2.5, 2.5]);
     // What was joined knows what it holds.
-    let said = merge(&[b.clone(), ab.clone()], &out).unwrap_err().to_string();
+    let said = merge(&[b.clone(), ab.clone()], &out, u64::MAX).unwrap_err().to_string();
     assert!(said.contains("samples 16 to 63 of seed 7 are in") && said.contains("b.exr too"), "{said}");
     let c = part("c.exr", 7.0, &[("petzval/samples", "64"), ("petzval/ranges", "7:64+64")]);
-    assert_eq!(merge(&[ab, c], &out).unwrap().samples, 128.0);
-    assert_eq!(Part::read(&out).unwrap().channel("R").unwrap(), [4.75, 4.75]);
+    assert_eq!(merge(&[ab, c], &out, u64::MAX).unwrap().samples, 128.0);
+    assert_eq!(read(&out).channel("R").unwrap(), [4.75, 4.75]);
 }
 
 #[test]
@@ -78,7 +82,7 @@ fn what_cannot_be_joined_is_said() {
     let count = [("petzval/samples", "16")];
     let a = folder.picture("a.exr", &[("R", [1.0; 2])], &count);
     let out = folder.0.join("out.exr");
-    let said = |files: &[PathBuf]| merge(files, &out).unwrap_err().to_string();
+    let said = |files: &[PathBuf]| merge(files, &out, u64::MAX).unwrap_err().to_string();
     assert!(said(std::slice::from_ref(&a)).contains("name two or more"));
     let other = folder.picture("b.exr", &[("R", [1.0; 2]), ("View.Depth.Z", [1.0; 2])], &count);
     assert!(said(&[a.clone(), other]).contains("the channel View.Depth.Z is in"));
@@ -89,4 +93,48 @@ fn what_cannot_be_joined_is_said() {
     assert!(said(&[a.clone(), broken]).contains("d.exr: cannot be read"));
     assert!(said(&[a, folder.0.join("none.exr")]).contains("none.exr: cannot be read"));
     assert!(!out.exists());
+}
+
+/// Parts say which picture they are of; the first difference is named.
+#[test]
+fn parts_of_other_pictures_are_refused() {
+    let folder = Folder::new("other");
+    let of = |name: &str, told: &str| {
+        let all = [("petzval/samples", "4"), ("petzval/picture", told)];
+        let attributes = if told.is_empty() { &all[..1] } else { &all[..] };
+        folder.picture(name, &[("R", [1.0, 2.0])], attributes)
+    };
+    let first = of("a.exr", "scene=1f; camera.f_number=2.8");
+    let said = |other: &str| {
+        let other = of("b.exr", other);
+        merge(&[first.clone(), other], &folder.0.join("out.exr"), u64::MAX).map_err(|error| error.to_string())
+    };
+    assert!(said("scene=1f; camera.f_number=2.8").is_ok());
+    assert!(said("scene=1f; camera.f_number=8").unwrap_err().contains("camera.f_number is 8, and 2.8 in"));
+    assert!(said("scene=2e; camera.f_number=2.8").unwrap_err().contains("its scene is not that of"));
+    assert!(said("").unwrap_err().contains("does not say of which picture it is"));
+}
+
+/// A header may claim any number of pixels: what does not fit is refused before it is read.
+#[test]
+fn pictures_that_do_not_fit_are_refused() {
+    let folder = Folder::new("large");
+    let files = ["a.exr", "b.exr"].map(|name| folder.picture(name, &[("R", [1.0, 2.0])], &[("petzval/samples", "4")]));
+    // Of two pixels and a channel each.
+    let out = folder.0.join("out.exr");
+    assert!(merge(&files, &out, 16).is_ok());
+    let said = merge(&files, &out, 15).unwrap_err().to_string();
+    assert!(said.contains("b.exr: its 2 x 1 pixels need"), "{said}");
+}
+
+/// Numbers of samples that are none.
+#[test]
+fn counts_that_are_no_counts_are_refused() {
+    let folder = Folder::new("counts");
+    for bad in ["NaN", "-1", "inf", "1e300"] {
+        let files = [("a.exr", "4"), ("b.exr", bad)]
+            .map(|(name, n)| folder.picture(name, &[("R", [1.0; 2])], &[("petzval/samples", n)]));
+        let said = merge(&files, &folder.0.join("out.exr"), u64::MAX).unwrap_err().to_string();
+        assert!(said.contains("b.exr: it does not say how many samples"), "{bad}: {said}");
+    }
 }

@@ -4,6 +4,7 @@ changes. Needs matplotlib."""
 
 from __future__ import annotations
 
+import io
 import math
 import textwrap
 from collections.abc import Iterable
@@ -31,6 +32,8 @@ def draw(found: dict[str, Any], paths: Iterable[Path]) -> None:
     matplotlib.use("Agg")
     from matplotlib import pyplot
 
+    from .. import atomic_files
+
     look = {"font.size": 9, "svg.hashsalt": "petzval", "axes.spines.top": False, "axes.spines.right": False}
     with pyplot.rc_context(look):
         figure = pyplot.figure(figsize=(12.5, 7.0))
@@ -44,7 +47,10 @@ def draw(found: dict[str, Any], paths: Iterable[Path]) -> None:
         _effects(figure.add_subplot(grid[1]), found)
         _caption(figure, found)
         for path in paths:
-            figure.savefig(path, dpi=120, metadata={"Date": None} if path.suffix == ".svg" else {"Software": None})
+            metadata = {"Date": None} if path.suffix == ".svg" else {"Software": None}
+            drawn = io.BytesIO()
+            figure.savefig(drawn, format=path.suffix[1:], dpi=120, metadata=metadata)
+            atomic_files.write_bytes(path, drawn.getvalue())
         pyplot.close(figure)
 
 

@@ -3,7 +3,7 @@
 
 from __future__ import annotations
 
-import json
+import io
 import re
 from collections.abc import Callable
 from pathlib import Path
@@ -42,9 +42,12 @@ def check(out: Path) -> None:
 
 def save(found: Any, out: Path, style: dict[str, Any], make: Callable[[Any], Any]) -> None:
     """Writes a report: the figure that `make(pyplot)` makes in that style; or it as it is, into .json. Raises `CommandError`."""
+    from .. import atomic_files
+
+    kind = out.suffix.lower()
     try:
-        if out.suffix.lower() == ".json":
-            out.write_text(json.dumps(found) + "\n", encoding="utf-8")
+        if kind == ".json":
+            atomic_files.write_json(out, found)
             return
         import matplotlib
 
@@ -54,10 +57,14 @@ def save(found: Any, out: Path, style: dict[str, Any], make: Callable[[Any], Any
         with pyplot.rc_context({"font.size": 9, "svg.hashsalt": "petzval", "svg.fonttype": "none", **style}):
             figure = make(pyplot)
             metadata = {".svg": {"Date": None}, ".png": {"Software": None}, ".pdf": {"CreationDate": None}}
-            figure.savefig(out, dpi=150, metadata=metadata[out.suffix.lower()])
+            # In memory first: the writer of PDF files fails in other ways, too, where a disk is full.
+            drawn = io.BytesIO()
+            figure.savefig(drawn, format=kind[1:], dpi=150, metadata=metadata[kind])
             pyplot.close(figure)
-        if out.suffix.lower() == ".svg":
-            out.write_text(_with_steady_names(out.read_text(encoding="utf-8")), encoding="utf-8")
+        data = drawn.getvalue()
+        if kind == ".svg":
+            data = _with_steady_names(data.decode("utf-8")).encode("utf-8")
+        atomic_files.write_bytes(out, data)
     except OSError as error:
         raise CommandError(f"cannot write {out}: {error.strerror or error}: choose another place") from None
 

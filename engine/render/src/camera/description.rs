@@ -266,6 +266,19 @@ impl CameraDescription {
                 Err(self.error(format!("{name} is {value}; set it above zero")))
             }
         };
+        let finite = [
+            ("the rotation of its blades", self.blade_rotation_rad),
+            ("the curvature of its blades", self.blade_curvature),
+            ("the film's tilt", self.tilt_rad),
+            ("the film's swing", self.swing_rad),
+            ("the lens's shift to the right", self.shift_mm[0]),
+            ("the lens's shift up", self.shift_mm[1]),
+            ("the picture's shift to the right", self.pinhole_shift[0]),
+            ("the picture's shift up", self.pinhole_shift[1]),
+        ];
+        if let Some((name, value)) = finite.into_iter().find(|(_, value)| !value.is_finite()) {
+            return Err(self.error(format!("{name} is {value}; give a number, or look at its driver")));
+        }
         if let Some(e) = self.exposure {
             positive(e.shutter_s, "the shutter time")?;
             positive(e.iso, "the film speed")?;

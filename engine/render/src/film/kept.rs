@@ -5,13 +5,20 @@ use super::{Film, TileSums};
 use serde::{Deserialize, Serialize};
 use std::sync::PoisonError;
 
-/// All that has reached a film.
+/// All that has reached a film, and the films of its light groups.
 #[derive(Debug, Serialize, Deserialize)]
 pub struct FilmState {
+    own: OwnState,
+    /// A light group has no groups of its own: a file cannot nest them without end.
+    groups: Vec<OwnState>,
+}
+
+/// All that has reached a film, without its light groups.
+#[derive(Debug, Serialize, Deserialize)]
+struct OwnState {
     tiles: Vec<TileSums>,
     far: SplatState,
     anywhere: [SplatState; 2],
-    groups: Vec<FilmState>,
 }
 
 /// What was kept is of a film of another size, or one that keeps other things.
@@ -20,13 +27,16 @@ pub struct FilmState {
 pub struct NotThisFilm;
 
 impl Film {
-    /// What is there now, while nobody adds to it.
+    /// The state of the film now, while nobody adds to it.
     pub fn state(&self) -> FilmState {
-        FilmState {
+        FilmState { own: self.own_state(), groups: self.groups.iter().map(Self::own_state).collect() }
+    }
+
+    fn own_state(&self) -> OwnState {
+        OwnState {
             tiles: (0..self.tiles.len()).map(|tile| self.tile(tile).clone()).collect(),
             far: self.far.state(),
             anywhere: self.anywhere.each_ref().map(SplatSums::state),
-            groups: self.groups.iter().map(Self::state).collect(),
         }
     }
 
@@ -35,7 +45,15 @@ impl Film {
     /// # Errors
     /// [`NotThisFilm`], with the film unchanged or half restored: it is no use then.
     pub fn restore(&mut self, state: FilmState) -> Result<(), NotThisFilm> {
-        if self.tiles.len() != state.tiles.len() || self.groups.len() != state.groups.len() {
+        if self.groups.len() != state.groups.len() {
+            return Err(NotThisFilm);
+        }
+        self.restore_own(state.own)?;
+        self.groups.iter_mut().zip(state.groups).try_for_each(|(group, state)| group.restore_own(state))
+    }
+
+    fn restore_own(&mut self, state: OwnState) -> Result<(), NotThisFilm> {
+        if self.tiles.len() != state.tiles.len() {
             return Err(NotThisFilm);
         }
         for ((_, here), kept) in self.tiles.iter_mut().zip(state.tiles) {
@@ -51,7 +69,7 @@ impl Film {
         self.far = sums(state.far)?;
         let [first, second] = state.anywhere;
         self.anywhere = [sums(first)?, sums(second)?];
-        self.groups.iter_mut().zip(state.groups).try_for_each(|(group, state)| group.restore(state))
+        Ok(())
     }
 }
 

@@ -92,6 +92,18 @@ pub struct Keep {
     pub parts: usize,
 }
 
+/// Bytes of memory that each pixel takes of a film that keeps these: what surfaces the pixels see, how they move, which they are,
+/// light in halves, and so many groups and parts of the light.
+pub fn bytes_a_pixel(surfaces: bool, vectors: bool, mattes: bool, halves: bool, groups: usize) -> usize {
+    // Light that falls far from its tile has sums of two sizes, three colours each.
+    let light = size_of::<[f64; 4]>() + 6 * size_of::<i64>();
+    let surfaces = if surfaces { size_of::<data::DataSums>() } else { 0 };
+    let vectors = if vectors { size_of::<data::VectorSums>() } else { 0 };
+    // How many names cover a pixel differs; four, of number and count each, are many.
+    let mattes = if mattes { 4 * 8 } else { 0 };
+    (light + if halves { light } else { 0 }) * (1 + groups) + surfaces + vectors + mattes
+}
+
 /// Light on a part of the picture, while one thread gathers it.
 #[derive(Clone, Debug, Serialize, Deserialize)]
 pub struct Patch {
@@ -109,7 +121,8 @@ pub struct Patch {
     vectors: Vec<VectorSums>,
     #[serde(skip)]
     mattes: Option<Box<MatteNotes>>,
-    /// The same light by groups of emitters.
+    /// The same light by groups of emitters, while it is gathered; the sums of a group are of a film of its own.
+    #[serde(skip)]
     groups: Vec<Patch>,
 }
 

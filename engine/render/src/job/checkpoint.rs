@@ -9,17 +9,25 @@ use super::adaptive::AdaptiveState;
 use super::{Shared, lock};
 use crate::film::FilmState;
 use crate::pipeline::Counts;
+use petzval_files::Identity;
 use serde::{Deserialize, Serialize};
 use std::fs::File;
-use std::io::{BufReader, BufWriter, Read, Write};
-use std::path::PathBuf;
+use std::io::{BufReader, ErrorKind, Read, Write};
+use std::path::{Path, PathBuf};
 use std::sync::atomic::Ordering;
 use std::sync::{Mutex, PoisonError};
 use std::time::{Duration, Instant};
 
-/// The beginning of each file; another layout has another number.
-const MAGIC: &[u8; 16] = b"Petzval film   1";
-/// What else decides the bits of a picture: the engine, and whether products and sums are rounded together.
+/// The beginning of each file; another layout has another number. Then come the length of the header, the header, its checksum, the
+/// [`Body`], and the body's length and checksum. Numbers are little-endian.
+const MAGIC: &[u8; 16] = b"Petzval film   2";
+/// The part of [`MAGIC`] that all layouts share.
+const MAGIC_STEM: &[u8] = b"Petzval film";
+/// A header has a version and a fingerprint.
+const LONGEST_HEADER: u32 = 1 << 16;
+/// The bytes after the body: its length and its checksum.
+const TAIL_BYTES: u64 = 12;
+/// Besides the fingerprint, the engine and whether products and sums are rounded together decide the bits of a picture.
 const MADE_BY: (&str, bool) = (env!("CARGO_PKG_VERSION"), cfg!(target_feature = "fma"));
 
 /// Where and how often a render is kept.
@@ -48,19 +56,41 @@ pub struct Kept {
     pub problem: Option<String>,
 }
 
+/// The checkpoint that a render has written or taken up.
+#[derive(Clone, Debug)]
+pub struct OwnFile {
+    /// The file's path.
+    pub path: PathBuf,
+    identity: Identity,
+}
+
+impl OwnFile {
+    /// Removes the file, unless another render has replaced it meanwhile; true where it was removed.
+    pub fn delete(&self) -> bool {
+        Identity::of(&self.path).is_ok_and(|now| now == self.identity) && std::fs::remove_file(&self.path).is_ok()
+    }
+}
+
 /// Keeps a render.
 pub(super) struct Keeper {
     settings: Checkpoints,
     kept: Mutex<Kept>,
-    /// From the renders before.
+    /// The file as this render has last written it or taken it up.
+    own: Mutex<Option<OwnFile>>,
+    /// Wall time of the renders before, s.
     seconds: f64,
 }
 
-/// What a file holds, after the magic.
+/// The first part of a file: whose it is.
 #[derive(Serialize, Deserialize)]
-struct Whole {
+struct Header {
     made_by: (String, bool),
     fingerprint: String,
+}
+
+/// The second part of a file: what is done.
+#[derive(Serialize, Deserialize)]
+struct Body {
     seconds: f64,
     counts: Counts,
     film: FilmState,
@@ -71,7 +101,9 @@ struct Whole {
 enum Unusable {
     #[error("{0}")]
     Io(#[from] std::io::Error),
-    #[error("it is no checkpoint, or damaged")]
+    #[error("it is no checkpoint, and is left as it is: name another file")]
+    Foreign,
+    #[error("it is damaged")]
     Damaged,
     #[error("it is of another version of Petzval")]
     Version,
@@ -79,38 +111,130 @@ enum Unusable {
     Picture,
 }
 
+/// Whether a file may be replaced by a checkpoint: there is none, or it is empty or a checkpoint of any version.
+///
+/// # Errors
+/// One line that says what the file is.
+pub fn check_file(file: &Path) -> Result<(), String> {
+    begin(file).map(drop).map_err(|why| why.to_string())
+}
+
+/// The file behind its magic; `None` where there is nothing to take up.
+fn begin(path: &Path) -> Result<Option<BufReader<File>>, Unusable> {
+    match path.metadata() {
+        // Opening a pipe would wait for its other end.
+        Ok(metadata) if !metadata.is_file() => return Err(Unusable::Foreign),
+        Ok(metadata) if metadata.len() == 0 => return Ok(None),
+        Ok(_) => {}
+        Err(error) if error.kind() == ErrorKind::NotFound => return Ok(None),
+        Err(error) => return Err(error.into()),
+    }
+    let mut file = BufReader::with_capacity(1 << 20, File::open(path)?);
+    let mut magic = [0; MAGIC.len()];
+    match file.read_exact(&mut magic) {
+        Err(error) if error.kind() == ErrorKind::UnexpectedEof => return Err(Unusable::Foreign),
+        read => read?,
+    }
+    if !magic.starts_with(MAGIC_STEM) {
+        return Err(Unusable::Foreign);
+    }
+    Ok((magic == *MAGIC).then_some(file))
+}
+
+/// A part of a file of so many bytes.
+fn part(file: &mut impl Read, bytes: u64) -> Result<Vec<u8>, Unusable> {
+    let mut part = Vec::new();
+    file.take(bytes).read_to_end(&mut part)?;
+    if part.len() as u64 == bytes { Ok(part) } else { Err(Unusable::Damaged) }
+}
+
+fn number<const N: usize>(file: &mut impl Read) -> Result<[u8; N], Unusable> {
+    part(file, N as u64)?.try_into().map_err(|_| Unusable::Damaged)
+}
+
+/// A writer that counts and sums up its bytes.
+struct Summed<W> {
+    inner: W,
+    length: u64,
+    checksum: crc32fast::Hasher,
+    /// The first error of the inner writer.
+    failed: Option<std::io::Error>,
+}
+
+impl<W: Write> Write for Summed<W> {
+    fn write(&mut self, bytes: &[u8]) -> std::io::Result<usize> {
+        let written = self.inner.write(bytes).inspect_err(|error| {
+            let same = error.raw_os_error().map_or_else(|| error.kind().into(), std::io::Error::from_raw_os_error);
+            self.failed.get_or_insert(same);
+        })?;
+        self.length += written as u64;
+        self.checksum.update(&bytes[..written]);
+        Ok(written)
+    }
+
+    fn flush(&mut self) -> std::io::Result<()> {
+        self.inner.flush()
+    }
+}
+
 impl Keeper {
-    /// Takes up what was kept of the same picture, before the first thread starts.
+    /// Takes up what was kept of the same picture, before the first thread starts. A file that is no checkpoint ends the render: it
+    /// is not to be replaced.
     pub(super) fn new(settings: Checkpoints, shared: &mut Shared) -> Self {
-        let mut keeper = Self { settings, kept: Mutex::default(), seconds: 0.0 };
+        let mut keeper = Self { settings, kept: Mutex::default(), own: Mutex::default(), seconds: 0.0 };
         match keeper.read() {
             Ok(None) => {}
-            Ok(Some(whole)) => keeper.take_up(whole, shared),
+            Ok(Some(body)) => keeper.take_up(body, shared),
+            Err(Unusable::Foreign) => keeper.fail(shared, &Unusable::Foreign),
             Err(why) => keeper.complain(format!("begun anew: {why}")),
         }
         keeper
     }
 
-    fn read(&self) -> Result<Option<Whole>, Unusable> {
-        let file = match File::open(&self.settings.file) {
-            Ok(file) => file,
-            Err(error) if error.kind() == std::io::ErrorKind::NotFound => return Ok(None),
-            Err(error) => return Err(error.into()),
+    fn read(&self) -> Result<Option<Body>, Unusable> {
+        let path = &self.settings.file;
+        let Some(mut file) = begin(path)? else {
+            // Another version's, unless there is none.
+            return if path.metadata().is_ok_and(|m| m.len() > 0) { Err(Unusable::Version) } else { Ok(None) };
         };
-        let mut bytes = Vec::new();
-        BufReader::new(file).read_to_end(&mut bytes)?;
-        let bytes = bytes.strip_prefix(MAGIC).ok_or(Unusable::Damaged)?;
-        let whole: Whole = postcard::from_bytes(bytes).map_err(|_| Unusable::Damaged)?;
-        if (whole.made_by.0.as_str(), whole.made_by.1) != MADE_BY {
+        let metadata = file.get_ref().metadata()?;
+        let header_bytes = u32::from_le_bytes(number(&mut file)?);
+        if header_bytes > LONGEST_HEADER {
+            return Err(Unusable::Damaged);
+        }
+        let header = part(&mut file, header_bytes.into())?;
+        if crc32fast::hash(&header) != u32::from_le_bytes(number(&mut file)?) {
+            return Err(Unusable::Damaged);
+        }
+        let header: Header = postcard::from_bytes(&header).map_err(|_| Unusable::Damaged)?;
+        if (header.made_by.0.as_str(), header.made_by.1) != MADE_BY {
             return Err(Unusable::Version);
         }
-        if whole.fingerprint != self.settings.fingerprint {
+        if header.fingerprint != self.settings.fingerprint {
             return Err(Unusable::Picture);
         }
-        Ok(Some(whole))
+        let before = MAGIC.len() as u64 + 4 + u64::from(header_bytes) + 4;
+        let length = metadata.len().checked_sub(before + TAIL_BYTES).ok_or(Unusable::Damaged)?;
+        let body = part(&mut file, length)?;
+        let told = (u64::from_le_bytes(number(&mut file)?), u32::from_le_bytes(number(&mut file)?));
+        if told != (length, crc32fast::hash(&body)) {
+            return Err(Unusable::Damaged);
+        }
+        let (body, rest) = postcard::take_from_bytes::<Body>(&body).map_err(|_| Unusable::Damaged)?;
+        if !rest.is_empty() {
+            return Err(Unusable::Damaged);
+        }
+        let identity = Identity::of_metadata(&metadata);
+        *lock(&self.own) = Some(OwnFile { path: path.clone(), identity });
+        Ok(Some(body))
     }
 
-    fn take_up(&mut self, whole: Whole, shared: &mut Shared) {
+    fn fail(&self, shared: &Shared, why: &Unusable) {
+        *lock(&shared.failure) = Some(format!("checkpoint {}: {why}", self.settings.file.display()));
+        shared.stop.store(true, Ordering::Relaxed);
+    }
+
+    fn take_up(&mut self, whole: Body, shared: &mut Shared) {
         let fits = shared.film.restore(whole.film).is_ok()
             && match (&mut shared.adaptive, whole.adaptive) {
                 (Some(adaptive), Some(state)) => adaptive.restore(state),
@@ -120,7 +244,7 @@ impl Keeper {
         if !fits {
             // The fingerprint says that it is the same picture: then it holds what it should, or was damaged.
             *lock(&shared.failure) =
-                Some(format!("{}: {}; delete it", self.settings.file.display(), Unusable::Damaged));
+                Some(format!("checkpoint {}: {}; delete it", self.settings.file.display(), Unusable::Damaged));
             shared.stop.store(true, Ordering::Relaxed);
             return;
         }
@@ -137,10 +261,9 @@ impl Keeper {
         lock(&self.kept).clone()
     }
 
-    /// Nothing is kept any more.
-    pub(super) fn delete(&self) {
-        // If it cannot be deleted, the next render says what it is.
-        let _ = std::fs::remove_file(&self.settings.file);
+    /// The file that this render has written or taken up.
+    pub(super) fn own_file(&self) -> Option<OwnFile> {
+        lock(&self.own).clone()
     }
 
     fn complain(&self, problem: String) {
@@ -149,12 +272,10 @@ impl Keeper {
     }
 
     fn write(&self, shared: &Shared) {
-        let whole = {
+        let body = {
             let _alone = shared.gate.write().unwrap_or_else(PoisonError::into_inner);
             let began = Instant::now();
-            let whole = Whole {
-                made_by: (MADE_BY.0.to_owned(), MADE_BY.1),
-                fingerprint: self.settings.fingerprint.clone(),
+            let body = Body {
                 seconds: self.seconds + shared.started.elapsed().as_secs_f64(),
                 counts: *lock(&shared.counts),
                 film: shared.film.state(),
@@ -162,28 +283,37 @@ impl Keeper {
             };
             let mut kept = lock(&self.kept);
             kept.longest_stop_s = kept.longest_stop_s.max(began.elapsed().as_secs_f64());
-            whole
+            body
         };
-        match self.write_whole(&whole) {
+        match self.write_file(&body) {
             Ok(()) => lock(&self.kept).written += 1,
             Err(error) => self.complain(format!("cannot be written: {error}")),
         }
     }
 
-    fn write_whole(&self, whole: &Whole) -> std::io::Result<()> {
-        // Of its own for each process: two that render the same do not mix.
-        let beside = self.settings.file.with_extension(format!("{}.new", std::process::id()));
-        let write = || {
-            let mut file = BufWriter::with_capacity(1 << 20, File::create(&beside)?);
+    fn write_file(&self, body: &Body) -> std::io::Result<()> {
+        // Another program may have put a file of its own there.
+        check_file(&self.settings.file).map_err(std::io::Error::other)?;
+        let header =
+            Header { made_by: (MADE_BY.0.to_owned(), MADE_BY.1), fingerprint: self.settings.fingerprint.clone() };
+        let header = postcard::to_stdvec(&header).map_err(std::io::Error::other)?;
+        petzval_files::write(&self.settings.file, |file| {
             file.write_all(MAGIC)?;
-            let file = postcard::to_io(whole, file).map_err(std::io::Error::other)?;
-            let file = file.into_inner().map_err(std::io::IntoInnerError::into_error)?;
-            file.sync_all()?;
-            std::fs::rename(&beside, &self.settings.file)
-        };
-        write().inspect_err(|_| {
-            let _ = std::fs::remove_file(&beside);
-        })
+            file.write_all(&(header.len() as u32).to_le_bytes())?;
+            file.write_all(&header)?;
+            file.write_all(&crc32fast::hash(&header).to_le_bytes())?;
+            let mut summed = Summed { inner: &mut *file, length: 0, checksum: crc32fast::Hasher::new(), failed: None };
+            // The serialiser forgets why its writer failed.
+            if let Err(error) = postcard::to_io(body, &mut summed) {
+                return Err(summed.failed.unwrap_or_else(|| std::io::Error::other(error)));
+            }
+            let (length, checksum) = (summed.length, summed.checksum.finalize());
+            file.write_all(&length.to_le_bytes())?;
+            file.write_all(&checksum.to_le_bytes())
+        })?;
+        let identity = Identity::of(&self.settings.file)?;
+        *lock(&self.own) = Some(OwnFile { path: self.settings.file.clone(), identity });
+        Ok(())
     }
 }
 
@@ -192,7 +322,8 @@ impl Shared {
     pub(super) fn keep(&self) {
         let Some(keeper) = &self.keeper else { return };
         let began = Instant::now();
-        loop {
+        // A film that could not be restored is nothing to keep.
+        while lock(&self.failure).is_none() {
             let running = lock(&self.running);
             let every = keeper.settings.every;
             let (running, _) =

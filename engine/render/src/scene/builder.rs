@@ -243,12 +243,15 @@ impl SceneBuilder {
     /// Adds a lamp. `matrix` takes its axes to world space; it shines along its -z.
     ///
     /// # Errors
-    /// [`SceneError::BadMatrix`].
+    /// [`SceneError::BadMatrix`], [`SceneError::BadLight`].
     pub fn add_lamp(&mut self, lamp: Lamp, matrix: DMat4) -> Result<(), SceneError> {
         if !matrix.is_finite() {
             return Err(SceneError::BadMatrix { object: lamp.object_name });
         }
-        if !lamp.color.is_finite() || lamp.color == Rgb::ZERO {
+        if !lamp.color.is_finite() {
+            return Err(SceneError::BadLight { object: lamp.object_name });
+        }
+        if lamp.color == Rgb::ZERO {
             return Ok(());
         }
         self.lamps.push((lamp, matrix));

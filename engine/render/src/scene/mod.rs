@@ -80,6 +80,12 @@ pub enum SceneError {
         /// The object's name.
         object: String,
     },
+    /// A light whose colour times its power is NaN or infinite.
+    #[error("light '{object}': its power or colour is infinite or NaN; give numbers, or look at its drivers")]
+    BadLight {
+        /// The object's name.
+        object: String,
+    },
     /// An image whose pixel array has another size than its width and height say.
     #[error("image '{image}': {pixels} values for {width} x {height} RGBA pixels; reload the image")]
     BadImage {

@@ -10,6 +10,13 @@ use super::{LensFileError, Problem, finite, not_a_number};
 use crate::formats::draft::Draft;
 use crate::formats::problem::at;
 
+/// Glasses that a file may define, and names that it may give: as many as surfaces.
+const MOST_GLASSES: usize = 1000;
+
+fn too_many_glasses() -> Problem {
+    Problem::Unsupported(format!("a lens file defines no more than {MOST_GLASSES} glasses"))
+}
+
 /// What the lines say beside the metadata.
 #[derive(Clone, Default)]
 pub(crate) struct Header {
@@ -21,8 +28,11 @@ pub(crate) struct Header {
     pub(super) moving: MovingLines,
     /// Glasses that the file defines itself.
     pub(crate) glasses: Vec<Medium>,
-    /// Names that the file has for glasses of the catalogues: name, token.
-    pub(crate) aliases: Vec<(String, String)>,
+    /// Numbers of the glasses that were added or changed since `Glasses::define_new`.
+    pub(crate) changed_glasses: Vec<usize>,
+    /// Names that the file has for glasses of the catalogues, since then: name, token.
+    pub(crate) new_aliases: Vec<(String, String)>,
+    alias_count: usize,
     /// Files of glasses beside this one, and where they are named.
     pub(crate) catalogues: Vec<(String, Place)>,
 }
@@ -78,11 +88,19 @@ impl Header {
             "position" => self.moving.position(value, place)?,
             "glass" if value.contains('=') => {
                 let (name, token) = value.split_once('=').unwrap_or_default();
-                self.aliases.push((name.trim().to_owned(), token.trim().to_owned()));
+                self.alias_count += 1;
+                if self.alias_count > MOST_GLASSES {
+                    return Err(too_many_glasses());
+                }
+                self.new_aliases.push((name.trim().to_owned(), token.trim().to_owned()));
             }
             // A remark about the glasses is none of these.
             "glass" if !is_formula(value) => {}
-            "glass" => self.glasses.push(glass(value).ok_or_else(|| Problem::GlassLine(value.to_owned()))?),
+            "glass" if self.glasses.len() >= MOST_GLASSES => return Err(too_many_glasses()),
+            "glass" => {
+                self.changed_glasses.push(self.glasses.len());
+                self.glasses.push(glass(value).ok_or_else(|| Problem::GlassLine(value.to_owned()))?);
+            }
             "transmittance" if value.contains('@') => self.transmittance(value)?,
             "gradient" => self.gradient(value)?,
             "catalogue" if is_glass_file(value) => self.catalogues.push((value.to_owned(), place)),
@@ -105,7 +123,7 @@ impl Header {
         let bad = || Problem::TransmittanceLine(value.to_owned());
         let mut words = value.split_whitespace();
         let name = words.next().ok_or_else(bad)?;
-        let glass = self.glasses.iter_mut().find(|glass| glass.name() == name).ok_or_else(bad)?;
+        let number = self.glasses.iter().position(|glass| glass.name() == name).ok_or_else(bad)?;
         let point = |word: &str| {
             let (nm, rest) = word.split_once(':')?;
             let (part, mm) = rest.split_once('@')?;
@@ -113,7 +131,8 @@ impl Header {
         };
         let points: Option<Vec<[f64; 3]>> = words.map(point).collect();
         let known = points.and_then(InternalTransmittance::new).ok_or_else(bad)?;
-        *glass = glass.clone().with_transmittance(known);
+        self.glasses[number] = self.glasses[number].clone().with_transmittance(known);
+        self.changed_glasses.push(number);
         Ok(())
     }
 
@@ -123,7 +142,7 @@ impl Header {
         let bad = |found: &str| Problem::GradientLine(found.to_owned());
         let mut words = value.split_whitespace();
         let name = words.next().ok_or_else(|| bad(value))?;
-        let glass = self.glasses.iter_mut().find(|glass| glass.name() == name).ok_or_else(|| bad(name))?;
+        let number = self.glasses.iter().position(|glass| glass.name() == name).ok_or_else(|| bad(name))?;
         let (mut terms, mut from_mm) = (Vec::new(), 0.0);
         for word in words {
             let (key, number) = word.split_once('=').ok_or_else(|| bad(word))?;
@@ -135,7 +154,8 @@ impl Header {
             }
         }
         let gradient = Gradient::new(terms, from_mm).ok_or_else(|| bad(value))?;
-        *glass = glass.clone().with_gradient(gradient);
+        self.glasses[number] = self.glasses[number].clone().with_gradient(gradient);
+        self.changed_glasses.push(number);
         Ok(())
     }
 
@@ -183,7 +203,8 @@ fn glass(value: &str) -> Option<Medium> {
     let medium = Medium::new(name, dispersion, range_nm, "the lens file");
     let is_glass = |nm: f64| (0.5..=6.0).contains(&medium.index(nm));
     let ends = range_nm.map(|nm| nm.clamp(200.0, 20_000.0));
-    (range_nm[0] >= 0.0 && range_nm[0] < range_nm[1] && ends.into_iter().all(is_glass)).then_some(medium)
+    let is_range = range_nm[0] >= 0.0 && range_nm[0] < range_nm[1];
+    (is_range && ends.into_iter().all(is_glass) && medium.hole_nm().is_none()).then_some(medium)
 }
 
 /// The line of a glass that stands in no catalogue; `None` for a medium that cannot be written.

@@ -2,7 +2,7 @@
 
 use super::super::tests::{camera, settings, stage};
 use super::super::{Beside, Job, Settings};
-use super::{Checkpoints, Kept};
+use super::{Checkpoints, Kept, MAGIC, check_file};
 use crate::camera::Model;
 use crate::film::cryptomatte::MatteLayer;
 use crate::film::data::DataPass;
@@ -100,7 +100,7 @@ fn a_render_broken_off_again_and_again_comes_to_the_same_bits() {
         assert!(times >= 2, "{name}: broken off {times} times");
         assert!(last.statistics().kept.unwrap().resumed_samples > 0.0, "{name}");
         assert!(bits(&last) == bits(&whole), "{name}");
-        last.end_checkpoints(true);
+        assert!(last.end_checkpoints().unwrap().delete());
         assert!(!folder.file().exists());
     }
 }
@@ -119,7 +119,7 @@ fn a_stopped_render_is_kept() {
     let kept = finish(&job);
     assert_eq!((kept.resumed_samples, kept.problem), (0.0, None));
     let mean = job.statistics().mean_samples;
-    job.end_checkpoints(false);
+    let _ = job.end_checkpoints();
     assert!(job.statistics().kept.unwrap().written > 0);
 
     let next = start(&settings, Some(&folder.file()), "one", 10_000);
@@ -135,11 +135,10 @@ fn what_is_of_another_picture_is_not_taken_up() {
     let job = start(&settings, Some(&folder.file()), "one", 1);
     finish(&job);
     let picture = bits(&job);
-    job.end_checkpoints(false);
-    for (fingerprint, damage, said) in [("two", false, "another picture"), ("one", true, "damaged")] {
-        if damage {
-            let bytes = std::fs::read(folder.file()).unwrap();
-            std::fs::write(folder.file(), &bytes[..bytes.len() / 2]).unwrap();
+    let _ = job.end_checkpoints();
+    for (fingerprint, is_damaged, said) in [("two", false, "another picture"), ("one", true, "damaged")] {
+        if is_damaged {
+            damage(&folder.file(), |bytes| bytes.truncate(bytes.len() / 2));
         }
         let job = start(&settings, Some(&folder.file()), fingerprint, 10_000);
         let kept = finish(&job);
@@ -150,7 +149,87 @@ fn what_is_of_another_picture_is_not_taken_up() {
     // Where nothing can be written it is said, and the picture is whole.
     let job = start(&settings, Some(&folder.0.join("none").join("file")), "one", 1);
     finish(&job);
-    job.end_checkpoints(false);
+    let _ = job.end_checkpoints();
     assert!(job.statistics().kept.unwrap().problem.unwrap().contains("cannot be written"));
     assert!(bits(&job) == picture);
+}
+
+fn damage(file: &Path, how: impl FnOnce(&mut Vec<u8>)) {
+    let mut bytes = std::fs::read(file).unwrap();
+    how(&mut bytes);
+    std::fs::write(file, bytes).unwrap();
+}
+
+/// A checkpoint of a render that is done, and its picture.
+fn kept_render(folder: &Folder, settings: &Settings) -> (Vec<Vec<f32>>, u64) {
+    let job = start(settings, Some(&folder.file()), "one", 1);
+    finish(&job);
+    assert!(job.end_checkpoints().is_some());
+    bits(&job)
+}
+
+/// Single bits are turned all over the file: it is never taken up, and the picture is that of a whole render.
+#[test]
+fn a_damaged_checkpoint_is_never_taken_up() {
+    let folder = Folder::new("damaged");
+    let settings = settings(48, 2);
+    let picture = kept_render(&folder, &settings);
+    let whole = std::fs::read(folder.file()).unwrap();
+    // Not the magic: a file without it is none of ours.
+    let places = (0..64).map(|i| MAGIC.len() + i * 7919 * (whole.len() - MAGIC.len()) / (64 * 7919));
+    for place in places.chain([whole.len() - 1]) {
+        let mut bytes = whole.clone();
+        bytes[place] ^= 1 << (place % 8);
+        std::fs::write(folder.file(), bytes).unwrap();
+        let job = start(&settings, Some(&folder.file()), "one", 10_000);
+        let kept = job.statistics().kept.unwrap();
+        assert_eq!(kept.resumed_samples, 0.0, "byte {place}");
+        assert!(kept.problem.is_some(), "byte {place}");
+    }
+    let job = start(&settings, Some(&folder.file()), "one", 10_000);
+    finish(&job);
+    assert!(bits(&job) == picture);
+}
+
+#[test]
+fn a_file_that_is_no_checkpoint_is_left_as_it_is() {
+    let folder = Folder::new("foreign");
+    std::fs::write(folder.file(), "a text, or a scene").unwrap();
+    let job = start(&settings(48, 2), Some(&folder.file()), "one", 1);
+    assert!(job.wait(Duration::from_secs(60)));
+    assert!(job.statistics().failure.unwrap().contains("it is no checkpoint"));
+    assert!(job.end_checkpoints().is_none());
+    assert_eq!(std::fs::read_to_string(folder.file()).unwrap(), "a text, or a scene");
+    assert!(check_file(&folder.file()).is_err() && check_file(&folder.0).is_err());
+    #[cfg(unix)]
+    assert!(check_file(Path::new("/dev/zero")).is_err());
+    // Nothing yet, as mktemp leaves it.
+    std::fs::write(folder.file(), "").unwrap();
+    kept_render(&folder, &settings(48, 2));
+}
+
+/// Two renders with one file: each removes only what it has written itself.
+#[test]
+fn a_checkpoint_of_another_render_is_not_deleted() {
+    let folder = Folder::new("shared");
+    let settings = settings(48, 2);
+    let first = start(&settings, Some(&folder.file()), "one", 1);
+    finish(&first);
+    let own = first.end_checkpoints().unwrap();
+    let second = start(&settings, Some(&folder.file()), "two", 1);
+    finish(&second);
+    let others = second.end_checkpoints().unwrap();
+    assert!(!own.delete() && folder.file().exists());
+    assert!(others.delete() && !folder.file().exists());
+}
+
+/// A header that says to be longer than any is refused before it is read.
+#[test]
+fn headers_are_bounded() {
+    let folder = Folder::new("header");
+    let mut bytes = MAGIC.to_vec();
+    bytes.extend(u32::MAX.to_le_bytes());
+    std::fs::write(folder.file(), bytes).unwrap();
+    let job = start(&settings(48, 2), Some(&folder.file()), "one", 10_000);
+    assert!(finish(&job).problem.unwrap().contains("damaged"));
 }

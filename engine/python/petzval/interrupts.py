@@ -1,0 +1,92 @@
+# SPDX-License-Identifier: GPL-3.0-or-later
+"""Ctrl-C and SIGTERM while a command works with Blender.
+
+The first signal asks a render to stop and to keep its samples; before there is a render to ask, it ends the process. A later
+signal ends the process at once. Nothing half written stays.
+"""
+
+from __future__ import annotations
+
+import os
+import signal
+import sys
+import threading
+import time
+from collections.abc import Callable
+
+#: Exit status of a command that was broken off.
+INTERRUPTED = 130
+# A terminal and the program before this one may both hand on one Ctrl-C; only a later one means: at once.
+_ONE_KEYPRESS_SECONDS = 1.0
+_SIGNALS = (signal.SIGINT, signal.SIGTERM)
+
+
+class _Listener:
+    """What a signal does in this process."""
+
+    def __init__(self) -> None:
+        self.is_listening = False
+        #: Asks the render to stop; None: there is none.
+        self.stop: Callable[[], None] | None = None
+        #: When it was first asked, in seconds of the monotonic clock.
+        self._first: float | None = None
+        self._voice = 2
+
+    def start(self) -> None:
+        self.is_listening = True
+        # Blender's own words take the place of stderr later.
+        self._voice = os.dup(2)
+
+    def heard(self, *_: object) -> None:
+        now = time.monotonic()
+        if self.stop is None:
+            self._leave(b"petzval: broken off before the first sample: nothing was written\n")
+        elif self._first is None:
+            self._first = now
+            self.stop()
+        elif now - self._first > _ONE_KEYPRESS_SECONDS:
+            self._leave(b"")
+
+    def _leave(self, words: bytes) -> None:
+        files = sys.modules.get("petzval.atomic_files")
+        if files is not None:
+            files.abandon_all()
+        if words:
+            os.write(self._voice, words)
+        os._exit(INTERRUPTED)
+
+
+_listener = _Listener()
+
+
+def listen() -> None:
+    """Hears signals from now on, in a thread of its own: whatever Blender does with signals when it is imported, and while the main
+    thread is inside Blender. Called before bpy is imported; of several calls the first counts."""
+    if _listener.is_listening:
+        return
+    _listener.start()
+    if not hasattr(signal, "pthread_sigmask"):  # Windows
+        listen_by_handlers()
+        return
+    # Threads that start later inherit the mask.
+    signal.pthread_sigmask(signal.SIG_BLOCK, _SIGNALS)
+
+    def wait() -> None:
+        while True:
+            signal.sigwait(_SIGNALS)
+            _listener.heard()
+
+    threading.Thread(target=wait, name="petzval signals", daemon=True).start()
+
+
+def listen_by_handlers() -> None:
+    """Hears signals from now on where other threads run already, as inside of a Blender program."""
+    if not _listener.is_listening:
+        _listener.start()
+    for number in _SIGNALS:
+        signal.signal(number, _listener.heard)
+
+
+def ask(stop: Callable[[], None]) -> None:
+    """The first signal from now on calls `stop`."""
+    _listener.stop = stop
