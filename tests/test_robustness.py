@@ -512,6 +512,19 @@ def test_a_standard_output_that_is_full_is_said(arguments):
     assert done.returncode == 1 and "No space left" in one_line(done)
 
 
+def test_a_standard_output_that_is_closed_is_said(scene, tmp_path):
+    command = f"{sys.executable} -m petzval"
+    done = subprocess.run(
+        ["sh", "-c", f"{command} lens info {LENS} >&-"], cwd=ROOT, stderr=subprocess.PIPE, text=True, check=False
+    )
+    assert done.returncode == 1 and "standard output is closed" in one_line(done)
+    # A render writes its picture all the same, and nothing into it.
+    out = tmp_path / "out.exr"
+    line = f"{command} render {scene} {' '.join(SMALL)} -o {out} >&- 2>&- <&-"
+    assert subprocess.run(["sh", "-c", line], cwd=ROOT, check=False, timeout=120).returncode == 0
+    assert picture(out).shape[:2] == (24, 32)
+
+
 def test_a_message_repeats_no_more_of_a_file_than_a_reader_bears(tmp_path):
     file = tmp_path / "long.lens"
     file.write_text("#radius thickness glass diameter conic isstop\n" + "x" * 100_000 + " 1 air 20 0 0\n")

@@ -57,8 +57,22 @@ def _parser(wanted: str | None) -> argparse.ArgumentParser:
     return parser
 
 
+def _open_closed_streams() -> None:
+    """Sends standard streams that are closed nowhere: the next file that is opened would take their place."""
+    while (descriptor := os.open(os.devnull, os.O_RDWR)) <= 2:
+        continue
+    os.close(descriptor)
+    if sys.stderr is None:
+        sys.stderr = open(2, "w", closefd=False)  # noqa: SIM115
+
+
 def _run(argv: Sequence[str]) -> int:
     wanted = next((word for word in argv if not word.startswith("-")), None)
+    if sys.stdout is None:
+        # A render answers by its files; what it says meanwhile is lost.
+        if wanted != "render":
+            raise CommandError("the standard output is closed: open it, or send it into a file")
+        sys.stdout = open(1, "w", closefd=False)  # noqa: SIM115
     parser = _parser(wanted)
     arguments = parser.parse_args(argv)
     if arguments.version:
@@ -92,6 +106,7 @@ def _is_engine_error(error: Exception) -> bool:
 def run_command(argv: Sequence[str] | None = None) -> int:
     """Runs one command; returns its exit status. Says errors instead of raising them."""
     try:
+        _open_closed_streams()
         status = _run(sys.argv[1:] if argv is None else argv)
         sys.stdout.flush()
         return status
