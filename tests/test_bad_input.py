@@ -178,6 +178,8 @@ def test_a_camera_without_size(good_before_and_after):
     [
         ("film_width_mm", 0.0, "film width"),
         ("film_height_mm", nan, "film height"),
+        ("tilt_rad", nan, "film's tilt is NaN"),
+        ("swing_rad", inf, "film's swing is inf"),
         ("focus_distance", -1.0, "focus distance"),
         ("focus_distance", nan, "focus distance"),
         ("film_distance_mm", -20.0, "film distance"),

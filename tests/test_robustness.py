@@ -512,6 +512,21 @@ def test_a_standard_output_that_is_full_is_said(arguments):
     assert done.returncode == 1 and "No space left" in one_line(done)
 
 
+def test_a_glass_whose_formula_has_a_pole_in_the_visible_is_left_out(tmp_path):
+    """At 548 nm its index is infinite, and no number of a lens made of it can be told."""
+    (tmp_path / "own.agf").write_text(
+        "NM POLE 2 0 1.5 60 0 1 0\nCD 1.25 0.3 0 0.01 0 100\nLD 0.3 2.5\nNM GOOD 2 0 1.5 60 0 1 0\nCD 1.25 0.0 0 0.01 0 100\nLD 0.3 2.5\n"
+    )
+    file = tmp_path / "a.lens"
+    rows = "#radius thickness glass diameter conic isstop\n50 5 POLE 20 0 1\n-50 45 air 20 0 0\n"
+    file.write_text(f"# catalogue: own.agf\n{rows}")
+    done = command("lens", "info", file, "--json")
+    assert done.returncode == 1 and "unknown glass 'POLE'" in one_line(done), done.stderr
+    file.write_text(f"# catalogue: own.agf\n{rows.replace('POLE', 'GOOD')}")
+    done = command("lens", "info", file, "--json")
+    assert done.returncode == 0 and "'POLE' is left out: its coefficients make no index at" in done.stdout
+
+
 def test_a_standard_output_that_is_closed_is_said(scene, tmp_path):
     command = f"{sys.executable} -m petzval"
     done = subprocess.run(
