@@ -11,7 +11,7 @@ from pathlib import Path
 from typing import Any
 
 from . import lens_export_command, lens_ghosts_command, lens_list, lens_report_command
-from .argument_types import count, number
+from .argument_types import natural, number
 from .errors import CommandError, complain
 from .lens_loading import load, say
 from .lens_setting import add_focus, add_setting, setting_of
@@ -49,7 +49,7 @@ def add_parser(subparsers: argparse._SubParsersAction) -> None:
         "--fields", nargs="+", type=number, default=[], metavar="DEG",
         help="angles to the axis; default: 0, and 0.7 and all of the design's half field",
     )  # fmt: skip
-    draw.add_argument("--rays", type=count, default=7, metavar="N", help="of each field; default: 7")
+    draw.add_argument("--rays", type=natural, default=7, metavar="N", help="of each field; default: 7")
     draw.add_argument("--wavelength", type=number, metavar="NM", help="nanometres; default: the d line")
     add_setting(draw)
     add_focus(draw)

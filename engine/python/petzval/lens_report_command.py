@@ -11,7 +11,7 @@ from functools import partial
 from pathlib import Path
 from typing import Any
 
-from .argument_types import count, number
+from .argument_types import natural, number
 from .lens_loading import load, say
 from .lens_setting import add_look, add_setting, look_of, setting_of
 
@@ -34,21 +34,21 @@ def add_parsers(actions: Any, kinds: str) -> None:
         return parser
 
     spots = add("spots", "where the rays of a point meet the film", _SOME_FIELDS, _spots)
-    spots.add_argument("--rays", type=count, default=41, metavar="N", help="over the width of a beam; default: 41")
+    spots.add_argument("--rays", type=natural, default=41, metavar="N", help="over the width of a beam; default: 41")
     spots.add_argument(
         "--defocus", nargs="+", type=number, default=[0.0], metavar="MM", help="a column for each place of the film"
     )
 
     fans = add("fans", "how far rays across the pupil land from the middle one", _SOME_FIELDS, _fans)
-    fans.add_argument("--rays", type=count, default=201, metavar="N", help="of a fan; default: 201")
+    fans.add_argument("--rays", type=natural, default=201, metavar="N", help="of a fan; default: 201")
     fans.add_argument("--path", action="store_true", help="how long they take instead, in wavelengths")
 
     mtf = add("mtf", "how much contrast is left of fine lines", _SOME_FIELDS, _mtf)
     mtf.add_argument(
         "--frequency", type=number, default=100.0, metavar="N", help="the highest, line pairs/mm; default: 100"
     )
-    mtf.add_argument("--steps", type=count, default=40, metavar="N", help="of the frequency; default: 40")
-    mtf.add_argument("--heights", type=count, default=13, metavar="N", help="in the picture; default: 13")
+    mtf.add_argument("--steps", type=natural, default=40, metavar="N", help="of the frequency; default: 40")
+    mtf.add_argument("--heights", type=natural, default=13, metavar="N", help="in the picture; default: 13")
     mtf.add_argument(
         "--height-frequency", type=number, default=10.0, metavar="N",
         help="over the height are 1, 2, 3 and 4 times so many line pairs/mm; default: 10",
@@ -57,10 +57,10 @@ def add_parsers(actions: Any, kinds: str) -> None:
     add("psf", "what diffraction and aberrations make of a point", _SOME_FIELDS, _psf)
 
     distortion = add("distortion", "distortion, field curvature, lateral colour", _ALL_FIELDS, _distortion)
-    distortion.add_argument("--count", type=count, default=41, metavar="N", help="of the fields; default: 41")
+    distortion.add_argument("--count", type=natural, default=41, metavar="N", help="of the fields; default: 41")
 
     illumination = add("illumination", "how bright the picture is off its middle", _ALL_FIELDS, _illumination)
-    illumination.add_argument("--count", type=count, default=31, metavar="N", help="of the fields; default: 31")
+    illumination.add_argument("--count", type=natural, default=31, metavar="N", help="of the fields; default: 31")
     illumination.add_argument(
         "--f-numbers", nargs="+", type=number, default=[], metavar="N", help="a curve for each, instead of --f-number"
     )
