@@ -140,7 +140,14 @@ fn check(parts: &[Part]) -> Result<(), MergeError> {
 
 /// The first thing in which the pictures of two parts differ, if they do.
 fn difference(first: &Part, part: &Part) -> Option<String> {
-    let names: BTreeSet<&String> = first.picture_of.keys().chain(part.picture_of.keys()).collect();
+    let mut names: Vec<&String> = first.picture_of.keys().chain(part.picture_of.keys()).collect();
+    // Another lens has other settings, and another camera may have another scene: the cause first.
+    let rank = |name: &String| match name.as_str() {
+        "lens" => 0,
+        "scene" => 2,
+        _ => 1,
+    };
+    names.sort_by_key(|name| (rank(name), *name));
     let other = first.file.display();
     let named = names.into_iter().find_map(|name| {
         let (here, there) = (part.picture_of.get(name), first.picture_of.get(name));
