@@ -16,8 +16,6 @@ sys.path.insert(0, str(ROOT / "tools"))
 import supply  # noqa: E402
 
 pytestmark = pytest.mark.once
-#: Environments of `make test-all` alone.
-WITHOUT_HASHES = {"bpy42", "bpy50"}
 
 
 @pytest.fixture(scope="module")
@@ -84,7 +82,7 @@ def test_licence_expressions_are_read(licence, holds):
 
 def test_every_python_package_has_hashes():
     by_hand = {path.stem for path in supply.REQUIREMENTS.glob("*.txt")} - {"tests"}
-    assert {path.stem for path in (supply.REQUIREMENTS / "locked").glob("*.txt")} == by_hand - WITHOUT_HASHES
+    assert {path.stem for path in (supply.REQUIREMENTS / "locked").glob("*.txt")} == by_hand
     for path in (supply.REQUIREMENTS / "locked").glob("*.txt"):
         rows = [line for line in path.read_text().splitlines() if not line.startswith("#")]
         assert rows and all(re.fullmatch(r"\S+==\S+( --hash=sha256:[0-9a-f]{64})+", row) for row in rows), path

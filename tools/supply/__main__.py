@@ -48,28 +48,31 @@ _MACHINES = re.compile(r"-(any|manylinux\w*_(x86_64|aarch64)|win_amd64|win_arm64
 
 
 def lock(environment: str) -> None:
-    """Writes locked/ENVIRONMENT.txt: all packages of the environment as it is now, with the hashes of their wheels."""
-    python = REQUIREMENTS.parent.parent / f".venv-{environment}/bin/python"
-    told = subprocess.run([python, "-m", "pip", "list", "--format=json"], capture_output=True, text=True, check=True)
-    version = subprocess.run(
-        [python, "-c", "import sys; print('%d%d' % sys.version_info[:2])"], capture_output=True, text=True, check=True
-    ).stdout.strip()
+    """Writes locked/ENVIRONMENT.txt: all packages that pip would install now, with the hashes of their wheels. The environment need
+    not exist: any other with bpy of the same Python will do."""
+    folder = REQUIREMENTS.parent.parent
+    own = folder / f".venv-{environment}/bin/python"
+    python = own if own.exists() else folder / ".venv-bpy45/bin/python"
+    command = [python, "-m", "pip", "install", "--quiet", "--dry-run", "--ignore-installed", "--report", "-"]
+    told = json.loads(
+        subprocess.run(
+            [*command, "-r", REQUIREMENTS / f"{environment}.txt"], capture_output=True, text=True, check=True
+        ).stdout
+    )
+    version = told["environment"]["python_version"].replace(".", "")
+    packages = sorted((normal(one["metadata"]["name"]), one["metadata"]["version"]) for one in told["install"])
     # Environments without bpy may be of any Python.
     tags = rf"-(py2\.py3|py3\d*|cp3\d+-abi3|cp{version if environment.startswith('bpy') else '3[0-9]+'})[-.]"
     lines = [
         f"# All packages of the environment, with hashes: PYTHONPATH=tools python3 -m supply lock {environment}",
         "# The list that is written by hand is ../" + f"{environment}.txt.",
     ]
-    for package in json.loads(told.stdout):
-        if package["name"] in ("pip", "setuptools", "wheel"):
-            continue
-        hashes = sorted({digest for name, digest in _files(package["name"], package["version"])
-                         if name.endswith(".whl") and re.search(tags, name) and _MACHINES.search(name)})  # fmt: skip
+    for name, version in packages:
+        hashes = sorted({digest for file, digest in _files(name, version)
+                         if file.endswith(".whl") and re.search(tags, file) and _MACHINES.search(file)})  # fmt: skip
         if not hashes:
-            raise SystemExit(f"supply: {package['name']} {package['version']}: the index has no wheel of it")
-        lines.append(
-            f"{normal(package['name'])}=={package['version']} " + " ".join(f"--hash=sha256:{h}" for h in hashes)
-        )
+            raise SystemExit(f"supply: {name} {version}: the index has no wheel of it")
+        lines.append(f"{name}=={version} " + " ".join(f"--hash=sha256:{h}" for h in hashes))
     out = REQUIREMENTS / "locked" / f"{environment}.txt"
     out.parent.mkdir(exist_ok=True)
     out.write_text("\n".join(lines) + "\n", encoding="utf-8")
