@@ -1,4 +1,4 @@
-//! Whether a file is still the one that was there.
+//! The identity of a file's content: a file that was replaced has another.
 
 use std::fs::Metadata;
 use std::io;

@@ -103,7 +103,7 @@ pub fn write<E: From<io::Error>>(
     Ok(replacement.commit()?)
 }
 
-/// Whether a file can be replaced: nothing of it changes.
+/// Checks that a file can be replaced, or made. Nothing of it changes.
 ///
 /// # Errors
 /// It is a folder, a device or a pipe; its folder does not exist; its name is too long; the file or its folder cannot be written.

@@ -1,4 +1,4 @@
-//! Whether a file holds a whole picture.
+//! A check that a file holds a whole picture.
 
 use crate::error::MergeError;
 use exr::block;

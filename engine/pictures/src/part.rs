@@ -32,7 +32,7 @@ pub(crate) struct Part {
     samples: Option<f64>,
     /// Seed, first, count.
     pub(crate) ranges: Vec<(u64, u64, u64)>,
-    /// What decides the picture, by name; empty where the file does not say it.
+    /// The values that decide the picture, by name; empty where the file does not say them.
     pub(crate) picture_of: BTreeMap<String, String>,
 }
 
@@ -171,7 +171,7 @@ fn bytes_in_memory(file: &Path, memory_bytes: u64) -> std::result::Result<u64, M
 /// Bytes that a byte of a file can stand for. Deflate reaches 1032 (zlib's documentation); PIZ of one value somewhat more.
 const MOST_PACKED: u64 = 10_000;
 
-/// Whether a number can be one of samples.
+/// True if a number can be a number of samples.
 fn is_count(samples: f64) -> bool {
     (0.0..=4_294_967_296.0).contains(&samples)
 }
