@@ -225,7 +225,7 @@ def test_a_signal_before_the_first_sample_leaves_the_old_picture(number, scene, 
         assert picture(out).shape[:2] == (48, 64) and picture(out)[..., :3].mean() > 0.05, (moment, said)
         out.write_bytes(old)
     # While Python itself starts, which takes longer on a busy machine, the system ends the process, or Python does with status 1.
-    assert set(statuses[:3]) <= {1, 130, -number} and set(statuses[3:]) == {130}, statuses
+    assert set(statuses[:3]) <= {1, 130, -number} and set(statuses[3:]) <= {130, -number}, statuses
     assert left_over(tmp_path) == []
 
 
