@@ -52,4 +52,6 @@ def write_json(file: Path, value: Any, indent: int | None = None) -> None:
 def abandon_all() -> None:
     """Removes the temporary files of this process, which is about to end."""
     for replacement in list(_under_way):
-        replacement.abandon()
+        # One that is being renamed by another thread is in its hands.
+        with contextlib.suppress(RuntimeError):
+            replacement.abandon()

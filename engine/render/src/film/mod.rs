@@ -121,7 +121,7 @@ pub struct Patch {
     vectors: Vec<VectorSums>,
     #[serde(skip)]
     mattes: Option<Box<MatteNotes>>,
-    /// The same light by groups of emitters, while it is gathered; the sums of a group are of a film of its own.
+    /// The light of each group of emitters, while it is gathered; each group's sums are a film of their own.
     #[serde(skip)]
     groups: Vec<Patch>,
 }

@@ -111,7 +111,7 @@ enum Unusable {
     Picture,
 }
 
-/// Whether a file may be replaced by a checkpoint: there is none, or it is empty or a checkpoint of any version.
+/// Checks that a file may be replaced by a checkpoint: there is none, or it is empty or a checkpoint of any version.
 ///
 /// # Errors
 /// One line that says what the file is.
