@@ -20,6 +20,7 @@ class Plan:
     """How much is measured."""
 
     scenes: tuple[str, ...]
+    cameras: tuple[str, ...]
     rounds: int
     size: tuple[int, int]
     samples: int
@@ -28,8 +29,8 @@ class Plan:
     reference_samples: int
 
 
-FULL = Plan(("small", "large"), 3, (960, 540), 16, (192, 108), (8, 32, 128), 1024)
-QUICK = Plan(("small",), 1, (160, 90), 2, (48, 27), (4, 16), 32)
+FULL = Plan(("small", "large"), tuple(CAMERAS), 3, (960, 540), 16, (192, 108), (8, 32, 128), 1024)
+QUICK = Plan(("small",), ("thin", "lens-one"), 1, (160, 90), 2, (48, 27), (4, 16), 32)
 
 #: Of the two halves of a converged picture: their difference is its noise.
 REFERENCE_SEEDS = (77, 78)
@@ -77,7 +78,7 @@ class Experiments:
         plan = self.plan
         for turn in range(plan.rounds):
             for scene in plan.scenes:
-                for camera in CAMERAS:
+                for camera in plan.cameras:
                     for program in self.bench.programs():
                         if camera in CAN[program]:
                             # What one sample takes holds all that is done once; the rest is the samples'.
@@ -101,7 +102,7 @@ class Experiments:
 
     def noise(self) -> None:
         plan, pixels = self.plan, {}
-        for camera in CAMERAS:
+        for camera in plan.cameras:
             for program in self.bench.programs():
                 if camera not in CAN[program]:
                     continue
@@ -134,7 +135,7 @@ class Experiments:
         """Of Petzval's converged pictures with the others', the noise of both taken off."""
         mitsuba = LLVM if LLVM in self.bench.programs() else SCALAR
         pairs = [(PETZVAL, CYCLES), (PETZVAL, mitsuba), (CYCLES, mitsuba)]
-        for camera in CAMERAS:
+        for camera in self.plan.cameras:
             for first, second in pairs:
                 if (camera, first) not in pixels or (camera, second) not in pixels:
                     continue

@@ -68,6 +68,8 @@ pub trait Lane:
     type Mask: Mask;
     /// How many numbers.
     const WIDTH: usize;
+    /// Runs `work` with the instructions of this lane, where it is not inlined into a kernel, which has them.
+    fn within<T>(self, work: impl FnOnce() -> T) -> T;
     /// A lane like this one that holds `x` throughout.
     fn like(self, x: Self::Real) -> Self;
     /// A lane like this one that holds `numbers`, of which there must be [`Self::WIDTH`].
@@ -143,6 +145,11 @@ macro_rules! one_number {
             type Real = Self;
             type Mask = bool;
             const WIDTH: usize = 1;
+
+            #[inline(always)]
+            fn within<T>(self, work: impl FnOnce() -> T) -> T {
+                work()
+            }
 
             #[inline(always)]
             fn like(self, x: Self) -> Self {
@@ -313,6 +320,11 @@ macro_rules! register {
             type Real = $number;
             type Mask = $mask<S>;
             const WIDTH: usize = S::$vector::LEN;
+
+            #[inline(always)]
+            fn within<T>(self, work: impl FnOnce() -> T) -> T {
+                self.0.token().vectorize(work)
+            }
 
             #[inline(always)]
             fn like(self, x: $number) -> Self {

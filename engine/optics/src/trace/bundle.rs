@@ -377,14 +377,73 @@ impl<R: Real> Block<'_, R> {
         lost: &mut Losses,
     ) {
         if gradients.is_some() {
-            self.pass(zero, step, gradients, interfaces, diaphragm, lost);
-        } else if let Some(plain) = step.plain(false) {
-            self.pass(zero, &plain, None, interfaces, diaphragm, lost);
-        } else if let Some(plain) = step.plain(true) {
-            self.pass(zero, &plain, None, interfaces, diaphragm, lost);
+            self.pass_beside_gradient(zero, step, gradients, interfaces, diaphragm, lost);
+        } else if step.plain(false).is_some() {
+            self.pass_plain::<L, false>(zero, step, interfaces, diaphragm, lost);
+        } else if step.plain(true).is_some() {
+            self.pass_plain::<L, true>(zero, step, interfaces, diaphragm, lost);
         } else {
-            self.pass(zero, step, None, interfaces, diaphragm, lost);
+            self.pass_any(zero, step, interfaces, diaphragm, lost);
         }
+    }
+
+    /// [`Self::step`] for [`Step::plain`] surfaces. This one and the next two are functions of their own: the kernels share them, and the
+    /// time of the compiler grows faster than a function does.
+    #[inline(never)]
+    fn pass_plain<L: Lane<Real = R>, const IS_FAR: bool>(
+        &mut self,
+        zero: L,
+        step: &Step<R>,
+        interfaces: Option<[&[R]; 2]>,
+        diaphragm: &Diaphragm<R>,
+        lost: &mut Losses,
+    ) {
+        zero.within(
+            #[inline(always)]
+            || {
+                let Some(plain) = step.plain(IS_FAR) else { return };
+                match interfaces {
+                    None => self.pass(zero, &plain, None, None, diaphragm, lost),
+                    Some(_) => self.pass(zero, &plain, None, interfaces, diaphragm, lost),
+                }
+            },
+        );
+    }
+
+    /// [`Self::step`] for surfaces of any shape, pose and action.
+    #[inline(never)]
+    fn pass_any<L: Lane<Real = R>>(
+        &mut self,
+        zero: L,
+        step: &Step<R>,
+        interfaces: Option<[&[R]; 2]>,
+        diaphragm: &Diaphragm<R>,
+        lost: &mut Losses,
+    ) {
+        zero.within(
+            #[inline(always)]
+            || match interfaces {
+                None => self.pass(zero, step, None, None, diaphragm, lost),
+                Some(_) => self.pass(zero, step, None, interfaces, diaphragm, lost),
+            },
+        );
+    }
+
+    /// [`Self::step`] for surfaces beside a gradient.
+    #[inline(never)]
+    fn pass_beside_gradient<L: Lane<Real = R>>(
+        &mut self,
+        zero: L,
+        step: &Step<R>,
+        gradients: Option<&Gradients<R>>,
+        interfaces: Option<[&[R]; 2]>,
+        diaphragm: &Diaphragm<R>,
+        lost: &mut Losses,
+    ) {
+        zero.within(
+            #[inline(always)]
+            || self.pass(zero, step, gradients, interfaces, diaphragm, lost),
+        );
     }
 
     /// [`Self::step`] for one kind of surface.
