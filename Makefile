@@ -14,11 +14,14 @@ VIEWPORT_PRICE_OPTIONS =
 DIFFRACTION_OPTIONS =
 SPEED_OPTIONS =
 PARITY_OPTIONS =
+# Scenes by others are found by the tests in the same way.
+SCENES = $(PETZVAL_SCENES)
+OTHER_SCENES_OPTIONS =
 INSTRUCTIONS_OPTIONS =
 GHOSTS_OPTIONS =
 FIGURES_OPTIONS =
 
-.PHONY: help demo test test-all lint setup build wheels extension speed price accuracy-cost bench parity viewport-price newcomer ui-pictures panel-pictures lens-index coatings diffraction ghosts figures instructions numerics pages pages-again docs clean
+.PHONY: help demo test test-all lint setup build wheels extension speed price accuracy-cost bench parity other-scenes viewport-price newcomer ui-pictures panel-pictures lens-index coatings diffraction ghosts figures instructions numerics pages pages-again docs clean
 
 help: ## what there is to make
 	@sed -n 's/^\([a-z-]*\):.*## \(.*\)/\1\t\2/p' Makefile | expand -t 12
@@ -75,6 +78,10 @@ bench: $(ENGINE) ## Petzval beside Cycles and Mitsuba, into docs/performance.md;
 parity: build ## Petzval beside Cycles, scene by scene, into docs/parity.md; PARITY_OPTIONS="--only sun" to try
 	@tools/setup-python.sh bench
 	@PYTHONPATH=tools .venv-bench/bin/python -m parity $(PARITY_OPTIONS)
+
+other-scenes: $(ENGINE) ## Petzval beside Cycles on the .blend files under SCENES=FOLDER, by others, into docs/other-scenes.md
+	@[ -d "$(SCENES)" ] || { echo "petzval: make other-scenes SCENES=FOLDER: give a folder of .blend files" >&2; exit 1; }
+	@PYTHONPATH=tools $(dir $(PETZVAL))python -m other_scenes "$(SCENES)" $(OTHER_SCENES_OPTIONS)
 
 viewport-price: $(ENGINE) ## how soon a 3D view shows an edit, into docs/viewport.md
 	@$(dir $(PETZVAL))python tools/viewport-price.py $(VIEWPORT_PRICE_OPTIONS)

@@ -50,7 +50,8 @@ class LayerDescription:
     colours: dict[str, ColourInput] = field(default_factory=dict)
     numbers: dict[str, FloatInput] = field(default_factory=dict)
     distribution: str = "MULTI_GGX"  # GGX | MULTI_GGX | BECKMANN | ASHIKHMIN_SHIRLEY
-    is_skin: bool = False  # SUBSURFACE, PRINCIPLED: the free path depends on the albedo, too
+    # SUBSURFACE, PRINCIPLED: RANDOM_WALK | RANDOM_WALK_LEGACY | RANDOM_WALK_SKIN | BURLEY
+    subsurface_method: str = "RANDOM_WALK"
 
 
 @dataclass

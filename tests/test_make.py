@@ -42,6 +42,7 @@ RECIPES = {
     "lens-index": [],
     "newcomer": [],
     "numerics": [],
+    "other-scenes": ["SCENES=tests/scenes", "OTHER_SCENES_OPTIONS=--only demo --samples 9 --size 64x36"],
     "panel-pictures": [],
     "parity": ["PARITY_OPTIONS=--only sun --samples 4 --size 32x24"],
     "price": ["PRICE_OPTIONS=--quick"],

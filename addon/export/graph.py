@@ -177,6 +177,9 @@ def _options(node: bpy.types.Node, image_index: ImageIndex) -> dict[str, Any]:
         # The image comes as the node needs it, its colours multiplied by alpha or not.
         options["image"] = image_index(node)
         options["unassociate"] = False
+    elif node.type in {"BSDF_PRINCIPLED", "SUBSURFACE_SCATTERING"}:
+        name = "falloff" if node.type == "SUBSURFACE_SCATTERING" else "subsurface_method"
+        options[name] = nodes.subsurface_method(node, name)
     elif node.type == "TEX_VORONOI":
         options["cell_hash"] = "PCG" if bpy.app.version >= _NEW_CELLS else "LOOKUP3"
     elif node.type == "TEX_IES":

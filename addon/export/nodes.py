@@ -109,6 +109,13 @@ def _group_result(node: bpy.types.Node, output: bpy.types.NodeSocket) -> bpy.typ
     return next((socket for socket in end.inputs if socket.identifier == output.identifier), None)
 
 
+def subsurface_method(node: bpy.types.Node, name: str) -> str:
+    """The value of that property by its name of since Blender 5.1: the random walk of before is the legacy one."""
+    method = getattr(node, name)
+    known = node.bl_rna.properties[name].enum_items
+    return f"{method}_LEGACY" if method == "RANDOM_WALK" and "RANDOM_WALK_LEGACY" not in known else method
+
+
 def value(socket: bpy.types.NodeSocket) -> Any:
     """A socket's own value: a float, or a tuple of them; None for shaders."""
     own = getattr(socket, "default_value", None)

@@ -109,14 +109,8 @@ def _principled(source: nodes.Source, weight: Weight, inputs: Inputs) -> Layers:
         "film_ior": ask.number("Thin Film IOR") if film != 0.0 else 1.33,
     }
     node = source.node
-    is_skin = _is_skin(node.subsurface_method, inputs) if inner != 0.0 else False
-    return [_layer("PRINCIPLED", weight, colours, numbers, distribution=node.distribution, is_skin=is_skin)]
-
-
-def _is_skin(method: str, inputs: Inputs) -> bool:
-    if method == "BURLEY":
-        inputs.warn("Christensen-Burley subsurface scattering is shown as a random walk")
-    return method == "RANDOM_WALK_SKIN"
+    method = nodes.subsurface_method(node, "subsurface_method")
+    return [_layer("PRINCIPLED", weight, colours, numbers, distribution=node.distribution, subsurface_method=method)]
 
 
 def _subsurface(source: nodes.Source, weight: Weight, inputs: Inputs) -> Layers:
@@ -129,7 +123,8 @@ def _subsurface(source: nodes.Source, weight: Weight, inputs: Inputs) -> Layers:
         "roughness": ask.number("Roughness", 1.0),
         "anisotropy": ask.number("Anisotropy"),
     }
-    return [_layer("SUBSURFACE", weight, colours, numbers, is_skin=_is_skin(source.node.falloff, inputs))]
+    method = nodes.subsurface_method(source.node, "falloff")
+    return [_layer("SUBSURFACE", weight, colours, numbers, subsurface_method=method)]
 
 
 def _emission(source: nodes.Source, weight: Weight, inputs: Inputs) -> Layers:

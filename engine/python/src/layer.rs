@@ -17,7 +17,7 @@ pub(crate) struct PyLayer {
     colours: HashMap<String, PyColour>,
     numbers: HashMap<String, PyNumber>,
     distribution: String,
-    is_skin: bool,
+    subsurface_method: String,
 }
 
 impl PyLayer {
@@ -38,8 +38,9 @@ impl PyLayer {
         given.ok_or_else(|| bad_scene(format!("layer {}: it has no number '{name}'", self.kind)))?.input()
     }
 
-    fn subsurface_method(&self) -> SubsurfaceMethod {
-        if self.is_skin { SubsurfaceMethod::Skin } else { SubsurfaceMethod::RandomWalk }
+    fn subsurface_method(&self) -> Result<SubsurfaceMethod, Error> {
+        let unknown = || bad_scene(format!("layer {}: there is no subsurface '{}'", self.kind, self.subsurface_method));
+        SubsurfaceMethod::named(&self.subsurface_method).ok_or_else(unknown)
     }
 
     fn film(&mut self) -> Result<ThinFilm<Input<f32>>, Error> {
@@ -110,7 +111,7 @@ impl PyLayer {
                 ior: self.number("ior")?,
                 roughness: self.number("roughness")?,
                 anisotropy: self.number("anisotropy")?,
-                method: self.subsurface_method(),
+                method: self.subsurface_method()?,
             },
             "PRINCIPLED" => Closure::Principled(self.principled(distribution != Distribution::Ggx)?),
             other => return Err(bad_scene(format!("there is no kind of layer '{other}'"))),
@@ -130,7 +131,7 @@ impl PyLayer {
             subsurface_scale: self.number("subsurface_scale")?,
             subsurface_ior: self.number("subsurface_ior")?,
             subsurface_anisotropy: self.number("subsurface_anisotropy")?,
-            subsurface_method: self.subsurface_method(),
+            subsurface_method: self.subsurface_method()?,
             specular_ior_level: self.number("specular_ior_level")?,
             specular_tint: self.colour("specular_tint")?,
             anisotropic: self.number("anisotropic")?,

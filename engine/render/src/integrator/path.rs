@@ -20,7 +20,7 @@ use crate::Rgb;
 use crate::accel::{Hit, Ray, offset_origin};
 use crate::nodes::{self, Around, Layers, Opening, View, Way};
 use crate::sampler::PathSampler;
-use crate::shading::{Caustics, mixture::Mixture};
+use crate::shading::{Caustics, Past, mixture::Mixture};
 use crate::surface::{SurfacePoint, strand, tangent_about_z};
 use glam::Vec3A;
 
@@ -215,8 +215,8 @@ pub(super) fn opening<'a>(around: impl Into<Around<'a>>, hit: &Hit, view: &View)
     nodes::opening(material, around, [hit.instance, hit.triangle], [hit.u, hit.v], view)
 }
 
-/// What a surface of these layers scatters at a point; `kept` is what it counts, and light `walks` through bodies and
-/// makes such caustics, or is scattered where it enters them.
+/// What a surface of these layers scatters at a point; `kept` is what it counts. Light goes through bodies where the path's past is
+/// given, or is scattered where it enters them.
 #[inline(never)]
 pub(super) fn mix(
     stage: &Stage,
@@ -224,7 +224,7 @@ pub(super) fn mix(
     point: &SurfacePoint,
     wo: Vec3A,
     kept: f32,
-    walks: Option<Caustics>,
+    past: Option<Past>,
 ) -> Mixture {
     // As in Cycles such a normal is the smooth one, too: light is not dimmed as by a bump on it.
     let bent =
@@ -232,9 +232,9 @@ pub(super) fn mix(
     let point = bent.as_ref().unwrap_or(point);
     let brushed = layers.iter().any(|layer| layer.closure.is_brushed());
     let tangent = if brushed { tangent_about_z(&stage.scene, point) } else { Vec3A::ZERO };
-    let mut mixture = Mixture::new(point, wo, tangent, walks.is_some());
-    if let Some(caustics) = walks {
-        mixture.set_caustics(caustics);
+    let mut mixture = Mixture::new(point, wo, tangent, past.is_some());
+    if let Some(past) = past {
+        mixture.set_past(past);
     }
     for layer in layers {
         mixture.set_directions(

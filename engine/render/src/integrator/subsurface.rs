@@ -1,12 +1,14 @@
-//! Light that goes into a body and comes out elsewhere, by a random walk (Chiang, Kutz and Burley 2016).
+//! Light that goes into a body and comes out elsewhere: by a random walk (Chiang, Kutz and Burley 2016), or by a profile, at a place
+//! that is found on a disk about the entry (King et al. 2013, "BSSRDF Importance Sampling").
 
 use super::Stage;
 use crate::Rgb;
 use crate::accel::{Ray, offset_origin};
 use crate::sampler::warp;
 use crate::scene::visibility::Rays;
-use crate::shading::subsurface::Entry;
+use crate::shading::subsurface::{Entry, Medium, Profile};
 use crate::surface::SurfacePoint;
+use arrayvec::ArrayVec;
 use glam::Vec3A;
 use std::f32::consts::TAU;
 
@@ -16,6 +18,9 @@ const MOST_STEPS: u32 = 256;
 const EVEN_AFTER: u32 = 10;
 /// Surfaces of other bodies that a stretch may pass.
 const MOST_PASSED: u32 = 16;
+
+/// Places that a ray through a disk may find: of more the nearest to its start count.
+const MOST_HITS: usize = 8;
 
 /// Random numbers for a walk, which needs many: one path's numbers give the seed.
 pub(super) struct Numbers(u64);
@@ -40,20 +45,85 @@ impl Numbers {
     }
 }
 
-/// Where a walk that begins at `point` leaves the body, seen from outside, and what is left of its light; `None` where
-/// it ends within.
-pub(super) fn walk(
+/// Where light that entered at `point` leaves the body, seen from outside, and what is left of it; `None` where it ends within.
+pub(super) fn leave(
     stage: &Stage,
     point: &SurfacePoint,
     entry: &Entry,
     numbers: &mut Numbers,
     rays: &mut u32,
 ) -> Option<(SurfacePoint, Rgb)> {
+    match entry {
+        Entry::Walk { direction, light, medium } => walk(stage, point, (*direction, *light, *medium), numbers, rays),
+        Entry::Beside { light, profile, u } => {
+            let (exit, left) = beside(stage, point, profile, *u, numbers.next(), rays)?;
+            Some((exit, *light * left))
+        }
+    }
+}
+
+/// A place beside `point` by a profile, and what of the light comes out there. Rays through a disk about the point, along its normal or
+/// at right angles to it, find the places; all three count by the power heuristic, as in Cycles (`subsurface_disk.h`).
+fn beside(
+    stage: &Stage,
+    point: &SurfacePoint,
+    profile: &Profile,
+    [u_distance, u_turn]: [f32; 2],
+    u_hit: f32,
+    rays: &mut u32,
+) -> Option<(SurfacePoint, Rgb)> {
+    let [x, y, z] = warp::frame(point.geometric_normal);
+    // Along the disk's axis, then the plane of the disk; the chance of each axis; and a number for the turn.
+    let (axes, chances, turn) = if u_turn < 0.5 {
+        ([z, x, y], [0.5, 0.25, 0.25], 2.0 * u_turn)
+    } else if u_turn < 0.75 {
+        ([x, z, y], [0.25, 0.5, 0.25], 4.0 * u_turn - 2.0)
+    } else {
+        ([y, x, z], [0.25, 0.25, 0.5], 4.0 * u_turn - 3.0)
+    };
+    let (distance, farthest) = profile.sample(u_distance);
+    let height = (farthest * farthest - distance * distance).max(0.0).sqrt();
+    let (s, c) = (TAU * turn).sin_cos();
+    let start = point.position + axes[0] * height + (axes[1] * c + axes[2] * s) * distance;
+    let mut ray = Ray { t_max: 2.0 * height, ..Ray::new(start, -axes[0]).at(point.moment) };
+    let density = profile.pdf(distance);
+    let mut found = ArrayVec::<(SurfacePoint, Rgb), MOST_HITS>::new();
+    let mut sum = 0.0;
+    while !found.is_full() {
+        let Some((hit, t)) = own_surface(stage, point.instance, ray, rays) else { break };
+        // Its outside is where the entry's was.
+        let outwards = if hit.backfacing == point.backfacing { hit.geometric_normal } else { -hit.geometric_normal };
+        let [a, b, c] = [0, 1, 2].map(|i| chances[i] * axes[i].dot(outwards).abs());
+        let share = a / (a * a + b * b + c * c).max(f32::MIN_POSITIVE);
+        let light = profile.at((hit.position - point.position).length()) * (share / density);
+        let origin = offset_origin(hit.position, ray.direction, hit.position_error);
+        ray = Ray { t_max: ray.t_max - t, ..hit.leaving(origin, ray.direction) };
+        if light.is_finite() && light != Rgb::ZERO {
+            sum += light.element_sum();
+            found.push((hit.seen_from(outwards), light));
+        }
+    }
+    let mut left = u_hit * sum;
+    let chosen = found.iter().position(|(_, light)| {
+        left -= light.element_sum();
+        left < 0.0
+    });
+    let (exit, light) = found.get(chosen.unwrap_or(found.len().checked_sub(1)?))?;
+    Some((*exit, *light * (sum / light.element_sum())))
+}
+
+/// Where a walk that begins at `point` leaves the body, seen from outside, and what is left of its light; `None` where
+/// it ends within.
+fn walk(
+    stage: &Stage,
+    point: &SurfacePoint,
+    (direction, mut light, mut medium): (Vec3A, Rgb, Medium),
+    numbers: &mut Numbers,
+    rays: &mut u32,
+) -> Option<(SurfacePoint, Rgb)> {
     let inwards = -point.geometric_normal;
     let start = offset_origin(point.position, inwards, point.position_error);
-    let mut ray = Ray::new(start, entry.direction).at(point.moment);
-    let mut medium = entry.medium;
-    let mut light = entry.light;
+    let mut ray = Ray::new(start, direction).at(point.moment);
     for step in 0..MOST_STEPS {
         if step == EVEN_AFTER {
             medium = medium.even();

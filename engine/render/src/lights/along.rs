@@ -70,7 +70,7 @@ impl Lights {
         mut found: impl FnMut(Shining),
     ) {
         let chance = to.map_or(0.0, |to| to.sky_chance);
-        self.sky.along(scene, &self.lamps, towards, way, |index, radiance, pdf| {
+        self.sky.along(scene, &self.lamps, towards, way, to, |index, radiance, pdf| {
             found(Shining { source: self.sky_source(index), radiance, pdf: pdf * chance, distance: f32::INFINITY });
         });
     }

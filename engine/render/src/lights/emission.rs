@@ -223,7 +223,7 @@ impl Lights {
     fn source_chance(&self, source: Source, at: Vec3A) -> f32 {
         let to = self.receiver_between(at);
         match (source.0.checked_sub(self.local.len()), self.tree(&to)) {
-            (Some(index), _) => self.sky.chance(index) * to.sky_chance,
+            (Some(index), _) => self.sky.chance(Some(&to), index) * to.sky_chance,
             (None, Some(tree)) => tree.probability(&to, source.0) * (1.0 - to.sky_chance),
             (None, None) => 0.0,
         }

@@ -1,7 +1,7 @@
 //! Blender's point, spot, sun and area lamps, with the brightness that Cycles gives them.
 
-use super::LightSample;
 use super::bounds::LightBounds;
+use super::{Leaving, LightSample};
 use crate::nodes::Way;
 use crate::nodes::lamp::{LampPoint, even_radiance, radiance};
 use crate::scene::Scene;
@@ -31,7 +31,15 @@ pub struct PreparedLamp {
     graph: Option<Arc<Graph>>,
     /// Of render space, in Blender's world.
     origin: Vec3A,
+    /// How far rounding may put a surface beside the lamp that stands in the lamp's plane, Blender units.
+    rounding: f32,
 }
+
+/// Roundings of coordinates between a lamp's place and the hit of a surface there, in units of the last place.
+const ROUNDINGS: f32 = 16.0;
+
+/// The slant up to which a lamp without extent shines past the plane that it stands in: its cosine.
+const LEAST_SLANT: f32 = 0.1;
 
 impl PreparedLamp {
     pub(super) fn new(lamp: &Lamp, origin: Vec3A) -> Self {
@@ -59,11 +67,17 @@ impl PreparedLamp {
                 if area > 0.0 { color / (PI * area) } else { Rgb::ZERO }
             }
         };
+        let center = lamp.to_render.translation;
+        let size = match lamp.kind {
+            LampKind::Area { size, .. } => size[0].max(size[1]),
+            _ => 0.0,
+        };
         Self {
+            rounding: ROUNDINGS * f32::EPSILON * (center.abs().max_element() + size),
             kind: lamp.kind,
             color,
             axes: lamp.to_render.matrix3,
-            center: lamp.to_render.translation,
+            center,
             reaches: lamp.reaches,
             sets: lamp.sets,
             max_bounces: lamp.max_bounces,
@@ -76,6 +90,12 @@ impl PreparedLamp {
 
     pub(super) fn kind(&self) -> LampKind {
         self.kind
+    }
+
+    /// Unit vector to the middle of a sun, and half of its angle.
+    pub(super) fn as_sun(&self) -> Option<(Vec3A, f32)> {
+        let LampKind::Sun { half_angle_rad } = self.kind else { return None };
+        Some((self.axes.z_axis, half_angle_rad))
     }
 
     /// Whether a ray that came this way may find it. How many bounces it had is not asked, as in Cycles.
@@ -226,7 +246,7 @@ impl PreparedLamp {
                     cast_shadow: self.cast_shadow,
                     reaches: self.reaches,
                     sets: self.sets,
-                    leaves: None,
+                    leaves: Some(Leaving { cos, error: self.rounding }),
                 })
             }
         }
@@ -252,7 +272,8 @@ impl PreparedLamp {
                     return None;
                 }
                 let t = (self.center - origin).dot(self.axes.z_axis) / cos;
-                if !(t > 0.0 && t < t_max) {
+                // A surface in the lamp's plane does not hide it: it is as far away but for rounding.
+                if !(t > 0.0 && t < t_max + self.rounding / cos) {
                     return None;
                 }
                 let p = origin + d * t - self.center;
@@ -319,7 +340,7 @@ impl PreparedLamp {
             leaves: None,
         };
         if radius <= 0.0 {
-            return Some(base);
+            return Some(LightSample { leaves: Some(Leaving { cos: LEAST_SLANT, error: self.rounding }), ..base });
         }
         let sin2_max = radius * radius / distance2;
         let limit = sin2_max / (1.0 + (1.0 - sin2_max).max(0.0).sqrt());

@@ -147,13 +147,14 @@ impl Lights {
 
     #[inline]
     fn receiver_by(&self, tree: u32, position: Vec3A, normal: Option<Vec3A>, openness: f32) -> Receiver {
+        let sky = self.sky.irradiance(normal);
         let Some(of_tree) = &self.trees[tree as usize] else {
             let weights = [0.0; receiver::WIDTH];
-            return Receiver { position, normal, tree, weights, total: 0.0, sky_chance: 1.0, moment: MIDDLE };
+            return Receiver { position, normal, tree, weights, total: 0.0, sky, sky_chance: 1.0, moment: MIDDLE };
         };
-        let mut to = Receiver { tree, ..of_tree.receiver(position, normal) };
-        if !self.sky.is_dark() {
-            let (sky, local) = (self.sky.irradiance() * openness, to.total / PI);
+        let mut to = Receiver { tree, sky, ..of_tree.receiver(position, normal) };
+        if sky > 0.0 {
+            let (sky, local) = (sky * openness, to.total / PI);
             let chance = if local > 0.0 { sky / (sky + local) } else { 1.0 };
             let least = if local > 0.0 { LEAST_CHANCE } else { 1.0 };
             to.sky_chance = if chance.is_finite() { chance.clamp(least, (1.0 - LEAST_CHANCE).max(least)) } else { 0.5 };
@@ -185,7 +186,7 @@ impl Lights {
         let from = to.position;
         let chance = to.sky_chance;
         if u_choice < chance {
-            let (mut sample, index) = self.sky.sample(scene, &self.lamps, u_choice / chance, u, way)?;
+            let (mut sample, index) = self.sky.sample(scene, &self.lamps, to, (u_choice / chance, u), way)?;
             sample.pdf *= chance;
             return Some((sample, self.sky_source(index)));
         }

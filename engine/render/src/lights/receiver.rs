@@ -18,6 +18,8 @@ pub struct Receiver {
     pub(super) weights: [f32; WIDTH],
     /// Their sum.
     pub(super) total: f32,
+    /// What the sky may send here, in brightness.
+    pub(super) sky: f32,
     /// Chance of choosing the sky rather than something within the scene.
     pub(crate) sky_chance: f32,
     /// When light is wanted, as in [`crate::accel::Ray::moment`].

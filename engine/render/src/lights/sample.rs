@@ -23,7 +23,8 @@ pub struct LightSample {
     pub reaches: Rays,
     /// What it lights, and what throws shadows in its light.
     pub sets: Sets,
-    /// Of the surface that emits; lamps are none, and rays do not meet them.
+    /// How light leaves the surface that emits, or an area lamp or a lamp without extent: what stands as far away, but for rounding,
+    /// does not hide it.
     pub leaves: Option<Leaving>,
 }
 

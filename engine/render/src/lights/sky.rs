@@ -2,8 +2,9 @@
 
 use super::LightSample;
 use super::lamp::PreparedLamp;
+use super::receiver::Receiver;
 use crate::nodes::Way;
-use crate::sampler::distribution::{AliasTable, Grid2d};
+use crate::sampler::distribution::Grid2d;
 use crate::scene::{
     Scene,
     lamp::LampKind,
@@ -12,23 +13,53 @@ use crate::scene::{
 };
 use crate::{Rgb, luminance, nodes};
 use glam::{Vec2, Vec3A, Vec4Swizzles};
-use std::f32::consts::PI;
+use std::f32::consts::{FRAC_PI_2, PI};
 
 /// The most columns of the table that the world's image is sampled by. Larger tables find smaller suns in the
 /// image and take longer to build.
 const TABLE_WIDTH: usize = 1024;
+/// Irradiance beyond which suns are chosen alike, so that sums of it stay finite.
+const BRIGHTEST: f32 = 1e30;
 
 /// Everything at infinity.
 pub(super) struct Sky {
     // `None` where the world has one colour: a surface's own scattering samples that better.
     image: Option<Grid2d>,
+    /// Irradiance by the world's image, nearly: what it is chosen by.
+    world: f32,
     suns: Vec<u32>,
-    // Entry 0 is the world's image, the rest are the suns.
-    choice: Option<AliasTable>,
-    /// Of a surface that faces all of it, nearly: what lights are chosen by.
-    irradiance: f32,
+    /// The suns again, as they are chosen.
+    discs: Vec<Disc>,
     /// The world's nodes ask what kind of bounce sees them.
     tells_bounces_apart: bool,
+}
+
+/// A sun as seen from everywhere.
+struct Disc {
+    /// Unit, to its middle.
+    towards: Vec3A,
+    /// Sine of half of its angle, at most 1.
+    sin: f32,
+    /// Irradiance on a surface that faces it.
+    irradiance: f32,
+}
+
+impl Disc {
+    /// Irradiance on a surface with this normal, nearly; without one, on a surface that faces it. 0 only where it sends no light.
+    #[inline]
+    fn on(&self, normal: Option<Vec3A>) -> f32 {
+        normal.map_or(self.irradiance, |n| self.irradiance * mean_cosine(n.dot(self.towards), self.sin))
+    }
+}
+
+/// About the mean of the cosines, where they are not negative, of directions in a cone of that sine about one of that cosine.
+#[inline]
+fn mean_cosine(cos: f32, sin_cone: f32) -> f32 {
+    if cos >= sin_cone {
+        return cos;
+    }
+    let above = (cos + sin_cone).max(0.0);
+    above * above / (4.0 * sin_cone)
 }
 
 impl Sky {
@@ -40,20 +71,22 @@ impl Sky {
             Some(t) if image.is_some() => luminance(scene.world.color * scene.textures[t as usize].average()) * PI,
             _ => 0.0,
         };
-        let mut weights = vec![if image.is_some() { world.max(1e-6) } else { 0.0 }];
-        weights.extend(suns.iter().map(|&i| lamps[i as usize].power()));
+        let world = if image.is_some() { world.max(1e-6) } else { 0.0 };
+        let disc = |&i: &u32| {
+            let lamp = &lamps[i as usize];
+            let (towards, half_angle_rad) = lamp.as_sun().expect("only suns are in the list");
+            Disc { towards, sin: half_angle_rad.min(FRAC_PI_2).sin(), irradiance: lamp.power().clamp(0.0, BRIGHTEST) }
+        };
+        let discs = suns.iter().map(disc).collect();
         let tells_bounces_apart = scene.world.graph.as_ref().is_some_and(|graph| graph.reads_any(&nodes::OF_BOUNCES));
-        Self { image, suns, choice: AliasTable::new(&weights), irradiance: weights.iter().sum(), tells_bounces_apart }
+        Self { image, world, suns, discs, tells_bounces_apart }
     }
 
-    /// Whether there is nothing to sample (a world of one colour may still shine).
-    pub(super) fn is_dark(&self) -> bool {
-        self.choice.is_none()
-    }
-
-    /// Light that may arrive from it, in brightness, where nothing stands in the way.
-    pub(super) fn irradiance(&self) -> f32 {
-        self.irradiance
+    /// Light that may arrive from it at a surface with this normal, in brightness, where nothing stands in the way; without one, from
+    /// all sides. Sources are chosen by it. A world of one colour is not counted: it is not sampled.
+    #[inline]
+    pub(super) fn irradiance(&self, normal: Option<Vec3A>) -> f32 {
+        self.discs.iter().fold(self.world, |sum, disc| sum + disc.on(normal))
     }
 
     /// Light from infinity and which it is: 0 the world, then the suns.
@@ -61,17 +94,36 @@ impl Sky {
         &self,
         scene: &Scene,
         lamps: &[PreparedLamp],
-        u_choice: f32,
-        u: [f32; 2],
+        to: &Receiver,
+        (u_choice, u): (f32, [f32; 2]),
         way: Way,
     ) -> Option<(LightSample, usize)> {
-        let (index, probability, _) = self.choice.as_ref()?.sample(u_choice.min(1.0 - f32::EPSILON));
+        let (index, chance) = self.choose(to, u_choice)?;
         let mut sample = match index {
             0 => self.sample_image(scene, u)?,
             i => lamps[self.suns[i - 1] as usize].light(scene, Vec3A::ZERO, u, way)?,
         };
-        sample.pdf *= probability;
+        sample.pdf *= chance;
         Some((sample, index))
+    }
+
+    /// Number of a source in proportion to what it may send, and its chance.
+    #[inline]
+    fn choose(&self, to: &Receiver, u: f32) -> Option<(usize, f32)> {
+        let mut left = u * to.sky;
+        // Rounding may go past the last that has any.
+        let mut last = None;
+        let weights = std::iter::once(self.world).chain(self.discs.iter().map(|disc| disc.on(to.normal)));
+        for (index, weight) in weights.enumerate() {
+            if weight > 0.0 {
+                last = Some((index, weight / to.sky));
+                if left < weight {
+                    break;
+                }
+                left -= weight;
+            }
+        }
+        last
     }
 
     /// Calls `found(index, radiance, pdf)`: 0 is the world, the suns follow.
@@ -81,6 +133,7 @@ impl Sky {
         lamps: &[PreparedLamp],
         d: Vec3A,
         way: Way,
+        to: Option<&Receiver>,
         mut found: impl FnMut(usize, Rgb, f32),
     ) {
         if scene.world.visible.all_of(way.finds()) {
@@ -91,7 +144,7 @@ impl Sky {
                 // Blender counts what shines from infinity as one scattering farther.
                 radiance = nodes::world::radiance(graph, scene, d, way.at_depth(u32::from(way.depth) + 1));
             }
-            found(0, radiance, pdf * self.chance(0));
+            found(0, radiance, pdf * self.chance(to, 0));
         }
         for (i, &sun) in self.suns.iter().enumerate() {
             let lamp = &lamps[sun as usize];
@@ -100,14 +153,17 @@ impl Sky {
             }
             if let Some((radiance, pdf)) = lamp.hit_sun(d) {
                 let radiance = radiance * lamp.shine(scene, Vec3A::ZERO, d, f32::INFINITY, way.light());
-                found(i + 1, radiance, pdf * self.chance(i + 1));
+                found(i + 1, radiance, pdf * self.chance(to, i + 1));
             }
         }
     }
 
-    /// The chance with which [`Sky::sample`] chooses number `index`.
-    pub(super) fn chance(&self, index: usize) -> f32 {
-        self.choice.as_ref().map_or(0.0, |c| c.probability(index))
+    /// The chance with which [`Sky::sample`] chooses number `index` for a receiver; 0 without one.
+    #[inline]
+    pub(super) fn chance(&self, to: Option<&Receiver>, index: usize) -> f32 {
+        let Some(to) = to.filter(|to| to.sky > 0.0) else { return 0.0 };
+        let weight = if index == 0 { self.world } else { self.discs[index - 1].on(to.normal) };
+        weight / to.sky
     }
 
     /// The lamps that are suns.

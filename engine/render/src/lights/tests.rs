@@ -353,3 +353,87 @@ fn many_emitters_are_chosen_by_what_they_bring() {
     }
     assert!(mean < 0.02, "{mean}");
 }
+
+/// Suns by what they give to a surface that faces up: those below its horizon are never chosen, and each sample of the others brings the
+/// same but for the size of the discs.
+#[test]
+fn suns_are_chosen_by_what_they_give_here() {
+    let mut builder = SceneBuilder::new();
+    for (i, tilt) in [0.2, 0.9, 1.3, 1.5, 2.5].into_iter().enumerate() {
+        let kind = LampKind::Sun { half_angle_rad: if i == 0 { 0.0 } else { 0.02 } };
+        let turned = DMat4::from_rotation_z(1.3 * i as f64) * DMat4::from_rotation_x(tilt);
+        builder.add_lamp(Lamp { color: Rgb::splat(1.0 + i as f32), ..lamp(kind) }, turned).unwrap();
+    }
+    let scene = builder.build(DVec3::ZERO);
+    let lights = Lights::new(&scene);
+    let to = lights.receiver(Vec3A::ZERO, Some(Vec3A::Z), 0.5);
+    let (mut found, n) = (Vec::new(), 4096);
+    for i in 0..n {
+        let u = sobol_burley::sample_4d(i, 0, 3);
+        let (s, source) = lights.sample_source(&scene, &to, u[0], [u[1], u[2]], Way::CAMERA).unwrap();
+        assert!(s.wi.z > 0.0);
+        found.push(s.radiance.x * s.wi.z / s.pdf);
+        // A ray that finds the sun gives the density of the sample.
+        if !s.point_like {
+            let mut met = None;
+            lights.sky_along(&scene, s.wi, Way::BOUNCE, Some(&to), |one| {
+                met = met.or((one.source == source).then_some(one))
+            });
+            assert!((met.unwrap().pdf / s.pdf - 1.0).abs() < 1e-4);
+        }
+    }
+    let mean = found.iter().sum::<f32>() / n as f32;
+    let spread = (found.iter().map(|x| (x / mean - 1.0).powi(2)).sum::<f32>() / n as f32).sqrt();
+    let truth = [0.2f32, 0.9, 1.3, 1.5].iter().enumerate().map(|(i, tilt)| (1.0 + i as f32) * tilt.cos()).sum::<f32>();
+    assert!((mean / truth - 1.0).abs() < 2e-3, "{mean} {truth}");
+    // Tilted by 1.5 rad, cosines in a disc of 0.02 rad differ by a quarter; that sun gives a twelfth.
+    assert!(spread < 0.1, "{spread}");
+}
+
+/// A lamp in the plane of a ceiling lights the room below, wherever the room is: neither sample nor ray ends at the ceiling.
+#[test]
+fn a_lamp_in_the_plane_of_a_ceiling_is_not_hidden_by_it() {
+    let kinds = [
+        LampKind::Area { size: [0.7, 0.3], ellipse: false, half_spread_rad: PI / 2.0 },
+        LampKind::Point { radius: 0.0, soft: false },
+    ];
+    for kind in kinds {
+        for place in 0..40 {
+            let away = DVec3::new(1.7, -0.9, 2.3) * f64::from(place);
+            let mut builder = SceneBuilder::new();
+            let material = builder.add_material(Material::default_grey()).unwrap();
+            let corners = [[-5.0, -5.0, 0.0], [5.0, -5.0, 0.0], [5.0, 5.0, 0.0], [-5.0, 5.0, 0.0]];
+            let quad = MeshDescription {
+                name: "ceiling".into(),
+                positions: corners.map(Vec3::from_array).to_vec(),
+                triangles: vec![[0, 1, 2], [0, 2, 3]],
+                ..Default::default()
+            };
+            let mesh = builder.add_mesh(quad).unwrap();
+            // Turned, so that no coordinate of its plane is a round number.
+            let turned = DMat4::from_translation(away) * DMat4::from_rotation_x(0.3) * DMat4::from_rotation_y(-0.2);
+            builder.add_instance("ceiling", mesh, turned, &[material], true, true).unwrap();
+            builder.add_lamp(lamp(kind), turned * DMat4::from_translation(DVec3::new(0.3, -0.4, 0.0))).unwrap();
+            let scene = builder.build(DVec3::ZERO);
+            let lights = Lights::new(&scene);
+            let accel = crate::accel::Accel::new(&scene);
+            for i in 0..64 {
+                let u = sobol_burley::sample_4d(i, 0, 5);
+                let below = DVec3::new(f64::from(u[0]) * 4.0 - 2.0, f64::from(u[1]) * 4.0 - 2.0, -2.5);
+                let from = turned.transform_point3(below).as_vec3a();
+                let to = lights.receiver_between(from);
+                let Some(s) = lights.sample(&scene, &to, 0.5, [u[2], u[3]], Way::CAMERA) else { continue };
+                let ray = crate::accel::Ray { t_max: s.reach(0.0), ..crate::accel::Ray::new(from, s.wi) };
+                assert!(accel.closest(&ray, crate::scene::visibility::Rays::SHADOW).is_none(), "{kind:?} {place} {i}");
+                if s.point_like {
+                    continue;
+                }
+                let hit = accel.closest(&crate::accel::Ray::new(from, s.wi), crate::scene::visibility::Rays::BOUNCE);
+                let mut found = 0;
+                let line = Line { from, towards: s.wi, t_max: hit.unwrap().t };
+                lights.lamps_along(&scene, line, Way::BOUNCE, Some(&to), |_| found += 1);
+                assert_eq!(found, 1, "{kind:?} {place} {i}");
+            }
+        }
+    }
+}

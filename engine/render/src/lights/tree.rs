@@ -67,7 +67,7 @@ impl LightTree {
     pub(super) fn receiver(&self, position: Vec3A, normal: Option<Vec3A>) -> Receiver {
         let weights =
             if self.looks_ahead { self.ahead(position, normal) } else { self.nodes[0].importances(position, normal) };
-        Receiver { position, normal, tree: 0, total: sum(&weights), weights, sky_chance: 0.0, moment: MIDDLE }
+        Receiver { position, normal, tree: 0, total: sum(&weights), weights, sky: 0.0, sky_chance: 0.0, moment: MIDDLE }
     }
 
     /// What the root's children may send somewhere, by what is in them where they are near: of many emitters nearly all of what

@@ -32,8 +32,25 @@ pub enum SubsurfaceMethod {
     /// A random walk whose free path the radius gives.
     #[default]
     RandomWalk,
+    /// A random walk whose free path is the radius over 4 π: Blender's up to 5.0, and its *Legacy* since.
+    LegacyWalk,
     /// A random walk whose free path depends on the albedo, too.
     Skin,
+    /// Light comes out beside the place where it goes in, by Christensen and Burley's profile.
+    Burley,
+}
+
+impl SubsurfaceMethod {
+    /// By Blender's name of since 5.1; `None` for others.
+    pub fn named(name: &str) -> Option<Self> {
+        Some(match name {
+            "RANDOM_WALK" => Self::RandomWalk,
+            "RANDOM_WALK_LEGACY" => Self::LegacyWalk,
+            "RANDOM_WALK_SKIN" => Self::Skin,
+            "BURLEY" => Self::Burley,
+            _ => return None,
+        })
+    }
 }
 
 /// Scattering, emission or transparency.

@@ -307,15 +307,8 @@ impl Of<'_> {
         }
     }
 
-    fn subsurface_method(&self, option: &str, report: &mut impl FnMut(&str)) -> SubsurfaceMethod {
-        match self.0.option(option) {
-            Some("RANDOM_WALK_SKIN") => SubsurfaceMethod::Skin,
-            Some("BURLEY") => {
-                report("Christensen-Burley subsurface scattering is shown as a random walk");
-                SubsurfaceMethod::RandomWalk
-            }
-            _ => SubsurfaceMethod::RandomWalk,
-        }
+    fn subsurface_method(&self, option: &str) -> SubsurfaceMethod {
+        self.0.option(option).and_then(SubsurfaceMethod::named).unwrap_or_default()
     }
 
     fn film(&self) -> ThinFilm<Source> {
@@ -332,7 +325,7 @@ impl Of<'_> {
         let color = self.input("Color", 0.8);
         let (roughness, distribution) = (self.input("Roughness", 0.0), self.distribution());
         Some(match self.0.kind {
-            LayerKind::Principled => Closure::Principled(self.principled(report)),
+            LayerKind::Principled => Closure::Principled(self.principled()),
             LayerKind::Diffuse => Closure::Diffuse { color, roughness },
             LayerKind::Translucent => Closure::Translucent { color },
             LayerKind::Glossy => {
@@ -382,7 +375,7 @@ impl Of<'_> {
                 ior: self.input("IOR", 1.4),
                 roughness: self.input("Roughness", 1.0),
                 anisotropy: self.input("Anisotropy", 0.0),
-                method: self.subsurface_method("falloff", report),
+                method: self.subsurface_method("falloff"),
             },
             LayerKind::Hair => Closure::Hair {
                 color,
@@ -433,7 +426,7 @@ impl Of<'_> {
         }
     }
 
-    fn principled(&self, report: &mut impl FnMut(&str)) -> Principled<Source, Source> {
+    fn principled(&self) -> Principled<Source, Source> {
         Principled {
             base_color: self.input("Base Color", 0.8),
             metallic: self.input("Metallic", 0.0),
@@ -446,7 +439,7 @@ impl Of<'_> {
             subsurface_scale: self.input("Subsurface Scale", 0.0),
             subsurface_ior: self.input("Subsurface IOR", 1.4),
             subsurface_anisotropy: self.input("Subsurface Anisotropy", 0.0),
-            subsurface_method: self.subsurface_method("subsurface_method", report),
+            subsurface_method: self.subsurface_method("subsurface_method"),
             specular_ior_level: self.input("Specular IOR Level", 0.5),
             specular_tint: self.input("Specular Tint", 1.0),
             anisotropic: self.input("Anisotropic", 0.0),

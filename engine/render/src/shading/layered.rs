@@ -127,7 +127,8 @@ impl Mixture {
         let albedo = mean * single_kept(alpha, cos);
         let frame = here.frame(normal, p.anisotropic_rotation);
         self.push(Lobe::facets(weight, albedo, slopes(alpha, distribution), law, eta, frame, here.wo));
-        beneath(left, weight * albedo)
+        // Without multiple scattering Cycles keeps from the base what the facets lose, too (`bsdf_microfacet_estimate_albedo`).
+        beneath(left, weight * if distribution == Distribution::Ggx { mean } else { albedo })
     }
 }
 

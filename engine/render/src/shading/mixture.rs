@@ -7,7 +7,7 @@ use super::fresnel::{self, F82Tint};
 use super::lobe::{Fresnel, Lobe, Slopes};
 use super::subsurface::{Body, Entry};
 use super::thin_film::Film;
-use super::{BsdfSample, Caustics, Features, LobeShares, Parted, Scattering};
+use super::{BsdfSample, Caustics, Features, LobeShares, Parted, Past, Scattering};
 use crate::Rgb;
 use crate::scene::closure::{Closure, Distribution, MetalKind, ThinFilm};
 use crate::scene::visibility::Rays;
@@ -25,6 +25,8 @@ pub struct Mixture {
     lobes: ArrayVec<Lobe, MOST_LOBES>,
     /// Whether light may go into bodies; else they are diffuse.
     pub(super) walks: bool,
+    /// Whether a diffuse scattering lies between the camera and here: profiles of bodies are not told from diffuse then.
+    is_blurred: bool,
     pub(super) here: Here,
     strand: Option<(Strand, Option<Vec3A>)>,
 }
@@ -58,12 +60,12 @@ impl Mixture {
             coat_normal: point.shading_normal,
             caustics: Caustics::ALL,
         };
-        Self { lobes: ArrayVec::new(), walks, here, strand: None }
+        Self { lobes: ArrayVec::new(), walks, is_blurred: false, here, strand: None }
     }
 
-    /// Leaves out what mirrors or bends light, of closures that are added from now on.
-    pub fn set_caustics(&mut self, caustics: Caustics) {
-        self.here.caustics = caustics;
+    /// What the path that comes here has been through, for closures that are added from now on.
+    pub fn set_past(&mut self, past: Past) {
+        (self.here.caustics, self.is_blurred) = (past.caustics, past.is_blurred);
     }
 
     /// Of closures that are added from now on: the normal of coats, and along what stretched facets lie.
@@ -169,9 +171,14 @@ impl Mixture {
     /// A lobe of light that comes out elsewhere; where it has no way to go it is diffuse.
     pub(super) fn add_body(&mut self, weight: Rgb, body: Option<Body>, normal: Vec3A) {
         let wo = self.here.wo;
-        match body.filter(|_| self.walks) {
-            Some(body) => self.push(Lobe::body(weight, body, self.here.reflecting(normal), wo)),
-            None => self.push(Lobe::lambert(weight, normal, wo)),
+        let body = body.filter(|body| self.walks && !(body.is_profile() && self.is_blurred));
+        let inside = body.map_or(Rgb::ZERO, |body| body.channels);
+        if let Some(body) = body {
+            self.push(Lobe::body(weight * inside, body, self.here.reflecting(normal), wo));
+        }
+        let rest = weight * (Rgb::ONE - inside);
+        if rest != Rgb::ZERO {
+            self.push(Lobe::lambert(rest, normal, wo));
         }
     }
 

@@ -54,6 +54,15 @@ impl Caustics {
     pub const ALL: Self = Self { reflective: true, refractive: true };
 }
 
+/// What a path has been through, as far as surfaces that it meets then scatter otherwise.
+#[derive(Clone, Copy, Debug)]
+pub struct Past {
+    /// What mirrors and bends light.
+    pub caustics: Caustics,
+    /// Whether one of its scatterings was diffuse.
+    pub is_blurred: bool,
+}
+
 /// What scatters light at one point seen from one direction.
 pub trait Scattering {
     /// The normal that scattering is about, where light from behind it does not matter; `None` where light may

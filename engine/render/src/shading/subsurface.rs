@@ -5,6 +5,7 @@ use crate::Rgb;
 use crate::sampler::warp;
 use crate::scene::closure::SubsurfaceMethod;
 use glam::Vec3A;
+use std::f32::consts::FRAC_1_PI;
 
 /// What is in a body, by channel.
 #[derive(Clone, Copy, Debug)]
@@ -28,28 +29,55 @@ impl Medium {
 
 /// Light on its way into a body.
 #[derive(Clone, Copy, Debug)]
-pub struct Entry {
-    /// Unit.
-    pub direction: Vec3A,
-    /// What it carries.
-    pub light: Rgb,
-    /// What it meets.
-    pub medium: Medium,
+pub enum Entry {
+    /// It walks through.
+    Walk {
+        /// Unit.
+        direction: Vec3A,
+        /// What it carries.
+        light: Rgb,
+        /// What it meets.
+        medium: Medium,
+    },
+    /// It comes out beside, by a profile.
+    Beside {
+        /// What it carries.
+        light: Rgb,
+        /// How far, by channel.
+        profile: Profile,
+        /// Numbers for how far and where to.
+        u: [f32; 2],
+    },
 }
 
 /// How a body takes light in.
 #[derive(Clone, Copy, Debug)]
 pub(super) struct Body {
-    medium: Medium,
-    /// What makes up for channels whose albedo is too low for the walk, over the surface's albedo.
-    scale: Rgb,
-    ior: f32,
-    alpha: f32,
-    is_skin: bool,
+    inside: Inside,
+    /// 1 for channels that go far enough in to be told from a surface's, else 0.
+    pub(super) channels: Rgb,
+}
+
+/// What light does in a body.
+#[derive(Clone, Copy, Debug)]
+enum Inside {
+    Walk {
+        medium: Medium,
+        /// What makes up for channels whose albedo is too low for the walk, over the surface's albedo.
+        scale: Rgb,
+        ior: f32,
+        alpha: f32,
+        is_skin: bool,
+    },
+    Profile(Profile),
 }
 
 /// Free paths shorter than this are a surface's, Blender units.
 const LEAST_RADIUS: f32 = 1e-8;
+
+/// The free path of Christensen and Burley's profile and of the legacy walk over the radius: 1 / 4 π, as in Cycles
+/// (`bssrdf_setup_radius`), so that they look like the older profiles.
+const LEGACY_PATH: f32 = 0.25 * FRAC_1_PI;
 
 impl Body {
     /// Of a surface's albedo, and the radius by channel; `None` where no channel has any.
@@ -61,46 +89,116 @@ impl Body {
         anisotropy: f32,
         method: SubsurfaceMethod,
     ) -> Option<Self> {
-        let is_skin = method == SubsurfaceMethod::Skin;
-        // The fit for skin knows no backward scattering.
-        let g = if is_skin { anisotropy.clamp(0.0, 0.9) } else { anisotropy.clamp(-0.99, 0.99) };
-        let ior = ior.clamp(1.01, 3.8);
-        if radius.min_element() < LEAST_RADIUS {
+        let channels = Rgb::from(radius.to_array().map(|r| f32::from(u8::from(r >= LEAST_RADIUS))));
+        if channels == Rgb::ZERO {
             return None;
         }
-        // Of skin the radius is that of the light that comes out; else it is the free path itself.
-        let free_path = if is_skin { radius * diffusion(albedo, ior) * (1.0 - g) } else { radius };
+        let ior = ior.clamp(1.01, 3.8);
+        let is_skin = method == SubsurfaceMethod::Skin;
+        let (free_path, is_fit) = match method {
+            SubsurfaceMethod::Burley => {
+                let profile = Profile { scale: radius * LEGACY_PATH * channels };
+                return Some(Self { inside: Inside::Profile(profile), channels });
+            }
+            SubsurfaceMethod::RandomWalk => (radius, false),
+            // The fit knows no backward scattering.
+            SubsurfaceMethod::LegacyWalk => (radius * LEGACY_PATH, anisotropy >= 0.0),
+            // Of skin the radius is that of the light that comes out; else it is the free path itself.
+            SubsurfaceMethod::Skin => (radius * diffusion(albedo, ior), anisotropy >= 0.0),
+        };
+        let g = anisotropy.clamp(-0.99, if method == SubsurfaceMethod::RandomWalk { 0.99 } else { 0.9 });
         let mut single = Rgb::ZERO;
         let mut scale = Rgb::ZERO;
         for c in 0..3 {
-            let alpha = if is_skin { single_albedo(albedo[c], g) } else { van_de_hulst(albedo[c], g) };
+            let alpha = if is_fit { single_albedo(albedo[c], g) } else { van_de_hulst(albedo[c], g) };
             // A walk of a lower albedo would end at once.
             single[c] = alpha.max(0.2);
             scale[c] = if albedo[c] > 0.0 { alpha / single[c] / albedo[c] } else { 0.0 };
         }
-        let extinction = Rgb::ONE / free_path.max(Rgb::splat(1e-16));
+        let extinction = Rgb::ONE / (free_path * if is_fit { 1.0 - g } else { 1.0 }).max(Rgb::splat(1e-16));
         let medium = Medium { extinction, albedo: single, anisotropy: g };
-        Some(Self { medium, scale, ior, alpha: if is_skin { 1.0 } else { roughness * roughness }, is_skin })
+        let alpha = if is_skin { 1.0 } else { roughness * roughness };
+        Some(Self { inside: Inside::Walk { medium, scale, ior, alpha, is_skin }, channels })
+    }
+
+    /// Whether light comes out beside the place where it goes in.
+    pub(super) fn is_profile(&self) -> bool {
+        matches!(self.inside, Inside::Profile(_))
     }
 
     /// A way in for light that counts `weight`, which holds the surface's albedo; all in world space.
     pub(super) fn enter(&self, weight: Rgb, frame: &[Vec3A; 3], wo: Vec3A, mut u: [f32; 2]) -> Option<Entry> {
-        let light = weight * self.scale;
-        let local = if self.is_skin && u[0] < 0.5 {
+        let (medium, scale, ior, alpha, is_skin) = match self.inside {
+            Inside::Profile(profile) => return Some(Entry::Beside { light: weight, profile, u }),
+            Inside::Walk { medium, scale, ior, alpha, is_skin } => (medium, scale, ior, alpha, is_skin),
+        };
+        let light = weight * scale;
+        let local = if is_skin && u[0] < 0.5 {
             -warp::sample_cosine_hemisphere([2.0 * u[0], u[1]])
         } else {
-            if self.is_skin {
+            if is_skin {
                 u[0] = 2.0 * (u[0] - 0.5);
             }
             let wo = warp::to_local(frame, wo);
             if wo.z <= 0.0 {
                 return None;
             }
-            let facet = Ggx::from_roughness(self.alpha.sqrt()).sample_visible(wo, u);
-            refract(wo, facet, self.ior)?
+            let facet = Ggx::from_roughness(alpha.sqrt()).sample_visible(wo, u);
+            refract(wo, facet, ior)?
         };
-        Some(Entry { direction: warp::to_world(frame, local).normalize(), light, medium: self.medium })
+        Some(Entry::Walk { direction: warp::to_world(frame, local).normalize(), light, medium })
     }
+}
+
+/// Christensen and Burley's profile of the light about the place where it goes in (2015, "Approximate Reflectance Profiles for
+/// Efficient Subsurface Scattering", equation 3), cut off as in Cycles (`bssrdf.h`).
+#[derive(Clone, Copy, Debug)]
+pub struct Profile {
+    /// d of the equation by channel, Blender units; 0 where the channel does not take part.
+    scale: Rgb,
+}
+
+impl Profile {
+    /// Beyond so many d there is no light.
+    const CUT: f32 = 16.0;
+    /// The light within.
+    const WITHIN: f32 = 0.996_379;
+
+    /// A distance by a channel that a uniform number chooses, and the farthest there is for the channel.
+    pub(crate) fn sample(&self, u: f32) -> (f32, f32) {
+        let scales = self.scale.to_array();
+        let count = scales.iter().filter(|&&d| d > 0.0).count();
+        let at = u * count as f32;
+        let number = (at as usize).min(count.saturating_sub(1));
+        let d = scales.into_iter().filter(|&d| d > 0.0).nth(number).unwrap_or(0.0);
+        (d * distance_within((at - number as f32) * Self::WITHIN), d * Self::CUT)
+    }
+
+    /// The light at a distance, per unit of it, by channel.
+    pub(crate) fn at(&self, distance: f32) -> Rgb {
+        let one = |d: f32| {
+            if d <= 0.0 || distance >= Self::CUT * d {
+                return 0.0;
+            }
+            let third = (-distance / (3.0 * d)).exp();
+            (third * third * third + third) / (4.0 * d * Self::WITHIN)
+        };
+        Rgb::from(self.scale.to_array().map(one))
+    }
+
+    /// Probability density of [`Profile::sample`].
+    pub(crate) fn pdf(&self, distance: f32) -> f32 {
+        let count = self.scale.to_array().iter().filter(|&&d| d > 0.0).count();
+        self.at(distance).element_sum() / count.max(1) as f32
+    }
+}
+
+/// The distance in d within which that part of the light is: the inverse of 1 − e^−r / 4 − 3 e^(−r/3) / 4. With x = e^(−r/3) it is the
+/// root of x³ + 3 x = 4 (1 − u), by Cardano's formula.
+fn distance_within(u: f32) -> f32 {
+    let half = 2.0 * (1.0 - u);
+    let root = (half + (half * half + 1.0).sqrt()).cbrt();
+    -3.0 * (root - 1.0 / root).max(f32::MIN_POSITIVE).ln()
 }
 
 /// The albedo of a single scattering with which a half space has that albedo (van de Hulst's approximation, inverted).
@@ -186,5 +284,23 @@ mod tests {
         let turns = |m: &Medium| m.extinction * m.albedo * (1.0 - m.anisotropy);
         assert!((absorbs(&medium) - absorbs(&even)).abs().max_element() < 1e-5);
         assert!((turns(&medium) - turns(&even)).abs().max_element() < 1e-5 && even.anisotropy == 0.0);
+    }
+
+    /// The distances of a profile have the density that it says, which adds up to 1.
+    #[test]
+    fn distances_of_a_profile_follow_it() {
+        let profile = Profile { scale: Rgb::new(0.3, 0.0, 1.5) };
+        let n = 20_000;
+        let distances: Vec<f32> = (0..n).map(|i| profile.sample((i as f32 + 0.5) / n as f32).0).collect();
+        let mut sum = 0.0;
+        let step = 0.01;
+        for i in 0..2400 {
+            let below = distances.iter().filter(|&&r| r < step * i as f32).count() as f32 / n as f32;
+            // Sums of steps of 0.01 by the midpoint; the profile's slope at 0 is 1 / d².
+            assert!((below - sum).abs() < 2e-3, "{i}: {below} {sum}");
+            sum += profile.pdf((i as f32 + 0.5) * step) * step;
+        }
+        assert!((sum - 1.0).abs() < 2e-3, "{sum}");
+        assert_eq!(profile.at(0.1).y, 0.0);
     }
 }

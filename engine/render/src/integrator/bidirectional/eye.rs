@@ -69,20 +69,20 @@ pub(super) fn trace(
             partial.arrived(stretch.distance, cos_in)
         };
         let vertex = Vertex::new(stage, (point, stretch.kept), -ray.direction, carried, partial);
-        let [u0, u1, u2, u3] = walk.sampler.next_4d();
+        let [u2, u3, u_lobe, u_end] = walk.sampler.next_4d();
         if !vertex.bsdf.is_mirror() {
-            let found = direct(stage, &vertex, stretch.u_light, [u0, u1], &mut walk.rays);
+            let found = direct(stage, &vertex, stretch.u_light, &mut walk.rays);
             result.radiance += limits.clamp(found, bounce);
             let left = (limits.max_bounces - bounce) as usize;
             for from_light in light_path.iter().take(left) {
                 result.radiance += limits.clamp(connect(stage, &vertex, from_light, &mut walk.rays), bounce + 1);
             }
         }
-        let Some(next) = vertex.bsdf.sample(stretch.u_lobe, [u2, u3]) else { break };
+        let Some(next) = vertex.bsdf.sample(u_lobe, [u2, u3]) else { break };
         carried *= next.weight;
         if bounce + 1 > SURE_BOUNCES {
             let go_on = carried.max_element().min(1.0);
-            if stretch.u_end >= go_on {
+            if u_end >= go_on {
                 break;
             }
             carried /= go_on;
@@ -172,10 +172,12 @@ impl Met<'_> {
 }
 
 /// What a light sample finds at a place.
-fn direct(stage: &Stage, vertex: &Vertex, u_choice: f32, u: [f32; 2], rays: &mut u32) -> Rgb {
+fn direct(stage: &Stage, vertex: &Vertex, [u_choice, u0, u1]: [f32; 3], rays: &mut u32) -> Rgb {
     let Stage { scene, lights, emission, .. } = stage;
     let to = lights.receiver_between(vertex.point.position).at(vertex.point.moment);
-    let Some((light, source)) = lights.sample_source(scene, &to, u_choice, u, Way::LIGHT) else { return Rgb::ZERO };
+    let Some((light, source)) = lights.sample_source(scene, &to, u_choice, [u0, u1], Way::LIGHT) else {
+        return Rgb::ZERO;
+    };
     let (value, pdf) = vertex.bsdf.evaluate(light.wi);
     let found = vertex.carried * value * light.radiance / light.pdf;
     if is_dark(found) {

@@ -71,7 +71,8 @@ pub(super) fn trace(
             break;
         }
         let vertex = Vertex::new(stage, (point, stretch.kept), back, carried, partial);
-        let next = scatter(stage, &vertex, &stretch, &mut walk.sampler);
+        let [u2, u3, u_lobe, u_end] = walk.sampler.next_4d();
+        let next = scatter(stage, &vertex, u_lobe, [u2, u3]);
         ray = vertex.ray(next.as_ref().map_or(back, |n| n.direction));
         path.push(vertex);
         let Some(next) = next else { break };
@@ -80,7 +81,7 @@ pub(super) fn trace(
             // In units of what a light path brings along.
             let start = path[0].carried.max_element();
             let go_on = (carried.max_element() / start).min(1.0);
-            if stretch.u_end >= go_on {
+            if u_end >= go_on {
                 break;
             }
             carried /= go_on;
@@ -96,14 +97,8 @@ struct Scattered {
 }
 
 /// A direction to go on in, away from the light.
-fn scatter(
-    stage: &Stage,
-    vertex: &Vertex,
-    stretch: &super::vertex::Stretch,
-    sampler: &mut PathSampler,
-) -> Option<Scattered> {
-    let [.., u2, u3] = sampler.next_4d();
-    let next = vertex.bsdf.sample(stretch.u_lobe, [u2, u3])?;
+fn scatter(stage: &Stage, vertex: &Vertex, u_lobe: f32, u: [f32; 2]) -> Option<Scattered> {
+    let next = vertex.bsdf.sample(u_lobe, u)?;
     let d = next.wi;
     if !next.mirror {
         let (sent, back_pdf) = vertex.sent(stage, d);

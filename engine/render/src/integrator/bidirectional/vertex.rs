@@ -151,10 +151,8 @@ pub(super) struct Stretch {
     pub(super) through: Rgb,
     /// What the surface at its end counts, over the chance that it was not passed.
     pub(super) kept: f32,
-    /// Numbers for what happens at its end.
-    pub(super) u_end: f32,
-    pub(super) u_light: f32,
-    pub(super) u_lobe: f32,
+    /// To choose a light at its end, and a place on it.
+    pub(super) u_light: [f32; 3],
 }
 
 /// A walk through the scene from either end, with its own random numbers.
@@ -179,7 +177,7 @@ impl Walk<'_> {
             self.sampler.jump_to(self.first_set + self.step * SETS_PER_STEP);
             self.step += 1;
             let point = SurfacePoint::new(&self.stage.scene, &hit, ray.direction);
-            let [u_alpha, u_end, u_light, u_lobe] = self.sampler.next_4d();
+            let [u0, u1, u_light, u_alpha] = self.sampler.next_4d();
             distance += hit.t;
             let opening = opening(&self.stage.scene, &hit, &View::along(&ray, distance, Way::BOUNCE));
             let stays = 1.0 - opening.chance;
@@ -187,12 +185,12 @@ impl Walk<'_> {
                 through *= opening.light / opening.chance;
             } else if stops(&hit, u_alpha / stays) {
                 let (end, kept) = (Some((point, hit)), opening.kept);
-                return Stretch { end, distance, through, kept, u_end, u_light, u_lobe };
+                return Stretch { end, distance, through, kept, u_light: [u_light, u0, u1] };
             }
             let origin = offset_origin(point.position, -point.geometric_normal, point.position_error);
             ray = Ray { t_max: ray.t_max - hit.t, ..point.leaving(origin, ray.direction) };
         }
         let distance = distance + ray.t_max;
-        Stretch { end: None, distance, through, kept: 1.0, u_end: 0.0, u_light: 0.0, u_lobe: 0.0 }
+        Stretch { end: None, distance, through, kept: 1.0, u_light: [0.0; 3] }
     }
 }

@@ -12,11 +12,12 @@ use super::{CAMERA_SETS, FirstSurface, Limits, MOST_STEPS, PathResult, SETS_PER_
 use crate::Rgb;
 use crate::accel::{Hit, Ray, offset_origin};
 use crate::integrator::Stage;
-use crate::integrator::subsurface::{Numbers, walk};
+use crate::integrator::subsurface::{Numbers, leave};
 use crate::nodes::{self, Layers, View, Way};
 use crate::sampler::PathSampler;
 use crate::scene::layer::Layer;
 use crate::scene::visibility::Rays;
+use crate::shading::Past;
 use crate::shading::mixture::Mixture;
 use crate::shading::principled::Bsdf;
 use crate::shading::{Parted, Scattering};
@@ -75,8 +76,8 @@ struct Meeting {
     /// What it counts, over the chance that it was not passed.
     kept: f32,
     view: View,
-    /// To end by chance, for the light, and for the lobe.
-    u: [f32; 3],
+    /// To choose a light and a place on it: of one set, so that the places on each light are stratified, too.
+    u_light: [f32; 3],
 }
 
 impl Default for Wave {
@@ -211,7 +212,7 @@ impl<N: Notes, const VOLUMES: bool> Wave<N, VOLUMES> {
             };
             path.sampler.jump_to(CAMERA_SETS + step * Self::SETS);
             let point = SurfacePoint::new(&stage.scene, hit, path.ray.direction);
-            let [u_alpha, u_end, u_light, u_lobe] = path.sampler.next_4d();
+            let [u0, u1, u_light, u_alpha] = path.sampler.next_4d();
             let view = path.view(path.travelled + hit.t);
             let opening = opening(stage.around(), hit, &view);
             if u_alpha >= 1.0 - opening.chance {
@@ -245,7 +246,7 @@ impl<N: Notes, const VOLUMES: bool> Wave<N, VOLUMES> {
             }
             if limits.scatters(path.way) && (!VOLUMES || self.inside[i as usize].may_scatter(limits)) {
                 let kept = opening.kept;
-                self.meetings.push(Meeting { path: i, point, kept, view, u: [u_end, u_light, u_lobe] });
+                self.meetings.push(Meeting { path: i, point, kept, view, u_light: [u_light, u0, u1] });
             }
         }
     }
@@ -303,16 +304,16 @@ impl<N: Notes, const VOLUMES: bool> Wave<N, VOLUMES> {
                 }
             }
             let Path { ray, way, .. } = &self.paths[*path as usize];
-            let (wo, caustics) = (-ray.direction, limits.caustics(*way));
+            let (wo, past) = (-ray.direction, Past { caustics: limits.caustics(*way), is_blurred: way.diffuse > 0 });
             if material.is_layered() {
                 if !is_even {
                     nodes::layers(material, stage.around(), point, view, &mut self.layers);
                 }
-                let mixture = mix(stage, &self.layers, point, wo, *kept, Some(caustics));
+                let mixture = mix(stage, &self.layers, point, wo, *kept, Some(past));
                 self.go_on(stage, limits, meeting, &mixture);
             } else {
                 let values = constants.unwrap_or_else(|| nodes::evaluate(material, &stage.scene, point));
-                let bsdf = Bsdf::with_caustics(material, &values, tables, point, wo, caustics);
+                let bsdf = Bsdf::with_caustics(material, &values, tables, point, wo, past.caustics);
                 self.go_on(stage, limits, meeting, &bsdf);
             }
         }
@@ -322,33 +323,34 @@ impl<N: Notes, const VOLUMES: bool> Wave<N, VOLUMES> {
     /// out.
     #[inline(always)]
     fn go_on(&mut self, stage: &Stage, limits: &Limits, meeting: usize, bsdf: &(impl Scattering + Parted)) {
-        let Meeting { path: i, point, view, u: [u_end, u_light, u_lobe], .. } = &self.meetings[meeting];
+        let Meeting { path: i, point, view, u_light, .. } = &self.meetings[meeting];
         let path = &mut self.paths[*i as usize];
         let mut found = Found { path: *i, result: &mut self.results[*i as usize], notes: &mut self.notes };
-        let [u0, u1, u2, u3] = path.sampler.next_4d();
+        // The lobe and the direction in it, likewise of one set.
+        let [u2, u3, u_lobe, u_end] = path.sampler.next_4d();
         let at = Place { stage, limits, point };
         found.notes.looks_at(*i, path.way, path.throughput, bsdf, view.distance);
-        let to = at.light(path, &mut found, &mut self.shadows, bsdf, [*u_light, u0, u1]);
+        let to = at.light(path, &mut found, &mut self.shadows, bsdf, *u_light);
         if VOLUMES {
             let scene = &stage.scene;
-            self.inside[*i as usize].veil(scene, point, &self.shadows, &mut self.veils, [*u_light, u0, u1]);
+            self.inside[*i as usize].veil(scene, point, &self.shadows, &mut self.veils, *u_light);
         }
         let is_alive = &mut self.is_alive[*i as usize];
-        let Some(entry) = bsdf.enter(*u_lobe, [u2, u3]) else {
-            *is_alive = at.turn(path, &mut found, bsdf, to, [*u_end, *u_lobe, u2, u3]);
+        let Some(entry) = bsdf.enter(u_lobe, [u2, u3]) else {
+            *is_alive = at.turn(path, &mut found, bsdf, to, [u_end, u_lobe, u2, u3]);
             if VOLUMES && *is_alive {
                 self.inside[*i as usize].leave(&stage.scene, point, path);
             }
             return;
         };
-        let mut numbers = Numbers::new([*u_lobe, u2, u3]);
-        let Some((exit, light)) = walk(stage, point, &entry, &mut numbers, &mut found.result.rays) else { return };
+        let mut numbers = Numbers::new([u_lobe, u2, u3]);
+        let Some((exit, light)) = leave(stage, point, &entry, &mut numbers, &mut found.result.rays) else { return };
         path.throughput *= light;
         let mut four = || std::array::from_fn(|_| numbers.next());
         let ([u_light, u0, u1, _], [u_lobe, u2, u3, _]) = (four(), four());
         let (at, bsdf) = (Place { point: &exit, ..at }, Mixture::exit(&exit));
         let to = at.light(path, &mut found, &mut self.shadows, &bsdf, [u_light, u0, u1]);
-        *is_alive = at.turn(path, &mut found, &bsdf, to, [*u_end, u_lobe, u2, u3]);
+        *is_alive = at.turn(path, &mut found, &bsdf, to, [u_end, u_lobe, u2, u3]);
         if VOLUMES {
             let inside = &mut self.inside[*i as usize];
             inside.veil(&stage.scene, &exit, &self.shadows, &mut self.veils, [u_light, u0, u1]);

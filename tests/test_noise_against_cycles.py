@@ -1,0 +1,87 @@
+# SPDX-License-Identifier: GPL-3.0-or-later
+"""The noise of light from lamps beside that of Cycles in the same Blender, at equal samples, by number and kind of lights."""
+
+from __future__ import annotations
+
+import math
+
+import numpy as np
+import pytest
+
+pytestmark = pytest.mark.once
+
+SIDE, SEEDS = 64, 3
+#: Of a variance from 3 seeds of 64 x 64 pixels and 3 colours, which go together: 1.5 % each; of a ratio of two a tenth is far off.
+WITHIN = 1.2
+
+
+def suns(*rows):
+    """(W/m², angle, tilt, turn), rad."""
+    return [
+        ("SUN", {"energy": energy, "angle": angle}, (0, 0, 0), (tilt, 0, turn)) for energy, angle, tilt, turn in rows
+    ]
+
+
+def points(places, radius, watts):
+    return [("POINT", {"energy": watts, "shadow_soft_size": radius}, (x, y, 2), (0, 0, 0)) for x, y in places]
+
+
+SQUARE = [(x, y) for x in (-2, 2) for y in (-2, 2)]
+GRID = [(x, y) for x in (-3, -1, 1, 3) for y in (-3, -1, 1, 3)]
+#: Lights, and the brightness of the world.
+CASES = {
+    "two suns": (suns((1, 0.2, 0.6, 0), (0.3, 0.009, -0.9, 0)), 0.0),
+    "four suns": (suns((1, 0.1, 0.3, 0), (2, 0.1, 0.8, 1), (3, 0.1, 1.1, 2), (4, 0.1, 1.3, 4)), 0.0),
+    "four points": (points(SQUARE, 0.5, 100), 0.0),
+    "sixteen points in a grey world": (points(GRID, 0.2, 60), 0.5),
+    "a sun and four points": ([*suns((1, 0.1, 0.5, 0)), *points(SQUARE, 0.3, 60)], 0.0),
+}
+
+
+@pytest.fixture
+def stage(blender):
+    """A diffuse plane seen from above."""
+    import scene_parts as parts
+
+    scene = parts.set_up(SIDE, SIDE, 16)
+    blender.ops.mesh.primitive_plane_add(size=40)
+    scene.camera.location, scene.camera.rotation_euler = (0, -6, 6), (math.pi / 4, 0, 0)
+    scene.camera.data.lens = 35
+    return scene
+
+
+def variance(folder, engine: str, samples: int) -> tuple[float, float]:
+    """Of a pixel, relative to the square of the picture's mean, and the mean."""
+    import bpy
+
+    import beside_cycles
+
+    scene, pictures = bpy.context.scene, []
+    for seed in range(SEEDS):
+        beside_cycles.prepare(samples)
+        scene.petzval.seed = scene.cycles.seed = seed
+        pictures.append(beside_cycles.take(folder, engine).astype(np.float64))
+    taken = np.stack(pictures)
+    return float(taken.var(0, ddof=1).mean() / taken.mean() ** 2), float(taken.mean())
+
+
+@pytest.mark.parametrize("name", CASES)
+def test_several_lights_are_no_noisier_than_in_cycles(stage, blender, tmp_path, name):
+    import scene_parts as parts
+
+    lights, grey = CASES[name]
+    for kind, settings, place, turn in lights:
+        data = blender.data.lights.new(name, kind)
+        for key, value in settings.items():
+            setattr(data, key, value)
+        lamp = blender.data.objects.new(name, data)
+        lamp.location, lamp.rotation_euler = place, turn
+        blender.context.collection.objects.link(lamp)
+    stage.world = parts.grey_world(grey)
+    stage.cycles.use_light_tree = True
+    for samples in (16, 64, 256):
+        ours, our_mean = variance(tmp_path, "PETZVAL", samples)
+        theirs, their_mean = variance(tmp_path, "CYCLES", samples)
+        print(f"{name}, {samples} samples: {ours:.3g} / {theirs:.3g} = {ours / theirs:.2f}")
+        assert our_mean == pytest.approx(their_mean, rel=0.005)
+        assert ours < WITHIN * theirs, f"{samples} samples: {ours / theirs:.2f} of Cycles' variance"

@@ -1,0 +1,191 @@
+# SPDX-License-Identifier: GPL-3.0-or-later
+"""`python -m other_scenes FOLDER [--samples N] [--size WxH] [--only NAME ...]`, tools/ on the path, by a Python with bpy's environment.
+
+Renders every .blend under the folder by both programs, each render in a process of its own, and writes docs/other-scenes.md; with --only
+the page stays as it is. Scripts of the files are never run, and nothing is written beside them.
+"""
+
+from __future__ import annotations
+
+import argparse
+import json
+import os
+import resource
+import subprocess
+import sys
+import tempfile
+import time
+import tomllib
+from pathlib import Path
+from statistics import median
+
+import numpy as np
+import pages
+
+from . import compare
+
+TOP = Path(__file__).resolve().parents[2]
+PAGE = TOP / "docs" / "other-scenes.md"
+#: What is known of scenes: where they are from, and why they differ.
+KNOWN = Path(__file__).with_name("known.toml")
+#: Samples of the short render: what is done once is taken off by it.
+FEW = 8
+#: A render that takes longer, s, is given up.
+LONGEST_S = 1500
+#: The difference beyond noise up to which pictures agree.
+ALIKE = 0.01
+
+
+class Failed(Exception):
+    """A scene cannot be compared; the message says why."""
+
+
+def main() -> int:
+    asked = argparse.ArgumentParser(
+        prog="other_scenes", description="Compares Petzval with Cycles on scenes by others."
+    )
+    asked.add_argument("folder", type=Path, help="of .blend files")
+    asked.add_argument("--samples", type=int, default=64)
+    asked.add_argument("--size", default="240x135")
+    asked.add_argument("--only", nargs="+", metavar="NAME", help="files of these names; the page stays as it is")
+    options = asked.parse_args()
+    scenes = [path for path in sorted(options.folder.rglob("*.blend")) if not options.only or path.stem in options.only]
+    if not scenes:
+        print(f"petzval: no .blend to compare in {options.folder}", file=sys.stderr)
+        return 1
+    width, height = map(int, options.size.split("x"))
+    began, made, rows = time.monotonic(), pages.made("docs/other-scenes.md"), {}
+    for path in scenes:
+        try:
+            rows[path.stem] = compared(path, width, height, options.samples)
+        except (Failed, subprocess.TimeoutExpired) as why:
+            rows[path.stem] = {"left_out": str(why)}
+        print(f"{path.stem:26s} {said(rows[path.stem])}", flush=True)
+    print(summary(rows))
+    if not options.only:
+        write(rows, options.size, options.samples, made.took(time.monotonic() - began))
+    return 0
+
+
+def run(*command: object) -> float:
+    """Processor seconds of a command that ends well."""
+    before = resource.getrusage(resource.RUSAGE_CHILDREN)
+    environment = os.environ | {"PYTHONPATH": str(TOP / "tools")}
+    done = subprocess.run(
+        [*map(str, command)],
+        capture_output=True,
+        text=True,
+        errors="replace",
+        timeout=LONGEST_S,
+        env=environment,
+        check=False,
+    )
+    after = resource.getrusage(resource.RUSAGE_CHILDREN)
+    if done.returncode:
+        raise Failed((done.stderr.strip().splitlines() or [f"exit {done.returncode}"])[-1][:200])
+    return after.ru_utime + after.ru_stime - before.ru_utime - before.ru_stime
+
+
+def compared(path: Path, width: int, height: int, samples: int) -> dict:
+    """What both programs make of a scene."""
+    python = Path(sys.executable)
+    job = (python, "-m", "other_scenes.job")
+    size, seconds = (str(width), str(height)), {}
+    with tempfile.TemporaryDirectory() as folder:
+        # Beside the scene its images would be found without a change; so are they by paths that are rewritten.
+        ready = Path(folder) / "scene.blend"
+        run(*job, "prepare", path, ready)
+        pictures = []
+        for name, count, seed in (("few", FEW, 1), ("a", samples, 1), ("b", samples, 2)):
+            ours, theirs = (Path(folder) / f"{program}_{name}.exr" for program in ("petzval", "cycles"))
+            command = [python, "-m", "petzval", "render", ready, "--camera", "pinhole", "--resolution", "x".join(size)]
+            command += ["--samples", count, "--seed", seed, "--blue-noise", "off", "--checkpoint", "off", "-o", ours]
+            seconds["petzval", name] = run(*command)
+            seconds["cycles", name] = run(*job, "cycles", ready, theirs, *size, count, seed)
+            pictures += [ours, theirs]
+        run(*job, "read", Path(folder) / "all.npz", *pictures)
+        pixels = {name: one.astype(np.float64) for name, one in np.load(Path(folder) / "all.npz").items()}
+    of = {program: [pixels[f"{program}_{name}"] for name in "ab"] for program in ("petzval", "cycles")}
+    found = compare.difference(of["petzval"], of["cycles"])
+    mean = np.maximum(sum(of["petzval"]) + sum(of["cycles"]), 0.0) / 4
+    result = {"beyond_noise": found.beyond_noise, "of_noise": found.of_noise, "mean": found.mean}
+    for program in of:
+        many = (seconds[program, "a"] + seconds[program, "b"]) / 2
+        result[program] = {
+            "sample_us": (many - seconds[program, "few"]) / (width * height * (samples - FEW)) * 1e6,
+            "noise": compare.noise(of[program], mean),
+        }
+    ours, theirs = result["petzval"], result["cycles"]
+    result["noise_ratio"] = ours["noise"] / max(theirs["noise"], 1e-12)
+    result["time_ratio"] = result["noise_ratio"] * ours["sample_us"] / max(theirs["sample_us"], 1e-9)
+    return result
+
+
+def said(row: dict) -> str:
+    if "left_out" in row:
+        return f"left out: {row['left_out']}"
+    ours, theirs = row["petzval"], row["cycles"]
+    return (
+        f"beyond noise {row['beyond_noise']:.4f} (noise {row['of_noise']:.4f}) mean {row['mean']:.4f} | us a sample "
+        f"{ours['sample_us']:.2f} / {theirs['sample_us']:.2f} noise {ours['noise']:.3g} / {theirs['noise']:.3g} | "
+        f"time to equal noise {row['time_ratio']:.2f}{'' if row['beyond_noise'] <= ALIKE else '  APART'}"
+    )
+
+
+def summary(rows: dict[str, dict]) -> str:
+    found = [row for row in rows.values() if "left_out" not in row]
+    if not found:
+        return "No scene could be compared."
+    alike = sum(row["beyond_noise"] <= ALIKE for row in found)
+    ratios = [row["time_ratio"] for row in found]
+    return (
+        f"{alike} of {len(found)} scenes agree with Cycles within 1 % beyond noise. Processor time to equal noise over Cycles': "
+        f"{median(ratios):.2f} in the middle, {min(ratios):.2f} at best, {max(ratios):.2f} at worst."
+    )
+
+
+def write(rows: dict[str, dict], size: str, samples: int, now: pages.Made) -> None:
+    known = tomllib.loads(KNOWN.read_text())
+    lines = [
+        "# Scenes by others",
+        "",
+        f"Scenes that nobody of this project made, rendered by Petzval and by Cycles in the same Blender at {size}, {samples} samples a pixel and",
+        "two seeds each, through a pinhole: without depth of field, motion blur, clamps, denoising and adaptive sampling. The files are not",
+        "part of the project.",
+        "",
+        "- **Beyond noise**: how far means of 16 x 9 blocks are apart, root mean square over blocks and channels without the worst",
+        "  twentieth, less what seeds differ by. Up to 1 % pictures agree.",
+        "- **Mean**: of the whole picture, Petzval's over Cycles'.",
+        "- **A sample**: microseconds of processor time, Petzval / Cycles, without what is done once.",
+        "- **Noise**: relative variance of a pixel, Petzval's over Cycles', at equal samples.",
+        "- **Time**: processor time to equal noise, Petzval's over Cycles'.",
+        "",
+        summary(rows),
+        "",
+        "| scene | beyond noise | mean | a sample, µs | noise | time | cause of a difference over 1 % or a ratio over 1.2 |",
+        "| --- | --- | --- | --- | --- | --- | --- |",
+    ]
+    for name, row in sorted(rows.items()):
+        about = known.get(name, {})
+        if "left_out" in row:
+            lines.append(f"| {name} | left out: {row['left_out']} | | | | | |")
+            continue
+        cells = [
+            name,
+            f"{100 * row['beyond_noise']:.2f} %",
+            f"{row['mean']:.3f}",
+            f"{row['petzval']['sample_us']:.2f} / {row['cycles']['sample_us']:.2f}",
+            f"{row['noise_ratio']:.2f}",
+            f"{row['time_ratio']:.2f}",
+            about.get("cause", ""),
+        ]
+        lines.append(f"| {' | '.join(cells)} |")
+    sources = [f"- {name}: {known[name]['from']}" for name in sorted(rows) if "from" in known.get(name, {})]
+    lines += ["", "## Where they are from", "", *sources] if sources else []
+    PAGE.write_text(pages.stamped("\n".join(lines) + "\n", now), encoding="utf-8")
+    (TOP / "output").mkdir(exist_ok=True)
+    (TOP / "output" / "other-scenes.json").write_text(json.dumps(rows, indent=1) + "\n")
+
+
+if __name__ == "__main__":
+    sys.exit(main())

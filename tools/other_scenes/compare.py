@@ -1,0 +1,58 @@
+# SPDX-License-Identifier: GPL-3.0-or-later
+"""What two pictures of each program, of other seeds, say: how far apart the programs are beyond noise, and how noisy each is."""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+
+import numpy as np
+
+#: Blocks of a picture, across and up.
+COLUMNS, ROWS = 16, 9
+#: The part of blocks that counts: a caustic's few bright samples would be all that is seen.
+BLOCKS_KEPT = 0.95
+#: The part of pixels that counts for noise, likewise.
+PIXELS_KEPT = 0.999
+#: Blocks are compared with themselves and that part of the picture's mean, lest black ones count.
+FLOOR = 0.05
+
+
+@dataclass
+class Difference:
+    """Root mean squares over blocks and channels, relative."""
+
+    beyond_noise: float
+    of_noise: float
+    #: The picture's mean, Petzval's over Cycles'.
+    mean: float
+
+
+def blocks(picture: np.ndarray) -> np.ndarray:
+    height, width = picture.shape[:2]
+    rows, columns = height // ROWS, width // COLUMNS
+    return (
+        np.minimum(picture, 1e4)[: rows * ROWS, : columns * COLUMNS]
+        .reshape(ROWS, rows, COLUMNS, columns, 3)
+        .mean((1, 3))
+    )
+
+
+def difference(ours: list[np.ndarray], theirs: list[np.ndarray]) -> Difference:
+    """Of two pictures each."""
+    (a, b), (c, d) = [list(map(blocks, one)) for one in (ours, theirs)]
+    first, second = (a + b) / 2, (c + d) / 2
+    scale = 0.5 * (first + second) + FLOOR * second.mean() + 1e-12
+    apart = np.sort(np.abs((first - second) / scale).ravel())
+    own = np.sort((np.hypot(a - b, c - d) / 2 / scale).ravel())
+    kept = int(len(apart) * BLOCKS_KEPT)
+    squares = [float(np.mean(one[:kept] ** 2)) for one in (apart, own)]
+    return Difference(
+        max(0.0, squares[0] - squares[1]) ** 0.5, squares[1] ** 0.5, float(first.mean() / max(second.mean(), 1e-12))
+    )
+
+
+def noise(pictures: list[np.ndarray], mean: np.ndarray) -> float:
+    """The relative variance of a pixel, from two pictures; `mean` of all that there are."""
+    a, b = pictures
+    variances = np.sort(((a - b) ** 2 / 2 / (mean**2 + (0.01 * mean.mean()) ** 2 + 1e-20)).mean(-1).ravel())
+    return float(variances[: int(len(variances) * PIXELS_KEPT)].mean())

@@ -1,0 +1,89 @@
+# SPDX-License-Identifier: GPL-3.0-or-later
+"""One step inside of bpy: `python -m other_scenes.job STEP ...`.
+
+prepare SCENE COPY                     the scene without what the comparison leaves out
+cycles SCENE OUT.exr WIDTH HEIGHT SAMPLES SEED
+read OUT.npz PICTURE.exr ...           pixels of pictures, (height, width, 3), by their stems
+"""
+
+from __future__ import annotations
+
+import os
+import sys
+from pathlib import Path
+
+import bpy
+import numpy as np
+
+
+def opened(path: str) -> bpy.types.Scene:
+    bpy.ops.wm.open_mainfile(filepath=path, load_ui=False, use_scripts=False)
+    return bpy.context.scene
+
+
+def prepare(path: str, copy: str) -> None:
+    """Both programs are compared without depth of field and motion blur, which Petzval has its own ways for, and without clamps, which
+    make each wrong in its own way."""
+    scene = opened(path)
+    if scene.camera is None:
+        raise SystemExit("it has no camera")
+    if scene.camera.data.type == "PANO":
+        raise SystemExit("its camera is panoramic")
+    scene.render.use_motion_blur = scene.render.use_border = scene.render.use_freestyle = False
+    scene.render.use_compositing = scene.render.use_sequencer = False
+    cycles = scene.cycles
+    cycles.use_animated_seed = False
+    cycles.sample_clamp_direct = cycles.sample_clamp_indirect = 0.0
+    # A driven seed would be the same for every picture.
+    drivers = scene.animation_data.drivers if scene.animation_data else ()
+    for driver in [one for one in drivers if "seed" in one.data_path]:
+        drivers.remove(driver)
+    camera = scene.camera.data
+    camera.dof.use_dof = False
+    camera.shift_x = camera.shift_y = 0.0
+    # Shadow caustics lose light: docs/parity.md.
+    for light in bpy.data.lights:
+        light.cycles.is_caustics_light = False
+    bpy.ops.wm.save_as_mainfile(filepath=copy, relative_remap=True, copy=True)
+
+
+def cycles(path: str, out: str, width: str, height: str, samples: str, seed: str) -> None:
+    scene = opened(path)
+    render, own = scene.render, scene.cycles
+    render.engine, own.device = "CYCLES", "CPU"
+    own.samples, own.seed, own.time_limit = int(samples), int(seed), 0.0
+    own.use_denoising = own.use_adaptive_sampling = False
+    render.threads_mode, render.threads = "FIXED", os.cpu_count() or 1
+    render.resolution_x, render.resolution_y, render.resolution_percentage = int(width), int(height), 100
+    settings = render.image_settings
+    if hasattr(settings, "media_type"):
+        settings.media_type = "IMAGE"
+    settings.file_format, settings.color_depth = "OPEN_EXR", "32"
+    render.filepath = out
+    bpy.ops.render.render(write_still=True)
+
+
+def read(out: str, *pictures: str) -> None:
+    pixels = {}
+    for path in pictures:
+        image = bpy.data.images.load(path)
+        image.colorspace_settings.name, image.alpha_mode = "Non-Color", "CHANNEL_PACKED"
+        width, height = image.size
+        flat = np.empty(width * height * image.channels, np.float32)
+        image.pixels.foreach_get(flat)
+        pixels[Path(path).stem] = flat.reshape(height, width, image.channels)[..., :3]
+    np.savez(out, **pixels)
+
+
+if __name__ == "__main__":
+    code = 1
+    try:
+        {"prepare": prepare, "cycles": cycles, "read": read}[sys.argv[1]](*sys.argv[2:])
+        code = 0
+    except SystemExit as why:
+        print(why, file=sys.stderr, flush=True)
+    except Exception as error:  # noqa: BLE001 (its last line is shown)
+        print(f"{type(error).__name__}: {error}", file=sys.stderr, flush=True)
+    # bpy may hang or crash at its end.
+    sys.stdout.flush()
+    os._exit(code)
