@@ -213,8 +213,11 @@ class SettingsDescription:
     # After a diffuse bounce.
     reflective_caustics: bool = True
     refractive_caustics: bool = True
-    clamp_indirect: float = 0.0  # most radiance that light after a bounce may add to a sample; 0: no limit
-    filter_width_px: float = 1.5
+    # Most radiance, in the mean of its channels, that light may add to a sample; 0: no limit.
+    clamp_direct: float = 0.0  # seen by the camera, or scattered once
+    clamp_indirect: float = 0.0  # scattered more often
+    filter: str = "BLACKMAN_HARRIS"  # BOX: one pixel | GAUSSIAN | BLACKMAN_HARRIS, as Cycles defines them
+    filter_width_px: float = 1.5  # of the last two, as Cycles counts it
     transparent_film: bool = False
     with_data: bool = False  # keep what `Job.data` gives
     pipeline: str = "AUTO"  # AUTO | FILM | SCENE | HERO

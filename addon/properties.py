@@ -161,7 +161,7 @@ class PetzvalScene(bpy.types.PropertyGroup):
     pipeline: EnumProperty(name="Pipeline", description="Which way light is followed", items=PIPELINES)
     filter_width: FloatProperty(
         name="Filter Width",
-        description="Width of the Blackman-Harris pixel filter; zero is a box of one pixel",
+        description="Width of the Blackman-Harris pixel filter; zero is a box of one pixel. Where it was never set, Cycles's pixel filter counts",
         default=1.5,
         min=0.0,
         max=10.0,

@@ -29,12 +29,25 @@ def describe(scene: bpy.types.Scene, width: int, height: int, with_data: bool = 
         max_bounces=visibility.most_bounces(scene),
         **visibility.bounces(scene),
         clamp_indirect=own.clamp_indirect,
-        filter_width_px=own.filter_width,
+        **_filter(scene),
         pipeline=own.pipeline,
         with_data=with_data,
         integrator=own.integrator,
         transparent_film=render.film_transparent,
     )
+
+
+def overrules_filter(scene: bpy.types.Scene) -> bool:
+    """Whether Petzval's own filter width counts, and not Cycles's pixel filter: where it was set, or Cycles is absent."""
+    return scene.petzval.is_property_set("filter_width") or not hasattr(scene, "cycles")
+
+
+def _filter(scene: bpy.types.Scene) -> dict[str, str | float]:
+    """The pixel filter, by the name of the engine's setting."""
+    if overrules_filter(scene):
+        width = scene.petzval.filter_width
+        return {"filter": "BLACKMAN_HARRIS" if width > 0.0 else "BOX", "filter_width_px": width}
+    return {"filter": scene.cycles.pixel_filter_type, "filter_width_px": scene.cycles.filter_width}
 
 
 def of_layer(

@@ -30,7 +30,8 @@ def without_tricks(samples: int) -> None:
     scene = bpy.context.scene
     own, cycles = scene.petzval, scene.cycles
     own.samples = cycles.samples = samples
-    own.filter_width, own.clamp_indirect, own.noise_threshold = 0.0, 0.0, 0.0
+    own.clamp_indirect, own.noise_threshold = 0.0, 0.0
+    own.property_unset("filter_width")
     cycles.device = "CPU"
     cycles.use_denoising = cycles.use_adaptive_sampling = False
     cycles.sample_clamp_direct = cycles.sample_clamp_indirect = cycles.blur_glossy = 0.0

@@ -5,6 +5,7 @@ from __future__ import annotations
 
 import bpy
 
+from .. import render_settings
 from .mixin import PetzvalPanel, columns
 
 
@@ -18,11 +19,18 @@ class PETZVAL_RENDER_PT_film(_RenderPanel, bpy.types.Panel):
 
     def draw(self, context):
         layout = columns(self)
-        layout.prop(context.scene.petzval, "filter_width")
-        cycles = getattr(context.scene, "cycles", None)
+        scene = context.scene
+        cycles = getattr(scene, "cycles", None)
+        if render_settings.overrules_filter(scene):
+            layout.prop(scene.petzval, "filter_width")
+        else:
+            layout.prop(cycles, "pixel_filter_type")
+            row = layout.row()
+            row.active = cycles.pixel_filter_type != "BOX"
+            row.prop(cycles, "filter_width")
         if cycles is not None:
             layout.prop(cycles, "film_exposure")
-        layout.prop(context.scene.render, "film_transparent", text="Transparent")
+        layout.prop(scene.render, "film_transparent", text="Transparent")
 
 
 class PETZVAL_RENDER_PT_threads(_RenderPanel, bpy.types.Panel):

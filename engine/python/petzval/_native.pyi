@@ -459,8 +459,11 @@ class SettingsDescription(Protocol):
     sample_offset: int
     threads: int  # 0: all cores
     max_bounces: int
-    clamp_indirect: float  # most radiance that light after a bounce may add to a sample; 0: no limit
-    filter_width_px: float  # Blackman-Harris filter; 0: box of one pixel
+    # Most radiance, in the mean of its channels, that light may add to a sample; 0: no limit.
+    clamp_direct: float  # seen by the camera, or scattered once
+    clamp_indirect: float  # scattered more often
+    filter: str  # BOX: one pixel | GAUSSIAN | BLACKMAN_HARRIS, as Cycles defines them
+    filter_width_px: float  # of the last two, as Cycles counts it
     transparent_film: bool  # world seen directly is left out, alpha 0
     integrator: str  # PATH | BIDIRECTIONAL: the real lens alone, one scale for all axes
 

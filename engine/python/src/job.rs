@@ -27,6 +27,7 @@ use petzval_render::pipeline::Pipeline;
 use petzval_render::pipeline::exposure::{Exposure, Shutter};
 use petzval_render::pipeline::motion::Motion;
 use petzval_render::plan as engine_plan;
+use petzval_render::sampler::warp::Filter;
 use petzval_render::shading::Caustics;
 use petzval_render::stray::StrayPass;
 use pyo3::prelude::*;
@@ -58,6 +59,7 @@ pub(crate) struct PySettings {
     reflective_caustics: bool,
     refractive_caustics: bool,
     clamp_indirect: f32,
+    filter: String,
     filter_width_px: f32,
     transparent_film: bool,
     pipeline: String,
@@ -80,6 +82,16 @@ impl TryFrom<PySettings> for Settings {
             "PATH" => Integrator::Path,
             "BIDIRECTIONAL" => Integrator::Bidirectional,
             other => return Err(refused(format!("there is no integrator '{other}'; use PATH or BIDIRECTIONAL"))),
+        };
+        let filter = match s.filter.as_str() {
+            "BOX" => Filter::Box,
+            "GAUSSIAN" => Filter::Gaussian(s.filter_width_px),
+            "BLACKMAN_HARRIS" => Filter::BlackmanHarris(s.filter_width_px),
+            other => {
+                return Err(refused(format!(
+                    "there is no pixel filter '{other}'; use BOX, GAUSSIAN or BLACKMAN_HARRIS"
+                )));
+            }
         };
         Ok(Self {
             width: s.width,
@@ -104,7 +116,7 @@ impl TryFrom<PySettings> for Settings {
                 caustics: Caustics { reflective: s.reflective_caustics, refractive: s.refractive_caustics },
             },
             clamp_indirect: s.clamp_indirect,
-            filter_width_px: s.filter_width_px,
+            filter,
             transparent_film: s.transparent_film,
             pipeline,
             with_data: s.with_data,

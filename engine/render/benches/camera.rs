@@ -3,7 +3,11 @@
 use criterion::{Criterion, criterion_group, criterion_main};
 use petzval_render::camera::packet::Request;
 use petzval_render::camera::{Camera, CameraDescription, Model, Spectrum};
-use petzval_render::sampler::{PathSampler, raster::Raster, warp::PixelFilter};
+use petzval_render::sampler::{
+    PathSampler,
+    raster::Raster,
+    warp::{Filter, PixelFilter},
+};
 use std::hint::black_box;
 
 const SIZE: [u32; 2] = [480, 270];
@@ -47,7 +51,7 @@ fn stretches(raster: &Raster, mut one: impl FnMut(&[Request])) {
 }
 
 fn bench(c: &mut Criterion) {
-    let raster = Raster::new(SIZE[0], SIZE[1], PixelFilter::new(1.5));
+    let raster = Raster::new(SIZE[0], SIZE[1], PixelFilter::new(Filter::BlackmanHarris(1.5)));
     let mut group = c.benchmark_group("camera sample");
     group.throughput(criterion::Throughput::Elements(32 * 32));
     let mut alone = |name: &str, camera: &Camera| {

@@ -7,7 +7,11 @@ use petzval_render::camera::Model;
 use petzval_render::film::Film;
 use petzval_render::integrator::path::{KindLimits, Limits};
 use petzval_render::pipeline::{Pipeline, Shot, render_tile};
-use petzval_render::sampler::{pattern::Pattern, raster::Raster, warp::PixelFilter};
+use petzval_render::sampler::{
+    pattern::Pattern,
+    raster::Raster,
+    warp::{Filter, PixelFilter},
+};
 use std::hint::black_box;
 
 const SIZE: [u32; 2] = [480, 270];
@@ -16,7 +20,7 @@ const SAMPLES: u32 = 4;
 fn bench(c: &mut Criterion) {
     let mut group = c.benchmark_group("path sample");
     group.sample_size(20);
-    let raster = Raster::new(SIZE[0], SIZE[1], PixelFilter::new(0.0));
+    let raster = Raster::new(SIZE[0], SIZE[1], PixelFilter::new(Filter::Box));
     let limits = Limits {
         max_bounces: 8,
         kinds: KindLimits::default(),

@@ -12,6 +12,7 @@ mod stage;
 
 use petzval_render::camera::{Camera, CameraDescription, Model};
 use petzval_render::job::{Job, Settings};
+use petzval_render::sampler::warp::Filter;
 use std::error::Error;
 use std::sync::Arc;
 use std::time::Duration;
@@ -76,7 +77,7 @@ fn main() -> Result<(), Box<dyn Error>> {
             blue_noise,
             threads: 1,
             max_bounces: 8,
-            filter_width_px: 0.0,
+            filter: Filter::Box,
             ..Settings::default()
         };
         let d = CameraDescription { transmission, ..stage::description(model, wavelength_nm) };

@@ -322,7 +322,7 @@ impl Shared {
         let tiles = film.tiles_about(window.unwrap_or([0, 0, width, height]), spreads);
         let mut shared = Self {
             tiles,
-            raster: Raster::new(width, height, PixelFilter::new(settings.filter_width_px)),
+            raster: Raster::new(width, height, PixelFilter::new(settings.filter)),
             adaptive: adapts.then(|| Adaptive::new(&settings, film.tile_count())),
             film,
             motion: beside.motion,

@@ -111,7 +111,10 @@ mod tests {
     use super::*;
     use crate::camera::Camera;
     use crate::camera::tests::with_lens;
-    use crate::sampler::{PathSampler, warp::PixelFilter};
+    use crate::sampler::{
+        PathSampler,
+        warp::{Filter, PixelFilter},
+    };
 
     const SIZE: [u32; 2] = [3840, 2160];
 
@@ -141,7 +144,7 @@ mod tests {
 
     #[test]
     fn a_sample_of_a_batch_is_the_sample_alone() {
-        let raster = Raster::new(SIZE[0], SIZE[1], PixelFilter::new(1.5));
+        let raster = Raster::new(SIZE[0], SIZE[1], PixelFilter::new(Filter::BlackmanHarris(1.5)));
         let requests = requests(&raster);
         let mut passed = 0;
         for camera in cameras() {
@@ -167,7 +170,7 @@ mod tests {
     /// in 4K.
     #[test]
     fn short_numbers_land_in_the_same_pixels() {
-        let raster = Raster::new(SIZE[0], SIZE[1], PixelFilter::new(1.5));
+        let raster = Raster::new(SIZE[0], SIZE[1], PixelFilter::new(Filter::BlackmanHarris(1.5)));
         let requests = requests(&raster);
         let (mut same, mut other) = (0, 0);
         for camera in cameras() {

@@ -3,7 +3,7 @@
 use crate::camera::Camera;
 use crate::integrator::{Integrator, path::KindLimits};
 use crate::pipeline::Pipeline;
-use crate::sampler::pattern::Pattern;
+use crate::sampler::{pattern::Pattern, warp::Filter};
 
 /// The largest picture side, so that sizes fit in memory arithmetic.
 const MOST_PIXELS: u32 = 65_536;
@@ -44,8 +44,8 @@ pub struct Settings {
     pub kinds: KindLimits,
     /// Most radiance, in its brightest channel, that light after a bounce may add to a sample; 0 is no limit.
     pub clamp_indirect: f32,
-    /// Of the Blackman-Harris filter; 0 is a box of one pixel.
-    pub filter_width_px: f32,
+    /// What a pixel sees of the picture about its centre.
+    pub filter: Filter,
     /// The world is not seen by the camera; its pixels are transparent.
     pub transparent_film: bool,
     /// Which way light is followed.
@@ -74,7 +74,7 @@ impl Default for Settings {
             max_bounces: 12,
             kinds: KindLimits::default(),
             clamp_indirect: 0.0,
-            filter_width_px: 1.5,
+            filter: Filter::BlackmanHarris(1.5),
             transparent_film: false,
             pipeline: Pipeline::Auto,
             with_data: false,
@@ -112,7 +112,7 @@ pub enum SettingsError {
     #[error("no camera: give one")]
     Camera,
     /// The filter.
-    #[error("filter width {0} pixels: set it from 0 to 10")]
+    #[error("filter width {0} pixels: set it above 0, up to 10")]
     Filter(f32),
     /// Light paths end in a real lens alone.
     #[error(
@@ -145,8 +145,11 @@ impl Settings {
         if !(0.0..=f32::INFINITY).contains(&self.clamp_indirect) {
             return Err(SettingsError::Clamp(self.clamp_indirect));
         }
-        if !(0.0..=10.0).contains(&self.filter_width_px) {
-            return Err(SettingsError::Filter(self.filter_width_px));
+        match self.filter {
+            Filter::Gaussian(width) | Filter::BlackmanHarris(width) if !(width > 0.0 && width <= 10.0) => {
+                return Err(SettingsError::Filter(width));
+            }
+            _ => {}
         }
         Ok(())
     }

@@ -3,6 +3,7 @@
 use super::*;
 use crate::Rgb;
 use crate::camera::{CameraDescription, Model};
+use crate::sampler::warp::Filter;
 use crate::scene::{SceneBuilder, mesh::MeshDescription, world::World};
 use glam::{DMat4, DVec3, Vec3};
 use std::path::Path;
@@ -131,7 +132,7 @@ fn settings_out_of_range_are_refused() {
     assert!(start(settings(0, 1)).contains("at least one"));
     assert!(start(Settings { width: 0, ..settings(1, 1) }).contains("resolution 0 x 50"));
     assert!(start(Settings { clamp_indirect: -1.0, ..settings(1, 1) }).contains("clamped at -1"));
-    assert!(start(Settings { filter_width_px: f32::NAN, ..settings(1, 1) }).contains("filter"));
+    assert!(start(Settings { filter: Filter::Gaussian(f32::NAN), ..settings(1, 1) }).contains("filter"));
 }
 
 /// A slanted plane, out of focus, through a lens with a tilted film: the mean of points of a plane lies in it, and the

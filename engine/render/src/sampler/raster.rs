@@ -184,7 +184,7 @@ const _: () = assert!(size_of::<Vec4>() == FEW * size_of::<f32>());
 struct Columns {
     /// At equal steps of the distance from where the reach begins to the first pixel's centre, 0 to 1.
     sums: Vec<Vec4>,
-    /// Pixels that must be there; infinite for a filter that reaches more than [`FEW`].
+    /// Pixels that must be there; infinite for a filter that has no table.
     span: f32,
 }
 
@@ -201,9 +201,9 @@ impl Columns {
                 sum
             }))
         };
-        // The box jumps: its table would be wrong between two steps.
-        let is_narrow = 2.0 * reach + 1.0 <= FEW as f32 && filter.is_smooth();
-        let span = if is_narrow { FEW as f32 + 1.0 } else { f32::INFINITY };
+        // The box jumps: its table would be wrong between two steps. Of a filter within a few steps it would be coarse.
+        let has_table = filter.is_smooth() && reach >= 0.5 && 2.0 * reach + 1.0 <= FEW as f32;
+        let span = if has_table { FEW as f32 + 1.0 } else { f32::INFINITY };
         Self { sums: (0..=Self::STEPS).map(sums).collect(), span }
     }
 
@@ -223,13 +223,23 @@ impl Columns {
 
 #[cfg(test)]
 mod tests {
+    use super::super::warp::Filter;
     use super::*;
 
     /// Light of the same amount at every place of the plane makes every pixel one, to the edge, whatever the filter.
     #[test]
     fn an_even_light_is_even() {
-        for width_px in [0.0, 0.7, 1.0, 1.5, 2.3] {
-            let raster = Raster::new(5, 4, PixelFilter::new(width_px));
+        use Filter::{BlackmanHarris, Gaussian};
+        for filter in [
+            Filter::Box,
+            BlackmanHarris(0.7),
+            BlackmanHarris(1.0),
+            BlackmanHarris(1.5),
+            BlackmanHarris(2.3),
+            Gaussian(0.8),
+            Gaussian(1.5),
+        ] {
+            let raster = Raster::new(5, 4, PixelFilter::new(filter));
             let mut sums = [0.0f64; 20];
             // A whole number of places in a pixel: the box's edges then cut none.
             let n = 1440;
@@ -245,7 +255,7 @@ mod tests {
             }
             for sum in sums {
                 // The numbers' own noise.
-                assert!((sum - 1.0).abs() < 0.01, "{width_px}: {sum}");
+                assert!((sum - 1.0).abs() < 0.01, "{filter:?}: {sum}");
             }
         }
     }
@@ -253,7 +263,7 @@ mod tests {
     /// Places of samples have the density that is said.
     #[test]
     fn places_have_their_density() {
-        let raster = Raster::new(3, 1, PixelFilter::new(1.5));
+        let raster = Raster::new(3, 1, PixelFilter::new(Filter::BlackmanHarris(1.5)));
         let n = 300_000;
         let mut counts = [0u32; 30];
         for i in 0..n {
@@ -274,24 +284,25 @@ mod tests {
     /// Inside, the table says what the filter says.
     #[test]
     fn the_table_is_the_filter() {
-        for width_px in [0.0, 0.8, 1.5, 4.0] {
-            let raster = Raster::new(40, 1, PixelFilter::new(width_px));
+        use Filter::{BlackmanHarris, Gaussian};
+        for filter in [Filter::Box, BlackmanHarris(0.8), BlackmanHarris(1.5), BlackmanHarris(4.0), Gaussian(0.9)] {
+            let raster = Raster::new(40, 1, PixelFilter::new(filter));
             for i in 0..2000 {
                 // Not on the edge of a box, which closed boxes on both sides hold.
                 let at = 10.003 + i as f32 * 0.0103;
                 let u = (i as f32 * 0.618).fract();
                 let (fast, exact) = (raster.along(at, 40, u).unwrap(), raster.along_the_edge(at, 40, u).unwrap());
-                assert!((fast.1 / exact.1 - 1.0).abs() < 1e-4, "{width_px} {at}: {fast:?} {exact:?}");
+                assert!((fast.1 / exact.1 - 1.0).abs() < 1e-4, "{filter:?} {at}: {fast:?} {exact:?}");
                 // At a boundary rounding decides.
                 let near = |du: f32| raster.along_the_edge(at, 40, (u + du).clamp(0.0, 0.999_999)).unwrap().0;
-                assert!(fast.0 == near(1e-4) || fast.0 == near(-1e-4), "{width_px} {at} {u}: {fast:?} {exact:?}");
+                assert!(fast.0 == near(1e-4) || fast.0 == near(-1e-4), "{filter:?} {at} {u}: {fast:?} {exact:?}");
             }
         }
     }
 
     #[test]
     fn far_away_nothing_lands() {
-        let raster = Raster::new(10, 10, PixelFilter::new(1.5));
+        let raster = Raster::new(10, 10, PixelFilter::new(Filter::BlackmanHarris(1.5)));
         for place in [Vec2::new(9.0, 0.0), Vec2::new(0.0, -9.0), Vec2::NAN, Vec2::INFINITY] {
             assert_eq!(raster.land(place, [0.5; 2]), None);
         }

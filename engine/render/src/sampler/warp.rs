@@ -100,6 +100,40 @@ pub fn to_local(frame: &[Vec3A; 3], v: Vec3A) -> Vec3A {
     Vec3A::new(frame[0].dot(v), frame[1].dot(v), frame[2].dot(v))
 }
 
+/// The shape of a pixel filter, as Cycles defines it; widths in pixels.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub enum Filter {
+    /// One pixel, evenly.
+    Box,
+    /// A Gaussian function, e⁻⁸ at the width's distance from the pixel's centre; it ends at one and a half times that.
+    Gaussian(f32),
+    /// The Blackman-Harris window; it ends at the width's distance from the pixel's centre.
+    BlackmanHarris(f32),
+}
+
+impl Filter {
+    /// The distance at which it ends, pixels.
+    fn reach(self) -> f32 {
+        match self {
+            Self::Box => 0.5,
+            Self::Gaussian(width) => 1.5 * width,
+            Self::BlackmanHarris(width) => width,
+        }
+    }
+
+    /// Its value at a part of its reach, in any unit.
+    fn value(self, part: f64) -> f64 {
+        match self {
+            Self::Box => 1.0,
+            Self::Gaussian(_) => (-18.0 * part * part).exp(),
+            Self::BlackmanHarris(_) => {
+                let v = std::f64::consts::PI * (1.0 + part);
+                0.35875 - 0.48829 * v.cos() + 0.14128 * (2.0 * v).cos() - 0.01168 * (3.0 * v).cos()
+            }
+        }
+    }
+}
+
 /// A pixel filter sampled by its own density, so that every sample weighs the same.
 #[derive(Clone, Debug)]
 pub struct PixelFilter {
@@ -114,20 +148,16 @@ pub struct PixelFilter {
 impl PixelFilter {
     const STEPS: usize = 1024;
 
-    /// The Blackman-Harris window of the given width in pixels, as Cycles counts it (1.5 is its default): the window
-    /// ends that far on either side of the pixel's centre. 0 is a box of one pixel.
-    pub fn new(width_px: f32) -> Self {
-        if width_px <= 0.0 {
-            return Self { inverse: vec![-0.5, 0.5], reach: 0.5, densities: vec![1.0; 2], steps_per_pixel: 2.0 };
+    /// The tables of a filter.
+    pub fn new(filter: Filter) -> Self {
+        let reach = filter.reach();
+        if filter == Filter::Box {
+            return Self { inverse: vec![-0.5, 0.5], reach, densities: vec![1.0; 2], steps_per_pixel: 2.0 };
         }
         let fine = 8192;
-        let window = |x: f64| {
-            let v = std::f64::consts::TAU * x;
-            0.35875 - 0.48829 * v.cos() + 0.14128 * (2.0 * v).cos() - 0.01168 * (3.0 * v).cos()
-        };
         let mut cumulative = vec![0.0];
         for i in 0..fine {
-            cumulative.push(cumulative[i] + window((i as f64 + 0.5) / fine as f64));
+            cumulative.push(cumulative[i] + filter.value((2.0 * i as f64 + 1.0) / fine as f64 - 1.0));
         }
         let total = cumulative[fine];
         let inverse = (0..=Self::STEPS)
@@ -135,13 +165,13 @@ impl PixelFilter {
                 let target = total * k as f64 / Self::STEPS as f64;
                 let i = cumulative.partition_point(|&c| c < target).clamp(1, fine);
                 let part = (target - cumulative[i - 1]) / (cumulative[i] - cumulative[i - 1]);
-                (((i - 1) as f64 + part.clamp(0.0, 1.0)) / fine as f64 - 0.5) as f32 * 2.0 * width_px
+                (((i - 1) as f64 + part.clamp(0.0, 1.0)) / fine as f64 - 0.5) as f32 * 2.0 * reach
             })
             .collect();
-        // The mean of the window is its first coefficient.
-        let density = |k: usize| window(0.5 + 0.5 * k as f64 / Self::STEPS as f64) / (0.35875 * 2.0) / width_px as f64;
+        let mean = total / fine as f64;
+        let density = |k: usize| filter.value(k as f64 / Self::STEPS as f64) / (mean * 2.0 * f64::from(reach));
         let densities = (0..=Self::STEPS).map(|k| density(k) as f32).collect();
-        Self { inverse, reach: width_px, densities, steps_per_pixel: Self::STEPS as f32 / width_px }
+        Self { inverse, reach, densities, steps_per_pixel: Self::STEPS as f32 / reach }
     }
 
     /// No offset is larger, pixels.
@@ -219,12 +249,12 @@ mod tests {
 
     #[test]
     fn the_filter_is_centred_and_bounded() {
-        let filter = PixelFilter::new(1.5);
+        let filter = PixelFilter::new(Filter::BlackmanHarris(1.5));
         let mean: f32 = (0..1000).map(|i| filter.sample((i as f32 + 0.5) / 1000.0)).sum::<f32>() / 1000.0;
         assert!(mean.abs() < 1e-4);
         assert!(filter.sample(0.0) >= -1.5 && filter.sample(0.999_999) <= 1.5);
         // A window narrower than its support: half of the weight within about a quarter of the width.
         assert!(filter.sample(0.75) < 0.4);
-        assert!((PixelFilter::new(0.0).sample(0.25) + 0.25).abs() < 1e-6);
+        assert!((PixelFilter::new(Filter::Box).sample(0.25) + 0.25).abs() < 1e-6);
     }
 }

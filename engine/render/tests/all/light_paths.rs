@@ -15,7 +15,11 @@ use petzval_render::integrator::{
 };
 use petzval_render::job::{Beside, Job, Settings};
 use petzval_render::pipeline::{Pipeline, Shot, render_tile};
-use petzval_render::sampler::{pattern::Pattern, raster::Raster, warp::PixelFilter};
+use petzval_render::sampler::{
+    pattern::Pattern,
+    raster::Raster,
+    warp::{Filter, PixelFilter},
+};
 use petzval_render::scene::lamp::LampKind;
 use std::path::Path;
 use std::sync::Arc;
@@ -65,7 +69,7 @@ fn render(stage: &Arc<Stage>, d: &CameraDescription, s: Settings) -> Vec<[f32; 4
 /// Light that ends in the lens after at least one scattering, alone.
 fn light_alone(stage: &Stage, d: &CameraDescription, samples: u32, seed: u32, max_bounces: u32) -> Vec<[f32; 4]> {
     let camera = camera(d, WIDTH, HEIGHT);
-    let raster = Raster::new(WIDTH, HEIGHT, PixelFilter::new(1.5));
+    let raster = Raster::new(WIDTH, HEIGHT, PixelFilter::new(Filter::BlackmanHarris(1.5)));
     let limits = Limits {
         max_bounces,
         kinds: KindLimits::default(),

@@ -5,7 +5,11 @@ use super::super::tests::with_lens;
 use super::super::{Camera, CameraDescription, Model, Spectrum};
 use super::*;
 use crate::camera::packet::Request;
-use crate::sampler::{PathSampler, raster::Raster, warp::PixelFilter};
+use crate::sampler::{
+    PathSampler,
+    raster::Raster,
+    warp::{Filter, PixelFilter},
+};
 use petzval_optics::coating::Coating;
 
 const SIZE: [u32; 2] = [300, 200];
@@ -95,7 +99,7 @@ fn all_ways_take_the_same() {
         let d = taken("double-gauss-f2-available.lens", Some(coating));
         let camera = Camera::new(&d, SIZE[0], SIZE[1]).unwrap();
         let lens = camera.traced_lens().unwrap();
-        let raster = Raster::new(SIZE[0], SIZE[1], PixelFilter::new(1.5));
+        let raster = Raster::new(SIZE[0], SIZE[1], PixelFilter::new(Filter::BlackmanHarris(1.5)));
         let place = Vec2::new(0.32, -0.3);
         let alone = white(&camera, place);
         // The same place by packets: all that is led from a patch about it, over what is sent.

@@ -7,6 +7,7 @@ use petzval_render::camera::{CameraDescription, Model, Spectrum};
 use petzval_render::integrator::Stage;
 use petzval_render::job::{Job, Settings};
 use petzval_render::pipeline::Pipeline;
+use petzval_render::sampler::warp::Filter;
 use petzval_render::scene::material::{Input, Material};
 use petzval_render::scene::{SceneBuilder, mesh::MeshDescription, world::World};
 use std::path::Path;
@@ -93,7 +94,7 @@ pub(crate) fn shoot(stage: &Arc<Stage>, d: &CameraDescription, e: &Exposure, see
         seed,
         threads: 2,
         max_bounces: 0,
-        filter_width_px: 0.0,
+        filter: Filter::Box,
         pipeline: e.pipeline,
         ..Settings::default()
     };

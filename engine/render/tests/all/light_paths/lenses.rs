@@ -5,6 +5,7 @@ use petzval_render::camera::CameraDescription;
 use petzval_render::integrator::Integrator;
 use petzval_render::job::Settings;
 use petzval_render::pipeline::Pipeline;
+use petzval_render::sampler::warp::Filter;
 
 /// Side of a block whose mean is compared, and of the parts that tell its noise, pixels.
 const BLOCK: usize = 16;
@@ -108,8 +109,8 @@ fn every_way_through_every_lens_takes_the_same_picture() {
                 continue;
             }
             let mut shoot = |integrator, pipeline, samples| {
-                let (filter_width_px, seed) = (0.0, seeds.next().unwrap());
-                let s = Settings { pipeline, filter_width_px, max_bounces: 3, ..settings(integrator, samples, seed) };
+                let (filter, seed) = (Filter::Box, seeds.next().unwrap());
+                let s = Settings { pipeline, filter, max_bounces: 3, ..settings(integrator, samples, seed) };
                 render(stage, d, s)
             };
             let measure = shoot(Integrator::Path, Pipeline::Hero, 24);

@@ -1,0 +1,49 @@
+# SPDX-License-Identifier: GPL-3.0-or-later
+"""What the film makes of the light, pixel by pixel, against Cycles in the same Blender."""
+
+from __future__ import annotations
+
+import numpy as np
+import pytest
+
+WIDTH, HEIGHT, SAMPLES = 24, 18, 1024
+
+
+@pytest.fixture
+def edges(blender):
+    """A small square that glows, turned, in a dim sky: all that is seen are edges."""
+    import scene_parts as parts
+
+    scene = parts.set_up(WIDTH, HEIGHT, SAMPLES)
+    scene.world = parts.grey_world(0.1)
+    square = parts.square("Square", (0.1, 4.0, -0.05), 0.9, parts.emitter((0.9, 0.6, 0.3), 2.0))
+    square.rotation_euler = (0.0, 0.3, 0.0)
+    return parts
+
+
+def alike(folder, block: float = 0.04, **cycles_settings) -> np.ndarray:
+    """Each pixel is as Cycles has it. Gives Petzval's picture."""
+    import beside_cycles
+
+    return beside_cycles.alike(folder, SAMPLES, side=1, mean=0.005, block=block, floor=0.5, **cycles_settings)
+
+
+FILTERS = [("BOX", 3.0), ("GAUSSIAN", 1.3), ("BLACKMAN_HARRIS", 0.01), ("BLACKMAN_HARRIS", 2.5)]
+
+
+@pytest.mark.parametrize(("kind", "width"), FILTERS, ids=lambda value: str(value))
+def test_the_pixel_filter(edges, blender, tmp_path, kind, width):
+    alike(tmp_path, pixel_filter_type=kind, filter_width=width)
+
+
+def test_petzvals_own_width_overrules_cycless_filter(edges, blender, tmp_path):
+    scene = blender.context.scene
+    scene.petzval.samples = 64
+    scene.cycles.pixel_filter_type, scene.cycles.filter_width = "GAUSSIAN", 3.0
+    theirs = edges.render(tmp_path)
+    scene.petzval.filter_width = 1.5
+    own = edges.render(tmp_path)
+    assert np.abs(own - theirs).max() > 0.1
+    scene.petzval.property_unset("filter_width")
+    scene.cycles.pixel_filter_type, scene.cycles.filter_width = "BLACKMAN_HARRIS", 1.5
+    assert (edges.render(tmp_path) == own).all()
