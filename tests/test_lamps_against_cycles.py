@@ -199,6 +199,9 @@ SETTINGS = {
     "a square cone": ("SPOT", {"use_square": True}),
     "a narrow beam": ("AREA", {"spread": 0.5}),
     "not by size": ("SPOT", {"normalize": False}),
+    "not by size, a point": ("POINT", {"normalize": False}),
+    "not by size, without one": ("POINT without size", {"normalize": False}),
+    "not by size, a spot without one": ("SPOT", {"normalize": False, "shadow_soft_size": 0.0}),
     "warm": ("SUN", {"use_temperature": True, "temperature": 3200.0}),
     "sampled by directions alone": ("AREA", {"use_multiple_importance_sampling": False}),
 }

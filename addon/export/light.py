@@ -117,7 +117,7 @@ def _cone(light: bpy.types.Light, matrix: Matrix) -> tuple[float, float]:
 
 
 def _size(light: bpy.types.Light, matrix: Matrix) -> float:
-    """What Blender divides by where a light's power is spread over its size; 1 for lights without size."""
+    """What Blender divides by where a light's power is spread over its size."""
     if light.type == "SUN":
         size = pi * sin(0.5 * light.angle) ** 2
     elif light.type == "AREA":
@@ -127,5 +127,6 @@ def _size(light: bpy.types.Light, matrix: Matrix) -> float:
         if light.shape in {"DISK", "ELLIPSE"}:
             size *= 0.25 * pi
     else:
-        size = 4.0 * pi * light.shadow_soft_size**2
+        # That of a sphere; Cycles takes 4 for one without size.
+        size = 4.0 * pi * light.shadow_soft_size**2 or 4.0
     return size or 1.0
