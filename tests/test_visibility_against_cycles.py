@@ -90,6 +90,23 @@ def test_objects_hide(room, blender, tmp_path, kind):
     differs(ours, room.render(tmp_path, "all.exr")[..., :3], 0.002)
 
 
+@pytest.mark.parametrize("kind", ["camera", "diffuse", "glossy", "shadow"])
+@pytest.mark.parametrize("instance", ["MESH", "LIGHT"])
+def test_instancers_hide(room, blender, tmp_path, kind, instance):
+    """What an instance and its instancer both allow."""
+    shown = blender.data.collections.new("Shown")
+    one = add_panel(room) if instance == "MESH" else room.lamp
+    blender.context.scene.collection.objects.unlink(one)
+    shown.objects.link(one)
+    if instance == "MESH":
+        one.location = (0.0, -0.4, 2.4)
+    instancer = blender.data.objects.new("Instancer", None)
+    instancer.instance_type, instancer.instance_collection = "COLLECTION", shown
+    setattr(instancer, f"visible_{kind}", False)
+    blender.context.scene.collection.objects.link(instancer)
+    alike(tmp_path)
+
+
 @pytest.mark.parametrize("kind", ["camera", "diffuse", "glossy", "transmission"])
 @pytest.mark.first_only("lamp")
 @pytest.mark.parametrize("lamp", ["AREA", "SUN", "POINT"])

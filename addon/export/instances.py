@@ -57,6 +57,11 @@ def _stands_for(place: bpy.types.DepsgraphObjectInstance) -> bpy.types.Object:
     return found.original
 
 
+def _instancers(place: bpy.types.DepsgraphObjectInstance) -> tuple[bpy.types.Object, ...]:
+    """The object that shows an instance, whose visibility to kinds of ray counts too."""
+    return (place.parent,) if place.is_instance and place.parent is not None else ()
+
+
 def _sources(holder: bpy.types.Object, place: bpy.types.DepsgraphObjectInstance) -> tuple[bpy.types.ID | None, ...]:
     """What an object's shape comes from."""
     return holder, holder.data, place.parent if place.is_instance else None
@@ -114,7 +119,7 @@ class Stage:
             holder = place.object
             if seen_in is not None and not _stands_for(place).visible_in_viewport_get(seen_in):
                 continue
-            hidden = hidden_from(holder)
+            hidden = hidden_from(holder, *_instancers(place))
             if _stands_for(place).indirect_only_get(view_layer=self._view_layer):
                 hidden = (*hidden, "CAMERA")
             if shows_hair and holder.particle_systems:

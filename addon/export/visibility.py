@@ -8,9 +8,9 @@ import bpy
 from ..description import NO_LIMIT, RAYS
 
 
-def hidden_from(holder: bpy.types.Object) -> tuple[str, ...]:
-    """Of an object: a mesh, or a light."""
-    return tuple(kind for kind in RAYS if not getattr(holder, f"visible_{kind.lower()}"))
+def hidden_from(*holders: bpy.types.Object) -> tuple[str, ...]:
+    """Of an object, a mesh or a light; of several, what any of them is hidden from."""
+    return tuple(kind for kind in RAYS if not all(getattr(holder, f"visible_{kind.lower()}") for holder in holders))
 
 
 def world_hidden_from(world: bpy.types.World) -> tuple[str, ...]:
