@@ -7,7 +7,7 @@ import numpy as np
 import pytest
 
 from node_tree import Tree
-from test_closures_against_cycles import alike, stage  # noqa: F401 (a fixture)
+from test_closures_against_cycles import BLOCK, SAMPLES, alike, stage  # noqa: F401 (a fixture)
 
 
 def noise_ramp(t: Tree):
@@ -209,3 +209,57 @@ def test_graphs(stage, blender, tmp_path, graph):  # noqa: F811
     graph(Tree(tree, surface))
     # 512 samples of 144 pixels: noise below 0.3 %. Edges of patterns fall between samples alike.
     alike(tmp_path, STEEP.get(graph.__name__, 0.02), floor=0.0)
+
+
+def ramp_behind(t: Tree, unknown):
+    made = t.ramp(unknown)
+    made.node.inputs["Fac"].default_value = 0.6
+    t.shows(t.node("BsdfDiffuse", Color=made).outputs[0])
+
+
+def glow_behind(t: Tree, unknown):
+    t.shows(t.node("Emission", Color=unknown, Strength=0.7).outputs[0])
+
+
+def reroute_behind(t: Tree, unknown):
+    turn = t.tree.nodes.new("NodeReroute")
+    t.tree.links.new(unknown, turn.inputs[0])
+    colour = t.node("MixRGB", Fac=0.5, Color1=turn.outputs[0], Color2=(0.9, 0.6, 0.2, 1.0))
+    t.shows(t.node("BsdfDiffuse", Color=colour.outputs[0]).outputs[0])
+
+
+def group_behind(t: Tree, unknown):
+    """What counts is the own value of the node in the group."""
+    import bpy
+
+    group = bpy.data.node_groups.new("Group", "ShaderNodeTree")
+    group.interface.new_socket("Tint", in_out="INPUT", socket_type="NodeSocketColor")
+    group.interface.new_socket("Shader", in_out="OUTPUT", socket_type="NodeSocketShader")
+    inside = Tree(group, group.nodes.new("NodeGroupOutput").inputs[0])
+    inside.shows(inside.node("BsdfDiffuse", Color=group.nodes.new("NodeGroupInput").outputs["Tint"]).outputs[0])
+    outside = t.node("Group", {"node_tree": group})
+    outside.inputs["Tint"].default_value = (0.2, 0.7, 0.4, 1.0)
+    t.tree.links.new(unknown, outside.inputs["Tint"])
+    t.shows(outside.outputs[0])
+
+
+def normal_behind(t: Tree, unknown):
+    t.shows(t.node("BsdfDiffuse", Color=(0.3, 0.7, 0.5, 1.0), Normal=unknown).outputs[0])
+
+
+@pytest.mark.parametrize(
+    "build", [ramp_behind, glow_behind, reroute_behind, group_behind, normal_behind], ids=lambda build: build.__name__
+)
+def test_a_node_that_cycles_does_not_know(stage, blender, tmp_path, build):  # noqa: F811
+    """Its link does not count, and a warning names it."""
+    import beside_cycles
+
+    if blender.app.version < (5, 0, 0) and build in (reroute_behind, group_behind):
+        pytest.skip("before Blender 5 the values of reroutes and groups count")
+    made, tree, surface = stage.material()
+    blender.context.object.data.materials.append(made)
+    t = Tree(tree, surface)
+    red = t.node("Emission", Color=(1.0, 0.1, 0.1, 1.0), Strength=3.0)
+    unknown = t.node("ShaderToRGB", Shader=red.outputs[0]).outputs["Color"]
+    build(t, unknown)
+    beside_cycles.alike(tmp_path, SAMPLES, side=BLOCK, mean=0.01, block=0.02, bounces=48, warns="Shader to RGB")

@@ -57,10 +57,7 @@ class Ends:
 
     def input(self, socket: bpy.types.NodeSocket, groups: tuple[bpy.types.Node, ...] = ()) -> Any:
         """What an input socket gets: a link, or its value."""
-        found = nodes.trace(nodes.Input(socket, groups))
-        if isinstance(found, nodes.Source):
-            return self._walk.link(found)
-        return _constant(socket, found)
+        return self._walk.given(socket, nodes.trace(nodes.Input(socket, groups)))
 
     def add(self, described: dict[str, Any], socket: str = "Emission") -> dict[str, Any]:
         """A link to an output of a node that the tree does not have."""
@@ -91,6 +88,14 @@ class _Walk:
             self.nodes.append(described)
             self._waiting.append((source, described))
         return {"node": self._places[key], "socket": source.socket.identifier}
+
+    def given(self, socket: bpy.types.NodeSocket, found: nodes.Source | nodes.Input | None) -> Any:
+        """What an input socket gets: a link, or a value; None where the node takes something of the surface."""
+        if not isinstance(found, nodes.Source):
+            return _constant(socket, found) if socket.type in _VALUE_TYPES else None
+        link = self.link(found)
+        unlinked = _constant(socket, nodes.Input(socket)) if socket.type in _VALUE_TYPES else None
+        return link if unlinked is None else {**link, "unlinked": unlinked}
 
     def finish(self) -> None:
         """Describes the nodes that were noted, and those that they lead to."""
@@ -136,12 +141,10 @@ class _Walk:
         if socket.type == "STRING":
             if isinstance(found, nodes.Input):
                 described["options"][socket.identifier] = found.socket.default_value
-        elif isinstance(found, nodes.Source):
-            described["inputs"][socket.identifier] = self.link(found)
-        elif socket.type in _VALUE_TYPES:
-            value = _constant(socket, found)
-            if value is not None:
-                described["inputs"][socket.identifier] = value
+            return
+        value = self.given(socket, found)
+        if value is not None:
+            described["inputs"][socket.identifier] = value
 
 
 def _constant(socket: bpy.types.NodeSocket, found: nodes.Input | None) -> float | list[float] | None:

@@ -22,6 +22,8 @@ pub struct Link {
     pub node: usize,
     /// The output socket's identifier.
     pub socket: String,
+    /// What counts if the node is not known: the reading socket's own value, or none, as where nothing is linked.
+    pub unlinked: Option<[f32; 3]>,
 }
 
 /// What an input gets.
@@ -64,8 +66,9 @@ fn shape(what: impl Into<String>) -> Parsing {
 
 impl Graph {
     /// Reads the add-on's description:
-    /// `{"nodes": [{"type", "name", "options": {...}, "inputs": {identifier: number | [numbers] | {"node", "socket"}}}],
-    /// "surface": {"node", "socket"} | null, "volume": ..., "displacement": ...}`.
+    /// `{"nodes": [{"type", "name", "options": {...}, "inputs": {identifier: number | [numbers] | link}}],
+    /// "surface": link | null, "volume": ..., "displacement": ...}`, a link being `{"node", "socket", "unlinked": number | [numbers]}`,
+    /// the last where there is one.
     pub fn from_json(text: &str) -> Result<Self, Parsing> {
         let document: Value = serde_json::from_str(text)?;
         let nodes = document["nodes"].as_array().ok_or_else(|| shape("\"nodes\" are no list"))?;
@@ -96,7 +99,7 @@ impl Graph {
 
 fn read_link(value: &Value) -> Option<Link> {
     let node = usize::try_from(value["node"].as_u64()?).ok()?;
-    Some(Link { node, socket: value["socket"].as_str()?.to_owned() })
+    Some(Link { node, socket: value["socket"].as_str()?.to_owned(), unlinked: read_constant(&value["unlinked"]) })
 }
 
 fn read_constant(value: &Value) -> Option<[f32; 3]> {

@@ -194,10 +194,18 @@ fn assert_reported(reports: &[Report], node: &str, kind: &str) {
 }
 
 #[test]
-fn unknown_nodes_are_named_and_black() {
-    let (program, reports) = program(&[node("TexFuture", json!({}), json!({})), glow(link(0, "Color"))]);
+fn unknown_nodes_are_named_and_their_links_do_not_count() {
+    let future = || node("TexFuture", json!({}), json!({}));
+    let own = json!({"node": 0, "socket": "Color", "unlinked": [0.2, 0.3, 0.4]});
+    let (glowing, reports) = program(&[future(), glow(own)]);
     assert_reported(&reports, "my TexFuture", "ShaderNodeTexFuture");
-    assert_eq!(colour(&program), Vec3A::ZERO);
+    assert_eq!(colour(&glowing), Vec3A::new(0.2, 0.3, 0.4));
+    // A normal has no value of its own, and what should be a shader adds nothing.
+    let diffuse = node("BsdfDiffuse", json!({}), json!({"Color": [1.0, 1.0, 1.0], "Normal": link(0, "Normal")}));
+    let sum = node("AddShader", json!({}), json!({"Shader": link(0, "Shader"), "Shader_001": link(1, "BSDF")}));
+    let (matte, _) = program(&[future(), diffuse, sum]);
+    let [layer] = &matte.surface[..] else { panic!("one layer, not {:?}", matte.surface) };
+    assert_eq!(layer.input("Normal"), None);
 }
 
 #[test]

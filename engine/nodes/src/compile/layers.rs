@@ -148,7 +148,7 @@ impl Compiler<'_> {
 
     /// A colour where a shader belongs glows with that colour.
     fn bare_colour(&mut self, link: &Link, weight: Operand, walk: &mut Walk) {
-        let colour = self.linked(link, Kind::Colour, Shift::NONE);
+        let Some(colour) = self.linked(link, Kind::Colour, Shift::NONE) else { return };
         let one = self.constant(Vec3A::ONE);
         let inputs = vec![("Color".to_owned(), colour), ("Strength".to_owned(), one)];
         // Each place where a bare colour enters is a closure of its own.

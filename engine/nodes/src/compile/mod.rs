@@ -50,6 +50,15 @@ struct Value {
 /// A node's outputs by identifier.
 type Outputs = Vec<(&'static str, Value)>;
 
+/// What a link leads to.
+enum Found {
+    Value(Value),
+    /// Nothing, which is black.
+    Nothing,
+    /// A node that is not known.
+    Unknown,
+}
+
 /// What lowering a node gives; or why it cannot be done.
 type Lowered = Result<Outputs, String>;
 
@@ -61,7 +70,7 @@ pub fn compile(graph: &Graph) -> (Program, Vec<Report>) {
     let mut compiler = Compiler::new(graph);
     let surface = compiler.layers(graph.surface.as_ref());
     let volume = compiler.layers(graph.volume.as_ref());
-    let displacement = graph.displacement.as_ref().map(|link| compiler.linked(link, Kind::Vector, Shift::NONE));
+    let displacement = graph.displacement.as_ref().and_then(|link| compiler.linked(link, Kind::Vector, Shift::NONE));
     compiler.finish(surface, volume, displacement)
 }
 
@@ -72,7 +81,8 @@ struct Compiler<'g> {
     code: Vec<Instruction>,
     program: Program,
     constants: HashMap<[u32; 3], Operand>,
-    lowered: HashMap<(usize, [u32; 2]), Outputs>,
+    /// `None` for nodes that are not known.
+    lowered: HashMap<(usize, [u32; 2]), Option<Outputs>>,
     /// Nodes that are being lowered, outermost first.
     open: Vec<usize>,
     reports: Vec<Report>,
@@ -102,51 +112,59 @@ impl<'g> Compiler<'g> {
         }
     }
 
-    /// What a link brings, as the kind that its reader wants.
-    fn linked(&mut self, link: &Link, wanted: Kind, shift: Shift) -> Operand {
-        let Some(value) = self.output(link, shift) else {
-            return self.constant(Vec3A::ZERO);
+    /// What a link brings, as the kind that its reader wants. As in Cycles, one from a node that is not known does not count:
+    /// `None` where its reader has no value of its own.
+    fn linked(&mut self, link: &Link, wanted: Kind, shift: Shift) -> Option<Operand> {
+        let value = match self.output(link, shift) {
+            Found::Value(value) => value,
+            Found::Nothing => return Some(self.constant(Vec3A::ZERO)),
+            Found::Unknown => return link.unlinked.map(|parts| self.constant(Vec3A::from_array(parts))),
         };
-        match (value.kind, wanted) {
+        Some(match (value.kind, wanted) {
             (Kind::Colour, Kind::Number) => self.emit(Operation::Luminance, &[value.operand]),
             (Kind::Vector, Kind::Number) => self.emit(Operation::Mean, &[value.operand]),
             // Numbers stand in all three parts already.
             _ => value.operand,
-        }
+        })
     }
 
-    fn output(&mut self, link: &Link, shift: Shift) -> Option<Value> {
+    fn output(&mut self, link: &Link, shift: Shift) -> Found {
         let key = (link.node, [shift.x.to_bits(), shift.y.to_bits()]);
         if !self.lowered.contains_key(&key) {
             if self.open.contains(&link.node) {
                 self.report(link.node, "its output leads back into itself, it is black");
-                return None;
+                return Found::Nothing;
             }
             if self.open.len() >= DEEPEST {
                 self.report(link.node, "too many nodes in a row, it is black");
-                return None;
+                return Found::Nothing;
             }
             self.open.push(link.node);
             let outputs = self.lower(link.node, shift);
             self.open.pop();
             self.lowered.insert(key, outputs);
         }
-        self.lowered[&key].iter().find(|(name, _)| *name == link.socket).map(|(_, value)| *value)
+        let Some(outputs) = &self.lowered[&key] else { return Found::Unknown };
+        let found = outputs.iter().find(|(name, _)| *name == link.socket);
+        found.map_or(Found::Nothing, |(_, value)| Found::Value(*value))
     }
 
-    fn lower(&mut self, index: usize, shift: Shift) -> Outputs {
+    fn lower(&mut self, index: usize, shift: Shift) -> Option<Outputs> {
         let node = &self.graph.nodes[index];
         let mut at = At { compiler: self, index, node, shift };
         let lowered = inputs::lower(&mut at)
             .or_else(|| textures::lower(&mut at))
             .or_else(|| colours::lower(&mut at))
             .or_else(|| maths::lower(&mut at))
-            .or_else(|| surfaces::lower(&mut at))
-            .unwrap_or_else(|| Err("it is not supported, it is black".to_owned()));
-        lowered.unwrap_or_else(|what| {
+            .or_else(|| surfaces::lower(&mut at));
+        let Some(lowered) = lowered else {
+            self.report(index, "it is not supported, its links do not count");
+            return None;
+        };
+        Some(lowered.unwrap_or_else(|what| {
             self.report(index, what);
             Outputs::new()
-        })
+        }))
     }
 }
 
@@ -160,10 +178,10 @@ struct At<'c, 'g> {
 
 impl At<'_, '_> {
     fn input(&mut self, identifier: &str, wanted: Kind, shift: Shift) -> Option<Operand> {
-        Some(match self.node.input(identifier)? {
-            Input::Constant(parts) => self.compiler.constant(Vec3A::from_array(*parts)),
+        match self.node.input(identifier)? {
+            Input::Constant(parts) => Some(self.compiler.constant(Vec3A::from_array(*parts))),
             Input::Link(link) => self.compiler.linked(link, wanted, shift),
-        })
+        }
     }
 
     /// An input that is a number; 0 where Blender hides it.
