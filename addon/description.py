@@ -135,6 +135,7 @@ class CameraDescription:
     pinhole_focal_length_mm: float = 50.0
     pinhole_film_width_mm: float = 36.0
     pinhole_shift: tuple[float, float] = (0.0, 0.0)
+    pixel_aspect: float = 1.0  # the height of a pixel over its width
     lens_path: str = ""
     focal_length_mm: float | None = None
     focal_scale: float | None = None

@@ -47,3 +47,15 @@ def test_petzvals_own_width_overrules_cycless_filter(edges, blender, tmp_path):
     scene.petzval.property_unset("filter_width")
     scene.cycles.pixel_filter_type, scene.cycles.filter_width = "BLACKMAN_HARRIS", 1.5
     assert (edges.render(tmp_path) == own).all()
+
+
+# Fitted to the width and to the height; wide pixels make this picture wider, tall ones upright.
+@pytest.mark.parametrize("aspect", [(1.0, 2.0), (1.5, 1.0)], ids=["tall", "wide"])
+@pytest.mark.parametrize("fit", ["AUTO", "HORIZONTAL", "VERTICAL"])
+@pytest.mark.parametrize("kind", ["PERSP", "ORTHO"])
+def test_pixels_that_are_not_square(edges, blender, tmp_path, kind, fit, aspect):
+    render, camera = blender.context.scene.render, blender.context.scene.camera.data
+    render.pixel_aspect_x, render.pixel_aspect_y = aspect
+    camera.type, camera.ortho_scale, camera.sensor_fit, camera.sensor_height = kind, 2.0, fit, 30.0
+    camera.shift_x, camera.shift_y = 0.03, -0.05
+    alike(tmp_path)

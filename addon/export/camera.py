@@ -21,6 +21,11 @@ def resolution(render: bpy.types.RenderSettings) -> tuple[int, int]:
     return max(render.resolution_x * percent // 100, 1), max(render.resolution_y * percent // 100, 1)
 
 
+def pixel_aspect(render: bpy.types.RenderSettings) -> float:
+    """The height of a pixel over its width."""
+    return render.pixel_aspect_y / render.pixel_aspect_x
+
+
 def rows(matrix: object) -> Matrix4:
     """A matrix of mathutils, row by row."""
     return tuple(tuple(row) for row in matrix)
@@ -42,7 +47,8 @@ def describe(
     camera = holder.data
     settings = camera.petzval
     picture_width_mm, side = _picture(camera, scene.render, width, height)
-    larger = max(width, height)
+    aspect = pixel_aspect(scene.render)
+    larger = max(width, height * aspect)
     model = settings.model if model is None else model
     of_lens = model in OF_LENS_FILE
     wide_open = settings.wide_open
@@ -53,6 +59,7 @@ def describe(
         pinhole_focal_length_mm=camera.lens,
         pinhole_film_width_mm=picture_width_mm,
         pinhole_shift=(camera.shift_x * side / larger, camera.shift_y * side / larger),
+        pixel_aspect=aspect,
         f_number=(None if wide_open else settings.f_number) if of_lens else _thin_f_number(camera),
         pupil_diameter_mm=(settings.pupil_diameter or None) if of_lens and not wide_open else None,
         blades=_blades(settings.blades if of_lens or settings.blades else camera.dof.aperture_blades),
@@ -74,8 +81,8 @@ def describe(
         return _orthographic(description, camera, width / side, report)
     _focus(description, camera, report)
     if of_lens:
-        _lens(description, camera, width, height)
-    _warn(description, camera, scene, report)
+        _lens(description, camera, height * aspect / width)
+    _warn(description, camera, report)
     return description
 
 
@@ -111,8 +118,8 @@ def scale(settings: bpy.types.PropertyGroup, scene: bpy.types.Scene) -> tuple[fl
 def _picture(
     camera: bpy.types.Camera, render: bpy.types.RenderSettings, width: int, height: int
 ) -> tuple[float, float]:
-    """The picture's width on Blender's sensor, and the side that the sensor is fitted to (pixels of the width)."""
-    aspect = render.pixel_aspect_y / render.pixel_aspect_x
+    """The picture's width on Blender's sensor, and the side that the sensor is fitted to (widths of a pixel)."""
+    aspect = pixel_aspect(render)
     fit = camera.sensor_fit
     sensor = camera.sensor_height if fit == "VERTICAL" else camera.sensor_width
     if fit == "AUTO":
@@ -131,7 +138,8 @@ def blender_shift(
     """A shift in the picture's larger sides, in the units of the camera's own shift: the side that its sensor fits."""
     _, side = _picture(camera, render, width, height)
     x, y = larger_sides
-    return x * max(width, height) / side, y * max(width, height) / side
+    larger = max(width, height * pixel_aspect(render))
+    return x * larger / side, y * larger / side
 
 
 def _thin_f_number(camera: bpy.types.Camera) -> float:
@@ -180,7 +188,8 @@ def _focus_point(dof: bpy.types.CameraDOFSettings) -> tuple[float, float, float]
     return tuple(matrix.translation)
 
 
-def _lens(description: CameraDescription, camera: bpy.types.Camera, width: int, height: int) -> None:
+def _lens(description: CameraDescription, camera: bpy.types.Camera, aspect: float) -> None:
+    """`aspect`: the picture's height over its width."""
     settings = camera.petzval
     try:
         description.lens_path = resolve(settings.lens_file, camera.library)
@@ -195,18 +204,16 @@ def _lens(description: CameraDescription, camera: bpy.types.Camera, width: int, 
         description.film_height_mm = settings.film_height
     else:
         description.film_width_mm = description.pinhole_film_width_mm
-        description.film_height_mm = description.pinhole_film_width_mm * height / width
+        description.film_height_mm = description.pinhole_film_width_mm * aspect
     description.tilt_rad = settings.tilt
     description.swing_rad = settings.swing
     description.shift_mm = (settings.shift_x, settings.shift_y)
 
 
-def _warn(description: CameraDescription, camera: bpy.types.Camera, scene: bpy.types.Scene, report: Report) -> None:
+def _warn(description: CameraDescription, camera: bpy.types.Camera, report: Report) -> None:
     name = f"Camera '{description.object_name}'"
     if camera.type != "PERSP":
         kind = {"PANO": "panoramic"}.get(camera.type, camera.type.lower())
         report.warn(f"{name}: {kind} cameras are not supported yet, it is taken as perspective")
-    if scene.render.pixel_aspect_x != scene.render.pixel_aspect_y:
-        report.warn(f"{name}: pixels that are not square are not supported yet, the picture is stretched")
     if description.model in OF_LENS_FILE and any(description.pinhole_shift) and not camera.petzval.in_step:
         report.warn(f"{name}: Blender's shift does not move a real lens: use the shift of its Film & Movements panel")

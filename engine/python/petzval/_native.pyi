@@ -209,6 +209,7 @@ class CameraDescription(Protocol):
     pinhole_focal_length_mm: float
     pinhole_film_width_mm: float  # of the whole picture, after Blender's sensor fit
     pinhole_shift: tuple[float, float]  # in units of the larger picture side, as Blender has it
+    pixel_aspect: float  # the height of a pixel over its width
     # The real lens:
     lens_path: str
     focal_length_mm: float | None  # or

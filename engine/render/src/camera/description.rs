@@ -107,6 +107,8 @@ pub struct CameraDescription {
     pub pinhole_film_width_mm: f64,
     /// Blender's own shift, in units of the picture's larger side.
     pub pinhole_shift: [f64; 2],
+    /// The height of a pixel over its width.
+    pub pixel_aspect: f64,
     /// The lens file.
     pub lens_path: PathBuf,
     /// Focal length to scale the lens to, mm.
@@ -180,6 +182,7 @@ impl Default for CameraDescription {
             pinhole_focal_length_mm: 50.0,
             pinhole_film_width_mm: 36.0,
             pinhole_shift: [0.0; 2],
+            pixel_aspect: 1.0,
             lens_path: PathBuf::new(),
             focal_length_mm: None,
             focal_scale: None,
@@ -254,6 +257,11 @@ impl CameraDescription {
         }
     }
 
+    /// The height of so many rows, in widths of a pixel.
+    pub(super) fn rows_high(&self, rows: u32) -> f64 {
+        f64::from(rows) * self.pixel_aspect
+    }
+
     /// Checks what every model needs.
     pub(super) fn check(&self, width: u32, height: u32) -> Result<(), CameraError> {
         if width == 0 || height == 0 {
@@ -288,6 +296,7 @@ impl CameraDescription {
             }
         }
         self.scattering.check().map_err(|what| self.error(what))?;
+        positive(self.pixel_aspect, "the height of a pixel over its width")?;
         for value in self.scale_mm_per_unit.to_array() {
             positive(value, "a world-to-lens scale")?;
         }

@@ -57,7 +57,8 @@ impl CameraDescription {
         };
         let d = search.described(value);
         let info = Setup::new(&d, size[0], size[1])?.info;
-        let seen = if size[0] >= size[1] { info.fov_horizontal_rad } else { info.fov_vertical_rad };
+        let seen =
+            if f64::from(size[0]) >= d.rows_high(size[1]) { info.fov_horizontal_rad } else { info.fov_vertical_rad };
         Ok(Framing {
             focal_length_mm: (by == Framed::ByFocalLength).then_some(value),
             film_width_mm: d.film_width_mm,
@@ -78,7 +79,7 @@ struct Search<'a> {
 
 impl<'a> Search<'a> {
     fn new(d: &'a CameraDescription, size: [u32; 2], by: Framed) -> Self {
-        let [width, height] = size.map(f64::from);
+        let (width, height) = (f64::from(size[0]), d.rows_high(size[1]));
         let larger = d.pinhole_film_width_mm * (height / width).max(1.0);
         let shift = d.pinhole_shift[if width >= height { 0 } else { 1 }];
         let edge = |at: f64| ((at + shift) * larger / d.pinhole_focal_length_mm).atan();
@@ -91,7 +92,7 @@ impl<'a> Search<'a> {
             Framed::ByFocalLength => self.d.pinhole_film_width_mm,
             Framed::ByFilm => value,
         };
-        let aspect = f64::from(self.size[1]) / f64::from(self.size[0]);
+        let aspect = self.d.rows_high(self.size[1]) / f64::from(self.size[0]);
         let larger = width * aspect.max(1.0);
         CameraDescription {
             focal_length_mm: if self.by == Framed::ByFocalLength { Some(value) } else { self.d.focal_length_mm },
@@ -112,7 +113,7 @@ impl<'a> Search<'a> {
             Err(CameraError::Setting { .. }) if self.by == Framed::ByFilm => return Ok(f64::INFINITY),
             Err(error) => return Err(error),
         };
-        let edge = match width >= height {
+        let edge = match f64::from(width) >= d.rows_high(height) {
             true => [0.5 * setup.info.picture_width_mm, 0.0],
             false => [0.0, 0.5 * setup.info.picture_height_mm],
         };

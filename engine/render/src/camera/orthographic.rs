@@ -16,7 +16,7 @@ pub struct Orthographic {
 
 impl Orthographic {
     pub(super) fn new(d: &CameraDescription, axes: DMat3, width: u32, height: u32) -> Self {
-        let size = DVec2::new(1.0, f64::from(height) / f64::from(width)) * d.orthographic_width;
+        let size = DVec2::new(1.0, d.rows_high(height) / f64::from(width)) * d.orthographic_width;
         Self { axes, size, middle: DVec2::from(d.pinhole_shift) * size.max_element() }
     }
 

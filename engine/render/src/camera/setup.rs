@@ -125,7 +125,7 @@ impl Setup {
         let origin_z_mm = d.focusing.origin_z_mm(&system, line, film_z_mm);
 
         // The largest part of the film with the picture's shape.
-        let aspect = width as f64 / height as f64;
+        let aspect = f64::from(width) / d.rows_high(height);
         let picture_width_mm = d.film_width_mm.min(d.film_height_mm * aspect);
         let picture_height_mm = picture_width_mm / aspect;
 
