@@ -151,7 +151,7 @@ class PetzvalScene(bpy.types.PropertyGroup):
     )
     clamp_indirect: FloatProperty(
         name="Clamp Indirect",
-        description="Most radiance that light after a bounce may add to a sample: fewer bright specks, but light is lost. "
+        description="Most radiance that light which is scattered more than once may add to a sample: fewer bright specks, but light is lost. "
         "Zero keeps all of it, and the picture true",
         default=0.0,
         min=0.0,

@@ -28,6 +28,7 @@ def describe(scene: bpy.types.Scene, width: int, height: int, with_data: bool = 
         threads=render.threads if render.threads_mode == "FIXED" else 0,
         max_bounces=visibility.most_bounces(scene),
         **visibility.bounces(scene),
+        clamp_direct=getattr(getattr(scene, "cycles", None), "sample_clamp_direct", 0.0),
         clamp_indirect=own.clamp_indirect,
         **_filter(scene),
         pipeline=own.pipeline,

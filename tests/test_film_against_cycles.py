@@ -59,3 +59,34 @@ def test_pixels_that_are_not_square(edges, blender, tmp_path, kind, fit, aspect)
     camera.type, camera.ortho_scale, camera.sensor_fit, camera.sensor_height = kind, 2.0, fit, 30.0
     camera.shift_x, camera.shift_y = 0.03, -0.05
     alike(tmp_path)
+
+
+def test_what_the_camera_sees_is_clamped(edges, blender, tmp_path):
+    """In the mean of the channels."""
+    alike(tmp_path, sample_clamp_direct=0.8)
+
+
+def test_what_is_scattered_once_is_clamped(edges, blender, tmp_path):
+    """The light of one lamp on a wall: of several each program samples others, and clamps what that makes of them."""
+    scene = blender.context.scene
+    scene.world = edges.grey_world(0.0, "Dark")
+    wall, tree, surface = edges.material("Wall")
+    diffuse = tree.nodes.new("ShaderNodeBsdfDiffuse")
+    diffuse.inputs["Color"].default_value = (0.7, 0.5, 0.3, 1.0)
+    tree.links.new(diffuse.outputs[0], surface)
+    blender.data.objects["Square"].data.materials[0] = wall
+    lamp = blender.data.objects.new("Lamp", blender.data.lights.new("Lamp", "POINT"))
+    lamp.data.shadow_soft_size, lamp.data.energy, lamp.location = 0.0, 60.0, (0.5, 3.0, 0.3)
+    scene.collection.objects.link(lamp)
+    alike(tmp_path, sample_clamp_direct=0.3)
+
+
+def test_pixel_jitter_is_named(edges, blender, tmp_path):
+    cycles = blender.context.scene.cycles
+    if not hasattr(cycles, "use_pixel_jitter"):
+        pytest.skip("this Blender has no such setting")
+    blender.context.scene.petzval.samples = 1
+    cycles.use_pixel_jitter = True
+    edges.render(tmp_path)
+    (warning,) = edges.part("statistics").last("Scene").warnings
+    assert "Pixel Jitter" in warning

@@ -63,6 +63,8 @@ def send_scene(
         for what, is_there in unknown.items():
             if is_there:
                 report.warn(f"Scene '{scene.name}': bidirectional paths know of no {what}")
+    if getattr(getattr(scene, "cycles", None), "use_pixel_jitter", False):
+        report.warn(f"Scene '{scene.name}': Pixel Jitter is not supported yet, samples are spread by the pixel filter")
     if scene.render.use_freestyle:
         report.warn(f"Scene '{scene.name}': Freestyle lines are not supported yet, they are left out")
     return stage.catches_shadows and not is_bidirectional

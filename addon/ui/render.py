@@ -95,9 +95,11 @@ class PETZVAL_RENDER_PT_light_paths(_RenderPanel, bpy.types.Panel):
             row.active = is_path
             row.prop(cycles, "caustics_reflective", text="Reflective", toggle=True)
             row.prop(cycles, "caustics_refractive", text="Refractive", toggle=True)
-        row = layout.row()
-        row.active = is_path
-        row.prop(settings, "clamp_indirect")
+        column = layout.column(align=True)
+        column.active = is_path
+        if cycles is not None:
+            column.prop(cycles, "sample_clamp_direct")
+        column.prop(settings, "clamp_indirect")
 
 
 CLASSES = (

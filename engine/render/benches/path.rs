@@ -24,6 +24,7 @@ fn bench(c: &mut Criterion) {
     let limits = Limits {
         max_bounces: 8,
         kinds: KindLimits::default(),
+        clamp_direct: f32::INFINITY,
         clamp_indirect: f32::INFINITY,
         hide_sky: false,
         openness: 0.4,

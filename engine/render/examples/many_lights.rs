@@ -81,6 +81,7 @@ fn main() -> Result<(), Box<dyn std::error::Error>> {
     let limits = Limits {
         max_bounces: 2,
         kinds: KindLimits::default(),
+        clamp_direct: f32::INFINITY,
         clamp_indirect: f32::INFINITY,
         hide_sky: false,
         openness: 0.5,

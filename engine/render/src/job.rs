@@ -373,6 +373,7 @@ impl Shared {
 
     /// With what rays that lie evenly over the picture tell of it.
     fn find_limits(&self) -> Limits {
+        let unless_zero = |most: f32| if most > 0.0 { most } else { f32::INFINITY };
         const SIDE: u32 = 16;
         let s = &self.settings;
         let camera = &self.cameras[self.cameras.len() / 2];
@@ -390,7 +391,8 @@ impl Shared {
         let limits = Limits {
             max_bounces: s.max_bounces,
             kinds: s.kinds,
-            clamp_indirect: if s.clamp_indirect > 0.0 { s.clamp_indirect } else { f32::INFINITY },
+            clamp_direct: unless_zero(s.clamp_direct),
+            clamp_indirect: unless_zero(s.clamp_indirect),
             hide_sky: s.transparent_film,
             openness: path::openness(&self.stage, &rays),
             roulette: f32::INFINITY,

@@ -81,8 +81,10 @@ pub struct Limits {
     pub max_bounces: u32,
     /// Of those, how many of each kind.
     pub kinds: KindLimits,
-    /// Most radiance, in its brightest channel, that light after a bounce may add: fewer bright specks for less
-    /// light. Infinite takes all of it.
+    /// Most radiance, in the mean of its channels, that light may add which the camera sees, or which is scattered once: fewer bright
+    /// specks for less light. Infinite takes all of it.
+    pub clamp_direct: f32,
+    /// The same for light that is scattered more often.
     pub clamp_indirect: f32,
     /// The world and suns light the scene, but the camera does not see them.
     pub hide_sky: bool,
@@ -148,11 +150,19 @@ impl Limits {
         if way.is_diffuse() { self.kinds.caustics } else { Caustics::ALL }
     }
 
-    /// Light found after `bounce` bounces, as far as it counts.
+    /// Light that a light sample found after `bounce` bounces, as far as it counts.
     #[inline]
     pub(super) fn clamp(&self, light: Rgb, bounce: u32) -> Rgb {
-        let most = light.max_element();
-        if bounce > 0 && most > self.clamp_indirect { light * (self.clamp_indirect / most) } else { light }
+        let most = if bounce > 0 { self.clamp_indirect } else { self.clamp_direct };
+        let mean = light.abs().element_sum() / 3.0;
+        if mean > most { light * (most / mean) } else { light }
+    }
+
+    /// Light of an emitter that a path met after `bounce` bounces, as far as it counts: a light sample would have found it a bounce
+    /// before.
+    #[inline]
+    pub(super) fn clamp_met(&self, light: Rgb, bounce: u32) -> Rgb {
+        self.clamp(light, bounce.saturating_sub(1))
     }
 }
 

@@ -42,7 +42,10 @@ pub struct Settings {
     pub max_bounces: u32,
     /// Of those, how many of each kind.
     pub kinds: KindLimits,
-    /// Most radiance, in its brightest channel, that light after a bounce may add to a sample; 0 is no limit.
+    /// Most radiance, in the mean of its channels, that light may add to a sample which the camera sees, or which is scattered once; 0
+    /// is no limit.
+    pub clamp_direct: f32,
+    /// The same for light that is scattered more often.
     pub clamp_indirect: f32,
     /// What a pixel sees of the picture about its centre.
     pub filter: Filter,
@@ -73,6 +76,7 @@ impl Default for Settings {
             threads: 0,
             max_bounces: 12,
             kinds: KindLimits::default(),
+            clamp_direct: 0.0,
             clamp_indirect: 0.0,
             filter: Filter::BlackmanHarris(1.5),
             transparent_film: false,
@@ -105,8 +109,8 @@ pub enum SettingsError {
     /// The error that is good enough.
     #[error("noise threshold {0}: set the relative error of a pixel, as 0.01, or zero for as many samples everywhere")]
     Noise(f32),
-    /// The limit on indirect light.
-    #[error("indirect light clamped at {0}: set a radiance, or zero for no limit")]
+    /// A limit on light.
+    #[error("light clamped at {0}: set a radiance, or zero for no limit")]
     Clamp(f32),
     /// None given.
     #[error("no camera: give one")]
@@ -142,8 +146,9 @@ impl Settings {
         if !(0.0..=f32::MAX).contains(&self.noise_threshold) {
             return Err(SettingsError::Noise(self.noise_threshold));
         }
-        if !(0.0..=f32::INFINITY).contains(&self.clamp_indirect) {
-            return Err(SettingsError::Clamp(self.clamp_indirect));
+        let is_limit = |most: &f32| (0.0..=f32::INFINITY).contains(most);
+        if let Some(most) = [self.clamp_direct, self.clamp_indirect].into_iter().find(|most| !is_limit(most)) {
+            return Err(SettingsError::Clamp(most));
         }
         match self.filter {
             Filter::Gaussian(width) | Filter::BlackmanHarris(width) if !(width > 0.0 && width <= 10.0) => {

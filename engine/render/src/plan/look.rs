@@ -90,6 +90,7 @@ fn luminances(stage: &Stage, rays: &[Ray]) -> Vec<f32> {
     let limits = Limits {
         max_bounces: BOUNCES,
         kinds: KindLimits::default(),
+        clamp_direct: f32::INFINITY,
         clamp_indirect: f32::INFINITY,
         hide_sky: false,
         openness: 0.5,

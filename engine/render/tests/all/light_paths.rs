@@ -73,6 +73,7 @@ fn light_alone(stage: &Stage, d: &CameraDescription, samples: u32, seed: u32, ma
     let limits = Limits {
         max_bounces,
         kinds: KindLimits::default(),
+        clamp_direct: f32::INFINITY,
         clamp_indirect: f32::INFINITY,
         hide_sky: false,
         openness: 0.5,

@@ -36,12 +36,12 @@ pub(super) fn trace(
         carried *= stretch.through;
         let met = Met { stage, ray: &ray, bounce, partial };
         met.lamps(stretch.distance, |light| {
-            result.radiance += limits.clamp(carried * light, bounce);
+            result.radiance += limits.clamp_met(carried * light, bounce);
             result.hit = true;
         });
         let Some((point, hit)) = stretch.end else {
             if !(bounce == 0 && limits.hide_sky) {
-                met.sky(|light| result.radiance += limits.clamp(carried * light, bounce));
+                met.sky(|light| result.radiance += limits.clamp_met(carried * light, bounce));
             }
             break;
         };
@@ -51,7 +51,7 @@ pub(super) fn trace(
         }
         if material(stage, &point).emits() {
             result.radiance +=
-                limits.clamp(carried * met.surface(&point, &hit, stretch.distance) * stretch.kept, bounce);
+                limits.clamp_met(carried * met.surface(&point, &hit, stretch.distance) * stretch.kept, bounce);
         }
         let cos_in = point.geometric_normal.dot(ray.direction).abs();
         if bounce > limits.max_bounces || cos_in <= 0.0 {

@@ -20,6 +20,7 @@ fn limits(bounces: u32) -> Limits {
     Limits {
         max_bounces: 1000,
         kinds: KindLimits { volume: bounces, ..KindLimits::default() },
+        clamp_direct: f32::INFINITY,
         clamp_indirect: f32::INFINITY,
         hide_sky: false,
         openness: 0.5,

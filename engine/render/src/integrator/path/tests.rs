@@ -13,6 +13,7 @@ fn limits(max_bounces: u32) -> Limits {
     Limits {
         max_bounces,
         kinds: KindLimits::default(),
+        clamp_direct: f32::INFINITY,
         clamp_indirect: f32::INFINITY,
         hide_sky: false,
         openness: 0.5,
@@ -177,18 +178,24 @@ fn alpha_lets_light_through() {
     assert!((found / expected - 1.0).abs() < 5e-4, "{found} {expected}");
 }
 
-/// Clamping takes from light after a bounce alone, down to the limit.
+/// Light that is seen or scattered once is clamped by one limit, what is scattered more often by the other.
 #[test]
-fn clamping_leaves_what_is_seen_directly() {
+fn clamping_tells_direct_light_from_indirect() {
     let stage = stage(plain(0.5, 100.0), Rgb::ZERO, 1.0);
-    let one = |clamp_indirect: f32| {
+    let one = |max_bounces: u32, clamp_direct: f32, clamp_indirect: f32| {
         let mut sampler = PathSampler::new(0, 0, 0, 1);
-        let limits = Limits { clamp_indirect, ..limits(0) };
+        let limits = Limits { clamp_direct, clamp_indirect, ..limits(max_bounces) };
         trace(&stage, Ray::new(Vec3A::new(0.3, -0.2, 0.5), Vec3A::X), &limits, &mut sampler).radiance.x
     };
-    // Glow 100, seen directly; what one bounce adds comes in two parts, the second after the bounce.
-    let (free, clamped) = (one(f32::INFINITY), one(1e-3));
-    assert!(clamped >= 100.0 && clamped < free, "{clamped} {free}");
+    let no_limit = f32::INFINITY;
+    // Glow 100, seen directly, and what is scattered once: found by a light sample, and met by the path.
+    let direct = one(0, no_limit, 1e-3);
+    assert!(direct > 101.0, "{direct}");
+    let clamped = one(0, 1.0, no_limit);
+    assert!(clamped > 1.0 && clamped < 3.0 + 1e-5, "{clamped}");
+    // One scattering more is two such parts more.
+    let (free, clamped) = (one(1, no_limit, no_limit), one(1, no_limit, 1e-3));
+    assert!(free > direct + 1.0 && clamped > direct && clamped < direct + 2e-3 + 1e-4, "{direct} {free} {clamped}");
 }
 
 /// Inside a closed box nothing of the sky is seen; from the outside of one that stands alone, all of it.

@@ -62,7 +62,7 @@ impl Path {
             }
             let light = self.throughput * radiance * self.chosen.weight(pdf);
             let of = found.notes.met(found.path, self.way, false, || lights.group(scene, source));
-            found.add(of, limits.clamp(light, u32::from(self.way.depth)));
+            found.add(of, limits.clamp_met(light, u32::from(self.way.depth)));
             found.result.hit = true;
         });
     }
@@ -86,7 +86,7 @@ impl Path {
                 let light = self.throughput * radiance * self.chosen.weight(pdf);
                 let group = || stage.lights.group(&stage.scene, source);
                 let of = found.notes.met(found.path, self.way, stage.lights.is_world(source), group);
-                found.add(of, limits.clamp(light, u32::from(self.way.depth)));
+                found.add(of, limits.clamp_met(light, u32::from(self.way.depth)));
             },
         );
     }
@@ -133,7 +133,7 @@ impl Path {
         let light = self.throughput * radiance * self.chosen.weight(pdf);
         let group = || stage.scene.instances[hit.instance as usize].light_group;
         let of = found.notes.met(found.path, self.way, false, group);
-        found.add(of, limits.clamp(light, u32::from(self.way.depth)));
+        found.add(of, limits.clamp_met(light, u32::from(self.way.depth)));
         false
     }
 }

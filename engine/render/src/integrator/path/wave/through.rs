@@ -92,7 +92,7 @@ impl Inside {
         if emitted != Rgb::ZERO && emitted.is_finite() {
             let group = || self.stack.innermost().map_or(0, |i| stage.scene.instances[i as usize].light_group);
             let of = found.notes.met(found.path, path.way, false, group);
-            found.add(of, limits.clamp(emitted, u32::from(path.way.depth)));
+            found.add(of, limits.clamp_met(emitted, u32::from(path.way.depth)));
             found.result.hit = true;
         }
         match event {
@@ -259,7 +259,7 @@ impl Inside {
             };
             let light = path.throughput * left * radiance * path.chosen.weight(pdf);
             let of = found.notes.met(found.path, path.way, false, || lights.group(scene, source));
-            found.add(of, limits.clamp(light, u32::from(path.way.depth)));
+            found.add(of, limits.clamp_met(light, u32::from(path.way.depth)));
             found.result.hit = true;
         });
     }
