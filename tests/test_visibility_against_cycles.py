@@ -94,17 +94,31 @@ def test_objects_hide(room, blender, tmp_path, kind):
 @pytest.mark.parametrize("instance", ["MESH", "LIGHT"])
 def test_instancers_hide(room, blender, tmp_path, kind, instance):
     """What an instance and its instancer both allow."""
-    shown = blender.data.collections.new("Shown")
     one = add_panel(room) if instance == "MESH" else room.lamp
-    blender.context.scene.collection.objects.unlink(one)
-    shown.objects.link(one)
     if instance == "MESH":
         one.location = (0.0, -0.4, 2.4)
+    setattr(instanced(blender, one), f"visible_{kind}", False)
+    alike(tmp_path)
+
+
+@pytest.mark.parametrize("is_instancer", [False, True])
+def test_instancers_hold_out(room, blender, tmp_path, is_instancer):
+    """The instancer says whether its instances hold out; they themselves do not."""
+    panel = add_panel(room)
+    instancer = instanced(blender, panel)
+    (instancer if is_instancer else panel).is_holdout = True
+    alike(tmp_path)
+
+
+def instanced(blender, one):
+    """An object that shows another, which is seen nowhere else."""
+    shown = blender.data.collections.new("Shown")
+    blender.context.scene.collection.objects.unlink(one)
+    shown.objects.link(one)
     instancer = blender.data.objects.new("Instancer", None)
     instancer.instance_type, instancer.instance_collection = "COLLECTION", shown
-    setattr(instancer, f"visible_{kind}", False)
     blender.context.scene.collection.objects.link(instancer)
-    alike(tmp_path)
+    return instancer
 
 
 @pytest.mark.parametrize("kind", ["camera", "diffuse", "glossy", "transmission"])

@@ -198,7 +198,8 @@ class Stage:
             hidden = tuple(kind for kind in RAYS if kind != "CAMERA" or kind in hidden)
         is_holdout = (
             (self._only_catchers and not is_catcher)
-            or holder.is_holdout
+            # What an instance says itself does not count: as in Cycles, its instancer alone says so.
+            or (holder.is_holdout and not place.is_instance)
             or _stands_for(place).holdout_get(view_layer=self._view_layer)
         )
         self.holds_out |= is_holdout
