@@ -219,6 +219,8 @@ class SettingsDescription:
     clamp_indirect: float = 0.0  # scattered more often
     filter: str = "BLACKMAN_HARRIS"  # BOX: one pixel | GAUSSIAN | BLACKMAN_HARRIS, as Cycles defines them
     filter_width_px: float = 1.5  # of the last two, as Cycles counts it
+    # Surfaces are rougher for paths that were scattered with less than this density per steradian; 0: none are.
+    filter_glossy: float = 0.0
     transparent_film: bool = False
     with_data: bool = False  # keep what `Job.data` gives
     pipeline: str = "AUTO"  # AUTO | FILM | SCENE | HERO

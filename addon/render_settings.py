@@ -31,6 +31,8 @@ def describe(scene: bpy.types.Scene, width: int, height: int, with_data: bool = 
         clamp_direct=getattr(getattr(scene, "cycles", None), "sample_clamp_direct", 0.0),
         clamp_indirect=own.clamp_indirect,
         **_filter(scene),
+        # Cycles keeps the filter of glossy light, as it keeps the kinds of bounces.
+        filter_glossy=getattr(getattr(scene, "cycles", None), "blur_glossy", 0.0),
         pipeline=own.pipeline,
         with_data=with_data,
         integrator=own.integrator,

@@ -117,7 +117,8 @@ READ = {
         ("CyclesRenderSettings", name)
         for name in (
             "max_bounces", "diffuse_bounces", "glossy_bounces", "transmission_bounces", "volume_bounces",
-            "transparent_max_bounces", "caustics_reflective", "caustics_refractive", "film_exposure",
+            "transparent_max_bounces", "caustics_reflective", "caustics_refractive", "blur_glossy",
+            "film_exposure",
             "rolling_shutter_type", "rolling_shutter_duration",
         )
     ]

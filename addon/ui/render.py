@@ -95,6 +95,9 @@ class PETZVAL_RENDER_PT_light_paths(_RenderPanel, bpy.types.Panel):
             row.active = is_path
             row.prop(cycles, "caustics_reflective", text="Reflective", toggle=True)
             row.prop(cycles, "caustics_refractive", text="Refractive", toggle=True)
+            row = layout.row()
+            row.active = is_path
+            row.prop(cycles, "blur_glossy", text="Filter Glossy")
         column = layout.column(align=True)
         column.active = is_path
         if cycles is not None:

@@ -465,6 +465,8 @@ class SettingsDescription(Protocol):
     clamp_indirect: float  # scattered more often
     filter: str  # BOX: one pixel | GAUSSIAN | BLACKMAN_HARRIS, as Cycles defines them
     filter_width_px: float  # of the last two, as Cycles counts it
+    # Surfaces are rougher for paths that were scattered with less than this density per steradian; 0: none are.
+    filter_glossy: float
     transparent_film: bool  # world seen directly is left out, alpha 0
     integrator: str  # PATH | BIDIRECTIONAL: the real lens alone, one scale for all axes
 

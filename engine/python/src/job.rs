@@ -18,8 +18,8 @@ use petzval_render::film;
 use petzval_render::film::cryptomatte::{self, MatteLayer};
 use petzval_render::film::data::DataPass;
 use petzval_render::integrator::Integrator;
-use petzval_render::integrator::path::KindLimits;
 use petzval_render::integrator::path::parts::{Part, Parts, Seen};
+use petzval_render::integrator::path::{Approximations, KindLimits};
 use petzval_render::job::catcher::{self, Laying};
 use petzval_render::job::checkpoint::Checkpoints;
 use petzval_render::job::{self as engine, Beside, Settings};
@@ -61,6 +61,7 @@ pub(crate) struct PySettings {
     clamp_direct: f32,
     clamp_indirect: f32,
     filter: String,
+    filter_glossy: f32,
     filter_width_px: f32,
     transparent_film: bool,
     pipeline: String,
@@ -119,6 +120,7 @@ impl TryFrom<PySettings> for Settings {
             clamp_direct: s.clamp_direct,
             clamp_indirect: s.clamp_indirect,
             filter,
+            approximations: Approximations { filter_glossy: s.filter_glossy },
             transparent_film: s.transparent_film,
             pipeline,
             with_data: s.with_data,

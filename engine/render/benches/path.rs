@@ -5,7 +5,7 @@ mod stage;
 use criterion::{Criterion, criterion_group, criterion_main};
 use petzval_render::camera::Model;
 use petzval_render::film::Film;
-use petzval_render::integrator::path::{KindLimits, Limits};
+use petzval_render::integrator::path::{Approximations, KindLimits, Limits};
 use petzval_render::pipeline::{Pipeline, Shot, render_tile};
 use petzval_render::sampler::{
     pattern::Pattern,
@@ -26,6 +26,7 @@ fn bench(c: &mut Criterion) {
         kinds: KindLimits::default(),
         clamp_direct: f32::INFINITY,
         clamp_indirect: f32::INFINITY,
+        approximations: Approximations::default(),
         hide_sky: false,
         openness: 0.4,
         roulette: 4.0,

@@ -9,7 +9,7 @@ use glam::{DMat4, DVec3, Vec3, Vec3A};
 use petzval_render::Rgb;
 use petzval_render::accel::Ray;
 use petzval_render::integrator::Stage;
-use petzval_render::integrator::path::{KindLimits, Limits, Wave};
+use petzval_render::integrator::path::{Approximations, KindLimits, Limits, Wave};
 use petzval_render::sampler::PathSampler;
 use petzval_render::scene::SceneBuilder;
 use petzval_render::scene::lamp::{Lamp, LampKind};
@@ -83,6 +83,7 @@ fn main() -> Result<(), Box<dyn std::error::Error>> {
         kinds: KindLimits::default(),
         clamp_direct: f32::INFINITY,
         clamp_indirect: f32::INFINITY,
+        approximations: Approximations::default(),
         hide_sky: false,
         openness: 0.5,
         roulette: f32::INFINITY,

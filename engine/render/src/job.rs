@@ -393,6 +393,7 @@ impl Shared {
             kinds: s.kinds,
             clamp_direct: unless_zero(s.clamp_direct),
             clamp_indirect: unless_zero(s.clamp_indirect),
+            approximations: s.approximations,
             hide_sky: s.transparent_film,
             openness: path::openness(&self.stage, &rays),
             roulette: f32::INFINITY,

@@ -1,7 +1,8 @@
 //! Bidirectional path tracing (Veach 1997, chapter 10): a path from the camera and one from a light, joined in every way,
 //! each way weighted by how likely all the others are to make the same path ([`weights`]).
 //!
-//! Paths are those of [`super::path`], and so is the picture. The lens takes part as a whole: light paths aim at its
+//! Paths are those of [`super::path`], and so is the picture, but for [`super::path::Approximations`]: none of them is made.
+//! The lens takes part as a whole: light paths aim at its
 //! entrance pupil and are carried to the film.
 
 mod eye;

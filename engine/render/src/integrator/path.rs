@@ -3,6 +3,7 @@
 //!
 //! Many paths go on together: see [`Wave`].
 
+mod approximations;
 mod by_part;
 mod choice;
 mod notes;
@@ -11,6 +12,7 @@ mod pilot;
 mod terminator;
 mod wave;
 
+pub use approximations::Approximations;
 pub use notes::{NoNotes, Noted, Notes};
 pub use pilot::{openness, roulette};
 pub use wave::Wave;
@@ -86,6 +88,8 @@ pub struct Limits {
     pub clamp_direct: f32,
     /// The same for light that is scattered more often.
     pub clamp_indirect: f32,
+    /// What is given up of indirect light.
+    pub approximations: Approximations,
     /// The world and suns light the scene, but the camera does not see them.
     pub hide_sky: bool,
     /// The part of the sky that is seen from a surface, on average: see [`openness`]. Only noise depends on it.

@@ -1,7 +1,10 @@
 //! Settings of a render, and what is refused.
 
 use crate::camera::Camera;
-use crate::integrator::{Integrator, path::KindLimits};
+use crate::integrator::{
+    Integrator,
+    path::{Approximations, KindLimits},
+};
 use crate::pipeline::Pipeline;
 use crate::sampler::{pattern::Pattern, warp::Filter};
 
@@ -47,6 +50,8 @@ pub struct Settings {
     pub clamp_direct: f32,
     /// The same for light that is scattered more often.
     pub clamp_indirect: f32,
+    /// What is given up of indirect light; bidirectional paths do without.
+    pub approximations: Approximations,
     /// What a pixel sees of the picture about its centre.
     pub filter: Filter,
     /// The world is not seen by the camera; its pixels are transparent.
@@ -78,6 +83,7 @@ impl Default for Settings {
             kinds: KindLimits::default(),
             clamp_direct: 0.0,
             clamp_indirect: 0.0,
+            approximations: Approximations::default(),
             filter: Filter::BlackmanHarris(1.5),
             transparent_film: false,
             pipeline: Pipeline::Auto,
@@ -112,6 +118,9 @@ pub enum SettingsError {
     /// A limit on light.
     #[error("light clamped at {0}: set a radiance, or zero for no limit")]
     Clamp(f32),
+    /// The filter of indirect light.
+    #[error("glossy light filtered at {0}: set a density of directions, as 1, or zero for none")]
+    FilterGlossy(f32),
     /// None given.
     #[error("no camera: give one")]
     Camera,
@@ -149,6 +158,9 @@ impl Settings {
         let is_limit = |most: &f32| (0.0..=f32::INFINITY).contains(most);
         if let Some(most) = [self.clamp_direct, self.clamp_indirect].into_iter().find(|most| !is_limit(most)) {
             return Err(SettingsError::Clamp(most));
+        }
+        if !(0.0..=f32::MAX).contains(&self.approximations.filter_glossy) {
+            return Err(SettingsError::FilterGlossy(self.approximations.filter_glossy));
         }
         match self.filter {
             Filter::Gaussian(width) | Filter::BlackmanHarris(width) if !(width > 0.0 && width <= 10.0) => {

@@ -5,7 +5,7 @@ use super::light::{Arriving, Brightest};
 use crate::accel::Ray;
 use crate::camera::clip::Clip;
 use crate::integrator::Stage;
-use crate::integrator::path::{self, CAMERA_SETS, KindLimits, Limits};
+use crate::integrator::path::{self, Approximations, CAMERA_SETS, KindLimits, Limits};
 use crate::luminance;
 use crate::sampler::PathSampler;
 use crate::scene::visibility::Rays;
@@ -92,6 +92,7 @@ fn luminances(stage: &Stage, rays: &[Ray]) -> Vec<f32> {
         kinds: KindLimits::default(),
         clamp_direct: f32::INFINITY,
         clamp_indirect: f32::INFINITY,
+        approximations: Approximations::default(),
         hide_sky: false,
         openness: 0.5,
         roulette: f32::INFINITY,

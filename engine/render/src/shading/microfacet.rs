@@ -21,6 +21,11 @@ impl Ggx {
         Self { alpha: roughness * roughness }
     }
 
+    /// That wide.
+    pub fn of_width(alpha: f32) -> Self {
+        Self { alpha }
+    }
+
     /// Alpha.
     pub fn width(&self) -> f32 {
         self.alpha

@@ -220,6 +220,14 @@ impl Mixture {
         }
     }
 
+    /// Makes lobes with a peak at least so wide, once all are there. What they scatter in all, and their chances, stay those of
+    /// their own width, as in Cycles (`bsdf_blur` in bsdf.h).
+    #[cold]
+    #[inline(never)]
+    pub fn widen(&mut self, alpha: f32) {
+        self.lobes.iter_mut().for_each(|lobe| lobe.widen(alpha));
+    }
+
     pub(super) fn push(&mut self, lobe: Lobe) {
         if lobe.weight.max_element() > LEAST && lobe.chance > 0.0 && lobe.weight.is_finite() {
             // A surface of more lobes than that loses the last.

@@ -209,6 +209,18 @@ impl Bsdf {
         });
     }
 
+    /// Makes facets at least so wide. What they scatter in all, and the chances of the lobes, stay those of their own width, as in
+    /// Cycles (`bsdf_blur` in bsdf.h).
+    pub fn widen(&mut self, alpha: f32) {
+        let Some(f) = self.facets.as_mut().filter(|f| f.ggx.width() < alpha) else { return };
+        // Where glass passes light all but unbent, half vectors would be lost to rounding.
+        if f.ggx.is_mirror() && f.glass_weight != Rgb::ZERO && (self.eta - 1.0).abs() < 1e-4 {
+            return;
+        }
+        f.ggx = Ggx::of_width(alpha);
+        f.lambda_o = f.ggx.lambda(f.wo);
+    }
+
     /// Leaves those lobes that light of these kinds reaches; the chances of the others are lost.
     fn keep(&mut self, rays: Rays) {
         if !rays.any_of(Rays::DIFFUSE) {

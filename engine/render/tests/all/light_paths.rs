@@ -11,7 +11,7 @@ use petzval_render::film::Film;
 use petzval_render::integrator::{
     Integrator, Stage,
     bidirectional::Techniques,
-    path::{KindLimits, Limits},
+    path::{Approximations, KindLimits, Limits},
 };
 use petzval_render::job::{Beside, Job, Settings};
 use petzval_render::pipeline::{Pipeline, Shot, render_tile};
@@ -75,6 +75,7 @@ fn light_alone(stage: &Stage, d: &CameraDescription, samples: u32, seed: u32, ma
         kinds: KindLimits::default(),
         clamp_direct: f32::INFINITY,
         clamp_indirect: f32::INFINITY,
+        approximations: Approximations::default(),
         hide_sky: false,
         openness: 0.5,
         roulette: 1.0,

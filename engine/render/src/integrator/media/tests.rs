@@ -3,7 +3,7 @@
 use crate::Rgb;
 use crate::accel::Ray;
 use crate::integrator::Stage;
-use crate::integrator::path::{KindLimits, Limits, trace, trace_all};
+use crate::integrator::path::{Approximations, KindLimits, Limits, trace, trace_all};
 use crate::sampler::PathSampler;
 use crate::scene::SceneBuilder;
 use crate::scene::graph::Graph;
@@ -22,6 +22,7 @@ fn limits(bounces: u32) -> Limits {
         kinds: KindLimits { volume: bounces, ..KindLimits::default() },
         clamp_direct: f32::INFINITY,
         clamp_indirect: f32::INFINITY,
+        approximations: Approximations::default(),
         hide_sky: false,
         openness: 0.5,
         roulette: f32::INFINITY,

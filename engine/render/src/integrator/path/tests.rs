@@ -15,6 +15,7 @@ fn limits(max_bounces: u32) -> Limits {
         kinds: KindLimits::default(),
         clamp_direct: f32::INFINITY,
         clamp_indirect: f32::INFINITY,
+        approximations: Approximations::default(),
         hide_sky: false,
         openness: 0.5,
         roulette: f32::INFINITY,

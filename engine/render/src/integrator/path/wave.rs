@@ -66,6 +66,8 @@ struct Path {
     start: Vec3A,
     /// By which instance.
     from: u32,
+    /// Least density of the directions that it was scattered in so far; infinite before the first.
+    least_pdf: f32,
     sampler: PathSampler,
 }
 
@@ -133,6 +135,7 @@ impl<N: Notes, const VOLUMES: bool> Wave<N, VOLUMES> {
             travelled: 0.0,
             start: ray.origin,
             from: 0,
+            least_pdf: f32::INFINITY,
             sampler,
         });
     }
@@ -303,17 +306,24 @@ impl<N: Notes, const VOLUMES: bool> Wave<N, VOLUMES> {
                     nodes::layers(material, stage.around(), point, view, &mut self.layers);
                 }
             }
-            let Path { ray, way, .. } = &self.paths[*path as usize];
+            let Path { ray, way, least_pdf, .. } = &self.paths[*path as usize];
             let (wo, past) = (-ray.direction, Past { caustics: limits.caustics(*way), is_blurred: way.diffuse > 0 });
+            let least_alpha = limits.approximations.least_alpha(*least_pdf);
             if material.is_layered() {
                 if !is_even {
                     nodes::layers(material, stage.around(), point, view, &mut self.layers);
                 }
-                let mixture = mix(stage, &self.layers, point, wo, *kept, Some(past));
+                let mut mixture = mix(stage, &self.layers, point, wo, *kept, Some(past));
+                if least_alpha > 0.0 {
+                    mixture.widen(least_alpha);
+                }
                 self.go_on(stage, limits, meeting, &mixture);
             } else {
                 let values = constants.unwrap_or_else(|| nodes::evaluate(material, &stage.scene, point));
-                let bsdf = Bsdf::with_caustics(material, &values, tables, point, wo, past.caustics);
+                let mut bsdf = Bsdf::with_caustics(material, &values, tables, point, wo, past.caustics);
+                if least_alpha > 0.0 {
+                    bsdf.widen(least_alpha);
+                }
                 self.go_on(stage, limits, meeting, &bsdf);
             }
         }

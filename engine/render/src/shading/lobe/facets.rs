@@ -150,6 +150,12 @@ impl Facets {
         Self { slopes, fresnel, eta, lambda_o }
     }
 
+    /// Makes them at least so wide along both axes.
+    pub(super) fn widen(&mut self, alpha: f32, wo: Vec3A) {
+        self.slopes.alpha = self.slopes.alpha.map(|own| own.max(alpha));
+        self.lambda_o = if self.slopes.is_mirror() { 0.0 } else { self.slopes.lambda(wo) };
+    }
+
     /// What is mirrored and what is let through in all, seen from `wo`. The weight of those that give back what goes on from
     /// facet to facet holds that, which here is in the table, too.
     pub(super) fn albedos(&self, wo: Vec3A) -> [Rgb; 2] {

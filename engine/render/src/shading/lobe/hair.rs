@@ -84,6 +84,10 @@ fn direction(sin: f32, cos: f32, turn: f32) -> Vec3A {
 /// Ways through a fibre: mirrored, straight through, mirrored once inside, and all others together.
 const WAYS: usize = 4;
 
+/// Of the variances along the fibre, by way: facets that bend light once tilt it half as much as a mirror, and each mirroring
+/// inside twice as much.
+const VARIANCE_FACTORS: [f32; WAYS] = [1.0, 0.25, 4.0, 4.0];
+
 /// Hair of Chiang, Bitterli, Tappan and Burley 2016 ("A practical and controllable hair and fur model for production path
 /// tracing"), for one offset from the fibre's middle.
 #[derive(Clone, Copy, Debug)]
@@ -144,13 +148,22 @@ impl Chiang {
         let turned = |turns: f32| <[f32; 2]>::from((turns * tilt).sin_cos());
         Self {
             parts,
-            variances: [v_mirrored, 0.25 * v, 4.0 * v, 4.0 * v],
+            variances: std::array::from_fn(|way| VARIANCE_FACTORS[way] * if way == 0 { v_mirrored } else { v }),
             tilts: [turned(2.0), turned(-1.0), turned(-4.0), [0.0, 1.0]],
             turns: [0.0, 1.0, 2.0].map(|p| 2.0 * p * gamma_t - 2.0 * gamma_o + p * PI),
             scale,
             sin_o,
             cos_o,
         }
+    }
+
+    /// Makes the variances along it and the scale about it at least so large, as Cycles does (`bsdf_hair_chiang_blur` in
+    /// bsdf_principled_hair_chiang.h).
+    pub(super) fn widen(&mut self, least: f32) {
+        for (variance, factor) in self.variances.iter_mut().zip(VARIANCE_FACTORS) {
+            *variance = variance.max(factor * least);
+        }
+        self.scale = self.scale.max(least);
     }
 
     /// What it scatters of all light.
@@ -304,11 +317,15 @@ mod tests {
         }
     }
 
-    /// Directions fall where the density says.
+    /// Directions fall where the density says, of fibres that were made wider, too.
     #[test]
     fn samples_follow_their_density() {
+        let widened = |mut fibre: Chiang| {
+            fibre.widen(0.4);
+            fibre
+        };
         let octant = |wi: Vec3A| usize::from(wi.x > 0.0) + 2 * usize::from(wi.y > 0.0) + 4 * usize::from(wi.z > 0.0);
-        for fibre in fibres(0.0) {
+        for fibre in fibres(0.0).flat_map(|fibre| [fibre, widened(fibre)]) {
             let n = 1 << 14;
             let mut counts = [0.0; 8];
             for i in 0..n {

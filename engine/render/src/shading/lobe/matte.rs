@@ -187,7 +187,16 @@ pub(super) struct AshikhminShirley {
 impl AshikhminShirley {
     pub(super) fn new(alpha: [f32; 2]) -> Self {
         // Twice a Beckmann width's inverse square, less two, is as wide.
-        Self { exponents: alpha.map(|a| 2.0 / a.clamp(1e-4, 1.0).powi(2) - 2.0) }
+        Self { exponents: alpha.map(Self::exponent_of) }
+    }
+
+    fn exponent_of(alpha: f32) -> f32 {
+        2.0 / alpha.clamp(1e-4, 1.0).powi(2) - 2.0
+    }
+
+    /// Makes it at least so wide along both axes.
+    pub(super) fn widen(&mut self, alpha: f32) {
+        self.exponents = self.exponents.map(|own| own.min(Self::exponent_of(alpha)));
     }
 
     fn exponent(&self, h: Vec3A) -> f32 {

@@ -225,6 +225,16 @@ impl Lobe {
         if let Kind::Facets(facets) = &self.kind { facets.width_squared() } else { 1.0 }
     }
 
+    /// Makes it at least so wide, of those that Cycles blurs (`bsdf_blur` in bsdf.h): facets and Principled Hair.
+    pub(super) fn widen(&mut self, alpha: f32) {
+        match &mut self.kind {
+            Kind::Facets(facets) => facets.widen(alpha, self.wo),
+            Kind::AshikhminShirley(lobe) => lobe.widen(alpha),
+            Kind::Chiang(fibre) => fibre.widen(alpha),
+            _ => {}
+        }
+    }
+
     /// Broad enough for the shadows of a bent normal to show.
     fn is_matte(&self) -> bool {
         use Kind::{Lambert, Microfiber, OrenNayar, Toon, Velvet};

@@ -301,11 +301,16 @@ fn plain_principled_is_the_same_both_ways() {
         let material = Material { transmission: Input::Constant(transmission), ..Material::default_grey() };
         let tables = PrincipledTables::new(&material, energy::reflection().clone());
         let values = MaterialValues { base_color, metallic, roughness, transmission };
-        for (wo, backfacing) in directions().into_iter().flat_map(|d| [(d, false), (d, true)]) {
-            let short = Bsdf::new(&material, &values, &tables, &point(backfacing), wo);
+        let views = directions().into_iter().flat_map(|d| [(d, false, 0.0), (d, true, 0.0), (d, false, 0.4)]);
+        for (wo, backfacing, least_alpha) in views {
+            let mut short = Bsdf::new(&material, &values, &tables, &point(backfacing), wo);
             let mut long = Mixture::new(&point(backfacing), wo, Vec3A::X, true);
             long.add(1.0, &Closure::Principled(principled), Vec3A::Z);
             long.finish(1.0);
+            if least_alpha > 0.0 {
+                short.widen(least_alpha);
+                long.widen(least_alpha);
+            }
             for u in points(64, 2) {
                 let wi = warp::sample_sphere([u[0], u[1]]);
                 let (a, b) = (short.evaluate(wi).0, long.evaluate(wi).0);
@@ -314,6 +319,44 @@ fn plain_principled_is_the_same_both_ways() {
                     (a - b).abs().max_element() <= 0.01 * a.max_element() + 1e-4,
                     "{principled:?} {wo} {wi}: {a} {b}"
                 );
+            }
+        }
+    }
+}
+
+/// Facets that are made wide scatter as those that are so by themselves, mirrors among them; wider ones stay as they are.
+#[test]
+fn facets_are_made_wide() {
+    use Distribution::{AshikhminShirley, Beckmann, Ggx};
+    let refraction = |roughness, distribution| Closure::Refraction { color: BLUISH, roughness, ior: 1.4, distribution };
+    let of = |roughness: f32| {
+        [
+            glossy(roughness, 0.0, Ggx),
+            glossy(roughness, 0.0, Beckmann),
+            glossy(roughness, 0.0, AshikhminShirley),
+            glass(roughness, 1.5, Ggx),
+            refraction(roughness, Ggx),
+            refraction(roughness, Beckmann),
+        ]
+    };
+    let made = |closure: &Values, wo: Vec3A| {
+        let mut mixture = Mixture::new(&point(false), wo, Vec3A::X, true);
+        mixture.add(1.0, closure, Vec3A::Z);
+        mixture.finish(1.0);
+        mixture
+    };
+    for (own, expected) in [(0.0, 0.6), (0.3, 0.6), (0.7, 0.7)] {
+        for (narrow, wide) in of(own).iter().zip(&of(expected)) {
+            for wo in directions() {
+                let (mut widened, wide) = (made(narrow, wo), made(wide, wo));
+                widened.widen(0.36);
+                assert!(!widened.is_mirror());
+                for u in points(64, 2) {
+                    let wi = warp::sample_sphere([u[0], u[1]]);
+                    let ((a, p), (b, q)) = (widened.evaluate(wi), wide.evaluate(wi));
+                    let apart = (a - b).abs().max_element().max((p - q).abs());
+                    assert!(apart <= 1e-4 * p.max(1.0), "{narrow:?} {wo} {wi}: {a} {b}, {p} {q}");
+                }
             }
         }
     }

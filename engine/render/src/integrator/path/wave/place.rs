@@ -109,7 +109,12 @@ impl Place<'_> {
         if !path.goes_on(self.limits, u_end) {
             return false;
         }
-        path.chosen = if next.mirror { Chosen::Alone } else { Chosen::WithPdf(next.pdf, to) };
+        path.chosen = if next.mirror {
+            Chosen::Alone
+        } else {
+            path.least_pdf = path.least_pdf.min(next.pdf);
+            Chosen::WithPdf(next.pdf, to)
+        };
         path.travelled = 0.0;
         path.ray = self.point.leaving(leave(self.point, next.wi), next.wi);
         path.start = path.ray.origin;

@@ -211,6 +211,7 @@ impl Inside {
             return Brought::Nowhere;
         }
         path.chosen = Chosen::WithPdf(pdf * at.share, to);
+        path.least_pdf = path.least_pdf.min(pdf);
         path.travelled = 0.0;
         path.ray = Ray::new(at.position, wi).at(path.ray.moment);
         path.start = at.position;
