@@ -221,6 +221,11 @@ class SettingsDescription:
     filter_width_px: float = 1.5  # of the last two, as Cycles counts it
     # Surfaces are rougher for paths that were scattered with less than this density per steradian; 0: none are.
     filter_glossy: float = 0.0
+    # OFF | REPLACE: ambient occlusion instead of the bounces from that number on | ADD: besides all light.
+    fast_gi: str = "OFF"
+    fast_gi_bounces: int = 1
+    fast_gi_distance: float = 10.0  # how far it looks
+    fast_gi_factor: float = 1.0  # what the world counts, or the light that is added
     transparent_film: bool = False
     with_data: bool = False  # keep what `Job.data` gives
     pipeline: str = "AUTO"  # AUTO | FILM | SCENE | HERO

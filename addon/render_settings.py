@@ -11,7 +11,9 @@ from .description import SettingsDescription
 from .export import visibility
 
 
-def describe(scene: bpy.types.Scene, width: int, height: int, with_data: bool = False) -> SettingsDescription:
+def describe(
+    scene: bpy.types.Scene, width: int, height: int, with_data: bool = False, is_viewport: bool = False
+) -> SettingsDescription:
     """The settings of a scene for a picture of that many pixels."""
     own, render = scene.petzval, scene.render
     return SettingsDescription(
@@ -33,6 +35,7 @@ def describe(scene: bpy.types.Scene, width: int, height: int, with_data: bool = 
         **_filter(scene),
         # Cycles keeps the filter of glossy light, as it keeps the kinds of bounces.
         filter_glossy=getattr(getattr(scene, "cycles", None), "blur_glossy", 0.0),
+        **_fast_gi(scene, is_viewport),
         pipeline=own.pipeline,
         with_data=with_data,
         integrator=own.integrator,
@@ -51,6 +54,19 @@ def _filter(scene: bpy.types.Scene) -> dict[str, str | float]:
         width = scene.petzval.filter_width
         return {"filter": "BLACKMAN_HARRIS" if width > 0.0 else "BOX", "filter_width_px": width}
     return {"filter": scene.cycles.pixel_filter_type, "filter_width_px": scene.cycles.filter_width}
+
+
+def _fast_gi(scene: bpy.types.Scene, is_viewport: bool) -> dict[str, str | int | float]:
+    """Cycles's Fast GI Approximation, by the names of the engine's settings. Without a world there is none, as in Cycles."""
+    cycles, world = getattr(scene, "cycles", None), scene.world
+    if cycles is None or world is None or not cycles.use_fast_gi:
+        return {}
+    return {
+        "fast_gi": cycles.fast_gi_method,
+        "fast_gi_bounces": cycles.ao_bounces if is_viewport else cycles.ao_bounces_render,
+        "fast_gi_distance": world.light_settings.distance,
+        "fast_gi_factor": world.light_settings.ao_factor,
+    }
 
 
 def of_layer(

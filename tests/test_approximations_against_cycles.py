@@ -19,6 +19,7 @@ from test_closures_against_cycles import (
     principled,
     refraction,
 )
+from test_visibility_against_cycles import add_panel, room  # noqa: F401 (a fixture)
 
 SIDE, SAMPLES = 32, 1024
 #: Pixels of a block's side.
@@ -138,3 +139,100 @@ def test_filter_glossy_from_fog(stage, blender, tmp_path):
     stage.mirror(REFLECTING["ggx"], "above")
     # Noise of fog.
     alike(tmp_path, mean=0.015, block=0.05, blur_glossy=1.0, volume_bounces=2)
+
+
+# Fast GI ------------------------------------------------------------------------------------------------------------
+
+
+def fast_gi(method: str, bounces: int, distance: float, factor: float) -> dict:
+    """Sets the world's part of it; gives Cycles's."""
+    import bpy
+
+    light = bpy.context.scene.world.light_settings
+    light.distance, light.ao_factor = distance, factor
+    # The viewport's is another.
+    return {"use_fast_gi": True, "fast_gi_method": method, "ao_bounces_render": bounces, "ao_bounces": 7}
+
+
+@pytest.mark.parametrize("bounces", [0, 1, 2])
+def test_fast_gi_replaces_bounces(room, blender, tmp_path, bounces):  # noqa: F811
+    """Matte, metal and glass balls: each kind of bounce counts in its way. What glows is seen by the last ray, too."""
+    add_panel(room)
+    ours = alike(tmp_path, **fast_gi("REPLACE", bounces, 1.5, 0.6))
+    if bounces == 1:
+        blender.context.scene.cycles.use_fast_gi = False
+        whole = room.render(tmp_path, "whole.exr")[..., :3]
+        assert np.abs(ours - whole).mean() > 0.02 * whole.mean()
+
+
+def test_fast_gi_in_a_closed_room(blender, tmp_path):
+    """The world shines through walls that are far enough, and on nothing but indirectly."""
+    import scene_parts as parts
+
+    scene = parts.set_up(SIDE, SIDE, SAMPLES)
+    scene.world = parts.grey_world(1.0)
+    blender.ops.mesh.primitive_cube_add(size=4.0, location=(0.0, 0.5, 0.0))
+    blender.context.object.data.materials.append(made(parts, lambda tree: diffuse(tree, RED)))
+    ours = alike(tmp_path, **fast_gi("REPLACE", 1, 1.0, 0.5))
+    # Without, it is dark.
+    assert ours.mean() > 0.1
+
+
+def test_fast_gi_passes_what_is_clear(room, tmp_path):  # noqa: F811
+    """A last ray goes on through a transparent surface, as far as it would without."""
+    roof = made(
+        room, lambda tree: mix(tree, 0.5, node(tree, "BsdfTransparent", None, Color=WHITE), diffuse(tree, WHITE))
+    )
+    for name, height in (("Low", 1.8), ("High", 2.4)):
+        shade = room.mesh_object(
+            name, [(-2, -2, height), (2, -2, height), (2, 2, height), (-2, 2, height)], [(0, 1, 2, 3)], roof
+        )
+        shade.visible_camera = False
+    alike(tmp_path, **fast_gi("REPLACE", 1, 3.0, 1.0))
+
+
+def test_fast_gi_of_fog(room, blender, tmp_path):  # noqa: F811
+    """A last ray is dimmed by what fills space, and scattered there if no surface is near."""
+    blender.ops.mesh.primitive_cube_add(size=1.6, location=(-1.9, 0.0, 0.85))
+    fog, tree, _ = room.material("Fog")
+    shader = node(tree, "VolumeScatter", None, Density=1.0)
+    tree.links.new(shader, next(n for n in tree.nodes if n.type == "OUTPUT_MATERIAL").inputs["Volume"])
+    blender.context.object.data.materials.append(fog)
+    blender.data.objects["Matte"].scale = (0.5, 0.5, 0.5)
+    # Noise of fog.
+    alike(tmp_path, mean=0.015, block=0.05, volume_bounces=4, **fast_gi("REPLACE", 2, 1.5, 0.6))
+
+
+@pytest.mark.parametrize("fogged", [False, True])
+def test_fast_gi_is_added(room, blender, tmp_path, fogged):  # noqa: F811
+    """White light from where nothing is near, on what is diffuse: at every bounce, in one lobe of several, and where light comes
+    out of a body."""
+    wax = made(room, lambda tree: node(tree, "SubsurfaceScattering", None, Color=WHITE, Scale=0.2))
+    blender.data.objects["Matte"].data.materials[0] = wax
+    plastic = made(room, principled(Base_Color=GOLD, Roughness=0.4))
+    blender.data.objects["Metal"].data.materials[0] = plastic
+    if fogged:
+        blender.ops.mesh.primitive_cube_add(size=1.8, location=(1.9, 0.0, 0.85))
+        fog, tree, _ = room.material("Fog")
+        shader = node(tree, "VolumeAbsorption", None, Density=0.5, Color=RED)
+        tree.links.new(shader, next(n for n in tree.nodes if n.type == "OUTPUT_MATERIAL").inputs["Volume"])
+        blender.context.object.data.materials.append(fog)
+    ours = alike(tmp_path, **fast_gi("ADD", 1, 1.5, 0.6))
+    blender.context.scene.cycles.use_fast_gi = False
+    without = room.render(tmp_path, "without.exr")[..., :3]
+    assert (ours - without).mean() > 0.1 * without.mean()
+
+
+def test_fast_gi_of_view_and_picture(blender):
+    """Each has its own number of bounces; without a world there is no fast GI."""
+    import scene_parts as parts
+
+    scene = parts.set_up()
+    for name, value in fast_gi("REPLACE", 3, 4.0, 0.5).items():
+        setattr(scene.cycles, name, value)
+    describe = parts.part("render_settings").describe
+    picture, view = describe(scene, 8, 8), describe(scene, 8, 8, is_viewport=True)
+    assert (picture.fast_gi, picture.fast_gi_bounces, view.fast_gi_bounces) == ("REPLACE", 3, 7)
+    assert (picture.fast_gi_distance, picture.fast_gi_factor) == (4.0, 0.5)
+    scene.world = None
+    assert describe(scene, 8, 8).fast_gi == "OFF"

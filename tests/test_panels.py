@@ -118,10 +118,11 @@ READ = {
         for name in (
             "max_bounces", "diffuse_bounces", "glossy_bounces", "transmission_bounces", "volume_bounces",
             "transparent_max_bounces", "caustics_reflective", "caustics_refractive", "blur_glossy",
-            "film_exposure",
+            "film_exposure", "use_fast_gi", "fast_gi_method", "ao_bounces", "ao_bounces_render",
             "rolling_shutter_type", "rolling_shutter_duration",
         )
     ]
+    + [("WorldLighting", name) for name in ("ao_factor", "distance")]
     + [("CyclesCurveRenderSettings", name) for name in ("shape", "subdivisions")]
     + [
         ("RenderSettings", name)

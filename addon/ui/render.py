@@ -105,11 +105,41 @@ class PETZVAL_RENDER_PT_light_paths(_RenderPanel, bpy.types.Panel):
         column.prop(settings, "clamp_indirect")
 
 
+class PETZVAL_RENDER_PT_fast_gi(_RenderPanel, bpy.types.Panel):
+    bl_label = "Fast GI Approximation"
+    bl_parent_id = "PETZVAL_RENDER_PT_light_paths"
+    bl_options = {"DEFAULT_CLOSED"}
+
+    @classmethod
+    def poll(cls, context):
+        # Cycles keeps it.
+        return super().poll(context) and hasattr(context.scene, "cycles")
+
+    def draw_header(self, context):
+        self.layout.active = context.scene.petzval.integrator == "PATH"
+        self.layout.prop(context.scene.cycles, "use_fast_gi", text="")
+
+    def draw(self, context):
+        layout = columns(self)
+        cycles, world = context.scene.cycles, context.scene.world
+        layout.active = cycles.use_fast_gi and context.scene.petzval.integrator == "PATH"
+        layout.prop(cycles, "fast_gi_method", text="Method")
+        if world is not None:
+            column = layout.column(align=True)
+            column.prop(world.light_settings, "ao_factor", text="AO Factor")
+            column.prop(world.light_settings, "distance", text="AO Distance")
+        if cycles.fast_gi_method == "REPLACE":
+            column = layout.column(align=True)
+            column.prop(cycles, "ao_bounces", text="Viewport Bounces")
+            column.prop(cycles, "ao_bounces_render", text="Render Bounces")
+
+
 CLASSES = (
     PETZVAL_RENDER_PT_sampling,
     PETZVAL_RENDER_PT_sampling_viewport,
     PETZVAL_RENDER_PT_sampling_advanced,
     PETZVAL_RENDER_PT_light_paths,
+    PETZVAL_RENDER_PT_fast_gi,
 )
 
 

@@ -81,7 +81,7 @@ class RenderedView:
         if seen is None:
             return None
         settings = dataclasses.replace(
-            render_settings.describe(scene, *seen.size),
+            render_settings.describe(scene, *seen.size, is_viewport=True),
             samples=scene.petzval.preview_samples or 1 << 16,
             window=tuple(seen.window),
             threads=_threads(scene.render),

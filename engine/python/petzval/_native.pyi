@@ -467,6 +467,11 @@ class SettingsDescription(Protocol):
     filter_width_px: float  # of the last two, as Cycles counts it
     # Surfaces are rougher for paths that were scattered with less than this density per steradian; 0: none are.
     filter_glossy: float
+    # OFF | REPLACE: ambient occlusion instead of the bounces from that number on | ADD: besides all light.
+    fast_gi: str
+    fast_gi_bounces: int
+    fast_gi_distance: float  # how far it looks
+    fast_gi_factor: float  # what the world counts, or the light that is added
     transparent_film: bool  # world seen directly is left out, alpha 0
     integrator: str  # PATH | BIDIRECTIONAL: the real lens alone, one scale for all axes
 

@@ -19,7 +19,7 @@ use petzval_render::film::cryptomatte::{self, MatteLayer};
 use petzval_render::film::data::DataPass;
 use petzval_render::integrator::Integrator;
 use petzval_render::integrator::path::parts::{Part, Parts, Seen};
-use petzval_render::integrator::path::{Approximations, KindLimits};
+use petzval_render::integrator::path::{Approximations, FastGi, KindLimits};
 use petzval_render::job::catcher::{self, Laying};
 use petzval_render::job::checkpoint::Checkpoints;
 use petzval_render::job::{self as engine, Beside, Settings};
@@ -62,6 +62,10 @@ pub(crate) struct PySettings {
     clamp_indirect: f32,
     filter: String,
     filter_glossy: f32,
+    fast_gi: String,
+    fast_gi_bounces: u32,
+    fast_gi_distance: f32,
+    fast_gi_factor: f32,
     filter_width_px: f32,
     transparent_film: bool,
     pipeline: String,
@@ -95,6 +99,13 @@ impl TryFrom<PySettings> for Settings {
                 )));
             }
         };
+        let (distance, factor) = (s.fast_gi_distance, s.fast_gi_factor);
+        let fast_gi = match s.fast_gi.as_str() {
+            "OFF" => FastGi::Off,
+            "REPLACE" => FastGi::Replace { bounces: s.fast_gi_bounces, distance, factor },
+            "ADD" => FastGi::Add { distance, factor },
+            other => return Err(refused(format!("there is no fast GI '{other}'; use OFF, REPLACE or ADD"))),
+        };
         Ok(Self {
             width: s.width,
             height: s.height,
@@ -120,7 +131,7 @@ impl TryFrom<PySettings> for Settings {
             clamp_direct: s.clamp_direct,
             clamp_indirect: s.clamp_indirect,
             filter,
-            approximations: Approximations { filter_glossy: s.filter_glossy },
+            approximations: Approximations { filter_glossy: s.filter_glossy, fast_gi },
             transparent_film: s.transparent_film,
             pipeline,
             with_data: s.with_data,

@@ -12,7 +12,7 @@ mod pilot;
 mod terminator;
 mod wave;
 
-pub use approximations::Approximations;
+pub use approximations::{Approximations, FastGi};
 pub use notes::{NoNotes, Noted, Notes};
 pub use pilot::{openness, roulette};
 pub use wave::Wave;
@@ -125,9 +125,15 @@ impl Default for KindLimits {
 }
 
 impl Limits {
-    /// Whether a path is scattered by what it meets.
+    /// Whether a path is scattered by a surface that it meets, and on the way to that.
     #[inline]
     pub(super) fn scatters(&self, way: Way) -> bool {
+        self.scatters_before_the_sky(way) && self.approximations.fast_gi.last_ray(way).is_none()
+    }
+
+    /// Whether a path is scattered on the way to infinity: by volumes.
+    #[inline]
+    pub(super) fn scatters_before_the_sky(&self, way: Way) -> bool {
         let KindLimits { diffuse, glossy, transmission, .. } = self.kinds;
         u32::from(way.depth) <= self.max_bounces
             && u32::from(way.diffuse) <= diffuse

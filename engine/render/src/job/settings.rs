@@ -3,7 +3,7 @@
 use crate::camera::Camera;
 use crate::integrator::{
     Integrator,
-    path::{Approximations, KindLimits},
+    path::{Approximations, FastGi, KindLimits},
 };
 use crate::pipeline::Pipeline;
 use crate::sampler::{pattern::Pattern, warp::Filter};
@@ -121,6 +121,14 @@ pub enum SettingsError {
     /// The filter of indirect light.
     #[error("glossy light filtered at {0}: set a density of directions, as 1, or zero for none")]
     FilterGlossy(f32),
+    /// Ambient occlusion.
+    #[error("fast GI of distance {distance} and factor {factor}: set numbers of zero or more")]
+    FastGi {
+        /// How far it looks.
+        distance: f32,
+        /// What it counts.
+        factor: f32,
+    },
     /// None given.
     #[error("no camera: give one")]
     Camera,
@@ -161,6 +169,11 @@ impl Settings {
         }
         if !(0.0..=f32::MAX).contains(&self.approximations.filter_glossy) {
             return Err(SettingsError::FilterGlossy(self.approximations.filter_glossy));
+        }
+        if let FastGi::Replace { distance, factor, .. } | FastGi::Add { distance, factor } = self.approximations.fast_gi
+            && !(distance >= 0.0 && (0.0..=f32::MAX).contains(&factor))
+        {
+            return Err(SettingsError::FastGi { distance, factor });
         }
         match self.filter {
             Filter::Gaussian(width) | Filter::BlackmanHarris(width) if !(width > 0.0 && width <= 10.0) => {

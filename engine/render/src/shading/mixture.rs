@@ -424,6 +424,16 @@ impl Parted for Mixture {
         }
         found.finished(broad, all)
     }
+
+    #[cold]
+    #[inline(never)]
+    fn diffuse(&self) -> (Rgb, Vec3A) {
+        let is_diffuse = |lobe: &&Lobe| lobe.rays() == Rays::DIFFUSE && !lobe.is_body();
+        let (colour, normal) = self.lobes.iter().filter(is_diffuse).fold((Rgb::ZERO, Vec3A::ZERO), |(c, n), lobe| {
+            (c + lobe.weight, n + lobe.normal() * lobe.weight.element_sum().abs())
+        });
+        (colour, normal.normalize_or(self.here.smooth_normal))
+    }
 }
 
 impl Scattering for Mixture {

@@ -88,4 +88,7 @@ pub trait Parted {
 
     /// What a denoiser is told.
     fn features(&self) -> Features;
+
+    /// Of the diffuse lobes that scatter here and not elsewhere: their colours together, and the mean of their normals by these.
+    fn diffuse(&self) -> (Rgb, Vec3A);
 }

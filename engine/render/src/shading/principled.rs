@@ -389,6 +389,10 @@ impl Parted for Bsdf {
         }
         found.finished(broad, self.chance.iter().sum())
     }
+
+    fn diffuse(&self) -> (Rgb, Vec3A) {
+        (self.diffuse, self.frame[2])
+    }
 }
 
 impl Scattering for Bsdf {

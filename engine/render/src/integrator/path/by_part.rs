@@ -21,6 +21,8 @@ enum First {
     Surface([Rgb; 2]),
     /// By a volume.
     Volume,
+    /// In no part.
+    Nowhere,
 }
 
 /// What light belongs to.
@@ -31,6 +33,13 @@ pub struct Belongs {
     is_near: bool,
     /// The path's ray met it.
     is_met: bool,
+}
+
+impl Belongs {
+    /// Of light that is in no part.
+    pub(super) fn nowhere() -> Self {
+        Self { first: First::Nowhere, is_near: false, is_met: false }
+    }
 }
 
 /// A path's own.
@@ -149,6 +158,7 @@ impl ByPart {
         match first {
             First::None => self.add_to(sums, if is_near { Part::Environment } else { Part::Emission }, light),
             First::Volume => self.add_to(sums, Part::Volume(is_near), light),
+            First::Nowhere => {}
             First::Surface([diffuse, glossy]) => {
                 let [d, g] = [light * diffuse, light * glossy];
                 self.add_to(sums, Part::Light(LobeKind::Diffuse, is_near), d);

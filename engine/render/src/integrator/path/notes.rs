@@ -30,6 +30,9 @@ pub trait Notes {
     /// The same in a volume.
     fn sampled_in_volume(&self, path: u32, way: Way, number: impl FnOnce() -> u16) -> Self::Of;
 
+    /// Light that counts for the picture and in no group or part.
+    fn outside_of_passes(&self) -> Self::Of;
+
     /// Forgets all paths.
     fn clear(&mut self);
 
@@ -70,6 +73,9 @@ impl Notes for NoNotes {
 
     #[inline(always)]
     fn sampled_in_volume(&self, _: u32, _: Way, _: impl FnOnce() -> u16) {}
+
+    #[inline(always)]
+    fn outside_of_passes(&self) {}
 
     #[inline(always)]
     fn clear(&mut self) {}
@@ -146,6 +152,10 @@ impl Notes for Noted {
 
     fn sampled_in_volume(&self, path: u32, way: Way, number: impl FnOnce() -> u16) -> Self::Of {
         (self.group(number), self.parts.sampled_in_volume(path, way))
+    }
+
+    fn outside_of_passes(&self) -> Self::Of {
+        (0, Belongs::nowhere())
     }
 
     fn clear(&mut self) {

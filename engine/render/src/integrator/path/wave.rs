@@ -8,7 +8,7 @@ mod through;
 
 use super::choice::Chosen;
 use super::notes::{NoNotes, Notes};
-use super::{CAMERA_SETS, FirstSurface, Limits, MOST_STEPS, PathResult, SETS_PER_STEP, mix, opening};
+use super::{CAMERA_SETS, FastGi, FirstSurface, Limits, MOST_STEPS, PathResult, SETS_PER_STEP, mix, opening};
 use crate::Rgb;
 use crate::accel::{Hit, Ray, offset_origin};
 use crate::integrator::Stage;
@@ -345,6 +345,13 @@ impl<N: Notes, const VOLUMES: bool> Wave<N, VOLUMES> {
             let scene = &stage.scene;
             self.inside[*i as usize].veil(scene, point, &self.shadows, &mut self.veils, *u_light);
         }
+        let is_ambient = matches!(limits.approximations.fast_gi, FastGi::Add { .. });
+        if is_ambient {
+            at.ambient(path, &found, &mut self.shadows, bsdf, [u2, u3]);
+            if VOLUMES {
+                self.inside[*i as usize].veil(&stage.scene, point, &self.shadows, &mut self.veils, [u2, u3, u_light[1]]);
+            }
+        }
         let is_alive = &mut self.is_alive[*i as usize];
         let Some(entry) = bsdf.enter(u_lobe, [u2, u3]) else {
             *is_alive = at.turn(path, &mut found, bsdf, to, [u_end, u_lobe, u2, u3]);
@@ -360,10 +367,20 @@ impl<N: Notes, const VOLUMES: bool> Wave<N, VOLUMES> {
         let ([u_light, u0, u1, _], [u_lobe, u2, u3, _]) = (four(), four());
         let (at, bsdf) = (Place { point: &exit, ..at }, Mixture::exit(&exit));
         let to = at.light(path, &mut found, &mut self.shadows, &bsdf, [u_light, u0, u1]);
+        if VOLUMES {
+            let inside = &self.inside[*i as usize];
+            inside.veil(&stage.scene, &exit, &self.shadows, &mut self.veils, [u_light, u0, u1]);
+        }
+        if is_ambient {
+            at.ambient(path, &found, &mut self.shadows, &bsdf, [u2, u3]);
+            if VOLUMES {
+                let inside = &self.inside[*i as usize];
+                inside.veil(&stage.scene, &exit, &self.shadows, &mut self.veils, [u2, u3, u0]);
+            }
+        }
         *is_alive = at.turn(path, &mut found, &bsdf, to, [u_end, u_lobe, u2, u3]);
         if VOLUMES {
             let inside = &mut self.inside[*i as usize];
-            inside.veil(&stage.scene, &exit, &self.shadows, &mut self.veils, [u_light, u0, u1]);
             if *is_alive {
                 inside.leave(&stage.scene, &exit, path);
             }

@@ -172,6 +172,11 @@ impl Lobe {
         matches!(self.kind, Kind::Fibre(_) | Kind::Chiang(_))
     }
 
+    /// Whether light that it takes comes out elsewhere.
+    pub(super) fn is_body(&self) -> bool {
+        matches!(self.kind, Kind::Body(_))
+    }
+
     /// Single directions alone.
     pub(super) fn is_mirror(&self) -> bool {
         match &self.kind {

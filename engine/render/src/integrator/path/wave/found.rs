@@ -74,6 +74,7 @@ impl Path {
         if self.way.is_camera() && limits.hide_sky {
             return;
         }
+        let world = limits.approximations.fast_gi.last_ray(self.way).map_or(1.0, |last| last.factor);
         stage.lights.sky_along(
             &stage.scene,
             self.ray.direction,
@@ -83,9 +84,11 @@ impl Path {
                 if !self.finds(stage, || stage.lights.sets(source)) {
                     return;
                 }
-                let light = self.throughput * radiance * self.chosen.weight(pdf);
+                let is_world = stage.lights.is_world(source);
+                let counts = self.chosen.weight(pdf) * if is_world { world } else { 1.0 };
+                let light = self.throughput * radiance * counts;
                 let group = || stage.lights.group(&stage.scene, source);
-                let of = found.notes.met(found.path, self.way, stage.lights.is_world(source), group);
+                let of = found.notes.met(found.path, self.way, is_world, group);
                 found.add(of, limits.clamp_met(light, u32::from(self.way.depth)));
             },
         );

@@ -2,7 +2,7 @@
 
 use super::super::choice::{Chosen, power_heuristic};
 use super::super::notes::Notes;
-use super::super::{Limits, leave, terminator};
+use super::super::{FastGi, Limits, leave, terminator};
 use super::Path;
 use super::found::Found;
 use crate::Rgb;
@@ -10,6 +10,7 @@ use crate::accel::Ray;
 use crate::integrator::Stage;
 use crate::lights::{LightSample, receiver::Receiver};
 use crate::nodes::Way;
+use crate::sampler::warp;
 use crate::scene::visibility::{Rays, Sets};
 use crate::shading::{LobeShares, Parted, Scattering};
 use crate::surface::SurfacePoint;
@@ -117,9 +118,36 @@ impl Place<'_> {
         };
         path.travelled = 0.0;
         path.ray = self.point.leaving(leave(self.point, next.wi), next.wi);
+        if let Some(last) = self.limits.approximations.fast_gi.last_ray(path.way) {
+            path.ray.t_max = last.distance;
+        }
         path.start = path.ray.origin;
         path.from = self.point.instance;
         true
+    }
+
+    /// Light that [`FastGi::Add`] puts in where nothing is near, as `integrate_surface_ao` in shade_surface.h of Cycles: about the
+    /// mean of the normals, in no pass but the whole picture.
+    #[cold]
+    #[inline(never)]
+    pub(super) fn ambient<N: Notes>(
+        &self,
+        path: &Path,
+        found: &Found<'_, N>,
+        shadows: &mut Vec<Shadow<N::Of>>,
+        bsdf: &impl Parted,
+        u: [f32; 2],
+    ) {
+        let FastGi::Add { distance, factor } = self.limits.approximations.fast_gi else { return };
+        let (colour, normal) = bsdf.diffuse();
+        let light = path.throughput * colour * factor;
+        if light == Rgb::ZERO || !light.is_finite() {
+            return;
+        }
+        let d = warp::to_world(&warp::frame(normal), warp::sample_cosine_hemisphere(u)).normalize();
+        let ray = Ray { t_max: distance, ..self.point.leaving(leave(self.point, d), d) };
+        let (way, sets, of) = (path.way, Sets::EVERYTHING, found.notes.outside_of_passes());
+        shadows.push(Shadow { path: found.path, ray, light, way, sets, of });
     }
 }
 

@@ -81,7 +81,12 @@ impl Inside {
         if self.stack.is_empty() {
             return Brought::ToTheEnd;
         }
-        let scatters = limits.scatters(path.way) && self.may_scatter(limits);
+        // A last ray that meets nothing goes on through what fills all space, and may be scattered there; one that meets a surface
+        // ends there.
+        let is_last = limits.approximations.fast_gi.last_ray(path.way).is_some();
+        let t_max = if is_last && hit.is_none() { f32::INFINITY } else { t_max };
+        let scatters = if hit.is_some() { limits.scatters(path.way) } else { limits.scatters_before_the_sky(path.way) }
+            && self.may_scatter(limits);
         let stretch = Stretch { stage, stack: &self.stack, ray: Ray { t_max, ..path.ray }, way: path.way };
         let pivot = if scatters {
             self.beside_a_light(limits, path, &stretch, found, (&mut *shades.0, &mut *shades.1))
@@ -214,6 +219,9 @@ impl Inside {
         path.least_pdf = path.least_pdf.min(pdf);
         path.travelled = 0.0;
         path.ray = Ray::new(at.position, wi).at(path.ray.moment);
+        if let Some(last) = at.limits.approximations.fast_gi.last_ray(path.way) {
+            path.ray.t_max = last.distance;
+        }
         path.start = at.position;
         path.from = self.stack.innermost().unwrap_or(0);
         Brought::Elsewhere
