@@ -158,6 +158,8 @@ def fast_gi(method: str, bounces: int, distance: float, factor: float) -> dict:
 def test_fast_gi_replaces_bounces(room, blender, tmp_path, bounces):  # noqa: F811
     """Matte, metal and glass balls: each kind of bounce counts in its way. What glows is seen by the last ray, too."""
     add_panel(room)
+    # Of its own.
+    room.floor.cycles.ao_distance = 0.8
     ours = alike(tmp_path, **fast_gi("REPLACE", bounces, 1.5, 0.6))
     if bounces == 1:
         blender.context.scene.cycles.use_fast_gi = False

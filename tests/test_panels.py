@@ -138,7 +138,7 @@ READ = {
             "visible_shadow", "is_shadow_catcher", "is_holdout", "hide_render", "lightgroup",
         )
     ]
-    + [("CyclesObjectSettings", name) for name in ("use_motion_blur", "motion_steps", "use_deform_motion")],
+    + [("CyclesObjectSettings", name) for name in ("use_motion_blur", "motion_steps", "use_deform_motion", "ao_distance")],
     "material": [("Material", "displacement_method"), ("Material", "pass_index"), ("ShaderNodeTree", "Volume")]
     + [("ShaderNodeTree", "Surface"), ("ShaderNodeTree", "Displacement")],
     "world": [("CyclesVisibilitySettings", name) for name in ("camera", "diffuse", "glossy", "transmission", "scatter")]

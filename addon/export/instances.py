@@ -51,6 +51,12 @@ def _softening(holder: bpy.types.Object) -> tuple[float, float]:
     return geometry, shading
 
 
+def _occlusion_distance(holder: bpy.types.Object, place: bpy.types.DepsgraphObjectInstance) -> float:
+    """An object's own distance of Cycles's Fast GI Approximation, else that of the object that instances it; 0 is none."""
+    own = getattr(getattr(holder, "cycles", None), "ao_distance", 0.0)
+    return own or getattr(getattr(_stands_for(place), "cycles", None), "ao_distance", 0.0)
+
+
 def _stands_for(place: bpy.types.DepsgraphObjectInstance) -> bpy.types.Object:
     """The object whose collections an instance belongs to: the one that is instanced by another belongs to that one's."""
     found = place.parent if place.is_instance and place.parent is not None else place.object
@@ -223,6 +229,7 @@ class Stage:
             softening=_softening(holder),
             is_holdout=is_holdout,
             is_catcher=is_catcher,
+            occlusion_distance=_occlusion_distance(holder, place),
         )
 
     def _mesh(self, holder: bpy.types.Object, place: bpy.types.DepsgraphObjectInstance) -> int | None:

@@ -104,11 +104,27 @@ class PETZVAL_OBJECT_PT_shadow_terminator(_ObjectPanel, bpy.types.Panel):
         column.prop(own, "shadow_terminator_offset", text="Shading Offset")
 
 
+class PETZVAL_OBJECT_PT_fast_gi(_ObjectPanel, bpy.types.Panel):
+    bl_label = "Fast GI Approximation"
+    bl_options = {"DEFAULT_CLOSED"}
+
+    @classmethod
+    def poll(cls, context):
+        # Cycles keeps it.
+        return super().poll(context) and _is_seen(context.object, _SHAPES) and hasattr(context.object, "cycles")
+
+    def draw(self, context):
+        layout, cycles = columns(self), context.scene.cycles
+        layout.active = cycles.use_fast_gi and cycles.fast_gi_method == "REPLACE"
+        layout.prop(context.object.cycles, "ao_distance", text="AO Distance")
+
+
 CLASSES = (
     PETZVAL_OBJECT_PT_shadow_terminator,
     PETZVAL_OBJECT_PT_motion_blur,
     PETZVAL_OBJECT_PT_visibility,
     PETZVAL_OBJECT_PT_ray_visibility,
+    PETZVAL_OBJECT_PT_fast_gi,
 )
 
 

@@ -390,6 +390,7 @@ class SceneBuilder:
         softening: tuple[float, float] = (0.0, 0.0),  # Blender's geometry and shading offsets of shadow terminators
         is_holdout: bool = False,  # the camera sees a hole instead
         is_catcher: bool = False,  # its shadows alone are wanted: for `Job.shadow`
+        occlusion_distance: float = 0.0,  # of rays that leave it, instead of the settings' `fast_gi_distance`; 0: none
     ) -> None:
         """`materials[slot]` is a material index; slots past its end take the last; empty: the default grey.
 

@@ -182,7 +182,7 @@ impl SceneBuilder {
     #[pyo3(signature = (
         object_name, mesh, matrix_world, materials, *, hidden_from = Vec::new(), links = None, asset_name = None,
         moved = None, keys = None, info = None, light_group = 0, softening = (0.0, 0.0), is_holdout = false,
-        is_catcher = false
+        is_catcher = false, occlusion_distance = 0.0
     ))]
     #[allow(clippy::too_many_arguments)]
     fn add_instance(
@@ -201,6 +201,7 @@ impl SceneBuilder {
         softening: (f32, f32),
         is_holdout: bool,
         is_catcher: bool,
+        occlusion_distance: f32,
     ) -> Result<(), Error> {
         let instance = self.builder.add_instance(object_name, mesh, matrix_world.into(), &materials, true, true)?;
         let Some(instance) = instance else { return Ok(()) };
@@ -210,6 +211,7 @@ impl SceneBuilder {
             self.builder.set_links(instance, Links { receives, blocks, sets });
         }
         self.builder.set_light_group(instance, light_group);
+        self.builder.set_occlusion_distance(instance, occlusion_distance);
         if is_catcher {
             self.builder.catch_shadows(instance);
         }

@@ -31,6 +31,7 @@ struct RawInstance {
     links: Links,
     light_group: u16,
     softening: Softening,
+    occlusion_distance: f32,
     is_catcher: bool,
 }
 
@@ -168,6 +169,7 @@ impl SceneBuilder {
             links: Links::default(),
             light_group: 0,
             softening: Softening::default(),
+            occlusion_distance: 0.0,
             is_catcher: false,
         });
         Ok(Some(self.instances.len() - 1))
@@ -186,6 +188,11 @@ impl SceneBuilder {
     /// Says which lights light an instance, and in which it throws shadows.
     pub fn set_links(&mut self, instance: usize, links: Links) {
         self.instances[instance].links = links;
+    }
+
+    /// Gives an instance a distance of its own for ambient occlusion instead of indirect light; 0 is none.
+    pub fn set_occlusion_distance(&mut self, instance: usize, distance: f32) {
+        self.instances[instance].occlusion_distance = distance;
     }
 
     /// Says that the shadows on an instance alone are wanted.
@@ -350,6 +357,7 @@ impl SceneBuilder {
                     links: raw.links,
                     light_group: raw.light_group,
                     softening,
+                    occlusion_distance: raw.occlusion_distance,
                     is_catcher: raw.is_catcher,
                 };
                 instance.stand(&DAffine3::from_mat4(raw.matrix), origin);

@@ -33,6 +33,8 @@ pub struct Instance {
     pub light_group: u16,
     /// How its smooth faces are helped at the edge of light.
     pub softening: Softening,
+    /// How far rays go from it that end a path with ambient occlusion; 0: as far as all others.
+    pub occlusion_distance: f32,
     /// Object space to render space a frame before and a frame after; `None` where it stands still.
     pub moved: Option<Box<[DAffine3; 2]>>,
     /// What shader graphs may ask of the object.
@@ -61,6 +63,12 @@ impl Default for ObjectInfo {
 }
 
 impl Instance {
+    /// How far a ray goes from it that ends a path with ambient occlusion, where others go so far.
+    #[inline]
+    pub fn last_ray_distance(&self, of_others: f32) -> f32 {
+        if self.occlusion_distance == 0.0 { of_others } else { self.occlusion_distance }
+    }
+
     /// Puts it elsewhere: `to_world` takes object space to world space, `origin` is render space's.
     pub(super) fn stand(&mut self, to_world: &DAffine3, origin: DVec3) {
         let moved = DAffine3::from_translation(-origin) * *to_world;

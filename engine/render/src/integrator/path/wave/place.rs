@@ -119,7 +119,7 @@ impl Place<'_> {
         path.travelled = 0.0;
         path.ray = self.point.leaving(leave(self.point, next.wi), next.wi);
         if let Some(last) = self.limits.approximations.fast_gi.last_ray(path.way) {
-            path.ray.t_max = last.distance;
+            path.ray.t_max = self.stage.scene.instances[self.point.instance as usize].last_ray_distance(last.distance);
         }
         path.start = path.ray.origin;
         path.from = self.point.instance;

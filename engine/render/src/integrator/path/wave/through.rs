@@ -220,7 +220,8 @@ impl Inside {
         path.travelled = 0.0;
         path.ray = Ray::new(at.position, wi).at(path.ray.moment);
         if let Some(last) = at.limits.approximations.fast_gi.last_ray(path.way) {
-            path.ray.t_max = last.distance;
+            let own = self.stack.innermost().map(|instance| &at.stage.scene.instances[instance as usize]);
+            path.ray.t_max = own.map_or(last.distance, |instance| instance.last_ray_distance(last.distance));
         }
         path.start = at.position;
         path.from = self.stack.innermost().unwrap_or(0);
