@@ -263,3 +263,49 @@ def test_a_node_that_cycles_does_not_know(stage, blender, tmp_path, build):  # n
     unknown = t.node("ShaderToRGB", Shader=red.outputs[0]).outputs["Color"]
     build(t, unknown)
     beside_cycles.alike(tmp_path, SAMPLES, side=BLOCK, mean=0.01, block=0.02, bounces=48, warns="Shader to RGB")
+
+
+def dead_reroute(t: Tree):
+    return t.tree.nodes.new("NodeReroute").outputs[0]
+
+
+def dead_muted(t: Tree):
+    """A muted node that nothing is linked to, whose own value does not count."""
+    made = t.node("Gamma", Color=(0.1, 0.2, 0.9, 1.0))
+    made.mute = True
+    return made.outputs[0]
+
+
+def dead_without_inputs(t: Tree):
+    made = t.node("RGB")
+    made.mute = True
+    return made.outputs[0]
+
+
+@pytest.mark.parametrize("place", ["tree", "group", "before a group"])
+@pytest.mark.parametrize("dead", [dead_reroute, dead_muted, dead_without_inputs], ids=lambda dead: dead.__name__)
+def test_links_from_nowhere(stage, blender, tmp_path, dead, place):  # noqa: F811
+    made, tree, surface = stage.material()
+    blender.context.object.data.materials.append(made)
+    t = Tree(tree, surface)
+    if place == "tree":
+        colour = dead(t)
+    else:
+        group = blender.data.node_groups.new("Group", "ShaderNodeTree")
+        for way in ("INPUT", "OUTPUT"):
+            group.interface.new_socket("Color", in_out=way, socket_type="NodeSocketColor")
+        start, end = group.nodes.new("NodeGroupInput"), group.nodes.new("NodeGroupOutput")
+        end.inputs[0].default_value = (0.5, 0.9, 0.1, 1.0)
+        outside = t.node("Group", {"node_tree": group})
+        outside.inputs[0].default_value = (0.9, 0.1, 0.7, 1.0)
+        if place == "group":
+            group.links.new(dead(Tree(group, None)), end.inputs[0])
+        else:
+            group.links.new(start.outputs[0], end.inputs[0])
+            tree.links.new(dead(t), outside.inputs[0])
+        colour = outside.outputs[0]
+    emission = t.node("Emission")
+    emission.inputs["Color"].default_value = (0.8, 0.4, 0.3, 1.0)
+    tree.links.new(colour, emission.inputs["Color"])
+    t.shows(emission.outputs[0])
+    alike(tmp_path, 0.02)

@@ -14,6 +14,8 @@ from typing import Any
 
 import bpy
 
+# From this version on what is linked to nothing but a reroute or a muted node keeps its own value; before, it got zero.
+_KEEPS_VALUES = (5, 0, 0)
 # Deeper than any sane tree; a group that holds itself cannot be made in Blender.
 _DEEPEST = 1000
 
@@ -74,18 +76,22 @@ def entered(source: Source) -> Iterator[bool]:
 def trace(start: Input) -> Source | Input | None:
     """What an input gets: a node's output; or the input whose own value counts; or nothing (a dead end)."""
     socket, groups = start.socket, start.groups
+    # The last one that has a value of its own.
+    reader = start
     for _ in range(_DEEPEST):
         link = next((link for link in socket.links if link.is_valid and not link.is_muted), None)
         if link is None:
-            return Input(socket, groups)
+            return reader if socket == reader.socket or bpy.app.version >= _KEEPS_VALUES else None
         node, output = link.from_node, link.from_socket
         if node.mute:
             socket = next((inner.from_socket for inner in node.internal_links if inner.to_socket == output), None)
-        elif node.type == "REROUTE":
+            if socket is None:
+                return reader
+            continue
+        if node.type == "REROUTE":
             socket = node.inputs[0]
-            if not socket.is_linked:
-                return None
-        elif node.type == "GROUP":
+            continue
+        if node.type == "GROUP":
             socket = _group_result(node, output)
             groups = (*groups, node)
         elif node.type == "GROUP_INPUT" and groups:
@@ -95,6 +101,7 @@ def trace(start: Input) -> Source | Input | None:
             return Source(node, output, groups)
         if socket is None:
             return None
+        reader = Input(socket, groups)
     return None
 
 
