@@ -349,7 +349,13 @@ impl<N: Notes, const VOLUMES: bool> Wave<N, VOLUMES> {
         if is_ambient {
             at.ambient(path, &found, &mut self.shadows, bsdf, [u2, u3]);
             if VOLUMES {
-                self.inside[*i as usize].veil(&stage.scene, point, &self.shadows, &mut self.veils, [u2, u3, u_light[1]]);
+                self.inside[*i as usize].veil(
+                    &stage.scene,
+                    point,
+                    &self.shadows,
+                    &mut self.veils,
+                    [u2, u3, u_light[1]],
+                );
             }
         }
         let is_alive = &mut self.is_alive[*i as usize];
