@@ -282,6 +282,7 @@ BLOCK_LIMITS = {
     "microfiber": 0.035,
     # Tables of albedos with other steps.
     "multiscatter glass": 0.015,
+    "principled glass": 0.015,
     "brushed ashikhmin-shirley": 0.02,
     # Noise of both: walks through a body are not guided here, and end by chance.
     "subsurface": 0.03,
@@ -313,6 +314,8 @@ HANDED_OVER_ALIKE = {
 )
 def test_looks_as_in_cycles(stage, blender, tmp_path, name):
     bpy = blender
+    if bpy.app.version < (5, 0, 0) and name == "backward subsurface":
+        pytest.skip("this Cycles takes anisotropy below 0 for 0, and so does its socket's range")
     made, tree, surface = stage.material(name)
     try:
         tree.links.new(CASES[name](tree), surface)

@@ -42,7 +42,8 @@ def test_links(studio, blender, tmp_path, kind, state, role):  # noqa: F811
     objects = () if state == "EMPTY" else (blender.data.objects["Sphere"],)
     linked = collection(blender, *objects, state="EXCLUDE" if state == "EMPTY" else state)
     setattr(holder.light_linking, f"{role}_collection", linked)
-    ours = alike(tmp_path)
+    # Seeds of either program differ by 4 % in a block where the area lamp is found by mirrors alone.
+    ours = alike(tmp_path, block=0.06 if kind == "AREA" else 0.04)
     if state == "EXCLUDE" or (state == "INCLUDE" and role == "receiver"):
         setattr(holder.light_linking, f"{role}_collection", None)
         differs(ours, studio.render(tmp_path, "all.exr")[..., :3], 0.0005)

@@ -119,6 +119,7 @@ READ = {
             "max_bounces", "diffuse_bounces", "glossy_bounces", "transmission_bounces", "volume_bounces",
             "transparent_max_bounces", "caustics_reflective", "caustics_refractive", "blur_glossy",
             "film_exposure", "use_fast_gi", "fast_gi_method", "ao_bounces", "ao_bounces_render",
+            "pixel_filter_type", "filter_width", "sample_clamp_direct", "blur_glossy", "use_fast_gi",
             "rolling_shutter_type", "rolling_shutter_duration",
         )
     ]

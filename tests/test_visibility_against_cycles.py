@@ -60,9 +60,9 @@ def add_panel(parts, colour=(0.9, 0.2, 0.1), strength: float = 4.0):
     return panel
 
 
-def alike(folder, mean: float = 0.01, block: float = 0.03, **cycles_settings) -> np.ndarray:
-    """Petzval shows what Cycles does, in the mean and block by block: edges fall between the samples of 64 pixels. Gives
-    Petzval's picture."""
+def alike(folder, mean: float = 0.01, block: float = 0.04, **cycles_settings) -> np.ndarray:
+    """Petzval shows what Cycles does, in the mean and block by block: edges fall between the samples of 64 pixels, and what rays alone
+    find is noisy in both: with 16 times the samples the worst block is 0.7 % apart. Gives Petzval's picture."""
     import beside_cycles
 
     return beside_cycles.alike(folder, SAMPLES, side=BLOCK, mean=mean, block=block, **cycles_settings)

@@ -30,8 +30,12 @@ PAGE = TOP / "docs" / "other-scenes.md"
 KNOWN = Path(__file__).with_name("known.toml")
 #: Samples of the short render: what is done once is taken off by it.
 FEW = 8
+#: Processor time of a sample below which it is lost in what is done once.
+LEAST_US = 0.15
 #: A render that takes longer, s, is given up.
 LONGEST_S = 1500
+#: Why a file that is a part of others is left out, as `other_scenes.job` says it.
+NO_CAMERA = "it has no camera"
 #: The difference beyond noise up to which pictures agree.
 ALIKE = 0.01
 
@@ -56,11 +60,16 @@ def main() -> int:
     width, height = map(int, options.size.split("x"))
     began, made, rows = time.monotonic(), pages.made("docs/other-scenes.md"), {}
     for path in scenes:
+        name = path.stem if path.stem not in rows else f"{path.parent.name}/{path.stem}"
         try:
-            rows[path.stem] = compared(path, width, height, options.samples)
+            rows[name] = compared(path, width, height, options.samples)
         except (Failed, subprocess.TimeoutExpired) as why:
-            rows[path.stem] = {"left_out": str(why)}
-        print(f"{path.stem:26s} {said(rows[path.stem])}", flush=True)
+            rows[name] = {"left_out": str(why)}
+        if rows[name].get("left_out") == NO_CAMERA:
+            # A part of another file.
+            del rows[name]
+            continue
+        print(f"{name:26s} {said(rows[name])}", flush=True)
     print(summary(rows))
     if not options.only:
         write(rows, options.size, options.samples, made.took(time.monotonic() - began))
@@ -81,6 +90,8 @@ def run(*command: object) -> float:
         check=False,
     )
     after = resource.getrusage(resource.RUSAGE_CHILDREN)
+    if done.returncode and "Failed to read blend file" in done.stderr:
+        raise Failed("Blender cannot read it")
     if done.returncode:
         raise Failed((done.stderr.strip().splitlines() or [f"exit {done.returncode}"])[-1][:200])
     return after.ru_utime + after.ru_stime - before.ru_utime - before.ru_stime
@@ -121,6 +132,11 @@ def compared(path: Path, width: int, height: int, samples: int) -> dict:
     return result
 
 
+def is_timed(row: dict) -> bool:
+    """Whether its times say anything: a picture of next to nothing takes too little, and without noise there is none to compare."""
+    return all(row[one]["sample_us"] >= LEAST_US and row[one]["noise"] > 0.0 for one in ("petzval", "cycles"))
+
+
 def said(row: dict) -> str:
     if "left_out" in row:
         return f"left out: {row['left_out']}"
@@ -137,10 +153,12 @@ def summary(rows: dict[str, dict]) -> str:
     if not found:
         return "No scene could be compared."
     alike = sum(row["beyond_noise"] <= ALIKE for row in found)
-    ratios = [row["time_ratio"] for row in found]
+    ratios = [row["time_ratio"] for row in found if is_timed(row)]
+    if not ratios:
+        return f"{alike} of {len(found)} scenes agree with Cycles within 1 % beyond noise."
     return (
-        f"{alike} of {len(found)} scenes agree with Cycles within 1 % beyond noise. Processor time to equal noise over Cycles': "
-        f"{median(ratios):.2f} in the middle, {min(ratios):.2f} at best, {max(ratios):.2f} at worst."
+        f"{alike} of {len(found)} scenes agree with Cycles within 1 % beyond noise. Processor time to equal noise over Cycles', of the "
+        f"{len(ratios)} that take long enough to say: {median(ratios):.2f} in the middle, {min(ratios):.2f} at best, {max(ratios):.2f} at worst."
     )
 
 
@@ -175,9 +193,9 @@ def write(rows: dict[str, dict], size: str, samples: int, now: pages.Made) -> No
             f"{100 * row['beyond_noise']:.2f} %",
             f"{row['mean']:.3f}",
             f"{row['petzval']['sample_us']:.2f} / {row['cycles']['sample_us']:.2f}",
-            f"{row['noise_ratio']:.2f}",
-            f"{row['time_ratio']:.2f}",
-            about.get("cause", ""),
+            f"{row['noise_ratio']:.2f}" if is_timed(row) else "–",
+            f"{row['time_ratio']:.2f}" if is_timed(row) else "–",
+            about.get("cause", "" if row["beyond_noise"] <= ALIKE else "not found yet"),
         ]
         lines.append(f"| {' | '.join(cells)} |")
     sources = [f"- {name}: {known[name]['from']}" for name in sorted(rows) if "from" in known.get(name, {})]

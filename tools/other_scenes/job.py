@@ -35,9 +35,10 @@ def prepare(path: str, copy: str) -> None:
     cycles.use_animated_seed = False
     cycles.sample_clamp_direct = cycles.sample_clamp_indirect = 0.0
     # A driven seed would be the same for every picture.
-    drivers = scene.animation_data.drivers if scene.animation_data else ()
-    for driver in [one for one in drivers if "seed" in one.data_path]:
-        drivers.remove(driver)
+    if scene.animation_data:
+        for driver in [one for one in scene.animation_data.drivers if "seed" in one.data_path]:
+            scene.animation_data.drivers.remove(driver)
+        scene.animation_data.action = None
     camera = scene.camera.data
     camera.dof.use_dof = False
     camera.shift_x = camera.shift_y = 0.0

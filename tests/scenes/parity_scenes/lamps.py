@@ -115,7 +115,8 @@ def lamp_shares():
     lamp("AREA", 150.0, (2.5, -2.0, 3.0), (45, 40, 0), (0.6, 0.8, 1), shape="DISK", size=0.7, diffuse_factor=0.0)
 
 
-@scene("Light from one room into another", noise=0.025)
+# Cycles' seeds differ by 3 to 4 % in a block, with a third more variance than ours.
+@scene("Light from one room into another", noise=0.04)
 def indirect():
     empty_studio(lit=False, strength=0.0)
     plane(plain(CREAM), (0, 0.5, 3.0), 8.0)

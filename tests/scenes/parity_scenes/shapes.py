@@ -93,6 +93,7 @@ def transforms():
         put(head.copy(), (0.2 + 1.5 * i, 0.2, 0.9), (0, 15, 25), scale)
 
 
-@scene("The demo scene", noise=0.06)
+# Caustics of both: seeds of Cycles differ by 8 % in a block, and by 0.8 % of 1024 samples.
+@scene("The demo scene", noise=0.1)
 def demo():
     bpy.ops.wm.open_mainfile(filepath=str(Path(__file__).parent.parent / "demo.blend"), load_ui=False)
