@@ -36,10 +36,11 @@ def deliver(host: bpy.types.RenderEngine, depsgraph: bpy.types.Depsgraph, finish
 
 
 def deliver_black(host: bpy.types.RenderEngine, depsgraph: bpy.types.Depsgraph) -> None:
-    """A picture without light: writing one without pixels crashes Blender."""
-    window = region(depsgraph.scene_eval.render)
-    black = np.zeros((window.height, window.width, 4), np.float32)
-    deliver(host, depsgraph, [tiles.Tile(0, 0, black)])
+    """A picture without light: writing one without pixels crashes Blender.
+
+    One pixel is handed over. Blender makes the others, which are black; a picture that does not fit into memory is never filled.
+    """
+    deliver(host, depsgraph, [tiles.Tile(0, 0, np.zeros((1, 1, 4), np.float32))])
 
 
 class Results:

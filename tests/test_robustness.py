@@ -95,7 +95,7 @@ def test_a_full_disk_leaves_the_old_file_or_the_new_one(name, scene, parts, tmp_
     done = command(*arguments, *where)
     assert done.returncode == 0, done.stderr
     whole = out.read_bytes()
-    for most in (0, 700, len(whole) // 2, len(whole) - 1):
+    for most in (0, len(whole) // 2, len(whole) - 1):
         out.write_bytes(b"the old file, which is longer than nothing")
         done = command(*arguments, *where, most_bytes=most)
         assert done.returncode == 1, (most, done.stdout)
@@ -376,15 +376,17 @@ def test_a_lens_has_no_more_than_a_thousand_surfaces(tmp_path):
 
 
 def test_a_picture_that_does_not_fit_is_refused_by_name(blender, tmp_path):
-    """Before anything is allocated: 20000 x 20000 pixels under a limit of 9 GB."""
+    """Before anything is allocated: 20000 x 20000 pixels under a limit of 9 GB. To fill them with black takes half a minute."""
     import scene_parts as parts
 
     scene = parts.set_up(48, 32, 2)
     scene.render.resolution_x = scene.render.resolution_y = 20_000
     scene.petzval.memory_limit = 9.0
     scene.render.filepath = str(tmp_path / "out.exr")
+    began = time.monotonic()
     with pytest.raises(RuntimeError, match="20000 x 20000 pixels needs about .* GB of memory, the limit"):
         blender.ops.render.render(write_still=True, scene=scene.name)
+    assert time.monotonic() - began < 5.0
     assert list(tmp_path.iterdir()) == []
 
 

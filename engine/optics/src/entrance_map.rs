@@ -263,9 +263,9 @@ mod tests {
     use crate::glass::Catalogue;
     use crate::system::SystemSettings;
 
-    fn systems() -> Vec<System> {
-        let folder = std::path::Path::new(concat!(env!("CARGO_MANIFEST_DIR"), "/../../lenses"));
-        let paths = petzval_testkit::lenses::shipped(folder);
+    const LENSES: &str = concat!(env!("CARGO_MANIFEST_DIR"), "/../../lenses");
+
+    fn systems(paths: &[std::path::PathBuf]) -> Vec<System> {
         let read = |path: &std::path::PathBuf| lens::read(path, Catalogue::shipped()).ok();
         let open = |p: &_| System::new(p, &SystemSettings::default()).unwrap();
         paths.iter().filter_map(read).map(|p| open(&p)).collect()
@@ -276,11 +276,11 @@ mod tests {
     }
 
     /// The solid angle of all rays that get through, by the map and by shooting at the whole front glass, from points
-    /// near and far, on and off the axis.
+    /// near and far, on and off the axis. Through every third lens; through all by `make test-all`.
     #[test]
     fn the_same_light_as_through_the_whole_front_glass() {
         let mut compared = 0;
-        for system in systems() {
+        for system in systems(&petzval_testkit::lenses::third(LENSES, 1)) {
             let tracer = system.at_wavelength(587.5618);
             let map = EntranceMap::new(std::slice::from_ref(&tracer), &system);
             let size = map.front_radius;
@@ -320,13 +320,13 @@ mod tests {
                 compared += 1;
             }
         }
-        assert!(compared > 80, "{compared}");
+        assert!(compared > 25, "{compared}");
     }
 
     /// Rays have the density that is said of them.
     #[test]
     fn samples_have_their_density() {
-        for system in systems().iter().step_by(5) {
+        for system in systems(&petzval_testkit::lenses::shipped(LENSES)).iter().step_by(5) {
             let tracer = system.at_wavelength(550.0);
             let map = EntranceMap::new(std::slice::from_ref(&tracer), system);
             for from in [DVec3::new(300.0, -200.0, -1500.0), DVec3::new(0.0, 0.0, -3e4)] {
@@ -344,7 +344,7 @@ mod tests {
     /// Few are lost: what light tracing pays for.
     #[test]
     fn nearly_all_get_through_ordinary_lenses() {
-        for system in systems() {
+        for system in systems(&petzval_testkit::lenses::shipped(LENSES)) {
             let is_ordinary = ["Double Gauss F/1.35", "Planar"].iter().any(|name| system.name().contains(name));
             if !is_ordinary {
                 continue;

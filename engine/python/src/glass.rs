@@ -14,14 +14,17 @@ fn finite(value: f64) -> Option<f64> {
 }
 
 /// The glasses of a file, and what could not be used of it.
-fn of_file(path: &str) -> Result<(Vec<Medium>, Vec<String>), Error> {
-    let (media, remarks) = formats::read_glasses(Path::new(path))?;
+///
+/// Other threads of Python go on meanwhile: a catalogue may hold millions of lines.
+fn of_file(py: Python<'_>, path: &str) -> Result<(Vec<Medium>, Vec<String>), Error> {
+    let (media, remarks) = py.detach(|| formats::read_glasses(Path::new(path)))?;
     Ok((media, remarks.iter().map(ToString::to_string).collect()))
 }
 
 /// See the stub.
 #[pyfunction]
 pub(crate) fn glass_json(
+    py: Python<'_>,
     name: &str,
     catalogue: Option<&str>,
     wavelengths_nm: Vec<f64>,
@@ -34,7 +37,7 @@ pub(crate) fn glass_json(
     let (medium, remarks) = match catalogue {
         None => (Catalogue::shipped().medium(name).map_err(|e| refused(e.to_string()))?, Vec::new()),
         Some(path) => {
-            let (media, remarks) = of_file(path)?;
+            let (media, remarks) = of_file(py, path)?;
             let found = media.iter().find(|medium| medium.name().eq_ignore_ascii_case(name));
             let found = found.ok_or_else(|| refused(format!("{path}: it has no usable glass '{name}': see --list")))?;
             (found.clone(), remarks)
@@ -71,11 +74,11 @@ pub(crate) fn glass_json(
 
 /// See the stub.
 #[pyfunction]
-pub(crate) fn glasses_json(catalogue: Option<&str>) -> Result<String, Error> {
+pub(crate) fn glasses_json(py: Python<'_>, catalogue: Option<&str>) -> Result<String, Error> {
     let row = |token: &str, medium: &Medium| json!({ "token": token, "nd": medium.index(line_nm::D), "abbe": finite(medium.abbe()) });
     let (rows, remarks): (Vec<Value>, Vec<String>) = match catalogue {
         Some(path) => {
-            let (media, remarks) = of_file(path)?;
+            let (media, remarks) = of_file(py, path)?;
             (media.iter().map(|medium| row(medium.name(), medium)).collect(), remarks)
         }
         None => {

@@ -21,3 +21,13 @@ pub fn shipped(folder: impl AsRef<Path>) -> Vec<PathBuf> {
     paths.sort();
     paths
 }
+
+/// Every third of the [`shipped`] lenses, from number `first` on: for tests that take a second or so for each lens. All of them if
+/// [`is_thorough`](crate::is_thorough).
+///
+/// # Panics
+/// If the folder cannot be read.
+pub fn third(folder: impl AsRef<Path>, first: usize) -> Vec<PathBuf> {
+    let step = if crate::is_thorough() { 1 } else { 3 };
+    shipped(folder).into_iter().skip(first % step).step_by(step).collect()
+}

@@ -178,12 +178,12 @@ fn points_that_make_no_plane_are_refused() {
     assert!(matches!(along, Err(SharpPlaneError::TooSteep | SharpPlaneError::Collinear)), "{along:?}");
 }
 
-/// In every shipped lens, at f/8, on the axis and well off it: a film is found, and no stray rays spread the spot.
+/// In every third shipped lens (all of them by `make test-all`), at f/8, on the axis and well off it: a film is found, and no stray rays spread the spot.
 #[test]
 fn every_lens_finds_its_focus() {
     let folder = std::path::Path::new(concat!(env!("CARGO_MANIFEST_DIR"), "/../../lenses"));
     let mut found = 0;
-    for path in petzval_testkit::lenses::shipped(folder) {
+    for path in petzval_testkit::lenses::third(folder, 0) {
         let system = system(path.file_name().unwrap().to_str().unwrap(), Some(8.0));
         let info = Paraxial::new(&system, line_nm::D);
         let (Some(focal), Some(pupil)) = (info.efl_mm, info.entrance_pupil.z_mm) else { continue };
@@ -202,5 +202,5 @@ fn every_lens_finds_its_focus() {
             found += 1;
         }
     }
-    assert!(found > 60, "{found}");
+    assert!(found > 30, "{found}");
 }

@@ -7,6 +7,7 @@ use crate::sampler::warp::Filter;
 use crate::scene::{SceneBuilder, mesh::MeshDescription, world::World};
 use glam::{DMat4, DVec3, Vec3};
 use std::path::Path;
+use std::sync::{Mutex, PoisonError};
 
 pub(super) fn settings(samples: u32, threads: usize) -> Settings {
     Settings {
@@ -34,8 +35,17 @@ fn description(model: Model) -> CameraDescription {
     }
 }
 
+/// The camera of a model, made at its first use: the maps of a lens take longer than a small picture.
 pub(super) fn camera(model: Model) -> Camera {
-    Camera::new(&description(model), 75, 50).unwrap()
+    static MADE: Mutex<Vec<(Model, Camera)>> = Mutex::new(Vec::new());
+    // A test that has failed leaves the table whole.
+    let mut made = MADE.lock().unwrap_or_else(PoisonError::into_inner);
+    if let Some((_, camera)) = made.iter().find(|(one, _)| *one == model) {
+        return camera.clone();
+    }
+    let camera = Camera::new(&description(model), 75, 50).unwrap();
+    made.push((model, camera.clone()));
+    camera
 }
 
 pub(super) fn stage() -> Arc<Stage> {

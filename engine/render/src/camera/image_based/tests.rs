@@ -129,11 +129,11 @@ fn every_setting_is_the_lenss() {
     }
 }
 
-/// All lenses that come with the house, wide open, over the field that each is for.
+/// Every third shipped lens (all by `make test-all`), wide open, over the field that each is for.
 #[test]
 fn every_lens_can_be_a_table() {
     let mut seen = 0;
-    for path in petzval_testkit::lenses::shipped(lenses()) {
+    for path in petzval_testkit::lenses::third(lenses(), 1) {
         let file = path.file_name().unwrap().to_str().unwrap();
         // Towards the rim of a ball rays part without bound: only its brightness is right, below.
         if file.starts_with("ball") {
@@ -160,7 +160,7 @@ fn every_lens_can_be_a_table() {
         assert!(difference.at_odds < 1e-3, "{file}: {difference:?}");
         seen += 1;
     }
-    assert!(seen > 35, "{seen}");
+    assert!(seen > 12, "{seen}");
 }
 
 #[test]

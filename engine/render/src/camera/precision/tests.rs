@@ -57,8 +57,11 @@ fn worst_of_others(lens: &RealLens, size: [u32; 2], times: u32) -> f64 {
 #[test]
 fn the_error_holds_for_other_rays() {
     let (mut singles, mut all) = (0, 0);
-    for path in lenses() {
-        for size in [[1920, 1080], [7680, 4320]] {
+    // Each lens in one of the two sizes, or in both.
+    for (number, path) in lenses().into_iter().enumerate() {
+        let sizes = [[1920, 1080], [7680, 4320]];
+        let sizes = if petzval_testkit::is_thorough() { &sizes[..] } else { &sizes[number % 2..][..1] };
+        for &size in sizes {
             let camera = camera(&path, size, |_| {});
             let lens = camera.traced_lens().unwrap();
             let (chosen, others) = (lens.precision(), worst_of_others(lens, size, 4));
@@ -72,7 +75,7 @@ fn the_error_holds_for_other_rays() {
         }
     }
     // Most cameras, and nearly all in full HD.
-    assert!(all > 100 && 2 * singles > all, "{singles} of {all}");
+    assert!(all > 50 && 2 * singles > all, "{singles} of {all}");
 }
 
 /// The pixels of a telescope are small against the roundings of its rays; so are those of a long lens in 8K.
