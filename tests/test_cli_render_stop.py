@@ -129,3 +129,27 @@ def test_ctrl_c_in_the_real_blender(blender, old_scene, tmp_path):
     finally:
         process.kill()
     interrupted_well(tmp_path)
+
+
+@pytest.mark.real_blender
+@pytest.mark.once
+def test_ctrl_c_before_the_real_blender_is_ready(old_scene, tmp_path):
+    """At moments from the command's start to Blender's first samples: Blender ends, and no half of a picture is left."""
+    for moment in (0.1, 0.4, 0.8, 1.2, 2.0):
+        process = start_long(
+            old_scene, tmp_path, "--blender", ROOT / "tools/blender",
+            stdin=subprocess.DEVNULL, stdout=subprocess.PIPE, stderr=subprocess.PIPE,
+        )  # fmt: skip
+        try:
+            time.sleep(moment)
+            process.send_signal(signal.SIGINT)
+            # The pipes end when the last process that writes into them does: no Blender goes on alone.
+            _, err = process.communicate(timeout=30)
+        finally:
+            process.kill()
+        # While Python itself starts, the system ends the process, or Python does with status 1.
+        allowed = {130} if moment > 1.5 else {130, 1, -signal.SIGINT}
+        assert process.returncode in allowed, (moment, process.returncode, err)
+        assert {left.name for left in tmp_path.iterdir()} <= {"out.exr", "stats.json"}, moment
+        if (tmp_path / "out.exr").exists():
+            assert picture(tmp_path / "out.exr")[..., :3].any(), moment
