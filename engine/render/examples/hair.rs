@@ -17,9 +17,14 @@ const RAYS: u32 = 400_000;
 const SIDES: u32 = 6;
 const PIECES: u32 = 4;
 
+/// A sequence has 65536 samples.
+fn sample(i: u32, set: u32, seed: u32) -> [f32; 4] {
+    sobol_burley::sample_4d(i % 65536, set, seed + i / 65536)
+}
+
 /// Place and radius of a key.
 fn key(strand: u32, key: u32) -> Vec4 {
-    let u = |set: u32| sobol_burley::sample_4d(strand, set, 7);
+    let u = |set: u32| sample(strand, set, 7);
     let [a, b, c, d] = u(0);
     let (z, turn) = (2.0 * a - 1.0, std::f32::consts::TAU * b);
     let flat = (1.0 - z * z).sqrt();
@@ -96,7 +101,7 @@ fn time(name: &str, scene: &Scene, segments: u32) {
     let mut met = 0;
     let start = Instant::now();
     for i in 0..RAYS {
-        let u = sobol_burley::sample_4d(i, 0, 1);
+        let u = sample(i, 0, 1);
         let origin = Vec3A::new(4.0, 4.0 * u[0] - 2.0, 4.0 * u[1] - 2.0);
         let aim = Vec3A::new(0.0, 3.0 * u[2] - 1.5, 3.0 * u[3] - 1.5);
         met += u32::from(accel.closest(&Ray::new(origin, (aim - origin).normalize()), Rays::CAMERA).is_some());

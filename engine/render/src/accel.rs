@@ -6,6 +6,7 @@ mod balls;
 mod beside;
 mod bounds;
 mod build;
+mod capsules;
 pub(crate) mod curves;
 mod moving;
 mod node;

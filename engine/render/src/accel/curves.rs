@@ -1,16 +1,18 @@
 //! Trees of curves, beside those of triangles: who has none pays nothing.
 //!
-//! A leaf is one segment, which keeps the numbers of its keys; keys are shared by neighbours.
+//! A leaf is up to eight segments, each with a bounding capsule and the numbers of its keys; keys are shared by neighbours.
 
 use super::beside::Forest;
 use super::bounds::Bounds;
 use super::build::build;
+use super::capsules::Capsules;
 use super::moving::MovingPlaces;
 use super::node::{BoxRay, Node};
 use super::places::{PlacedMesh, Within, placed};
 use super::segment::{BothMet, CurveMet, Cut, Gaze, meet};
 use super::source::Parts;
-use super::traverse::traverse;
+use super::traverse::{lanes, traverse};
+use super::triangles::LANES;
 use super::{FROM_WITHIN, Hit, Ray};
 use crate::scene::curves::Curves;
 use crate::scene::motion::Moving;
@@ -18,7 +20,7 @@ use crate::scene::{Instance, Scene};
 use fearless_simd::Simd;
 use glam::{Vec3A, Vec4};
 use rayon::prelude::*;
-use std::ops::ControlFlow;
+use std::ops::{ControlFlow, Range};
 
 /// All curves of a scene.
 pub(super) struct CurveForest {
@@ -36,12 +38,15 @@ pub(super) struct CurveForest {
 #[derive(Default)]
 struct CurveTree {
     nodes: Vec<Node>,
+    /// The leaves.
+    leaves: Vec<Capsules>,
+    /// In their order.
     segments: Vec<Segment>,
     /// Of all strands, each with its first key before it and its last one behind it once more.
     keys: Vec<Vec4>,
 }
 
-/// A leaf.
+/// One of a leaf.
 #[derive(Clone, Copy)]
 struct Segment {
     /// The first of four in [`CurveTree::keys`].
@@ -336,10 +341,7 @@ impl CurveTree {
                     }
                     let four = super::Controls(four);
                     let cut = Cut::new(curves.shape, &four);
-                    let bounds = match cut {
-                        Cut::Straight => Bounds::around(&four.0[1..3], 1.0),
-                        _ => Bounds::around(&four.hull(), cut.reach()),
-                    };
+                    let bounds = Bounds::around(&cut.hull(&four), cut.reach());
                     if bounds.is_within_reach() {
                         boxes.push(bounds.naming([tree.segments.len() as u32, 0]));
                         tree.segments.push(Segment { controls, instance: i, strand, number, cut });
@@ -347,9 +349,22 @@ impl CurveTree {
                 }
             }
         }
-        let built = build(&mut boxes, 1);
-        let order = built.leaves.iter().map(|leaf| tree.segments[boxes[leaf.start].name()[0] as usize]).collect();
-        Self { nodes: built.nodes, segments: order, keys: tree.keys }
+        let built = build(&mut boxes, LANES);
+        tree.nodes = built.nodes;
+        tree.segments = boxes.iter().map(|bounds| tree.segments[bounds.name()[0] as usize]).collect();
+        drop(boxes);
+        tree.leaves = built.leaves.into_par_iter().map(|leaf| tree.capsules(leaf)).collect();
+        tree
+    }
+
+    /// Around some of its segments.
+    fn capsules(&self, of: Range<usize>) -> Capsules {
+        let mut capsules = Capsules::new(of.start as u32);
+        for (lane, segment) in self.segments[of].iter().enumerate() {
+            let controls = super::Controls(self.controls(segment.controls));
+            capsules.set(lane, &segment.cut.hull(&controls), segment.cut.reach());
+        }
+        capsules
     }
 
     fn bounds(&self) -> Option<Bounds> {
@@ -378,12 +393,18 @@ impl CurveTree {
             boxes,
             t_max,
             #[inline(always)]
-            |leaf, t_max| {
-                let segment = &self.segments[leaf];
-                if !wanted(segment) {
-                    return ControlFlow::Continue(t_max);
+            |leaf, mut t_max| {
+                let leaf = &self.leaves[leaf];
+                if let Some(candidates) = leaf.meet(simd, gaze, t_max) {
+                    for lane in lanes(candidates.lanes) {
+                        let segment = &self.segments[leaf.first as usize + lane];
+                        if candidates.near[lane] < t_max && wanted(segment) {
+                            let both = meet(simd, gaze, self.controls(segment.controls), segment.cut, t_max);
+                            t_max = met(segment, both, t_max)?;
+                        }
+                    }
                 }
-                met(segment, meet(simd, gaze, self.controls(segment.controls), segment.cut, t_max), t_max)
+                ControlFlow::Continue(t_max)
             },
         )
     }

@@ -21,6 +21,9 @@ const RIBBON_ROOM: f32 = 2.0;
 /// quite the same line, which a ray along the strand passes at some distance. (One side is enough, and what overlaps may count twice
 /// for light that is let through.)
 const OVERLAP: [f32; 2] = [0.005, 0.1];
+/// By this part of how far a place is past its piece's plane it counts as farther along the ray: where two pieces overlap, the one
+/// whose place it is is met, in whatever order they are tried.
+const OVERLAP_DEPTH: f32 = 0.01;
 
 /// A ray along whose direction curves are looked at.
 pub(super) struct Gaze {
@@ -35,6 +38,24 @@ impl Gaze {
         // Right-handed: x, y, along the ray.
         let x = if x.cross(y).dot(direction) < 0.0 { -x } else { x };
         Self { origin, axes: [x, y, direction] }
+    }
+
+    /// Where it starts.
+    #[inline(always)]
+    pub(super) fn origin(&self) -> Vec3A {
+        self.origin
+    }
+
+    /// Across, across, and along it.
+    #[inline(always)]
+    pub(super) fn axes(&self) -> [Vec3A; 3] {
+        self.axes
+    }
+
+    /// The largest coordinate of where it starts.
+    #[inline(always)]
+    pub(super) fn reach(&self) -> f32 {
+        self.origin.abs().max_element()
     }
 
     fn seen(&self, key: Vec4) -> Vec4 {
@@ -73,6 +94,14 @@ impl Cut {
             CurveShape::Ribbon { pieces } => Self::Ribbon(pieces.max(1)),
             CurveShape::Thick => Self::Round(round_pieces(controls)),
             CurveShape::ThickLinear => Self::Straight,
+        }
+    }
+
+    /// The balls between which the segment is, from its start to its end.
+    pub(super) fn hull(self, controls: &Controls) -> [Vec4; 4] {
+        match self {
+            Self::Straight => [1, 1, 2, 2].map(|key| controls.0[key]),
+            _ => controls.hull(),
         }
     }
 
@@ -282,20 +311,26 @@ impl Joints {
             return;
         }
         let root = inside.max(0.0).sqrt();
-        let room0 = (tx0 * tx0 + ty0 * ty0 + tz0 * tz0).sqrt() * r0 * OVERLAP[0] - (x0 * tx0 + y0 * ty0);
-        let room1 = (tx1 * tx1 + ty1 * ty1 + tz1 * tz1).sqrt() * r1 * OVERLAP[1] + (x1 * tx1 + y1 * ty1);
+        let plane0 = x0 * tx0 + y0 * ty0;
+        let plane1 = x1 * tx1 + y1 * ty1;
+        let length0 = (tx0 * tx0 + ty0 * ty0 + tz0 * tz0).sqrt();
+        let length1 = (tx1 * tx1 + ty1 * ty1 + tz1 * tz1).sqrt();
+        let (room0, room1) = (length0 * r0 * OVERLAP[0], length1 * r1 * OVERLAP[1]);
         for (root, nearest) in [all(0.0) - root, root].into_iter().zip(both) {
             let tau = (root - b) / a;
             let t = z + tau;
             let s = s + az * tau / length2;
             let radius = r0 + ar * s;
+            let before = plane0 - (t - z0) * tz0;
+            let behind = (t - z1) * tz1 - plane1;
             let hit = crosses
-                & ((t - z0) * tz0 + room0).simd_ge(0.0)
-                & ((t - z1) * tz1 - room1).simd_lt(0.0)
+                & before.simd_le(room0)
+                & behind.simd_lt(room1)
                 & radius.simd_gt(0.0)
                 & t.simd_gt(0.0)
                 & t.simd_lt(t_max);
             let v = aside / (flat2.sqrt() * radius);
+            let t = t + (before.max(0.0) / length0 + behind.max(0.0) / length1) * OVERLAP_DEPTH;
             Lanes { hit: hit.to_bitmask() as u32, t, s, v }.keep_nearest(which, nearest);
         }
     }

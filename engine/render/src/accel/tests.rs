@@ -149,6 +149,7 @@ fn near_surfaces_are_not_skipped() {
 }
 
 mod against_all;
+mod capsules;
 mod hair;
 mod points;
 mod surfaces;

@@ -1,0 +1,89 @@
+//! Bounding capsules of curve segments, eight at a time: a ray must meet one before the keys of its segment are read.
+//!
+//! A box along the axes is mostly empty where a strand runs across them, and eight such boxes overlap; a capsule about the chord
+//! fits a strand whichever way it runs. What turned boxes do in the trees of Woop, Benthin, Wald, Johnson and Tabellion (2014,
+//! "Exploiting Local Orientation Similarity for Efficient Ray Traversal of Hair and Fur") is done here at the leaves alone.
+
+use super::bounds::Bounds;
+use super::segment::Gaze;
+use super::triangles::LANES;
+use fearless_simd::{Simd, SimdBase, SimdFloat, SimdMask, f32x8};
+use glam::{Vec3A, Vec4};
+
+/// Rounding of an end of an axis as it is seen along a ray, and of its distance, as a share of the coordinates of both.
+const ROUNDING: f32 = 4.0 * Bounds::SLACK;
+
+/// A leaf's capsules, a lane each.
+#[derive(Clone, Debug)]
+#[repr(C, align(32))]
+pub(super) struct Capsules {
+    /// Ends of the axes, then coordinates.
+    ends: [[[f32; LANES]; 3]; 2],
+    /// NaN in lanes without a capsule.
+    radius: [f32; LANES],
+    /// The segment of the first lane; the others follow.
+    pub(super) first: u32,
+}
+
+/// What a ray meets of a leaf's capsules.
+pub(super) struct Candidates {
+    /// Lanes, as bits.
+    pub(super) lanes: u32,
+    /// Distances before which the lanes' segments are not met.
+    pub(super) near: [f32; LANES],
+}
+
+impl Capsules {
+    /// Without capsules, of the segments from `first` on.
+    pub(super) fn new(first: u32) -> Self {
+        Self { ends: [[[0.0; LANES]; 3]; 2], radius: [f32::NAN; LANES], first }
+    }
+
+    /// Puts a capsule into a lane: about the line from the first to the last of some balls, around all that is between them.
+    pub(super) fn set(&mut self, lane: usize, balls: &[Vec4; 4], larger: f32) {
+        let [start, .., end] = balls.map(Vec3A::from_vec4);
+        for axis in 0..3 {
+            self.ends[0][axis][lane] = start[axis];
+            self.ends[1][axis][lane] = end[axis];
+        }
+        let chord = end - start;
+        // How far balls reach is a convex function of where they are and of their radii.
+        let reach = |ball: &Vec4| {
+            let from = Vec3A::from_vec4(*ball) - start;
+            let along = (from.dot(chord) / chord.length_squared().max(f32::MIN_POSITIVE)).clamp(0.0, 1.0);
+            (from - along * chord).length() + ball.w.abs() * larger
+        };
+        let rounding = ROUNDING * start.abs().max(end.abs()).max_element();
+        self.radius[lane] = balls.iter().map(reach).fold(0.0, f32::max) * (1.0 + ROUNDING) + rounding;
+    }
+
+    /// The capsules that a ray meets before `t_max`, or may meet.
+    #[inline(always)]
+    pub(super) fn meet<S: Simd>(&self, simd: S, gaze: &Gaze, t_max: f32) -> Option<Candidates> {
+        let [ax, ay, az] = self.seen(simd, gaze, 0);
+        let [bx, by, bz] = self.seen(simd, gaze, 1);
+        let room = f32x8::load_array_ref(simd, &self.radius) + ROUNDING * gaze.reach();
+        let (ex, ey) = (bx - ax, by - ay);
+        let length2 = (ex * ex + ey * ey).max(f32::MIN_POSITIVE);
+        let nearest = (f32x8::splat(simd, 0.0) - (ax * ex + ay * ey)) / length2;
+        let nearest = nearest.max(0.0).min(1.0);
+        let (x, y) = (nearest.mul_add(ex, ax), nearest.mul_add(ey, ay));
+        let near = az.min(bz) - room;
+        // Also refuses NaN.
+        let is_near = (x * x + y * y).simd_le(room * room);
+        let lanes = is_near & near.simd_lt(t_max) & (az.max(bz) + room).simd_gt(0.0);
+        let lanes = lanes.to_bitmask() as u32;
+        (lanes != 0).then(|| Candidates { lanes, near: near.to_array() })
+    }
+
+    /// One end of each axis as it is seen along a ray. (A function, since closures are not inlined.)
+    #[inline(always)]
+    fn seen<S: Simd>(&self, simd: S, gaze: &Gaze, end: usize) -> [f32x8<S>; 3] {
+        let from = gaze.origin();
+        let x = f32x8::load_array_ref(simd, &self.ends[end][0]) - from.x;
+        let y = f32x8::load_array_ref(simd, &self.ends[end][1]) - from.y;
+        let z = f32x8::load_array_ref(simd, &self.ends[end][2]) - from.z;
+        let [a, b, c] = gaze.axes();
+        [x * a.x + y * a.y + z * a.z, x * b.x + y * b.y + z * b.z, x * c.x + y * c.y + z * c.z]
+    }
+}

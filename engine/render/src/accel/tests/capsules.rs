@@ -1,0 +1,90 @@
+//! Capsules around segments against the segments themselves.
+
+use super::super::capsules::Capsules;
+use super::super::segment::{Cut, Gaze, meet};
+use super::super::triangles::LANES;
+use super::*;
+use crate::scene::curves::{Controls, CurveShape};
+
+/// A segment anywhere within some units of the middle, as long as its keys are apart.
+fn segment(i: u32, seed: u32) -> Controls {
+    let [thick, ..] = sobol_burley::sample_4d(i, 9, seed);
+    let radius = 0.002 * 10f32.powf(1.5 * thick);
+    let [x, y, z, turn] = sobol_burley::sample_4d(i, 0, seed);
+    let start = 4.0 * (Vec3A::new(x, y, z) - 0.5);
+    let along = direction([turn, x]) * 0.3;
+    Controls(std::array::from_fn(|key| {
+        let bend = sobol_burley::sample_4d(i, 1 + key as u32, seed);
+        let aside = 0.1 * (Vec3A::new(bend[0], bend[1], bend[2]) - 0.5);
+        (start + along * key as f32 + aside).extend(radius * (0.5 + bend[3]))
+    }))
+}
+
+fn capsules(of: &[Controls], shape: CurveShape) -> Capsules {
+    let mut capsules = Capsules::new(0);
+    for (lane, controls) in of.iter().enumerate() {
+        let cut = Cut::new(shape, controls);
+        capsules.set(lane, &cut.hull(controls), cut.reach());
+    }
+    capsules
+}
+
+proptest! {
+    #![proptest_config(ProptestConfig::with_cases(300))]
+
+    /// What of a segment is met lies within its capsule, behind the distance that this gives; far from the middle too.
+    #[test]
+    fn capsules_hold_their_segments(
+        seed in 0u32..60000, far in prop::sample::select(vec![0.0, 100.0, 10000.0]), count in 1usize..=LANES,
+        shape in prop::sample::select(vec![CurveShape::Ribbon { pieces: 5 }, CurveShape::Thick, CurveShape::ThickLinear]),
+    ) {
+        let away = Vec3A::new(far, -far, 0.5 * far);
+        let moved = |controls: Controls| Controls(controls.0.map(|key| key + away.extend(0.0)));
+        let segments: Vec<Controls> = (0..count as u32).map(|i| moved(segment(i, seed))).collect();
+        let capsules = capsules(&segments, shape);
+        for i in 0..40 {
+            let u = sobol_burley::sample_4d(i, 7, seed);
+            let aim = segments[i as usize % count].at(u[2]);
+            let [x, y, z, reach] = sobol_burley::sample_4d(i, 8, seed);
+            let aside = 2.2 * aim.w * (Vec3A::new(x, y, z) - 0.5);
+            let d = direction([u[0], u[1]]);
+            let gaze = Gaze::new(Vec3A::from_vec4(aim) + aside - d * 3.0 * u[3], d);
+            let t_max = 6.0 * reach;
+            let level = Level::new();
+            let candidates = dispatch!(level, simd => capsules.meet(simd, &gaze, t_max));
+            for (lane, controls) in segments.iter().enumerate() {
+                let cut = Cut::new(shape, controls);
+                let both = dispatch!(level, simd => meet(simd, &gaze, controls.0, cut, t_max));
+                for met in both.into_iter().flatten() {
+                    let near = candidates.as_ref().filter(|found| found.lanes >> lane & 1 != 0);
+                    let near = near.map(|found| found.near[lane]);
+                    prop_assert!(near.is_some_and(|near| near <= met.t), "lane {lane}: {met:?}, near {near:?}");
+                }
+            }
+        }
+    }
+}
+
+/// A ray through the box of a straight segment, but past it by twice its radius, does not meet its capsule; nor does one that ends
+/// before it or begins behind it.
+#[test]
+fn capsules_are_tight() {
+    let key = |i: i32| Vec3A::splat(0.3 * i as f32).extend(0.01);
+    let straight = Controls([-1, 0, 1, 2].map(key));
+    let capsules = capsules(&[straight], CurveShape::Ribbon { pieces: 5 });
+    let across = Vec3A::new(1.0, -1.0, 0.0).normalize();
+    let aside = across.cross(Vec3A::ONE.normalize());
+    let lanes = |start: Vec3A, t_max: f32| {
+        let gaze = Gaze::new(start, across);
+        let found = dispatch!(Level::new(), simd => capsules.meet(simd, &gaze, t_max));
+        found.map_or(0, |found| found.lanes)
+    };
+    let middle = Vec3A::splat(0.15);
+    assert_eq!(lanes(middle - across, 2.0), 1);
+    assert_eq!(lanes(middle - across + 0.009 * aside, 2.0), 1);
+    for side in [-1.0, 1.0] {
+        assert_eq!(lanes(middle - across + 0.02 * side * aside, 2.0), 0);
+    }
+    assert_eq!(lanes(middle - across, 0.98), 0);
+    assert_eq!(lanes(middle + 0.02 * across, 2.0), 0);
+}
