@@ -8,7 +8,7 @@
 
 use super::LEANS_AWAY;
 use crate::scene::curves::{Controls, CurveShape};
-use fearless_simd::{Simd, SimdBase, SimdFloat, SimdMask, f32x8};
+use fearless_simd::{Select, Simd, SimdBase, SimdFloat, SimdMask, f32x8};
 use glam::{Vec2, Vec3, Vec3A, Vec4};
 
 const LANES: usize = 8;
@@ -150,34 +150,25 @@ fn passes_by(seen: &Controls) -> bool {
     ray > first_aside.max(second_aside).max(0.0) + room || ray < first_aside.min(second_aside).min(0.0) - room
 }
 
-/// Joints between up to eight pieces: place, radius, and the curve's direction.
-struct Joints([[f32; LANES + 1]; 7]);
+/// Joints at one end of eight pieces: place, radius, and the curve's direction.
+struct Joints<S: Simd> {
+    place: [f32x8<S>; 4],
+    direction: [f32x8<S>; 3],
+}
 
 #[inline(always)]
 fn in_pieces<S: Simd, const ROUND: bool>(simd: S, seen: &Controls, pieces: usize, t_max: f32) -> BothMet {
-    let [p, a, b, q] = seen.0;
-    // Both sides of a joint between segments find these bits.
-    let (start, end) = ((a, 0.5 * (b - p)), (b, 0.5 * (q - a)));
     let coefficients = seen.coefficients();
-    let mut joints = Joints([[0.0; LANES + 1]; 7]);
-    joints.set(0, start);
     let step = 1.0 / pieces as f32;
     let mut both = [None; 2];
-    let mut first = 0;
-    while first < pieces {
-        let count = (pieces - first).min(LANES);
-        joints.follow(simd, &coefficients, first, step);
-        if first + count == pieces {
-            joints.set(count, end);
-        }
+    for first in (0..pieces).step_by(LANES) {
+        let which = (first, (pieces - first).min(LANES), step);
+        let before = Joints::new(simd, seen, &coefficients, pieces, first);
+        let behind = Joints::new(simd, seen, &coefficients, pieces, first + 1);
         if ROUND {
-            joints.round(simd, t_max, (first, count, step), &mut both);
+            round(simd, (&before, &behind), t_max, which, &mut both);
         } else {
-            joints.flat(simd, t_max, (first, count, step), &mut both[0]);
-        }
-        first += count;
-        for part in &mut joints.0 {
-            part[0] = part[LANES];
+            flat(simd, (&before, &behind), t_max, which, &mut both[0]);
         }
     }
     if ROUND { both.map(|met| met.map(|met| on_curve(&coefficients, met))) } else { both }
@@ -225,114 +216,110 @@ impl<S: Simd> Lanes<S> {
     }
 }
 
-impl Joints {
-    fn set(&mut self, joint: usize, (place, direction): (Vec4, Vec4)) {
+impl<S: Simd> Joints<S> {
+    /// The eight joints from number `first` on. One joint has the same bits whichever eight it is among, and at either side of the
+    /// key between two segments.
+    #[inline(always)]
+    fn new(simd: S, seen: &Controls, [a, b, c, d]: &[Vec4; 4], pieces: usize, first: usize) -> Self {
+        let [_, before_end, end, behind_end] = seen.0;
+        let end_slope = 0.5 * (behind_end - before_end);
+        let number = f32x8::load_array(simd, std::array::from_fn(|lane| lane as f32)) + first as f32;
+        let is_end = number.simd_ge(pieces as f32);
+        let u = number * (1.0 / pieces as f32);
+        let all = |x: f32| f32x8::splat(simd, x);
+        let mut place = [all(0.0); 4];
         for axis in 0..4 {
-            self.0[axis][joint] = place[axis];
+            let within = u * (u * (u * d[axis] + c[axis]) + b[axis]) + a[axis];
+            place[axis] = is_end.select(all(end[axis]), within);
         }
+        let mut direction = [all(0.0); 3];
         for axis in 0..3 {
-            self.0[4 + axis][joint] = direction[axis];
+            let within = u * (u * (3.0 * d[axis]) + 2.0 * c[axis]) + b[axis];
+            direction[axis] = is_end.select(all(end_slope[axis]), within);
         }
+        Self { place, direction }
     }
+}
 
-    /// The eight joints after number `first`.
-    #[inline(always)]
-    fn follow<S: Simd>(&mut self, simd: S, [a, b, c, d]: &[Vec4; 4], first: usize, step: f32) {
-        let number = std::array::from_fn(|lane| (first + lane + 1) as f32);
-        let u = f32x8::load_array(simd, number) * step;
-        let all = |x: f32| f32x8::splat(simd, x);
-        for axis in 0..4 {
-            let place = u * (u * (u * d[axis] + c[axis]) + b[axis]) + all(a[axis]);
-            self.0[axis][1..].copy_from_slice(&place.to_array());
-        }
-        for axis in 0..3 {
-            let slope = u * (u * (3.0 * d[axis]) + 2.0 * c[axis]) + all(b[axis]);
-            self.0[4 + axis][1..].copy_from_slice(&slope.to_array());
-        }
+/// Ribbons that face the ray.
+#[inline(always)]
+fn flat<S: Simd>(
+    simd: S,
+    (before, behind): (&Joints<S>, &Joints<S>),
+    t_max: f32,
+    which: (usize, usize, f32),
+    nearest: &mut Option<CurveMet>,
+) {
+    let ([x0, y0, z0, r0], [tx0, ty0, _]) = (before.place, before.direction);
+    let ([x1, y1, z1, r1], [tx1, ty1, _]) = (behind.place, behind.direction);
+    let all = |x: f32| f32x8::splat(simd, x);
+    // How far ahead of the joint the ray passes, along the curve there.
+    let ahead0 = all(0.0) - (x0 * tx0 + y0 * ty0);
+    let ahead1 = all(0.0) - (x1 * tx1 + y1 * ty1);
+    let between = ahead0.simd_ge(0.0) & ahead1.simd_lt(0.0);
+    if !between.any_true() {
+        return;
     }
+    let s = ahead0 / (ahead0 - ahead1);
+    let (x, y, z, r) = (x0 + (x1 - x0) * s, y0 + (y1 - y0) * s, z0 + (z1 - z0) * s, r0 + (r1 - r0) * s);
+    let (tx, ty) = (tx0 + (tx1 - tx0) * s, ty0 + (ty1 - ty0) * s);
+    let aside = x * ty - y * tx;
+    let wide = r * (tx * tx + ty * ty).sqrt();
+    let within = aside.simd_le(wide) & aside.simd_ge(all(0.0) - wide) & wide.simd_gt(0.0);
+    let hit = between & within & z.simd_gt(r * RIBBON_ROOM) & z.simd_lt(t_max);
+    Lanes { hit: hit.to_bitmask() as u32, t: z, s, v: aside / wide }.keep_nearest(which, nearest);
+}
 
-    /// The joints before the pieces.
-    #[inline(always)]
-    fn before<S: Simd>(&self, simd: S, part: usize) -> f32x8<S> {
-        let values: &[f32; LANES] = self.0[part][..LANES].try_into().expect("as long");
-        f32x8::load_array(simd, *values)
+/// Cones about the lines between joints.
+#[inline(always)]
+fn round<S: Simd>(
+    simd: S,
+    (before, behind): (&Joints<S>, &Joints<S>),
+    t_max: f32,
+    which: (usize, usize, f32),
+    both: &mut BothMet,
+) {
+    let ([x0, y0, z0, r0], [tx0, ty0, tz0]) = (before.place, before.direction);
+    let ([x1, y1, z1, r1], [tx1, ty1, tz1]) = (behind.place, behind.direction);
+    let all = |x: f32| f32x8::splat(simd, x);
+    let (ax, ay, az, ar) = (x1 - x0, y1 - y0, z1 - z0, r1 - r0);
+    let flat2 = ax * ax + ay * ay;
+    let length2 = flat2 + az * az;
+    // From where the ray and the axis are nearest: nothing large cancels.
+    let s = all(0.0) - (x0 * ax + y0 * ay) / flat2;
+    let (z, r) = (z0 + az * s, r0 + ar * s);
+    let aside = x0 * ay - y0 * ax;
+    let wider = ar * az / length2;
+    let a = flat2 / length2 - wider * wider;
+    let b = all(0.0) - r * wider;
+    let c = aside * aside / flat2 - r * r;
+    let inside = b * b - a * c;
+    let crosses = inside.simd_ge(0.0);
+    if !crosses.any_true() {
+        return;
     }
-
-    /// The joints behind them.
-    #[inline(always)]
-    fn behind<S: Simd>(&self, simd: S, part: usize) -> f32x8<S> {
-        let values: &[f32; LANES] = self.0[part][1..].try_into().expect("as long");
-        f32x8::load_array(simd, *values)
-    }
-
-    /// Ribbons that face the ray.
-    #[inline(always)]
-    fn flat<S: Simd>(&self, simd: S, t_max: f32, which: (usize, usize, f32), nearest: &mut Option<CurveMet>) {
-        let [x0, y0, z0, r0, tx0, ty0] = [0, 1, 2, 3, 4, 5].map(|part| self.before(simd, part));
-        let [x1, y1, z1, r1, tx1, ty1] = [0, 1, 2, 3, 4, 5].map(|part| self.behind(simd, part));
-        let all = |x: f32| f32x8::splat(simd, x);
-        // How far ahead of the joint the ray passes, along the curve there.
-        let ahead0 = all(0.0) - (x0 * tx0 + y0 * ty0);
-        let ahead1 = all(0.0) - (x1 * tx1 + y1 * ty1);
-        let between = ahead0.simd_ge(0.0) & ahead1.simd_lt(0.0);
-        if !between.any_true() {
-            return;
-        }
-        let s = ahead0 / (ahead0 - ahead1);
-        let (x, y, z, r) = (x0 + (x1 - x0) * s, y0 + (y1 - y0) * s, z0 + (z1 - z0) * s, r0 + (r1 - r0) * s);
-        let (tx, ty) = (tx0 + (tx1 - tx0) * s, ty0 + (ty1 - ty0) * s);
-        let aside = x * ty - y * tx;
-        let wide = r * (tx * tx + ty * ty).sqrt();
-        let within = aside.simd_le(wide) & aside.simd_ge(all(0.0) - wide) & wide.simd_gt(0.0);
-        let hit = between & within & z.simd_gt(r * RIBBON_ROOM) & z.simd_lt(t_max);
-        Lanes { hit: hit.to_bitmask() as u32, t: z, s, v: aside / wide }.keep_nearest(which, nearest);
-    }
-
-    /// Cones about the lines between joints.
-    #[inline(always)]
-    fn round<S: Simd>(&self, simd: S, t_max: f32, which: (usize, usize, f32), both: &mut BothMet) {
-        let [x0, y0, z0, r0, tx0, ty0, tz0] = [0, 1, 2, 3, 4, 5, 6].map(|part| self.before(simd, part));
-        let [x1, y1, z1, r1, tx1, ty1, tz1] = [0, 1, 2, 3, 4, 5, 6].map(|part| self.behind(simd, part));
-        let all = |x: f32| f32x8::splat(simd, x);
-        let (ax, ay, az, ar) = (x1 - x0, y1 - y0, z1 - z0, r1 - r0);
-        let flat2 = ax * ax + ay * ay;
-        let length2 = flat2 + az * az;
-        // From where the ray and the axis are nearest: nothing large cancels.
-        let s = all(0.0) - (x0 * ax + y0 * ay) / flat2;
-        let (z, r) = (z0 + az * s, r0 + ar * s);
-        let aside = x0 * ay - y0 * ax;
-        let wider = ar * az / length2;
-        let a = flat2 / length2 - wider * wider;
-        let b = all(0.0) - r * wider;
-        let c = aside * aside / flat2 - r * r;
-        let inside = b * b - a * c;
-        let crosses = inside.simd_ge(0.0);
-        if !crosses.any_true() {
-            return;
-        }
-        let root = inside.max(0.0).sqrt();
-        let plane0 = x0 * tx0 + y0 * ty0;
-        let plane1 = x1 * tx1 + y1 * ty1;
-        let length0 = (tx0 * tx0 + ty0 * ty0 + tz0 * tz0).sqrt();
-        let length1 = (tx1 * tx1 + ty1 * ty1 + tz1 * tz1).sqrt();
-        let (room0, room1) = (length0 * r0 * OVERLAP[0], length1 * r1 * OVERLAP[1]);
-        for (root, nearest) in [all(0.0) - root, root].into_iter().zip(both) {
-            let tau = (root - b) / a;
-            let t = z + tau;
-            let s = s + az * tau / length2;
-            let radius = r0 + ar * s;
-            let before = plane0 - (t - z0) * tz0;
-            let behind = (t - z1) * tz1 - plane1;
-            let hit = crosses
-                & before.simd_le(room0)
-                & behind.simd_lt(room1)
-                & radius.simd_gt(0.0)
-                & t.simd_gt(0.0)
-                & t.simd_lt(t_max);
-            let v = aside / (flat2.sqrt() * radius);
-            let t = t + (before.max(0.0) / length0 + behind.max(0.0) / length1) * OVERLAP_DEPTH;
-            Lanes { hit: hit.to_bitmask() as u32, t, s, v }.keep_nearest(which, nearest);
-        }
+    let root = inside.max(0.0).sqrt();
+    let plane0 = x0 * tx0 + y0 * ty0;
+    let plane1 = x1 * tx1 + y1 * ty1;
+    let length0 = (tx0 * tx0 + ty0 * ty0 + tz0 * tz0).sqrt();
+    let length1 = (tx1 * tx1 + ty1 * ty1 + tz1 * tz1).sqrt();
+    let (room0, room1) = (length0 * r0 * OVERLAP[0], length1 * r1 * OVERLAP[1]);
+    for (root, nearest) in [all(0.0) - root, root].into_iter().zip(both) {
+        let tau = (root - b) / a;
+        let t = z + tau;
+        let s = s + az * tau / length2;
+        let radius = r0 + ar * s;
+        let before = plane0 - (t - z0) * tz0;
+        let behind = (t - z1) * tz1 - plane1;
+        let hit = crosses
+            & before.simd_le(room0)
+            & behind.simd_lt(room1)
+            & radius.simd_gt(0.0)
+            & t.simd_gt(0.0)
+            & t.simd_lt(t_max);
+        let v = aside / (flat2.sqrt() * radius);
+        let t = t + (before.max(0.0) / length0 + behind.max(0.0) / length1) * OVERLAP_DEPTH;
+        Lanes { hit: hit.to_bitmask() as u32, t, s, v }.keep_nearest(which, nearest);
     }
 }
 
@@ -411,7 +398,7 @@ fn straight(Controls([before, start, end, behind]): &Controls, t_max: f32) -> Bo
     both
 }
 
-/// Where a cone between two rings is entered and left, and how far between the rings that is; as [`Joints::round`] has it.
+/// Where a cone between two rings is entered and left, and how far between the rings that is; as [`round`] has it.
 fn cone_between(start: Vec4, end: Vec4) -> [Option<(f32, f32)>; 2] {
     let axis = end - start;
     let flat2 = axis.x * axis.x + axis.y * axis.y;
