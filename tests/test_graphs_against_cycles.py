@@ -211,6 +211,45 @@ def test_graphs(stage, blender, tmp_path, graph):  # noqa: F811
     alike(tmp_path, STEEP.get(graph.__name__, 0.02), floor=0.0)
 
 
+def _in_a_group(t: Tree, inside, is_hidden: bool):
+    """A group node of the colour that `inside` makes of the group's own, unlinked vector."""
+    import bpy
+
+    group = bpy.data.node_groups.new("Group", "ShaderNodeTree")
+    vector = group.interface.new_socket("Vector", in_out="INPUT", socket_type="NodeSocketVector")
+    vector.default_value = (0.2, 0.4, 0.1)
+    vector.hide_value = is_hidden
+    group.interface.new_socket("Color", in_out="OUTPUT", socket_type="NodeSocketColor")
+    made = Tree(group, group.nodes.new("NodeGroupOutput").inputs[0])
+    made.shows(inside(made, group.nodes.new("NodeGroupInput").outputs["Vector"]))
+    outside = t.node("Group", {"node_tree": group})
+    outside.inputs["Vector"].default_value = (0.2, 0.4, 0.1)
+    t.shows(t.node("Emission", Color=outside.outputs[0]).outputs[0])
+
+
+def fresnel(t: Tree, vector):
+    return t.node("Fresnel", IOR=1.6, Normal=vector).outputs[0]
+
+
+def texture(t: Tree, vector):
+    return t.node("TexVoronoi", Scale=4.0, Vector=vector).outputs["Color"]
+
+
+def mapping(t: Tree, vector):
+    """Takes nothing of the surface where nothing is linked."""
+    return t.node("Mapping", Scale=(2.0, 1.0, 4.0), Vector=vector).outputs[0]
+
+
+@pytest.mark.parametrize("is_hidden", [False, True], ids=["shown", "hidden"])
+@pytest.mark.parametrize("inside", [fresnel, texture, mapping], ids=lambda inside: inside.__name__)
+def test_the_own_vector_of_a_group(stage, blender, tmp_path, inside, is_hidden):  # noqa: F811
+    """Where the group hides it, a node takes its normal of the surface, as without a link; coordinates take the value."""
+    made, tree, surface = stage.material()
+    blender.context.object.data.materials.append(made)
+    _in_a_group(Tree(tree, surface), inside, is_hidden)
+    alike(tmp_path, 0.02, floor=0.0)
+
+
 def ramp_behind(t: Tree, unknown):
     made = t.ramp(unknown)
     made.node.inputs["Fac"].default_value = 0.6

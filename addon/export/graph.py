@@ -31,6 +31,7 @@ _COORDINATES = {
     "TEX_IMAGE": ("ShaderNodeTexCoord", "UV"),
     "TEX_ENVIRONMENT": ("ShaderNodeNewGeometry", "Position"),
 }
+_DIRECTIONS = {"Normal", "Coat Normal", "Tangent"}
 _NO_MAPPING = {"Location": [0.0] * 3, "Rotation": [0.0] * 3, "Scale": [1.0] * 3}
 _VALUE_TYPES = {"VALUE", "INT", "BOOLEAN", "VECTOR", "RGBA"}
 _OPTION_TYPES = {"ENUM", "BOOLEAN", "INT", "FLOAT", "STRING"}
@@ -154,6 +155,9 @@ def _constant(socket: bpy.types.NodeSocket, found: nodes.Input | None) -> float 
         return 0.0
     if found.socket == socket and _takes_default(socket):
         return None
+    if found.socket.hide_value and _is_direction(socket):
+        # The group that the node is in shows no value here, so Cycles takes none.
+        return None
     value = nodes.value(found.socket)
     return list(value[:3]) if isinstance(value, tuple) else value
 
@@ -161,6 +165,11 @@ def _constant(socket: bpy.types.NodeSocket, found: nodes.Input | None) -> float 
 def _takes_default(socket: bpy.types.NodeSocket) -> bool:
     """Whether an empty input is a normal, a coordinate or the like, rather than the value that it hides."""
     return socket.hide_value and (socket.type == "VECTOR" or socket.identifier == "Random")
+
+
+def _is_direction(socket: bpy.types.NodeSocket) -> bool:
+    """Whether an input is a normal or a tangent, which an empty one takes of the surface."""
+    return socket.hide_value and socket.type == "VECTOR" and socket.identifier in _DIRECTIONS
 
 
 @cache
