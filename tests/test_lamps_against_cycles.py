@@ -70,7 +70,7 @@ def shows(t: Tree, output, scale: float = 1.0, shift: float = 0.0):
 def test_coordinates(studio, blender, tmp_path, kind, space):
     def build(t):
         node = "TexCoord" if space in ("Normal", "UV", "Object") else "NewGeometry"
-        # Not below 0: Cycles lets lamps take light away.
+        # Not below 0: what cancels out is lost in noise.
         scales = {"UV": (0.9, 0.1), "Parametric": (0.9, 0.1), "Object": (0.1, 0.5)}
         shows(t, t.node(node).outputs[space], *scales.get(space, (0.45, 0.5)))
 
@@ -229,3 +229,43 @@ def test_a_portal_gives_no_light(blender, studio, tmp_path):
         pytest.skip("no Cycles")
     holder.data.cycles.is_portal = True
     assert (studio.render(tmp_path) == without).all()
+
+
+@pytest.mark.parametrize("kind", ["POINT", "SPOT", "SUN", "AREA"])
+def test_a_lamp_that_takes_light_away(studio, blender, tmp_path, kind):
+    """A lamp of negative power beside a brighter one."""
+    holder = lamp(blender, kind)
+    holder.data.energy *= -0.1
+    other = lamp(blender, "SUN")
+    other.rotation_euler = (0.9, -0.4, 0.0)
+    alike(tmp_path)
+
+
+def glow_by_normal(t: Tree):
+    return t.node("Emission", Color=t.node("NewGeometry").outputs["Normal"], Strength=0.8).outputs[0]
+
+
+def glow_by_a_negative_number(t: Tree):
+    strength = t.node("Math", {"operation": "MULTIPLY"}, _0=-1.0, _1=0.7).outputs[0]
+    return t.node("Emission", Color=(0.6, 0.3, 0.1, 1.0), Strength=strength).outputs[0]
+
+
+def principled_glow_by_normal(t: Tree):
+    normal = t.node("NewGeometry").outputs["Normal"]
+    return t.node("BsdfPrincipled", Emission_Color=normal, Emission_Strength=0.8).outputs[0]
+
+
+GLOWS = (glow_by_normal, glow_by_a_negative_number, principled_glow_by_normal)
+
+
+@pytest.mark.parametrize("build", GLOWS, ids=lambda build: build.__name__)
+def test_a_surface_that_takes_light_away(studio, blender, tmp_path, build):
+    """Emission that is negative, in part or all over."""
+    made = blender.data.materials.new("Glow")
+    made.use_nodes = True
+    made.node_tree.nodes.clear()
+    t = Tree(made.node_tree, made.node_tree.nodes.new("ShaderNodeOutputMaterial").inputs["Surface"])
+    t.shows(build(t))
+    blender.context.object.data.materials[0] = made
+    lamp(blender, "SUN")
+    alike(tmp_path)

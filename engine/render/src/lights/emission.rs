@@ -68,7 +68,7 @@ impl Emission {
             })
             .collect();
         let average = scene.world.texture.map_or(Rgb::ONE, |t| scene.textures[t as usize].average());
-        powers.push(luminance(scene.world.color * average).max(0.0) * 4.0 * PI * disk);
+        powers.push(luminance((scene.world.color * average).abs()) * 4.0 * PI * disk);
         powers.extend(lights.sky.suns().iter().map(|&i| lights.lamps[i as usize].emission_power(disk)));
         Self { choice: AliasTable::new(&powers), center, radius }
     }

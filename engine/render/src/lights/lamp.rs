@@ -113,9 +113,9 @@ impl PreparedLamp {
         (u32::from(way.depth) <= self.max_bounces).then_some(self)
     }
 
-    /// Watts, for choosing; a sun's, per unit of area.
+    /// Watts, for choosing; a sun's, per unit of area. Positive where it takes light away, too.
     pub(super) fn power(&self) -> f32 {
-        luminance(self.color) * self.graph.as_ref().map_or(1.0, |graph| graph.brightness())
+        luminance(self.color.abs()) * self.graph.as_ref().map_or(1.0, |graph| graph.brightness())
     }
 
     /// What its nodes make of its light that arrives at `from` along a ray towards it.

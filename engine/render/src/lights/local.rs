@@ -167,7 +167,7 @@ fn average_emission(scene: &Scene, m: &Material) -> f32 {
         Input::Image(image) => scene.textures[image.texture as usize].average(),
     };
     // A texture that is black on average may still glow somewhere.
-    (luminance(color) * m.emission_strength).max(1e-6)
+    luminance((color * m.emission_strength).abs()).max(1e-6)
 }
 
 /// Whether every edge of a mesh is walked once each way by its triangles, corners told apart by position.

@@ -68,7 +68,9 @@ impl Sky {
             (0..lamps.len() as u32).filter(|&i| matches!(lamps[i as usize].kind(), LampKind::Sun { .. })).collect();
         let image = image_table(scene);
         let world = match scene.world.texture {
-            Some(t) if image.is_some() => luminance(scene.world.color * scene.textures[t as usize].average()) * PI,
+            Some(t) if image.is_some() => {
+                luminance((scene.world.color * scene.textures[t as usize].average()).abs()) * PI
+            }
             _ => 0.0,
         };
         let world = if image.is_some() { world.max(1e-6) } else { 0.0 };
@@ -237,7 +239,7 @@ fn table_of(scene: &Scene, columns: usize, rows: usize, block: usize) -> Option<
             let mut sum = 0.0;
             for y in y0..y0 + block {
                 for x in x0..x0 + block {
-                    sum += luminance(scene.world.color * texture.texel(x, y).xyz()).max(0.0);
+                    sum += luminance((scene.world.color * texture.texel(x, y).xyz()).abs());
                 }
             }
             sum / (block * block) as f32

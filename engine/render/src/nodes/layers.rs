@@ -277,7 +277,7 @@ pub(super) fn emission(
                     }
                     _ => continue,
                 };
-                sum += finite(radiance).max(Rgb::ZERO) * value(layer.weight).x;
+                sum += finite(radiance) * value(layer.weight).x;
             }
             sum
         });
@@ -294,7 +294,7 @@ pub(super) fn emission(
             }
             _ => continue,
         };
-        sum += radiance.max(Rgb::ZERO) * place.weight(weight);
+        sum += radiance * place.weight(weight);
     }
     sum
 }

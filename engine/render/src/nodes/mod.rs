@@ -122,7 +122,7 @@ pub fn alpha(scene: &Scene, instance: u32, triangle: u32, barycentric: [f32; 2])
     number(&material.alpha, &scene.textures, mesh, triangle, barycentric).clamp(0.0, 1.0)
 }
 
-/// Emitted radiance of a point of a triangle, the same on both sides, as in Cycles.
+/// Emitted radiance of a point of a triangle, the same on both sides; negative where it takes light away, as in Cycles.
 pub fn emission(
     material: &Material,
     around: Around<'_>,
@@ -139,5 +139,5 @@ pub fn emission(
         return layers::emission(material, around, [instance, triangle], barycentric, view);
     }
     let color = colour(&material.emission_color, &scene.textures, mesh, triangle, barycentric);
-    color.max(Rgb::ZERO) * material.emission_strength
+    color * material.emission_strength
 }

@@ -106,14 +106,14 @@ fn radiance_of(graph: &Graph, scene: &Scene, direction: Vec3A, way: Way, shows_s
     })
 }
 
-/// What the closures of a program that has run shine.
+/// What the closures of a program that has run shine; negative where they take light away.
 pub(super) fn emitted(graph: &Graph, registers: &Registers) -> Rgb {
     let mut sum = Vec3A::ZERO;
     for layer in &graph.layers {
         if let Closure::Emission { color, strength } = &layer.closure {
             let [color, strength, weight] =
                 [*color, *strength, layer.weight].map(|source| source.value(&graph.program, registers));
-            sum += (color * strength.x).max(Vec3A::ZERO) * weight.x;
+            sum += color * strength.x * weight.x;
         }
     }
     if sum.is_finite() { sum.into() } else { Rgb::ZERO }

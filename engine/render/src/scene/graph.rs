@@ -248,7 +248,7 @@ impl Graph {
                 Closure::Principled(p) => about(p.emission_color) * about(p.emission_strength),
                 _ => return 0.0,
             };
-            luminance(radiance.into()) * about(layer.weight).x
+            luminance(radiance.abs().into()) * about(layer.weight).x
         };
         self.layers.iter().map(of).sum::<f32>().max(1e-6)
     }

@@ -53,7 +53,7 @@ impl Layer {
         self.weight.scale = number(self.weight.scale).max(0.0);
         self.closure = self.closure.map(
             |c| match c {
-                Input::Constant(c) => Input::Constant(if c.is_finite() { c.max(Rgb::ZERO) } else { Rgb::ZERO }),
+                Input::Constant(c) => Input::Constant(if c.is_finite() { *c } else { Rgb::ZERO }),
                 image => image.clone(),
             },
             |n| match n {
@@ -91,7 +91,7 @@ impl Layer {
             Closure::Principled(p) => colour(&p.emission_color) * number(&p.emission_strength),
             _ => return 0.0,
         };
-        luminance(radiance) * self.weight.scale
+        luminance(radiance.abs()) * self.weight.scale
     }
 
     /// Whether any of it may let light through unbent.

@@ -213,10 +213,11 @@ impl Material {
         }
         clean(&mut self.ior, 1e-3, 1e3, 1.5);
         clean(&mut self.specular_ior_level, 0.0, 1e3, 0.5);
-        clean(&mut self.emission_strength, 0.0, 1e30, 0.0);
-        for input in [&mut self.base_color, &mut self.emission_color] {
+        clean(&mut self.emission_strength, -1e30, 1e30, 0.0);
+        // Light may be negative; what scatters it may not.
+        for (input, least) in [(&mut self.base_color, 0.0), (&mut self.emission_color, f32::MIN)] {
             if let Input::Constant(c) = input {
-                *c = if c.is_finite() { c.max(Rgb::ZERO) } else { Rgb::ZERO };
+                *c = if c.is_finite() { c.max(Rgb::splat(least)) } else { Rgb::ZERO };
             }
         }
         self.specular_tint = if self.specular_tint.is_finite() { self.specular_tint.max(Rgb::ZERO) } else { Rgb::ONE };

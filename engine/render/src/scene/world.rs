@@ -52,7 +52,7 @@ impl World {
     pub fn radiance_at(&self, uv: Vec2, textures: &[Arc<Texture>]) -> Rgb {
         let Some(texture) = self.texture else { return self.color };
         let texel = textures[texture as usize].lookup(uv, Interpolation::Linear, Extension::Repeat);
-        self.color * texel.xyz().max(Rgb::ZERO)
+        self.color * texel.xyz()
     }
 }
 
