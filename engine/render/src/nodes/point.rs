@@ -12,6 +12,7 @@ use glam::{Affine3A, Mat3A, Vec2, Vec3, Vec3A, Vec4};
 use petzval_nodes::{
     Attribute, AttributeKind, Context, Direction, Extension, Field, Interpolation, Occlusion, Shift, Space, Textures,
 };
+use std::f32::consts::{PI, TAU};
 use std::sync::Arc;
 
 /// The names by which a mesh keeps what its edges tell of its vertices.
@@ -252,17 +253,23 @@ impl<'a> Point<'a> {
         Vec4::new(uv.x, uv.y, 0.0, 1.0)
     }
 
-    /// The direction in which u of a UV map grows, object space, at right angles to the mesh's normal; the fourth part is
+    /// The direction in which u of a UV map, or of a sphere's where the mesh has no map, grows, object space, at right angles to the mesh's normal; the fourth part is
     /// the side on which v grows.
     fn tangent(&self, map: Option<usize>) -> Vec4 {
-        let Some(map) = map else { return Vec4::ZERO };
         let [a, b, c] = self.instance.corners(self.mesh, self.surface.triangle);
-        let [ua, ub, uc] = self.mesh.uv_maps[map].1.at(self.mesh.numbers(), self.surface.triangle);
+        let [ua, ub, uc] = match map {
+            Some(map) => self.mesh.uv_maps[map].1.at(self.mesh.numbers(), self.surface.triangle),
+            None => [a, b, c].map(around_the_origin),
+        };
         let (e, f, p, q) = (b - a, c - a, ub - ua, uc - ua);
         let area = p.perp_dot(q);
         let (along_u, along_v) = ((e * q.y - f * p.y) * area.signum(), (f * p.x - e * q.x) * area.signum());
         let normal = Vec3::from(self.mesh_normal(Shift::NONE)).normalize_or_zero();
         let tangent = (along_u - normal * normal.dot(along_u)).normalize_or_zero();
+        if tangent == Vec3::ZERO {
+            // What Cycles has where the map takes no area.
+            return Vec4::new(1.0, 0.0, 0.0, -1.0);
+        }
         let side = if normal.cross(tangent).dot(along_v) < 0.0 { -1.0 } else { 1.0 };
         tangent.extend(side)
     }
@@ -278,6 +285,12 @@ impl<'a> Point<'a> {
         }
         self.object_position(shift)
     }
+}
+
+/// The place on an equirectangular map of a sphere about the origin: what Cycles takes for the UV of a mesh without maps.
+fn around_the_origin(p: Vec3) -> Vec2 {
+    let turn = if p.x == 0.0 && p.y == 0.0 { 0.0 } else { 0.5 - p.x.atan2(p.y) / TAU };
+    Vec2::new(turn, 1.0 - p.normalize_or_zero().z.clamp(-1.0, 1.0).acos() / PI)
 }
 
 impl Context for Point<'_> {
@@ -353,6 +366,7 @@ impl Context for Point<'_> {
         let map = || self.mesh.uv_map((!name.is_empty()).then_some(name));
         match kind {
             AttributeKind::Uv => map().map_or(Vec4::ZERO, |map| self.uv(map, shift)),
+            AttributeKind::Tangent if map().is_none() && !name.is_empty() => Vec4::ZERO,
             AttributeKind::Tangent => self.tangent(map()),
             AttributeKind::Colour | AttributeKind::Geometry => self.named(name, shift).unwrap_or(Vec4::ZERO),
             AttributeKind::Object | AttributeKind::Instancer | AttributeKind::ViewLayer => Vec4::ZERO,
