@@ -50,7 +50,8 @@ impl Word for u32x8 {
     }
     #[inline(always)]
     fn turned<const BITS: u32>(self) -> Self {
-        (self << BITS) | (self >> (32 - BITS))
+        // By lane: one count for all goes through a copy, which builds with debug assertions check each time.
+        (self << Self::splat(BITS)) | (self >> Self::splat(32 - BITS))
     }
 }
 
