@@ -175,7 +175,7 @@ impl Stretch<'_> {
         for _ in 0..self.most_steps() {
             let Some((distance, rate)) = walk.next(numbers.next()) else { break };
             let extinction = self.medium(self.at(distance)).extinction;
-            self.note(extinction, rate);
+            self.note(&mut walk, extinction, rate);
             left *= Rgb::ONE - extinction / rate;
             let most = left.abs().max_element();
             if most < FAINT {
@@ -228,9 +228,12 @@ impl Stretch<'_> {
         medium.extinction.max_element().max(if shines { bound::LOOKS / self.ray.t_max } else { 0.0 })
     }
 
-    fn note(&self, extinction: Rgb, rate: f32) {
-        if extinction.max_element() > rate * 1.0001 {
+    /// Counts a place that is denser than its bound, and raises the rate behind it.
+    fn note(&self, walk: &mut Bounded<'_>, extinction: Rgb, rate: f32) {
+        let density = extinction.max_element();
+        if density > rate * 1.0001 {
             self.stage.media.denser.fetch_add(1, Ordering::Relaxed);
+            walk.raise(density, rate);
         }
     }
 
@@ -276,7 +279,7 @@ impl Stretch<'_> {
             let u = first.take().unwrap_or_else(|| numbers.next());
             let Some((distance, rate)) = walk.next(u) else { break };
             let medium = self.medium(self.at(distance));
-            self.note(medium.extinction, rate);
+            self.note(&mut walk, medium.extinction, rate);
             emitted += *throughput * medium.emission / rate;
             let null = Rgb::splat(rate) - medium.extinction;
             let weights = throughput.abs();

@@ -26,6 +26,10 @@ const MARGIN: f32 = 1.25;
 const LEAST: f32 = 0.01;
 /// Where a medium shines, so many points are looked at over its box, at least.
 pub(super) const LOOKS: f32 = 8.0;
+/// How much the rate rises in the cells after one that was found too low.
+const MOST_RAISE: f32 = 16.0;
+/// Tentative particles up to the end of a cell whose rate was raised, at most on average.
+const MOST_IN_CELL: f32 = 512.0;
 /// Points tried for all space.
 const TRIED_IN_WORLD: u32 = 8192;
 
@@ -180,12 +184,26 @@ pub(super) struct Bounded<'a> {
     rate: f32,
     at: f32,
     t_max: f32,
+    /// The end of the cell of the last particle.
+    cell_end: f32,
+    /// The least rate up to a distance, where a place was found to be denser than its bound.
+    dense: (f32, f32),
+    /// How many times the bounds the rate is.
+    raised: f32,
 }
 
 impl<'a> Bounded<'a> {
     /// Through media of these bounds, and the rates of those that are even.
     pub(super) fn new(ray: &Ray, bounds: impl Iterator<Item = (&'a Bound, f32)>) -> Self {
-        let mut walk = Self { cells: ArrayVec::new(), rate: 0.0, at: 0.0, t_max: ray.t_max };
+        let mut walk = Self {
+            cells: ArrayVec::new(),
+            rate: 0.0,
+            at: 0.0,
+            t_max: ray.t_max,
+            cell_end: 0.0,
+            dense: (0.0, 0.0),
+            raised: 1.0,
+        };
         for (bound, even) in bounds {
             match bound {
                 Bound::Even => walk.rate += even,
@@ -200,6 +218,16 @@ impl<'a> Bounded<'a> {
         walk
     }
 
+    /// Raises the rate of the rest of the ray after a particle at which the medium was so much denser than the rate there.
+    ///
+    /// A rate may depend on all that lies before it on the ray: the mean stays right. Without this each further particle in a dense
+    /// place multiplies the weight by how often the bound is exceeded, and the weight grows beyond all numbers.
+    pub(super) fn raise(&mut self, density: f32, rate: f32) {
+        let length = (self.cell_end.min(self.t_max) - self.at).max(f32::MIN_POSITIVE);
+        self.dense = ((MARGIN * density).min(MOST_IN_CELL / length).max(rate), self.cell_end);
+        self.raised = (self.raised * density / rate).min(MOST_RAISE);
+    }
+
     /// Where the next one is, and the rate there; `None` beyond the ray's end.
     pub(super) fn next(&mut self, u: f32) -> Option<(f32, f32)> {
         let mut depth = -(1.0 - u).ln();
@@ -210,7 +238,13 @@ impl<'a> Bounded<'a> {
                 rate += own;
                 end = end.min(until);
             }
+            rate *= self.raised;
+            if self.at < self.dense.1 {
+                rate = rate.max(self.dense.0);
+                end = end.min(self.dense.1);
+            }
             let end = end.min(self.t_max).max(self.at.next_up());
+            self.cell_end = end;
             let distance = self.at + depth / rate;
             if rate > 0.0 && distance < end {
                 self.at = distance;
