@@ -153,7 +153,8 @@ def _constant(socket: bpy.types.NodeSocket, found: nodes.Input | None) -> float 
     if found is None:
         # Nothing arrives through a dead end: Blender takes zero.
         return 0.0
-    if found.socket == socket and _takes_default(socket):
+    # Before 5.0 Blender copies the value of a group's input into the socket itself, whose value such a socket does not take.
+    if (found.socket == socket or bpy.app.version < (5, 0, 0)) and _takes_default(socket):
         return None
     if found.socket.hide_value and _is_direction(socket):
         # The group that the node is in shows no value here, so Cycles takes none.
