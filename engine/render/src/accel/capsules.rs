@@ -1,8 +1,8 @@
 //! Bounding capsules of curve segments, eight at a time: a ray must meet one before the keys of its segment are read.
 //!
 //! A box along the axes is mostly empty where a strand runs across them, and eight such boxes overlap; a capsule about the chord
-//! fits a strand whichever way it runs. What turned boxes do in the trees of Woop, Benthin, Wald, Johnson and Tabellion (2014,
-//! "Exploiting Local Orientation Similarity for Efficient Ray Traversal of Hair and Fur") is done here at the leaves alone.
+//! fits a strand whichever way it runs. Oriented boxes serve the same purpose in the BVH of Woop, Benthin, Wald, Johnson and Tabellion (2014,
+//! "Exploiting Local Orientation Similarity for Efficient Ray Traversal of Hair and Fur"); here the leaves alone are oriented.
 
 use super::bounds::Bounds;
 use super::segment::Gaze;
@@ -25,7 +25,7 @@ pub(super) struct Capsules {
     pub(super) first: u32,
 }
 
-/// What a ray meets of a leaf's capsules.
+/// The capsules of a leaf that a ray hits.
 pub(super) struct Candidates {
     /// Lanes, as bits.
     pub(super) lanes: u32,
@@ -34,7 +34,7 @@ pub(super) struct Candidates {
 }
 
 impl Capsules {
-    /// Without capsules, of the segments from `first` on.
+    /// A leaf of the segments from `first` on, without capsules yet.
     pub(super) fn new(first: u32) -> Self {
         Self { ends: [[[0.0; LANES]; 3]; 2], radius: [f32::NAN; LANES], first }
     }

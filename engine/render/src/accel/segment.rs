@@ -21,8 +21,8 @@ const RIBBON_ROOM: f32 = 2.0;
 /// quite the same line, which a ray along the strand passes at some distance. (One side is enough, and what overlaps may count twice
 /// for light that is let through.)
 const OVERLAP: [f32; 2] = [0.005, 0.1];
-/// By this part of how far a place is past its piece's plane it counts as farther along the ray: where two pieces overlap, the one
-/// whose place it is is met, in whatever order they are tried.
+/// Depth that is added to a hit past the end plane of its piece, as a share of its distance from that plane. Where two pieces overlap, the
+/// hit of the piece that owns the place is nearer, in whatever order the pieces are tried.
 const OVERLAP_DEPTH: f32 = 0.01;
 
 /// A ray along whose direction curves are looked at.
@@ -40,7 +40,7 @@ impl Gaze {
         Self { origin, axes: [x, y, direction] }
     }
 
-    /// Where it starts.
+    /// The origin of the ray.
     #[inline(always)]
     pub(super) fn origin(&self) -> Vec3A {
         self.origin
@@ -398,7 +398,7 @@ fn straight(Controls([before, start, end, behind]): &Controls, t_max: f32) -> Bo
     both
 }
 
-/// Where a cone between two rings is entered and left, and how far between the rings that is; as [`round`] has it.
+/// Entry and exit of a ray through a cone between two rings: distance, and place between the rings, as [`round`] gives them.
 fn cone_between(start: Vec4, end: Vec4) -> [Option<(f32, f32)>; 2] {
     let axis = end - start;
     let flat2 = axis.x * axis.x + axis.y * axis.y;

@@ -253,8 +253,8 @@ impl<'a> Point<'a> {
         Vec4::new(uv.x, uv.y, 0.0, 1.0)
     }
 
-    /// The direction in which u of a UV map, or of a sphere's where the mesh has no map, grows, object space, at right angles to the mesh's normal; the fourth part is
-    /// the side on which v grows.
+    /// The tangent: the direction in which u of a UV map grows, object space, at right angles to the mesh's normal; the fourth part is the
+    /// side on which v grows. A mesh without a map is mapped as a sphere, as in Cycles.
     fn tangent(&self, map: Option<usize>) -> Vec4 {
         let [a, b, c] = self.instance.corners(self.mesh, self.surface.triangle);
         let [ua, ub, uc] = match map {

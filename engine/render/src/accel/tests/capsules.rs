@@ -32,7 +32,7 @@ fn capsules(of: &[Controls], shape: CurveShape) -> Capsules {
 proptest! {
     #![proptest_config(ProptestConfig::with_cases(300))]
 
-    /// What of a segment is met lies within its capsule, behind the distance that this gives; far from the middle too.
+    /// Every hit of a segment lies in its capsule, and not before the capsule's near distance; far from the origin too.
     #[test]
     fn capsules_hold_their_segments(
         seed in 0u32..60000, far in prop::sample::select(vec![0.0, 100.0, 10000.0]), count in 1usize..=LANES,
