@@ -270,7 +270,8 @@ def mapping(t: Tree, vector):
 @pytest.mark.parametrize("is_hidden", [False, True], ids=["shown", "hidden"])
 @pytest.mark.parametrize("inside", [fresnel, texture, mapping], ids=lambda inside: inside.__name__)
 def test_the_own_vector_of_a_group(stage, blender, tmp_path, inside, is_hidden):  # noqa: F811
-    """Where the group hides it, a node takes its normal of the surface, as without a link; coordinates take the value."""
+    """Where the group hides it, a node takes its normal of the surface, as without a link; coordinates take the value,
+    from Blender 5.0 on."""
     made, tree, surface = stage.material()
     blender.context.object.data.materials.append(made)
     _in_a_group(Tree(tree, surface), inside, is_hidden)

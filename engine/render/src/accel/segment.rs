@@ -46,13 +46,13 @@ impl Gaze {
         self.origin
     }
 
-    /// Across, across, and along it.
+    /// Unit vectors: two across the ray, and its direction.
     #[inline(always)]
     pub(super) fn axes(&self) -> [Vec3A; 3] {
         self.axes
     }
 
-    /// The largest coordinate of where it starts.
+    /// The largest absolute coordinate of the origin.
     #[inline(always)]
     pub(super) fn reach(&self) -> f32 {
         self.origin.abs().max_element()

@@ -106,7 +106,7 @@ fn radiance_of(graph: &Graph, scene: &Scene, direction: Vec3A, way: Way, shows_s
     })
 }
 
-/// What the closures of a program that has run shine; negative where they take light away.
+/// Radiance emitted by the closures of a program that has run; negative where they take light away.
 pub(super) fn emitted(graph: &Graph, registers: &Registers) -> Rgb {
     let mut sum = Vec3A::ZERO;
     for layer in &graph.layers {

@@ -26,7 +26,7 @@ const MARGIN: f32 = 1.25;
 const LEAST: f32 = 0.01;
 /// Where a medium shines, so many points are looked at over its box, at least.
 pub(super) const LOOKS: f32 = 8.0;
-/// How much the rate rises in the cells after one that was found too low.
+/// The largest factor of the rate in the cells behind one whose bound was too low.
 const MOST_RAISE: f32 = 16.0;
 /// Tentative particles up to the end of a cell whose rate was raised, at most on average.
 const MOST_IN_CELL: f32 = 512.0;
@@ -188,7 +188,7 @@ pub(super) struct Bounded<'a> {
     cell_end: f32,
     /// The least rate up to a distance, where a place was found to be denser than its bound.
     dense: (f32, f32),
-    /// How many times the bounds the rate is.
+    /// The factor of the bounds behind such a place; 1 before.
     raised: f32,
 }
 
