@@ -57,8 +57,9 @@ def main() -> int:
     began = time.monotonic()
     results = run.all({name: WORK / name for name in chosen})
     if not options.only:
+        limits = run.limits(WORK / "limits")
         now = run.made.took(time.monotonic() - began)
-        page.write(TOP / "docs", WORK, scenes, results, size, options.samples, options.most, now)
+        page.write(TOP / "docs", WORK, scenes, results, limits, size, options.samples, options.most, now)
     if options.scenes and not options.only:
         paths = sorted(Path(options.scenes).rglob("*.blend"))
         others = run.all({str(path): WORK / "others" / path.stem for path in paths})
@@ -106,6 +107,22 @@ class Run:
                 say(Path(scene).stem, found)
                 left.pop(scene)
         return results
+
+    def limits(self, folder: Path) -> dict[str, dict]:
+        """The scenes in which Cycles is not exact: of `parity.limits`."""
+        kept = folder / "found.json"
+        if kept.exists() and not self.again:
+            return json.loads(kept.read_text())
+        folder.mkdir(parents=True, exist_ok=True)
+        command = [self.python, "-m", "parity.limits", str(folder)]
+        done = subprocess.run(command, capture_output=True, text=True, env=self.environment)
+        found = _marked(done.stdout)
+        if found is None:
+            raise SystemExit(
+                f"petzval: where Cycles is not exact: {(done.stderr.strip().splitlines() or ['nothing said'])[-1]}"
+            )
+        kept.write_text(json.dumps(found, indent=1) + "\n")
+        return found
 
     def _kept(self, folder: Path) -> dict | None:
         kept = folder / "found.json"

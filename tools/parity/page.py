@@ -6,6 +6,7 @@ from __future__ import annotations
 import re
 from pathlib import Path
 
+import numpy as np
 import pages
 from PIL import Image
 
@@ -32,13 +33,21 @@ ALIKE = 0.01
 
 
 def write(
-    docs: Path, work: Path, scenes: dict, results: dict, size: tuple[int, int], samples: int, most: int, now: pages.Made
+    docs: Path,
+    work: Path,
+    scenes: dict,
+    results: dict,
+    limits: dict,
+    size: tuple[int, int],
+    samples: int,
+    most: int,
+    now: pages.Made,
 ) -> None:
-    """The page, from what was found. `now`: the origin of scenes that were rendered just now."""
+    """The page, from what was found. `limits`: of `parity.limits`; `now`: the origin of scenes that were rendered just now."""
     pictures = docs / "images" / "parity"
     pictures.mkdir(parents=True, exist_ok=True)
     for old in pictures.glob("*.jpg"):
-        if old.stem not in scenes:
+        if old.stem not in scenes and old.stem not in limits:
             old.unlink()
     lines = [
         "# Petzval beside Cycles",
@@ -63,8 +72,41 @@ def write(
         lines += [f"## {title}", "", "| scene | Petzval, Cycles, difference | FLIP | of halves | worst block | noise | mean |", "|---|---|---:|---:|---:|---:|---:|"]  # fmt: skip
         lines += [_row(scenes[name], name, results[name], work, pictures) for name in names]
         lines.append("")
+    lines += _limits(limits, work / "limits", pictures)
     origin = _oldest(results, now)
     (docs / "parity.md").write_text(pages.stamped("\n".join(lines).rstrip() + "\n", origin))
+
+
+def _limits(limits: dict, work: Path, pictures: Path) -> list[str]:
+    """The chapter of scenes in which Cycles is not exact."""
+    lines = [
+        "## Where Cycles is not exact",
+        "",
+        "Scenes of `tests/scenes/cycles_limits.py`, each rendered several ways. One way of each is the truth: by the law of refraction, or by",
+        "Cycles itself with the approximation switched off. Petzval does not imitate the approximation. `make parity` and `make other-scenes`",
+        "switch it off where a setting allows that.",
+        "",
+    ]
+    for name, found in limits.items():
+        with np.load(work / f"{name}.npz") as kept:
+            strip = _side_by_side([kept[key] for key in kept.files])
+        strip.save(pictures / f"{name}.jpg", quality=86, optimize=True)
+        lines += [f"### {found['title']}", "", found["evidence"], "", f"![{name}](images/parity/{name}.jpg)", ""]
+        lines += ["| from the left | mean of the picture | over the truth |", "|---|---:|---:|"]
+        for label, mean, is_truth in found["ways"]:
+            over = "the truth" if is_truth else f"{mean / found['truth']:.3f}" if found["truth"] else "–"
+            lines.append(f"| {label} | {mean:.4g} | {over} |")
+        lines.append("")
+    return lines
+
+
+def _side_by_side(looks: list[np.ndarray]) -> Image.Image:
+    """Pictures of one scene at one exposure, twice as large: the 99th percentile of the brightest is white."""
+    white = max(float(np.percentile(look, 99.0)) for look in looks) or 1.0
+    gap = np.ones((looks[0].shape[0], 2, 3))
+    parts = [part for look in looks for part in (np.clip(look / white, 0.0, 1.0) ** (1.0 / 2.2), gap)][:-1]
+    shown = Image.fromarray((np.concatenate(parts, 1)[::-1] * 255.0 + 0.5).astype(np.uint8))
+    return shown.resize((2 * shown.width, 2 * shown.height), Image.Resampling.NEAREST)
 
 
 def _oldest(results: dict, now: pages.Made) -> pages.Made:

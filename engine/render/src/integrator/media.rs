@@ -156,6 +156,20 @@ impl Stretch<'_> {
         (left, channels(throughput).map_or(0.0, |chances| chances.dot(medium.extinction * left)))
     }
 
+    /// A distance at which [`Stretch::follow`] scatters light of this throughput in something even, given that it does; and the part of
+    /// light that it scatters. `None` where that is nothing.
+    pub(super) fn even_scattering(&self, medium: &Medium, throughput: Rgb, u: [f32; 2]) -> Option<(f32, f32)> {
+        let end = self.ray.t_max;
+        let parts = medium.extinction.map(|rate| if rate > 0.0 { -(-rate * end).exp_m1() } else { 0.0 });
+        let by_channel = channels(throughput)? * parts;
+        let part = by_channel.element_sum();
+        let left = u[0] * part;
+        let channel = usize::from(left >= by_channel.x) + usize::from(left >= by_channel.x + by_channel.y);
+        let rate = medium.extinction[channel];
+        let distance = -(-u[1] * parts[channel]).ln_1p() / rate;
+        (part > 0.0 && distance.is_finite()).then_some((distance, part))
+    }
+
     /// Follows light of this throughput: what is left of it, and what the media add. `scatters`: else it is dimmed only.
     pub(super) fn follow(&self, throughput: &mut Rgb, scatters: bool, u: [f32; 4]) -> (Event, Rgb) {
         if self.is_even() {

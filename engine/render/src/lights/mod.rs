@@ -92,6 +92,11 @@ impl Lights {
         self.local.len() > 0
     }
 
+    /// Whether anything is found by light samples: a world of one colour is not.
+    pub fn any_is_sampled(&self) -> bool {
+        self.has_local() || self.sky.irradiance(None) > 0.0
+    }
+
     /// The middle of something that shines from within the scene, and likely on a place there; `None` where nothing does.
     pub fn near(&self, to: &Receiver, u: f32) -> Option<Vec3A> {
         let chosen = self.tree(to).and_then(|tree| tree.sample(to, u)).map(|(index, _)| index);

@@ -26,6 +26,9 @@ const MARGIN: f32 = 1.25;
 const LEAST: f32 = 0.01;
 /// Where a medium shines, so many points are looked at over its box, at least.
 pub(super) const LOOKS: f32 = 8.0;
+/// The part of these points that are looked at where nothing that shines was found: what shines there, too, would be found so rarely
+/// that its light were specks.
+const LOOKS_IN_THE_DARK: f32 = 0.25;
 /// The largest factor of the rate in the cells behind one whose bound was too low.
 const MOST_RAISE: f32 = 16.0;
 /// Tentative particles up to the end of a cell whose rate was raised, at most on average.
@@ -64,6 +67,7 @@ impl Bound {
         let to_box = Affine3A::from_scale(SIDE as f32 / size) * Affine3A::from_translation(-low);
         let ways = ways(volume.program.reads());
         let tries = if volume.program.instructions() > LONG { TRIED_IF_LONG } else { TRIED };
+        let if_it_shines = LOOKS / diagonal;
         let rate = |cell: usize| {
             let corner = [cell % SIDE, cell / SIDE % SIDE, cell / SIDE / SIDE];
             let tried = (0..tries.pow(3)).map(|point| {
@@ -73,12 +77,15 @@ impl Bound {
                     (corner[axis] as f32 + (within[axis] as f32 + jitter) / tries as f32) / SIDE as f32
                 });
                 let position = within_box(scene, entry.instance, part);
-                most(&ways, |way| entry.medium(scene, position, Vec3A::Z, way), LOOKS / diagonal)
+                tried_at(&ways, |way| entry.medium(scene, position, Vec3A::Z, way), if_it_shines)
             });
-            tried.fold(0.0, f32::max) * MARGIN
+            tried.fold((0.0, false), either)
         };
-        let mut rates: Vec<f32> = (0..SIDE.pow(3)).into_par_iter().map(rate).collect();
-        let least = LEAST * rates.iter().fold(0.0, |a, b| b.max(a));
+        let found: Vec<(f32, bool)> = (0..SIDE.pow(3)).into_par_iter().map(rate).collect();
+        let (densest, shines) = found.iter().copied().fold((0.0, false), either);
+        let in_the_dark = if shines && if_it_shines.is_finite() { LOOKS_IN_THE_DARK * if_it_shines } else { 0.0 };
+        let least = MARGIN * in_the_dark.max(LEAST * densest);
+        let mut rates: Vec<f32> = found.into_iter().map(|(rate, _)| MARGIN * rate).collect();
         rates.iter_mut().for_each(|rate| *rate = rate.max(least));
         Self::Cells { to_cells: to_box * scene.instances[entry.instance as usize].to_object, rates: Arc::new(rates) }
     }
@@ -109,9 +116,9 @@ impl Bound {
         let tried = (0..TRIED_IN_WORLD).into_par_iter().map(|point| {
             let part = |axis: u32| 1.5 * random_of(3 * point + axis) - 0.25;
             let position = low + (high - low) * Vec3A::new(part(0), part(1), part(2));
-            most(&ways, |way| entry.medium(scene, position, Vec3A::Z, way), LOOKS / diagonal)
+            tried_at(&ways, |way| entry.medium(scene, position, Vec3A::Z, way), LOOKS / diagonal)
         });
-        Self::Everywhere(tried.reduce(|| 0.0, f32::max) * MARGIN)
+        Self::Everywhere(tried.reduce(|| (0.0, false), either).0 * MARGIN)
     }
 
     #[cfg(test)]
@@ -134,14 +141,20 @@ fn ways(reads: impl Iterator<Item = Field>) -> Vec<Way> {
     if reads.any(is_of_path) { vec![Way::CAMERA, Way::BOUNCE, Way::CAMERA.shadow()] } else { vec![Way::CAMERA] }
 }
 
-/// The rate that a place asks for.
-fn most(ways: &[Way], medium: impl Fn(Way) -> Medium, if_it_shines: f32) -> f32 {
+/// The rate that a place asks for, and whether it shines.
+fn tried_at(ways: &[Way], medium: impl Fn(Way) -> Medium, if_it_shines: f32) -> (f32, bool) {
     let of = |way: &Way| {
         let found = medium(*way);
         let shines = found.emission.max_element() > 0.0;
-        found.extinction.max_element().max(if shines && if_it_shines.is_finite() { if_it_shines } else { 0.0 })
+        let rate = if shines && if_it_shines.is_finite() { if_it_shines } else { 0.0 };
+        (found.extinction.max_element().max(rate), shines)
     };
-    ways.iter().map(of).fold(0.0, f32::max)
+    ways.iter().map(of).fold((0.0, false), either)
+}
+
+/// The larger rate of two places, and whether one of them shines.
+fn either(a: (f32, bool), b: (f32, bool)) -> (f32, bool) {
+    (a.0.max(b.0), a.1 || b.1)
 }
 
 /// A ray through the cells of a bound.

@@ -88,8 +88,8 @@ impl Inside {
         let scatters = if hit.is_some() { limits.scatters(path.way) } else { limits.scatters_before_the_sky(path.way) }
             && self.may_scatter(limits);
         let stretch = Stretch { stage, stack: &self.stack, ray: Ray { t_max, ..path.ray }, way: path.way };
-        let pivot = if scatters {
-            self.beside_a_light(limits, path, &stretch, found, (&mut *shades.0, &mut *shades.1))
+        let beside = if scatters {
+            self.light_beside(limits, path, &stretch, found, (&mut *shades.0, &mut *shades.1))
         } else {
             None
         };
@@ -109,54 +109,78 @@ impl Inside {
             Event::Through => Brought::ToTheEnd,
             Event::Scattered { distance, medium, density } => {
                 found.result.hit = true;
-                let share = pivot.map_or(1.0, |pivot| density / (density + pivot.density(distance)));
                 let position = path.ray.origin + path.ray.direction * distance;
-                let [_, u_seed, ..] = u_second;
+                let share = match beside {
+                    None => 1.0,
+                    Some(Beside::Pivot(pivot)) => density / (density + pivot.density(distance)),
+                    Some(Beside::Scattered { part }) => part,
+                };
                 let at = Place { stage, limits, position, medium: &medium, share };
-                let light = path.throughput * share;
-                let to = self.light(&at, path, light, found, shades, [u_first[0], u_first[1], u_first[2], u_seed]);
+                let to = if let Some(Beside::Scattered { .. }) = beside {
+                    // Its light sample has been taken.
+                    self.receiver(stage, limits, position).at(path.ray.moment)
+                } else {
+                    let light = path.throughput * share;
+                    let [_, u_seed, ..] = u_second;
+                    self.light(&at, path, light, found, shades, [u_first[0], u_first[1], u_first[2], u_seed])
+                };
                 found.notes.turned_in_volume(found.path, path.way);
                 self.turn(&at, path, to, [u_first[3], u_second[0], u_second[2], u_second[3]])
             }
         }
     }
 
-    /// A light sample at a place that lies well for a light, beside the one where the path is scattered (Kulla and Fajardo
-    /// 2012, "Importance Sampling Techniques for Path Tracing in Participating Media"). Both share by their densities
-    /// along the ray. `None` where the medium varies, so that the other's density is not known, or no light is near.
-    fn beside_a_light<N: Notes>(
+    /// A light sample at a place on the ray that is chosen apart from where the path is scattered: most paths go through thin media,
+    /// and yet each sees the light that media scatter. The place is chosen by the angle under which a light sees it
+    /// (Kulla and Fajardo 2012, "Importance Sampling Techniques for Path Tracing in Participating Media"), or, for light from
+    /// infinity, as if the path were scattered for certain. `None` where the medium varies, so that the density along the ray is
+    /// not known.
+    fn light_beside<N: Notes>(
         &self,
         limits: &Limits,
         path: &mut Path,
         stretch: &Stretch<'_>,
         found: &mut Found<'_, N>,
         shades: (&mut Vec<Shadow<N::Of>>, &mut Vec<Veil>),
-    ) -> Option<Pivot> {
+    ) -> Option<Beside> {
         let stage = stretch.stage;
-        if !stage.lights.has_local() {
+        if !stage.lights.any_is_sampled() {
             return None;
         }
         let medium = stretch.even_medium()?;
         let [u_choice, u_place, u_distance, u_seed] = path.sampler.next_4d();
-        let [u_light, u0, u1, _] = path.sampler.next_4d();
+        let [u_light, u0, u1, u_channel] = path.sampler.next_4d();
         let ray = &stretch.ray;
-        // The light is one that is likely to shine on some place of what is well seen.
+        // A light that is likely to shine on some place of what is well seen.
         let reach = ray.t_max.min(3.0 / medium.extinction.max_element().max(f32::MIN_POSITIVE)).min(1e6);
-        let from = ray.origin + ray.direction * (reach * u_place);
-        let pivot = Pivot::new(ray, stage.lights.near(&self.receiver(stage, limits, from), u_choice)?)?;
-        let distance = pivot.sample(u_distance);
+        let to = self.receiver(stage, limits, ray.origin + ray.direction * (reach * u_place));
+        let (beside, distance) = if u_choice < to.sky_chance || !stage.lights.has_local() {
+            let (distance, part) = stretch.even_scattering(&medium, path.throughput, [u_channel, u_distance])?;
+            (Beside::Scattered { part }, distance)
+        } else {
+            let u = (u_choice - to.sky_chance) / (1.0 - to.sky_chance);
+            let pivot = Pivot::new(ray, stage.lights.near(&to, u.min(1.0 - f32::EPSILON))?)?;
+            (Beside::Pivot(pivot), pivot.sample(u_distance))
+        };
         if !(distance > 0.0 && distance < ray.t_max) {
-            return Some(pivot);
+            return Some(beside);
         }
         let (left, by_following) = stretch.even_at(&medium, path.throughput, distance);
-        let light = path.throughput * left / (pivot.density(distance) + by_following);
+        // Of the places of light samples; and of that what following the path has, which competes by its directions.
+        let (density, share) = match beside {
+            Beside::Pivot(pivot) => {
+                let density = pivot.density(distance) + by_following;
+                (density, by_following / density)
+            }
+            Beside::Scattered { part } => (by_following / part, part),
+        };
+        let light = path.throughput * left / density;
         if light.is_finite() && light != Rgb::ZERO {
             let position = ray.origin + ray.direction * distance;
-            let share = by_following / (pivot.density(distance) + by_following);
             let at = Place { stage, limits, position, medium: &medium, share };
             self.light(&at, path, light, found, shades, [u_light, u0, u1, u_seed]);
         }
-        Some(pivot)
+        Some(beside)
     }
 
     /// A light sample at a place that this much light comes to.
@@ -311,6 +335,15 @@ struct Place<'a> {
     medium: &'a Medium,
     /// Of the density of light samples here, what is due to following the path: its directions compete with all.
     share: f32,
+}
+
+/// How the place of a light sample beside a path was chosen.
+#[derive(Clone, Copy)]
+enum Beside {
+    /// About a light. Where the path is scattered there is a light sample, too: both share by their densities along the ray.
+    Pivot(Pivot),
+    /// As if the path were scattered for certain: it is this part of paths. Where the path is scattered there is no light sample.
+    Scattered { part: f32 },
 }
 
 /// Places along a ray, evenly by the angle under which a point beside it sees them.

@@ -1,0 +1,47 @@
+# SPDX-License-Identifier: GPL-3.0-or-later
+"""The scenes in which Cycles' default settings are not exact: Petzval gives the truth there, and Cycles still does not."""
+
+from __future__ import annotations
+
+import os
+import sys
+from pathlib import Path
+
+import numpy as np
+import pytest
+
+sys.path.insert(0, str(Path(__file__).resolve().parent / "scenes"))
+
+try:
+    from cycles_limits import LIMITS
+except ModuleNotFoundError as error:
+    # Without Blender there are none to test.
+    if error.name != "bpy":
+        raise
+    LIMITS = {}
+
+pytestmark = pytest.mark.once
+
+
+@pytest.mark.parametrize("name", LIMITS)
+def test_petzval_gives_the_truth_and_cycles_does_not(blender, tmp_path, name):
+    from parity_scenes import photograph
+
+    one = LIMITS[name]
+    part = 1.0 if os.environ.get("PETZVAL_TEST_ALL") else one.quick
+    if not part:
+        pytest.skip("takes minutes: set PETZVAL_TEST_ALL")
+    means = {}
+    for way in one.ways:
+        one.open(way, part)
+        picture = photograph.take(way.engine, tmp_path)[..., :3]
+        assert np.isfinite(picture).all()
+        means[way] = float(picture.mean(dtype=np.float64))
+    truth = next(mean for way, mean in means.items() if way.is_truth)
+    errors = {way: one.error_of(mean, truth) for way, mean in means.items()}
+    print(name, {way.label: f"{means[way]:.4g}" for way in one.ways}, f"truth {truth:.4g}")
+    for way, error in errors.items():
+        if way.engine == "PETZVAL":
+            assert error < one.tolerance, (way.label, error)
+    # If Cycles becomes exact there, the page's chapter has to say so.
+    assert max(errors.values()) > one.error, errors
