@@ -242,3 +242,73 @@ def shadow_caustics():
     lamp("POINT", POWER, (0.0, 0.0, 5.0), shadow_soft_size=RADIUS)
     # Of the floor alone, from below the ball.
     _watched_from((0.0, 0.0, 0.5), type="ORTHO", ortho_scale=2.0)
+
+
+def _one_of_two_faces() -> None:
+    bpy.data.objects.remove(bpy.data.objects["Twin"])
+
+
+@limit(
+    "Faces that lie on each other",
+    "A square of 2 m under a lamp, and the same square once more, turned over: as after a Mirror modifier across the thing's own middle, or a "
+    "boolean. A shadow ray of Cycles leaves out the face that it starts on, and finds the other at no distance: both are black, or black in "
+    "stripes, as rounding has it. One square without its twin is the truth.",
+    (
+        Way("Cycles, one square", "CYCLES", _one_of_two_faces, is_truth=True),
+        Way("Cycles, both", "CYCLES", _as_it_is),
+        Way("Petzval, both", "PETZVAL", _as_it_is),
+    ),
+    samples=64,
+    quick=1 / 4,
+    tolerance=0.01,
+    error=0.1,
+)
+def doubled_faces():
+    grey = material(lambda t: t.shows(t.diffuse(WHITE)))
+    plane(grey, (0.3, 0.2, 0.7), rotation=(20.0, 0.0, 0.0))
+    plane(grey, (0.3, 0.2, 0.7), rotation=(200.0, 0.0, 0.0)).name = "Twin"
+    lamp("POINT", 100.0, (0.5, -0.5, 3.0), shadow_soft_size=0.1)
+    _watched_from((0.3, -3.5, 3.0), (55.0, 0.0, 0.0))
+
+
+#: The scale of a displaced object.
+SCALE = 10.0
+
+
+def _scale_applied() -> None:
+    thing = bpy.data.objects["Plane"]
+    thing.data.transform(thing.matrix_basis.to_3x3().to_4x4())
+    thing.scale = (1.0, 1.0, 1.0)
+    for node in thing.data.materials[0].node_tree.nodes:
+        if node.bl_idname == "ShaderNodeDisplacement":
+            node.inputs["Scale"].default_value *= SCALE
+
+
+@limit(
+    "*Displacement and Bump* on an object with a scale",
+    "A square of 0.2 m with an object scale of 10, displaced by a wave of which the mesh is too coarse to show anything: what is seen is the "
+    "bump. Cycles takes the heights of this bump in the world and the distances between them in the object: its slopes are ten times too "
+    "steep. With the scale applied to the mesh and to the displacement, which changes no shape, its slopes are right: that is the truth.",
+    (
+        Way("Cycles, scale applied", "CYCLES", _scale_applied, is_truth=True),
+        Way("Cycles, object scale of 10", "CYCLES", _as_it_is),
+        Way("Petzval, object scale of 10", "PETZVAL", _as_it_is),
+    ),
+    samples=64,
+    quick=1 / 4,
+    tolerance=0.01,
+    error=0.03,
+)
+def scaled_displacement():
+    def wavy(t: Tree):
+        wave = t.node("TexWave", Vector=t.coordinates("UV"), Scale=2.0, Distortion=0.0)
+        moved = t.node("Displacement", {"space": "OBJECT"}, Height=wave.outputs[0], Midlevel=0.5, Scale=0.002)
+        t.tree.links.new(moved.outputs[0], t._surface.node.inputs["Displacement"])
+        t.shows(t.diffuse(WHITE))
+
+    waves = material(wavy)
+    waves.displacement_method = "BOTH"
+    thing = plane(waves, size=0.2)
+    thing.scale = (SCALE,) * 3
+    lamp("SUN", 3.0, (0.0, 0.0, 3.0), (50.0, 0.0, 60.0), angle=0.01)
+    _watched_from((0.0, 0.0, 3.0))
