@@ -84,6 +84,7 @@ impl SurfacePoint {
         let shading_normal = match normals {
             None => geometric_normal,
             Some(n) => {
+                let [w0, w1, w2] = if instance.is_stretched { evened(instance, n, [w0, w1, w2]) } else { [w0, w1, w2] };
                 let mixed = n[0] * w0 + n[1] * w1 + n[2] * w2;
                 // Flipped with the triangle. Where interpolation gives nothing, or a normal behind the
                 // triangle itself, the triangle's own stands in.
@@ -197,6 +198,15 @@ impl SurfacePoint {
     pub fn uv(&self, scene: &Scene, map: Option<&str>) -> Vec2 {
         uv(mesh_of(scene, self.instance), self.triangle, self.barycentric, map)
     }
+}
+
+/// Weights of a triangle's corner normals, object space, that interpolate them as if each were made unit in render space.
+#[cold]
+fn evened(instance: &Instance, normals: &[Vec3; 3], weights: [f32; 3]) -> [f32; 3] {
+    std::array::from_fn(|i| {
+        let length = (instance.normal_to_render * Vec3A::from(normals[i])).length();
+        if length > 0.0 { weights[i] / length } else { 0.0 }
+    })
 }
 
 /// Where the facets of a brushed surface lie along, if nothing else is said: around the z axis of the object's generated

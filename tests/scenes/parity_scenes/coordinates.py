@@ -222,3 +222,38 @@ def light_path():
 
     _pair(material(two_faced), plain(CREAM, Roughness=0.1))
     plane(material(two_faced), (0.0, 3.9, 1.0), 3.0, (90, 0, 0))
+
+
+def _capped(surface, *more):
+    """A smooth tube with a closed end, three times as long as it is wide by the object's scale: normals differ much over a face."""
+    bpy.ops.mesh.primitive_cylinder_add(
+        vertices=16, radius=0.8, depth=1.0, end_fill_type="NGON", location=(0.0, 0.0, 1.0)
+    )
+    thing = bpy.context.object
+    bpy.ops.object.shade_smooth()
+    for one in (surface, *more):
+        thing.data.materials.append(one)
+    thing.scale = (1.0, 1.0, 3.0)
+    thing.rotation_euler = (0.5, 1.2, 0.3)
+    return thing
+
+
+@scene("Smooth normals and a normal map on a thing that is scaled along one axis")
+def stretched_normals():
+    empty_studio()
+    mapped = material(lambda t: t.shows(t.diffuse(Normal=t.node("NormalMap", Color=(0.9, 0.2, 0.8, 1.0)).outputs[0])))
+    _capped(mapped)
+
+
+@scene("A thing of two materials, of which one is displaced: the other keeps its normals")
+def displaced_in_part():
+    def lifted(t) -> None:
+        t.shows(t.diffuse(RED))
+        t.lifts(t.node("Displacement", Height=0.7, Scale=0.3).outputs[0])
+
+    empty_studio()
+    moved = material(lifted)
+    moved.displacement_method = "BOTH"
+    thing = _capped(plain(CREAM), moved)
+    for face in thing.data.polygons:
+        face.material_index = int(len(face.vertices) > 4)

@@ -300,7 +300,8 @@ fn normal_map<C: Context>(
         if tangent == Vec3A::ZERO {
             return context.read(Field::Normal, Shift::NONE);
         }
-        let normal = context.read(Field::MeshNormal, Shift::NONE);
+        // Unit, as in Cycles 5: between normals that differ much it would be shorter, and the map the stronger.
+        let normal = context.read(Field::MeshNormal, Shift::NONE).normalize_or_zero();
         let mapped = surface::tangent_space(mapped, strength, tangent, sign, normal);
         return context.transform(Direction::Normal, Space::Object, Space::World, mapped) * turned;
     }

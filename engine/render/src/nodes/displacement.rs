@@ -30,9 +30,15 @@ pub fn displace(scene: &mut Scene) -> Vec<String> {
         let owner = &scene.instances[instance];
         let graphs = owner.materials.iter().filter_map(|&i| scene.materials[i as usize].graph.as_deref());
         let bends = graphs.map(|graph| graph.displacement).any(|one| one == Displacement::Both);
-        match Mesh::new(moved(&scene.meshes[mesh], &offsets, bends)) {
+        let by_vertices = |slot: u32| {
+            let graph = scene.materials[owner.material(slot) as usize].graph.as_deref();
+            graph.is_some_and(|graph| graph.displacement == Displacement::Vertices)
+        };
+        match Mesh::new(moved(&scene.meshes[mesh], &offsets, by_vertices, bends)) {
             Ok((moved, warning)) => {
                 scene.meshes[mesh] = Arc::new(moved);
+                // Cycles does not put such a mesh into the world.
+                scene.instances[instance].is_stretched = false;
                 warnings.extend(warning);
             }
             Err(error) => warnings.push(format!("{error}; it keeps its shape")),
@@ -64,12 +70,13 @@ fn offsets(scene: &Scene, instance: usize) -> Option<Vec<Vec3>> {
             }
         }
     }
-    let normals = vertex_normals(mesh);
     let offset = |registers: &mut Registers, vertex: usize| -> Vec3 {
         let Some((triangle, corner)) = first[vertex] else { return Vec3::ZERO };
         let Some(graph) = graph_of(mesh.slot(triangle)) else { return Vec3::ZERO };
         let Some(displacement) = graph.program.displacement else { return Vec3::ZERO };
-        let normal = (owner.normal_to_render * Vec3A::from(normals[vertex])).normalize_or(Vec3A::Z);
+        // That of the smooth mesh, as Blender weights it, or of the flat triangle.
+        let normal = mesh.normals(triangle).map_or_else(|| face_normal(mesh.corners(triangle)), |all| all[corner]);
+        let normal = (owner.normal_to_render * Vec3A::from(normal)).normalize_or(Vec3A::Z);
         // Looked at from above, from about as far as the triangle is wide.
         let [a, b, c] = mesh.corners(triangle);
         let width = owner.to_render.transform_vector3((b - a).abs().max((c - a).abs())).length();
@@ -85,10 +92,10 @@ fn offsets(scene: &Scene, instance: usize) -> Option<Vec<Vec3>> {
     Some((0..mesh.positions.len()).into_par_iter().map_init(Registers::default, offset).collect())
 }
 
-/// The mean of the unit normals of the triangles at each vertex.
-fn vertex_normals(mesh: &Mesh) -> Vec<Vec3> {
+/// The mean of the unit normals of the triangles at each vertex that count; zero where none does.
+fn vertex_normals(mesh: &Mesh, counts: impl Fn(u32) -> bool) -> Vec<Vec3> {
     let mut sums = vec![Vec3::ZERO; mesh.positions.len()];
-    for (i, corners) in mesh.triangles.iter().enumerate() {
+    for (i, corners) in mesh.triangles.iter().enumerate().filter(|(i, _)| counts(*i as u32)) {
         let normal = face_normal(mesh.corners(i as u32));
         corners.iter().for_each(|&vertex| sums[vertex as usize] += normal);
     }
@@ -99,19 +106,25 @@ fn face_normal([a, b, c]: [Vec3; 3]) -> Vec3 {
     (b - a).cross(c - a).normalize_or_zero()
 }
 
-/// The mesh with its vertices moved. Triangles that were flat are flat again; the others get the means of the new normals. The
-/// old ones are kept where a bump, which is of the whole displacement, is to bend them.
-fn moved(mesh: &Mesh, offsets: &[Vec3], bends: bool) -> MeshDescription {
+/// The mesh with its vertices moved. Triangles that were flat are flat again. At vertices of triangles that are displaced and not bumped, by
+/// the material of their slot, smooth triangles get the means of the new normals; elsewhere they keep the old ones, as in Cycles. The
+/// old ones of all are kept where a bump, which is of the whole displacement, is to bend them.
+fn moved(mesh: &Mesh, offsets: &[Vec3], by_vertices: impl Fn(u32) -> bool, bends: bool) -> MeshDescription {
     let shift = |positions: &[Vec3]| positions.iter().zip(offsets).map(|(p, offset)| *p + *offset).collect();
     let positions: Vec<Vec3> = shift(&mesh.positions);
     let shape = Mesh { positions, ..mesh.clone() };
-    let new = vertex_normals(&shape);
+    let new = vertex_normals(&shape, |i| by_vertices(mesh.slot(i)));
     let corner_normals = mesh.corner_normals.as_ref().map(|old| {
         let of = |i: u32| {
-            let before = face_normal(mesh.corners(i));
-            let is_flat = old.at(mesh.numbers(), i).iter().all(|normal| normal.distance_squared(before) < 1e-8);
-            let flat = face_normal(shape.corners(i));
-            shape.triangles[i as usize].map(|vertex| if is_flat { flat } else { new[vertex as usize] })
+            let (old, before) = (old.at(mesh.numbers(), i), face_normal(mesh.corners(i)));
+            if old.iter().all(|normal| normal.distance_squared(before) < 1e-8) {
+                return [face_normal(shape.corners(i)); 3];
+            }
+            let corners = shape.triangles[i as usize];
+            std::array::from_fn(|corner| match new[corners[corner] as usize] {
+                Vec3::ZERO => old[corner],
+                normal => normal,
+            })
         };
         Corners::Each((0..mesh.triangles.len() as u32).map(of).collect())
     });

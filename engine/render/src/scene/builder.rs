@@ -326,6 +326,8 @@ impl SceneBuilder {
         let (mut dims, mut moving) = (false, Vec::new());
         let meshes = self.meshes.all().to_vec();
         self.warnings.clear();
+        let mut users = vec![0u32; meshes.len()];
+        self.instances.iter().for_each(|raw| users[raw.mesh] += 1);
         let instances = std::mem::take(&mut self.instances)
             .into_iter()
             .enumerate()
@@ -350,6 +352,7 @@ impl SceneBuilder {
                     to_render: Affine3A::IDENTITY,
                     to_object: Affine3A::IDENTITY,
                     normal_to_render: Mat3A::IDENTITY,
+                    is_stretched: false,
                     mirrored: false,
                     pose: mesh.poses.as_ref().map_or_else(Pose::default, |poses| poses.middle()),
                     materials: of_slots,
@@ -361,6 +364,7 @@ impl SceneBuilder {
                     is_catcher: raw.is_catcher,
                 };
                 instance.stand(&DAffine3::from_mat4(raw.matrix), origin);
+                instance.is_stretched = users[raw.mesh] == 1 && instance.changes_angles();
                 if raw.way.is_some() || mesh.poses.is_some() {
                     moving.push(Moving::new(number as u32, raw.way));
                 }

@@ -6,6 +6,9 @@ use super::softening::Softening;
 use super::visibility::{Links, Rays};
 use glam::{Affine3A, DAffine3, DMat4, DVec3, Mat3A, Vec3, Vec4};
 
+/// Axes whose squared lengths and products differ by less than this part are scaled alike.
+const EVEN: f32 = 1e-4;
+
 /// A mesh placed in the scene.
 #[derive(Clone, Debug)]
 pub struct Instance {
@@ -21,6 +24,9 @@ pub struct Instance {
     pub to_object: Affine3A,
     /// Object-space normals to render space (inverse transpose), unnormalised.
     pub normal_to_render: Mat3A,
+    /// The only user of its mesh, and its matrix does not scale all directions alike: normals are made unit in render space before they are
+    /// interpolated, as by Cycles, which puts such a mesh into the world before it renders.
+    pub is_stretched: bool,
     /// The matrix mirrors: front and back are exchanged.
     pub mirrored: bool,
     /// Material of each slot; never empty.
@@ -80,6 +86,14 @@ impl Instance {
         self.to_object = single(moved.inverse());
         self.normal_to_render = Mat3A::from(normal.as_mat3());
         self.mirrored = linear.determinant() < 0.0;
+    }
+
+    /// Whether its matrix scales directions differently, so that angles change.
+    pub(super) fn changes_angles(&self) -> bool {
+        let Mat3A { x_axis: x, y_axis: y, z_axis: z } = self.to_render.matrix3;
+        let most = x.length_squared().max(y.length_squared()).max(z.length_squared());
+        let off = [x.dot(y), y.dot(z), z.dot(x)].into_iter().chain([x, y, z].map(|axis| most - axis.length_squared()));
+        off.fold(0.0, |most: f32, one| most.max(one.abs())) > EVEN * most
     }
 
     /// A triangle's corners, object space.

@@ -10,15 +10,15 @@ use crate::scene::Scene;
 use crate::surface::{SurfacePoint, mesh_of};
 use glam::Vec3A;
 
-/// What counts of light along `d` where an object's shading is dimmed towards the edge of light.
+/// What counts of light along `d`, at a point whose shading normal a displacement may have bent to `normal`, where an object's shading is dimmed towards the edge of light.
 #[inline]
-pub(super) fn dimmed(scene: &Scene, point: &SurfacePoint, d: Vec3A) -> f32 {
-    if scene.dims { dimmed_by_object(scene, point, d) } else { 1.0 }
+pub(super) fn dimmed(scene: &Scene, point: &SurfacePoint, normal: Vec3A, d: Vec3A) -> f32 {
+    if scene.dims { dimmed_by_object(scene, point, normal, d) } else { 1.0 }
 }
 
 #[cold]
-fn dimmed_by_object(scene: &Scene, point: &SurfacePoint, d: Vec3A) -> f32 {
-    let cos = point.shading_normal.dot(d);
+fn dimmed_by_object(scene: &Scene, point: &SurfacePoint, normal: Vec3A, d: Vec3A) -> f32 {
+    let cos = normal.dot(d);
     let softening = &scene.instances[point.instance as usize].softening;
     if softening.dims() && cos > 0.0 { softening.left_at(cos) } else { 1.0 }
 }
@@ -34,9 +34,9 @@ pub(super) struct Grazing {
     pub(super) is_beyond: bool,
 }
 
-/// Whether light along `d` does.
+/// Whether light along `d` does, at a point whose shading normal a displacement may have bent to `normal`.
 #[inline]
-pub(super) fn grazing(scene: &Scene, point: &SurfacePoint, d: Vec3A) -> Option<Grazing> {
+pub(super) fn grazing(scene: &Scene, point: &SurfacePoint, normal: Vec3A, d: Vec3A) -> Option<Grazing> {
     if point.shading_normal == point.geometric_normal {
         return None;
     }
@@ -44,7 +44,7 @@ pub(super) fn grazing(scene: &Scene, point: &SurfacePoint, d: Vec3A) -> Option<G
     if below <= 0.0 {
         return None;
     }
-    let cos = point.shading_normal.dot(d);
+    let cos = normal.dot(d);
     let (side, cos) = (cos.signum(), cos.abs());
     let flat = side * point.geometric_normal.dot(d);
     let amount = if cos < below { 2.0 - (flat + cos) / below } else { 1.0 - flat / below };
@@ -143,13 +143,13 @@ mod tests {
     fn only_light_that_grazes_is_asked_for_from_above() {
         let scene = scene(0.1);
         let point = point(&scene, 0.45, 0.45);
-        assert!(grazing(&scene, &point, point.geometric_normal).is_none());
+        assert!(grazing(&scene, &point, point.shading_normal, point.geometric_normal).is_none());
         // Beyond the triangle's horizon, where the smooth normal still sees it.
         let (n, g) = (point.shading_normal, point.geometric_normal);
         let along = (n - g * n.dot(g)).normalize();
         let beyond = (along - 0.05 * g).normalize();
         assert!(n.dot(beyond) > 0.0);
-        let found = grazing(&scene, &point, beyond).unwrap();
+        let found = grazing(&scene, &point, point.shading_normal, beyond).unwrap();
         assert!(found.is_beyond);
         let light = LightSample {
             wi: beyond,

@@ -317,28 +317,36 @@ impl<N: Notes, const VOLUMES: bool> Wave<N, VOLUMES> {
                 if least_alpha > 0.0 {
                     mixture.widen(least_alpha);
                 }
-                self.go_on(stage, limits, meeting, &mixture);
+                let bent = self.layers.first().and_then(|layer| layer.bent);
+                self.go_on(stage, limits, meeting, bent, &mixture);
             } else {
                 let values = constants.unwrap_or_else(|| nodes::evaluate(material, &stage.scene, point));
                 let mut bsdf = Bsdf::with_caustics(material, &values, tables, point, wo, past.caustics);
                 if least_alpha > 0.0 {
                     bsdf.widen(least_alpha);
                 }
-                self.go_on(stage, limits, meeting, &bsdf);
+                self.go_on(stage, limits, meeting, None, &bsdf);
             }
         }
     }
 
-    /// A light sample at a meeting, and a direction; where that leads into a body, the same at the place where it comes
+    /// A light sample at a meeting, whose shading normal may be bent, and a direction; where that leads into a body, the same at the place where it comes
     /// out.
     #[inline(always)]
-    fn go_on(&mut self, stage: &Stage, limits: &Limits, meeting: usize, bsdf: &(impl Scattering + Parted)) {
+    fn go_on(
+        &mut self,
+        stage: &Stage,
+        limits: &Limits,
+        meeting: usize,
+        bent: Option<Vec3A>,
+        bsdf: &(impl Scattering + Parted),
+    ) {
         let Meeting { path: i, point, view, u_light, .. } = &self.meetings[meeting];
         let path = &mut self.paths[*i as usize];
         let mut found = Found { path: *i, result: &mut self.results[*i as usize], notes: &mut self.notes };
         // The lobe and the direction in it, likewise of one set.
         let [u2, u3, u_lobe, u_end] = path.sampler.next_4d();
-        let at = Place { stage, limits, point };
+        let at = Place { stage, limits, point, normal: bent.unwrap_or(point.shading_normal) };
         found.notes.looks_at(*i, path.way, path.throughput, bsdf, view.distance);
         let to = at.light(path, &mut found, &mut self.shadows, bsdf, *u_light);
         if VOLUMES {
@@ -371,7 +379,7 @@ impl<N: Notes, const VOLUMES: bool> Wave<N, VOLUMES> {
         path.throughput *= light;
         let mut four = || std::array::from_fn(|_| numbers.next());
         let ([u_light, u0, u1, _], [u_lobe, u2, u3, _]) = (four(), four());
-        let (at, bsdf) = (Place { point: &exit, ..at }, Mixture::exit(&exit));
+        let (at, bsdf) = (Place { point: &exit, normal: exit.shading_normal, ..at }, Mixture::exit(&exit));
         let to = at.light(path, &mut found, &mut self.shadows, &bsdf, [u_light, u0, u1]);
         if VOLUMES {
             let inside = &self.inside[*i as usize];

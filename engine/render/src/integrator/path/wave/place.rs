@@ -14,6 +14,7 @@ use crate::sampler::warp;
 use crate::scene::visibility::{Rays, Sets};
 use crate::shading::{LobeShares, Parted, Scattering};
 use crate::surface::SurfacePoint;
+use glam::Vec3A;
 
 /// Light that arrives unless something stands in its way.
 pub(super) struct Shadow<Of> {
@@ -31,6 +32,8 @@ pub(super) struct Place<'a> {
     pub(super) stage: &'a Stage,
     pub(super) limits: &'a Limits,
     pub(super) point: &'a SurfacePoint,
+    /// The shading normal, bent where a displacement bends it.
+    pub(super) normal: Vec3A,
 }
 
 impl Place<'_> {
@@ -44,17 +47,17 @@ impl Place<'_> {
         bsdf: &(impl Scattering + Parted),
         [u_light, u0, u1]: [f32; 3],
     ) -> Receiver {
-        let Self { stage, limits, point, .. } = self;
+        let Self { stage, limits, point, normal } = *self;
         let to = stage.lights.receiver_on(point.instance, point.position, bsdf.receiving_normal(), limits.openness);
         let to = to.at(point.moment);
         if !bsdf.is_mirror()
             && let Some((light, source)) = stage.lights.sample_source(&stage.scene, &to, u_light, [u0, u1], path.way)
             && let Some(light) = self.linked(light)
         {
-            let grazing = terminator::grazing(&stage.scene, point, light.wi);
+            let grazing = terminator::grazing(&stage.scene, point, normal, light.wi);
             let arrives = path.throughput
                 * direct(bsdf, &light, grazing.is_some_and(|grazing| grazing.is_beyond))
-                * terminator::dimmed(&stage.scene, point, light.wi);
+                * terminator::dimmed(&stage.scene, point, normal, light.wi);
             let is_beyond = grazing.is_some_and(|grazing| grazing.is_beyond);
             let shares = || bsdf.shares(light.wi, light.reaches, is_beyond);
             let group = || stage.lights.group(&stage.scene, source);
@@ -101,7 +104,7 @@ impl Place<'_> {
         let Some(next) = bsdf.sample(u_lobe, [u2, u3]) else { return false };
         path.throughput *= next.weight;
         if !next.transmitted {
-            path.throughput *= terminator::dimmed(&self.stage.scene, self.point, next.wi);
+            path.throughput *= terminator::dimmed(&self.stage.scene, self.point, self.normal, next.wi);
         }
         found.notes.turned(found.path, path.way, || {
             if next.mirror { LobeShares::mirror(next.transmitted) } else { bsdf.shares(next.wi, Rays::BOUNCE, false) }
