@@ -66,6 +66,7 @@ def shows(t: Tree, output, scale: float = 1.0, shift: float = 0.0):
 
 @pytest.mark.first_only("kind")
 @pytest.mark.parametrize("kind", KINDS)
+@pytest.mark.first_only("space")
 @pytest.mark.parametrize("space", ["Normal", "UV", "Incoming", "Position", "Object", "Parametric", "True Normal"])
 def test_coordinates(studio, blender, tmp_path, kind, space):
     def build(t):
@@ -80,6 +81,7 @@ def test_coordinates(studio, blender, tmp_path, kind, space):
 
 @pytest.mark.first_only("kind")
 @pytest.mark.parametrize("kind", ["POINT", "SPOT", "AREA", "POINT without size"])
+@pytest.mark.first_only("falloff")
 @pytest.mark.parametrize("falloff", ["Quadratic", "Linear", "Constant"])
 def test_falloff(studio, blender, tmp_path, kind, falloff):
     def build(t):
@@ -126,6 +128,7 @@ def two(t: Tree):
 
 @pytest.mark.first_only("kind")
 @pytest.mark.parametrize("kind", ["POINT", "SPOT", "SUN", "AREA"])
+@pytest.mark.first_only("build")
 @pytest.mark.parametrize(
     "build",
     [noise, gobo, warm, two, *map(by_path, ("Is Camera Ray", "Is Shadow Ray", "Is Diffuse Ray", "Is Glossy Ray")),
@@ -162,7 +165,7 @@ LUMINAIRES = {
 
 # All from a text in the file; one from a file of its own too, which is read alike.
 @pytest.mark.parametrize(
-    ("name", "is_file"), [*((name, False) for name in LUMINAIRES), ("whole", True)],
+    ("name", "is_file"), [*(pytest.param(name, False, marks=[pytest.mark.once] * (name != "whole")) for name in LUMINAIRES), ("whole", True)],
     ids=[*LUMINAIRES, "whole from a file"],
 )  # fmt: skip
 def test_luminaires(studio, blender, tmp_path, name, is_file):
@@ -231,6 +234,7 @@ def test_a_portal_gives_no_light(blender, studio, tmp_path):
     assert (studio.render(tmp_path) == without).all()
 
 
+@pytest.mark.first_only("kind")
 @pytest.mark.parametrize("kind", ["POINT", "SPOT", "SUN", "AREA"])
 def test_a_lamp_that_takes_light_away(studio, blender, tmp_path, kind):
     """A lamp of negative power beside a brighter one."""
@@ -258,6 +262,7 @@ def principled_glow_by_normal(t: Tree):
 GLOWS = (glow_by_normal, glow_by_a_negative_number, principled_glow_by_normal)
 
 
+@pytest.mark.first_only("build")
 @pytest.mark.parametrize("build", GLOWS, ids=lambda build: build.__name__)
 def test_a_surface_that_takes_light_away(studio, blender, tmp_path, build):
     """Emission that is negative, in part or all over."""
