@@ -22,6 +22,12 @@ KINDS = {
 }
 
 
+def half(names, kinds=tuple(KINDS)) -> list:
+    """Pairs of a name and a kind of lamp: every second of a chessboard in `make test`, the others as recipes."""
+    pairs = [(i + j, name, kind) for i, name in enumerate(names) for j, kind in enumerate(kinds)]
+    return [pytest.param(name, kind, marks=pytest.mark.recipe) if n % 2 else (name, kind) for n, name, kind in pairs]
+
+
 @pytest.fixture
 def studio(blender):
     """A matte floor, a wall and a ball, in a dim sky: what no lamp reaches is not dark."""
@@ -64,10 +70,12 @@ def shows(t: Tree, output, scale: float = 1.0, shift: float = 0.0):
     t.shows(t.node("Emission", Color=scaled.outputs[0], Strength=1.5).outputs[0])
 
 
-@pytest.mark.first_only("kind")
-@pytest.mark.parametrize("kind", KINDS)
-@pytest.mark.first_only("space")
-@pytest.mark.parametrize("space", ["Normal", "UV", "Incoming", "Position", "Object", "Parametric", "True Normal"])
+#: What is computed alike follows each other, so that every kind of lamp is tested with one or the other.
+SPACES = ("Normal", "True Normal", "UV", "Parametric", "Position", "Object", "Incoming")
+
+
+@pytest.mark.first_only("space", "kind")
+@pytest.mark.parametrize(("space", "kind"), half(SPACES))
 def test_coordinates(studio, blender, tmp_path, kind, space):
     def build(t):
         node = "TexCoord" if space in ("Normal", "UV", "Object") else "NewGeometry"
@@ -79,10 +87,10 @@ def test_coordinates(studio, blender, tmp_path, kind, space):
     alike(tmp_path)
 
 
-@pytest.mark.first_only("kind")
-@pytest.mark.parametrize("kind", ["POINT", "SPOT", "AREA", "POINT without size"])
-@pytest.mark.first_only("falloff")
-@pytest.mark.parametrize("falloff", ["Quadratic", "Linear", "Constant"])
+@pytest.mark.first_only("falloff", "kind")
+@pytest.mark.parametrize(
+    ("falloff", "kind"), half(("Quadratic", "Linear", "Constant"), ("POINT", "SPOT", "AREA", "POINT without size"))
+)
 def test_falloff(studio, blender, tmp_path, kind, falloff):
     def build(t):
         node = t.node("LightFalloff", Strength=0.4, Smooth=0.7)
@@ -126,15 +134,16 @@ def two(t: Tree):
     t.shows(t.node("MixShader", _0=0.3, _1=one.outputs[0], _2=other.outputs[0]).outputs[0])
 
 
-@pytest.mark.first_only("kind")
-@pytest.mark.parametrize("kind", ["POINT", "SPOT", "SUN", "AREA"])
-@pytest.mark.first_only("build")
+#: Of a ray's depths and kinds, as of coordinates.
+PATHS = ("Is Camera Ray", "Is Shadow Ray", "Is Diffuse Ray", "Is Glossy Ray", "Ray Depth", "Diffuse Depth")
+
+
+@pytest.mark.first_only("build", "kind")
 @pytest.mark.parametrize(
-    "build",
-    [noise, gobo, warm, two, *map(by_path, ("Is Camera Ray", "Is Shadow Ray", "Is Diffuse Ray", "Is Glossy Ray")),
-     by_path("Ray Depth"), by_path("Diffuse Depth")],
-    ids=lambda build: build.__name__,
-)  # fmt: skip
+    ("build", "kind"),
+    half((noise, gobo, warm, two, *map(by_path, PATHS)), ("POINT", "SPOT", "SUN", "AREA")),
+    ids=lambda one: getattr(one, "__name__", one),
+)
 def test_nodes(studio, blender, tmp_path, kind, build):
     lamp(blender, kind, build)
     # Where only light from other surfaces comes to there is some noise.
