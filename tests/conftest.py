@@ -52,12 +52,13 @@ def pytest_configure(config):
 @pytest.hookimpl(tryfirst=True)
 def pytest_collection_modifyitems(config, items):
     """`first_only("kind")` is `once` for all but the first value of that parameter: where nothing that a version of Blender
-    changes depends on it. What is left to `make test-all` is `once`, too."""
+    changes depends on it; `first_only("a", "b")` of two that are given together. What is left to `make test-all` is `once`, too."""
     for item in items:
         for mark in item.iter_markers("first_only"):
-            (name,) = mark.args
-            values = next(m.args[1] for m in item.iter_markers("parametrize") if m.args[0] == name)
-            if item.callspec.params[name] != list(values)[0]:
+            given = mark.args if len(mark.args) > 1 else mark.args[0]
+            values = next(m.args[1] for m in item.iter_markers("parametrize") if m.args[0] == given)
+            first = list(values)[0] if len(mark.args) > 1 else (list(values)[0],)
+            if tuple(item.callspec.params[name] for name in mark.args) != first:
                 item.add_marker(pytest.mark.once)
         if item.get_closest_marker("recipe"):
             item.add_marker(pytest.mark.once)

@@ -87,6 +87,7 @@ def test_resolution_percentage(parts, tmp_path, percent):
     assert picture.shape[:2] == (30 * percent // 100, 50 * percent // 100)
 
 
+@pytest.mark.first_only("model")
 @pytest.mark.parametrize("border", [(0.25, 0.75, 0.25, 0.75), (0.1, 0.37, 0.53, 0.99), (0.0, 1.0, 0.9, 1.0)])
 @pytest.mark.parametrize("model", ["PINHOLE", "LENS"])
 def test_a_border_is_the_crop_of_the_whole(parts, tmp_path, border, model):

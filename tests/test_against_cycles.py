@@ -143,7 +143,9 @@ CASES = {
 }
 
 
-@pytest.mark.parametrize("name", CASES)
+@pytest.mark.parametrize(
+    "name", [pytest.param(name, marks=[pytest.mark.once] * name.startswith("box")) for name in CASES]
+)
 def test_as_bright_as_in_cycles(blender, photograph, name):
     _set_the_scene(blender, **CASES[name])
     ours, cycles = photograph("PETZVAL"), photograph("CYCLES")
@@ -195,7 +197,8 @@ def _block_means(picture: np.ndarray) -> np.ndarray:
     return blocks @ np.array([0.2126, 0.7152, 0.0722])
 
 
-@pytest.mark.once
+# At a lower resolution tests/test_parity.py has the scene in every run.
+@pytest.mark.recipe
 def test_the_demo_scene_is_as_bright_as_in_cycles(blender, photograph):
     """Block by block over a scene with everything in it."""
     bpy = blender

@@ -101,6 +101,7 @@ LETTING_THROUGH = {
 CASES = [(kind, "above") for kind in REFLECTING] + [(kind, "behind") for kind in LETTING_THROUGH]
 
 
+@pytest.mark.first_only("kind", "light")
 @pytest.mark.parametrize(("kind", "light"), CASES, ids=[kind for kind, _ in CASES])
 def test_filter_glossy(stage, blender, tmp_path, kind, light):
     """What the wall sees of the square is rougher than what the camera would see of it."""
@@ -109,6 +110,7 @@ def test_filter_glossy(stage, blender, tmp_path, kind, light):
     alike(tmp_path, block=0.05 if light == "behind" else 0.03, blur_glossy=1.0)
 
 
+@pytest.mark.once
 @pytest.mark.parametrize("blur", [0.5, 10.0])
 def test_filter_glossy_by_its_number(stage, blender, tmp_path, blur):
     stage.mirror(REFLECTING["ggx"], "above")
@@ -119,6 +121,7 @@ def test_filter_glossy_by_its_number(stage, blender, tmp_path, blur):
     assert np.abs(ours - sharp).mean() > 0.2 * sharp.mean()
 
 
+@pytest.mark.once
 def test_filter_glossy_of_what_a_mixture_looks_at(stage, blender, tmp_path):
     """The density of a direction is that of all lobes together, each by its chance."""
     stage.wall.data.materials[0] = made(
@@ -128,6 +131,7 @@ def test_filter_glossy_of_what_a_mixture_looks_at(stage, blender, tmp_path):
     alike(tmp_path, blur_glossy=1.0)
 
 
+@pytest.mark.once
 def test_filter_glossy_from_fog(stage, blender, tmp_path):
     """Fog scatters with a density, too. Only fog is lit: the wall is black."""
     stage.wall.data.materials[0] = made(stage, lambda tree: diffuse(tree, (0.0, 0.0, 0.0, 1.0)))
@@ -154,6 +158,7 @@ def fast_gi(method: str, bounces: int, distance: float, factor: float) -> dict:
     return {"use_fast_gi": True, "fast_gi_method": method, "ao_bounces_render": bounces, "ao_bounces": 7}
 
 
+@pytest.mark.first_only("bounces")
 @pytest.mark.parametrize("bounces", [0, 1, 2])
 def test_fast_gi_replaces_bounces(room, blender, tmp_path, bounces):  # noqa: F811
     """Matte, metal and glass balls: each kind of bounce counts in its way. What glows is seen by the last ray, too."""
@@ -167,6 +172,7 @@ def test_fast_gi_replaces_bounces(room, blender, tmp_path, bounces):  # noqa: F8
         assert np.abs(ours - whole).mean() > 0.02 * whole.mean()
 
 
+@pytest.mark.once
 def test_fast_gi_in_a_closed_room(blender, tmp_path):
     """The world shines through walls that are far enough, and on nothing but indirectly."""
     import scene_parts as parts
@@ -180,6 +186,7 @@ def test_fast_gi_in_a_closed_room(blender, tmp_path):
     assert ours.mean() > 0.1
 
 
+@pytest.mark.once
 def test_fast_gi_passes_what_is_clear(room, tmp_path):  # noqa: F811
     """A last ray goes on through a transparent surface, as far as it would without."""
     roof = made(
@@ -193,6 +200,7 @@ def test_fast_gi_passes_what_is_clear(room, tmp_path):  # noqa: F811
     alike(tmp_path, **fast_gi("REPLACE", 1, 3.0, 1.0))
 
 
+@pytest.mark.once
 def test_fast_gi_of_fog(room, blender, tmp_path):  # noqa: F811
     """A last ray is dimmed by what fills space, and scattered there if no surface is near."""
     blender.ops.mesh.primitive_cube_add(size=1.6, location=(-1.9, 0.0, 0.85))
@@ -205,6 +213,7 @@ def test_fast_gi_of_fog(room, blender, tmp_path):  # noqa: F811
     alike(tmp_path, mean=0.015, block=0.05, volume_bounces=4, **fast_gi("REPLACE", 2, 1.5, 0.6))
 
 
+@pytest.mark.once
 @pytest.mark.parametrize("fogged", [False, True])
 def test_fast_gi_is_added(room, blender, tmp_path, fogged):  # noqa: F811
     """White light from where nothing is near, on what is diffuse: at every bounce, in one lobe of several, and where light comes

@@ -294,6 +294,7 @@ def test_the_command_without_a_camera(petzval_cli, studio, tmp_path):
     assert_one_line(petzval_cli("render", path, "-o", tmp_path / "out.exr"), 1, "camera", "dark.blend")
 
 
+@pytest.mark.first_only("case")
 @pytest.mark.parametrize("case", ["empty", "another file", "cut"])
 def test_the_command_with_a_broken_scene(petzval_cli, scene_file, tmp_path, case):
     path = tmp_path / "broken.blend"

@@ -18,6 +18,12 @@ from cli_render_parts import many
 pytestmark = pytest.mark.once
 
 
+#: Every third in `make test`, the others as recipes: engine/optics/tests/all/reference_paraxial.rs has all of them in every run.
+EACH_LENS = [
+    pytest.param(path, id=path.stem, marks=[pytest.mark.recipe] * (i % 3 != 0)) for i, path in enumerate(LENSES)
+]
+
+
 @pytest.fixture
 def good_lens(tmp_path):
     path = tmp_path / "good.lens"
@@ -32,14 +38,16 @@ def near_mm(path: Path) -> float:
 
 
 @pytest.fixture(scope="module")
-def infos(tmp_path_factory):
-    """`infos(path, *options)` of every reference lens: all in one process, as a command's start takes longer than its work."""
+def infos(request, tmp_path_factory):
+    """`infos(path, *options)` of every lens of this run: all in one process, as a command's start takes longer than its work."""
+    paths = {item.callspec.params["path"] for item in request.session.items if "infos" in item.fixturenames}
     asked = [
         (path, *options)
-        for path in LENSES
+        for path in sorted(paths)
         for options in (
             (),
-            *(("--wavelength", nm) for nm in LINES_NM.values()),
+            # The d line's wavelength is the one that is taken if none is given.
+            *(("--wavelength", nm) for line, nm in LINES_NM.items() if line != "d"),
             ("--focus-distance", repr(near_mm(path))),
         )
     ]
@@ -55,13 +63,13 @@ def published_rows(path: Path) -> list[list[str]]:
 # Right answers ---------------------------------------------------------------------------------------------------
 
 
-@pytest.mark.parametrize("path", LENSES, ids=lambda path: path.stem)
+@pytest.mark.parametrize("path", EACH_LENS)
 def test_info_gives_the_reference_first_order_data(infos, path):
     reference = json.loads((REFERENCE / "paraxial.json").read_text())[path.stem]
     rows = published_rows(path)
     last_vertex = math.fsum(float(row[1]) for row in rows[:-1])
     for line, wavelength_nm in LINES_NM.items():
-        info = infos(path, "--wavelength", wavelength_nm)
+        info = infos(path) if line == "d" else infos(path, "--wavelength", wavelength_nm)
         exact = {name: float(value) for name, value in reference[line].items() if value is not None}
         expected = {
             # Positive if converging, through an odd number of mirrors too.
@@ -92,7 +100,7 @@ def test_info_gives_the_reference_first_order_data(infos, path):
         assert info["surfaces"] == len(rows)
 
 
-@pytest.mark.parametrize("path", LENSES, ids=lambda path: path.stem)
+@pytest.mark.parametrize("path", EACH_LENS)
 def test_info_gives_the_reference_seidel_and_chromatic_sums(infos, path):
     reference = json.loads((REFERENCE / "paraxial.json").read_text())[path.stem]["seidel_d"]
     info = infos(path)
@@ -112,7 +120,7 @@ def test_info_gives_the_reference_seidel_and_chromatic_sums(infos, path):
             assert math.fsum(column) == pytest.approx(total, abs=1e-12 * math.fsum(map(abs, column)))
 
 
-@pytest.mark.parametrize("path", LENSES, ids=lambda path: path.stem)
+@pytest.mark.parametrize("path", EACH_LENS)
 def test_info_gives_near_conjugates(infos, path):
     """Newton's relations, from the reference's foci; through mirrors too."""
     reference = json.loads((REFERENCE / "paraxial.json").read_text())[path.stem]["d"]

@@ -11,6 +11,7 @@ import pytest
 from cli_render_parts import picture
 
 
+@pytest.mark.once
 def test_statistics_as_promised(cli_render):
     done, out, stats = cli_render("--camera", "pinhole", "--samples", 3, "--seed", 5, "--threads", 1)
     assert done.returncode == 0, done.stderr
@@ -47,6 +48,7 @@ def test_formats(blender, cli_render):
     assert out.read_bytes()[:4] == b"\x89PNG"
 
 
+@pytest.mark.once
 def test_the_frame(blender, cli_render):
     first, second = (picture(cli_render("--camera", "pinhole", "--frame", frame)[1]) for frame in (1, 2))
     assert first[..., 0].argmax(axis=1).max() < second[..., 0].argmax(axis=1).max()

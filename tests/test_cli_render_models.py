@@ -134,6 +134,7 @@ def test_a_mask_from_a_file_shapes_the_blur(blender, cli_renders, tmp_path):
         assert middle(one) == pytest.approx(middle(masks["right"]), abs=0.2), pipeline
 
 
+@pytest.mark.once
 def test_without_lens_or_camera_the_file_decides(blender, cli_render):
     # The scene was saved with a pinhole.
     done, _, stats = cli_render("--samples", 1)

@@ -134,6 +134,7 @@ def test_there_and_back_is_where_one_was(maps):
     assert off.max() < 0.05
 
 
+@pytest.mark.once
 def test_blenders_map_uv_node_takes_them(blender, pictures, maps, tmp_path):
     import scene_parts
 

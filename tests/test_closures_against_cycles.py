@@ -301,8 +301,11 @@ BLOCK_LIMITS = {
 OLD_BLOCK_LIMITS = {"principled, film": 0.02, "principled glass, film": 0.015}
 
 
-#: Nodes that are handed over as those of other cases are, with other numbers or linked otherwise.
+#: Nodes that are handed over as those of other cases are, with other numbers, by another word or linked otherwise.
 HANDED_OVER_ALIKE = {
+    "diffuse", "ggx", "multiscatter ggx", "beckmann", "ashikhmin-shirley", "glass", "multiscatter glass", "beckmann glass",
+    "beckmann refraction", "microfiber", "glossy toon", "principled", "principled glass", "principled, single ggx",
+    "subsurface", "skin", "christensen-burley in two channels", "principled, christensen-burley",
     "brushed across", "brushed beckmann", "brushed ashikhmin-shirley", "brushed metal", "smooth glass", "thin glass",
     "smooth refraction", "smooth microfiber", "mirror", "forward subsurface", "diffuse and translucent",
     "transparent and glossy", "sum of diffuse and emission", "mix of mixes", "driven by images", "clear by an image",

@@ -101,6 +101,7 @@ def test_what_cannot_be_planned_is_said(petzval_cli, cli_scenes, options, said):
     assert done.stderr.startswith("petzval: ") and said in done.stderr and done.stderr.count("\n") == 1
 
 
+@pytest.mark.once
 def test_a_render_tells_its_plan(cli_render):
     """In the statistics and in the picture's own metadata; and what was left out was not done."""
     done, out, stats = cli_render(*LENS, "--samples", 2)

@@ -59,7 +59,7 @@ def focus(petzval_cli, scene, tmp_path):
     return run
 
 
-@pytest.mark.first_only("anchor")
+@pytest.mark.once
 @pytest.mark.parametrize("anchor", ["entrance-pupil", "front-vertex", "film"])
 def test_autofocus_looks_where_it_is_told(focus, anchor):
     lens = ("--lens", TRIPLET, "--f-number", 11, "--anchor", anchor)

@@ -224,7 +224,15 @@ GRAPHS = (
 )  # fmt: skip
 
 
-@pytest.mark.parametrize("graph", GRAPHS, ids=lambda graph: graph.__name__)
+#: Of nodes that are handed over as those of others are.
+ALIKE = {bump_diffuse, bump_metal, bump_gentle, moved_and_bumped, tangent_normals_of_a_flat_map, fresnel_coat}
+
+
+@pytest.mark.parametrize(
+    "graph",
+    [pytest.param(graph, marks=[pytest.mark.once] * (graph in ALIKE)) for graph in GRAPHS],
+    ids=lambda graph: graph.__name__,
+)
 def test_graphs(stage, blender, tmp_path, graph):  # noqa: F811
     ball = blender.context.object
     paint = ball.data.color_attributes.new("Paint", "FLOAT_COLOR", "POINT")

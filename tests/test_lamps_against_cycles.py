@@ -22,6 +22,12 @@ KINDS = {
 }
 
 
+def half(names, kinds=tuple(KINDS)) -> list:
+    """Pairs of a name and a kind of lamp: every second of a chessboard in `make test`, the others as recipes."""
+    pairs = [(i + j, name, kind) for i, name in enumerate(names) for j, kind in enumerate(kinds)]
+    return [pytest.param(name, kind, marks=pytest.mark.recipe) if n % 2 else (name, kind) for n, name, kind in pairs]
+
+
 @pytest.fixture
 def studio(blender):
     """A matte floor, a wall and a ball, in a dim sky: what no lamp reaches is not dark."""
@@ -64,9 +70,12 @@ def shows(t: Tree, output, scale: float = 1.0, shift: float = 0.0):
     t.shows(t.node("Emission", Color=scaled.outputs[0], Strength=1.5).outputs[0])
 
 
-@pytest.mark.first_only("kind")
-@pytest.mark.parametrize("kind", KINDS)
-@pytest.mark.parametrize("space", ["Normal", "UV", "Incoming", "Position", "Object", "Parametric", "True Normal"])
+#: What is computed alike follows each other, so that every kind of lamp is tested with one or the other.
+SPACES = ("Normal", "True Normal", "UV", "Parametric", "Position", "Object", "Incoming")
+
+
+@pytest.mark.first_only("space", "kind")
+@pytest.mark.parametrize(("space", "kind"), half(SPACES))
 def test_coordinates(studio, blender, tmp_path, kind, space):
     def build(t):
         node = "TexCoord" if space in ("Normal", "UV", "Object") else "NewGeometry"
@@ -78,9 +87,10 @@ def test_coordinates(studio, blender, tmp_path, kind, space):
     alike(tmp_path)
 
 
-@pytest.mark.first_only("kind")
-@pytest.mark.parametrize("kind", ["POINT", "SPOT", "AREA", "POINT without size"])
-@pytest.mark.parametrize("falloff", ["Quadratic", "Linear", "Constant"])
+@pytest.mark.first_only("falloff", "kind")
+@pytest.mark.parametrize(
+    ("falloff", "kind"), half(("Quadratic", "Linear", "Constant"), ("POINT", "SPOT", "AREA", "POINT without size"))
+)
 def test_falloff(studio, blender, tmp_path, kind, falloff):
     def build(t):
         node = t.node("LightFalloff", Strength=0.4, Smooth=0.7)
@@ -124,14 +134,16 @@ def two(t: Tree):
     t.shows(t.node("MixShader", _0=0.3, _1=one.outputs[0], _2=other.outputs[0]).outputs[0])
 
 
-@pytest.mark.first_only("kind")
-@pytest.mark.parametrize("kind", ["POINT", "SPOT", "SUN", "AREA"])
+#: Of a ray's depths and kinds, as of coordinates.
+PATHS = ("Is Camera Ray", "Is Shadow Ray", "Is Diffuse Ray", "Is Glossy Ray", "Ray Depth", "Diffuse Depth")
+
+
+@pytest.mark.first_only("build", "kind")
 @pytest.mark.parametrize(
-    "build",
-    [noise, gobo, warm, two, *map(by_path, ("Is Camera Ray", "Is Shadow Ray", "Is Diffuse Ray", "Is Glossy Ray")),
-     by_path("Ray Depth"), by_path("Diffuse Depth")],
-    ids=lambda build: build.__name__,
-)  # fmt: skip
+    ("build", "kind"),
+    half((noise, gobo, warm, two, *map(by_path, PATHS)), ("POINT", "SPOT", "SUN", "AREA")),
+    ids=lambda one: getattr(one, "__name__", one),
+)
 def test_nodes(studio, blender, tmp_path, kind, build):
     lamp(blender, kind, build)
     # Where only light from other surfaces comes to there is some noise.
@@ -162,7 +174,7 @@ LUMINAIRES = {
 
 # All from a text in the file; one from a file of its own too, which is read alike.
 @pytest.mark.parametrize(
-    ("name", "is_file"), [*((name, False) for name in LUMINAIRES), ("whole", True)],
+    ("name", "is_file"), [*(pytest.param(name, False, marks=[pytest.mark.once] * (name != "whole")) for name in LUMINAIRES), ("whole", True)],
     ids=[*LUMINAIRES, "whole from a file"],
 )  # fmt: skip
 def test_luminaires(studio, blender, tmp_path, name, is_file):
@@ -231,6 +243,7 @@ def test_a_portal_gives_no_light(blender, studio, tmp_path):
     assert (studio.render(tmp_path) == without).all()
 
 
+@pytest.mark.first_only("kind")
 @pytest.mark.parametrize("kind", ["POINT", "SPOT", "SUN", "AREA"])
 def test_a_lamp_that_takes_light_away(studio, blender, tmp_path, kind):
     """A lamp of negative power beside a brighter one."""
@@ -258,6 +271,7 @@ def principled_glow_by_normal(t: Tree):
 GLOWS = (glow_by_normal, glow_by_a_negative_number, principled_glow_by_normal)
 
 
+@pytest.mark.first_only("build")
 @pytest.mark.parametrize("build", GLOWS, ids=lambda build: build.__name__)
 def test_a_surface_that_takes_light_away(studio, blender, tmp_path, build):
     """Emission that is negative, in part or all over."""

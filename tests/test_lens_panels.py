@@ -81,6 +81,7 @@ def test_lenses_are_found_by_name_group_and_focal_length(blender, parts):
     assert "wide angle, 28.41 mm, f/1.45" in items["nikkor-28-f1.4.lens"]
 
 
+@pytest.mark.once
 def test_every_lens_has_a_thumbnail(blender, parts):
     """Something is drawn in the middle, nothing at the corners' very edge, colours never beyond their coverage."""
     thumbnails, files = parts.part("thumbnails"), parts.part("lens_files")

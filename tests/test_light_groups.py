@@ -131,6 +131,7 @@ def look_through_a_lens(scene, pipeline: str) -> None:
     scene_parts.straight(scene)
 
 
+@pytest.mark.once
 @pytest.mark.parametrize(
     ("kind", "transparent"),
     [("AREA", False), ("AREA", True), ("SUN", True), ("POINT, soft", False), ("POINT without size", False)],
@@ -163,6 +164,7 @@ WAYS = [
 ]  # fmt: skip
 
 
+@pytest.mark.first_only("pipeline", "threshold", "clamp")
 @pytest.mark.parametrize(("pipeline", "threshold", "clamp"), WAYS)
 def test_the_groups_sum_up_to_combined(stage, blender, tmp_path, pipeline, threshold, clamp):
     scene = blender.context.scene
@@ -234,6 +236,7 @@ def test_each_view_layer_has_its_own(stage, blender, tmp_path):
     assert np.array_equal(channels["Other.Combined_Sky.G"], channels[f"{first}.Combined_Sky.G"])
 
 
+@pytest.mark.once
 def test_bidirectional_paths_say_that_they_cannot(stage, blender, tmp_path):
     scene = blender.context.scene
     key_light(blender, "AREA")

@@ -120,6 +120,7 @@ def places(scene_parts, depth: float):
     return scene_parts.square("Wall", (0.0, depth, 0.0), 20.0, made)
 
 
+@pytest.mark.first_only("lens", "f_number")
 @pytest.mark.parametrize(
     ("lens", "f_number"),
     [("double-gauss-f2-tronnier", 2.0), ("phone-4.1-f1.8", 1.9), ("reflex-nikkor-500-f8", 8.5)],
@@ -172,6 +173,7 @@ def test_its_rays_are_those_of_the_lens(blender, osl, scene, tmp_path, lens, f_n
     assert np.abs(off_px.mean(axis=0)).max() < 3e-4
 
 
+@pytest.mark.once
 def test_a_white_world_is_as_bright(blender, osl, scene, tmp_path):
     """Vignetting and the sampling of the pupil, wide open and stopped down by the script's own parameter."""
     import scene_parts
@@ -189,6 +191,7 @@ def test_a_white_world_is_as_bright(blender, osl, scene, tmp_path):
     assert wanted.min() < 0.9 * wanted.max()
 
 
+@pytest.mark.once
 @pytest.mark.parametrize(
     ("lens", "options", "depth"),
     [
@@ -228,6 +231,7 @@ def test_pictures_are_those_of_petzval(blender, osl, scene, tmp_path, lens, opti
     assert np.abs(aside).max() < 0.03
 
 
+@pytest.mark.once
 def test_focus_is_a_parameter(blender, osl, scene, tmp_path):
     import scene_parts
 
@@ -245,6 +249,7 @@ def test_focus_is_a_parameter(blender, osl, scene, tmp_path):
     assert by_cycles(scene, script, tmp_path)[..., 1].std() < 0.8 * wanted[..., 1].std()
 
 
+@pytest.mark.once
 def test_three_wavelengths_have_their_colours(blender, osl, scene, tmp_path):
     import scene_parts
 

@@ -54,6 +54,7 @@ def of_skin(room):
     bpy.data.objects["Plastic"].data.materials[0] = skin
 
 
+@pytest.mark.first_only("add")
 @pytest.mark.parametrize("add", [nothing, in_fog, behind_panes, of_skin])
 def test_each_is_as_cycles_has_it(room, blender, tmp_path, add):
     if add is of_skin and blender.app.version < (5, 0, 0):

@@ -20,6 +20,7 @@ def room(blender):
     return pass_parts
 
 
+@pytest.mark.first_only("transparent", "has_pass")
 @pytest.mark.parametrize(("transparent", "has_pass"), [(True, False), (True, True), (False, False), (False, True)])
 def test_shadows_are_as_cycles_has_them(room, blender, tmp_path, transparent, has_pass):
     """With the pass the shadow is there alone, else it is in the picture's alpha."""

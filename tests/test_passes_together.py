@@ -45,6 +45,7 @@ def look_through_a_lens(pipeline: str) -> None:
 WAYS = [("FILM", 0.0), ("HERO", 0.0), ("HERO", 0.1), ("SCENE", 0.0)]
 
 
+@pytest.mark.first_only("pipeline", "threshold")
 @pytest.mark.parametrize(("pipeline", "threshold"), WAYS)
 def test_through_a_lens_light_adds_up(room, blender, tmp_path, pipeline, threshold):
     """And colours are not dimmed by the lens: the floor's is as it is."""

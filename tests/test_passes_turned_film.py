@@ -16,6 +16,8 @@ from photograph.truth import Camera
 
 sys.path.insert(0, str(Path(__file__).resolve().parent))
 
+pytestmark = pytest.mark.once
+
 PIXELS, FILM_MM = (24, 16), (12.0, 8.0)
 FOCUS, SAMPLES = 1.6, 576
 #: Places within a pixel.

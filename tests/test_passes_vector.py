@@ -108,6 +108,7 @@ def of_the_background(coverage: np.ndarray, vector: np.ndarray) -> np.ndarray:
     return terms @ fit
 
 
+@pytest.mark.once
 @pytest.mark.parametrize(
     ("model", "lens", "focal_length", "focus", "pipeline", "place"),
     [

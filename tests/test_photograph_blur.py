@@ -12,6 +12,8 @@ import pytest
 from photograph.chart import FILTER_VARIANCE, Studio, spots
 from photograph.truth import Camera, Spot
 
+pytestmark = pytest.mark.once
+
 DOUBLE_GAUSS = "double-gauss-f2-tronnier"
 FOCAL_MM, FOCUS = 50.0, 2.0
 
@@ -47,7 +49,6 @@ CIRCLES = {
 }
 
 
-@pytest.mark.first_only("case")
 @pytest.mark.parametrize("case", CIRCLES)
 def test_a_circle_of_confusion_is_that_of_exact_rays(blender, tmp_path, case):
     depth, f_number, blades, turn_deg, film_mm = CIRCLES[case]
@@ -85,7 +86,6 @@ def symmetry_moment(spot: Spot, fold: int) -> complex:
     return complex(spot.weight @ away**fold / spot.weight.sum())
 
 
-@pytest.mark.once
 def test_a_pentagon_turns_over_where_the_focus_is_passed(blender, tmp_path):
     """Without exact rays: one corner of the opening points to the right as the lens is seen from behind. Nearer than the
     focus the film is met before the rays have crossed, and the picture is the film turned by half a turn."""

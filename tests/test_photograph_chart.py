@@ -37,7 +37,7 @@ def place_lamps(studio: Studio, exact, places, depths, diameter_px, matrix=None)
     return points
 
 
-@pytest.mark.first_only("case")
+@pytest.mark.once
 @pytest.mark.parametrize("case", LENSES)
 def test_points_lie_where_exact_rays_meet_the_film(blender, tmp_path, case):
     name, focal_length, film, focus, depths, diameter_px = LENSES[case]
@@ -51,6 +51,7 @@ def test_points_lie_where_exact_rays_meet_the_film(blender, tmp_path, case):
     assert np.abs(errors).max() < 0.05, errors
 
 
+@pytest.mark.once
 def test_a_camera_anywhere_takes_the_same_picture(blender, tmp_path):
     """Moved, turned, scaled and upside down: upright is the camera's own up, and nothing is mirrored."""
     from mathutils import Matrix

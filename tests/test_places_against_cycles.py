@@ -234,7 +234,18 @@ MATERIALS = (
 )  # fmt: skip
 
 
-@pytest.mark.parametrize("graph", MATERIALS, ids=lambda graph: graph.__name__)
+#: Of nodes that are handed over as those of others are.
+ALIKE = {
+    view_vector, into_the_camera, brushed_about_x, brushed_metallic, brushed_in_its_space_by_nodes, wires, dirty_corners, thin_places,
+    own_hollows, transparent_corners,
+}  # fmt: skip
+
+
+@pytest.mark.parametrize(
+    "graph",
+    [pytest.param(graph, marks=[pytest.mark.once] * (graph in ALIKE)) for graph in MATERIALS],
+    ids=lambda graph: graph.__name__,
+)
 def test_materials(stage, blender, tmp_path, graph):  # noqa: F811
     made, tree, surface = stage.material()
     blender.context.object.data.materials.append(made)
@@ -271,6 +282,7 @@ def world_by_camera_data(t: Tree):
 WORLDS = (world_in_the_window, world_in_the_camera, world_by_camera_data)
 
 
+@pytest.mark.first_only("build")
 @pytest.mark.parametrize("build", WORLDS, ids=lambda one: one.__name__)
 def test_worlds(stage, blender, tmp_path, build):  # noqa: F811
     _shift_camera()

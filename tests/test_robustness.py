@@ -95,7 +95,9 @@ def test_a_full_disk_leaves_the_old_file_or_the_new_one(name, scene, parts, tmp_
     done = command(*arguments, *where)
     assert done.returncode == 0, done.stderr
     whole = out.read_bytes()
-    for most in (0, len(whole) // 2, len(whole) - 1):
+    # Within a file of Python's own writer nothing differs: it is tested at every byte below.
+    is_engines = arguments[0] in ("render", "merge") or arguments[1] == "stmap"
+    for most in (0, *([len(whole) // 2] if is_engines else []), len(whole) - 1):
         out.write_bytes(b"the old file, which is longer than nothing")
         done = command(*arguments, *where, most_bytes=most)
         assert done.returncode == 1, (most, done.stdout)
@@ -212,6 +214,9 @@ def test_a_signal_before_the_first_sample_leaves_the_old_picture(number, scene, 
     assert done.returncode == 0, done.stderr
     old = out.read_bytes()
     moments = [0.02, 0.1, 0.3, 0.5, 0.7, 0.9, 1.1, 1.3, 1.6, 2.0]
+    # Both are heard in the same way: the second at every second moment.
+    if number == signal.SIGTERM and not os.environ.get("PETZVAL_TEST_ALL"):
+        moments = moments[::2]
     statuses = []
     for moment in moments:
         process = subprocess.Popen(
@@ -229,7 +234,8 @@ def test_a_signal_before_the_first_sample_leaves_the_old_picture(number, scene, 
         assert picture(out).shape[:2] == (48, 64) and picture(out)[..., :3].mean() > 0.05, (moment, said)
         out.write_bytes(old)
     # While Python itself starts, which takes longer on a busy machine, the system ends the process, or Python does with status 1.
-    assert set(statuses[:3]) <= {1, 130, -number} and set(statuses[3:]) <= {130, -number}, statuses
+    allowed = [{130, -number} | ({1} if moment < 0.4 else set()) for moment in moments]
+    assert all(status in these for status, these in zip(statuses, allowed, strict=True)), statuses
     assert left_over(tmp_path) == []
 
 

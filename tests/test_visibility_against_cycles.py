@@ -90,6 +90,7 @@ def test_objects_hide(room, blender, tmp_path, kind):
     differs(ours, room.render(tmp_path, "all.exr")[..., :3], 0.002)
 
 
+@pytest.mark.first_only("kind")
 @pytest.mark.parametrize("kind", ["camera", "diffuse", "glossy", "shadow"])
 @pytest.mark.parametrize("instance", ["MESH", "LIGHT"])
 def test_instancers_hide(room, blender, tmp_path, kind, instance):
@@ -121,6 +122,7 @@ def instanced(blender, one):
     return instancer
 
 
+@pytest.mark.first_only("kind")
 @pytest.mark.parametrize("kind", ["camera", "diffuse", "glossy", "transmission"])
 @pytest.mark.first_only("lamp")
 @pytest.mark.parametrize("lamp", ["AREA", "SUN", "POINT"])
@@ -136,6 +138,7 @@ def test_lamps_reach(room, blender, tmp_path, kind, lamp):
     alike(tmp_path)
 
 
+@pytest.mark.first_only("kind")
 @pytest.mark.parametrize("kind", ["camera", "diffuse", "glossy", "transmission"])
 def test_worlds_show(room, blender, tmp_path, kind):
     room.lamp.data.energy = 20.0
@@ -151,6 +154,7 @@ OUTPUTS = (
 )  # fmt: skip
 
 
+@pytest.mark.first_only("output")
 @pytest.mark.parametrize("output", OUTPUTS)
 def test_light_path(room, blender, tmp_path, output):
     """A panel whose colour tells of the path, before the balls' mirrors; and one that lets light through by it."""
@@ -172,6 +176,7 @@ def test_light_path(room, blender, tmp_path, output):
     alike(tmp_path)
 
 
+@pytest.mark.once
 @pytest.mark.parametrize("output", ["Is Glossy Ray", "Is Singular Ray", "Is Transmission Ray", "Ray Depth"])
 def test_light_path_in_a_world(room, blender, tmp_path, output):
     world = blender.data.worlds.new("told")
@@ -189,6 +194,7 @@ def test_light_path_in_a_world(room, blender, tmp_path, output):
     alike(tmp_path)
 
 
+@pytest.mark.first_only("limits")
 @pytest.mark.parametrize(
     "limits",
     [
@@ -224,6 +230,7 @@ def test_transparent_bounces(room, blender, tmp_path, limit):
     alike(tmp_path, transparent_max_bounces=limit)
 
 
+@pytest.mark.first_only("bounces")
 @pytest.mark.parametrize("bounces", [0, 1])
 def test_lamps_of_few_bounces(room, blender, tmp_path, bounces):
     room.lamp.data.cycles.max_bounces = bounces

@@ -78,7 +78,9 @@ fn towards(angle_deg: f64, azimuth_deg: f64) -> Source {
 #[test]
 fn a_far_source_in_the_field_and_beside_it() {
     let triplet = system("none", &SystemSettings::default());
-    for angle in [0.0, 9.0, 26.0] {
+    // In between, a coated lens and one with a lamp near it are below.
+    let angles = if petzval_testkit::is_thorough() { &[0.0, 9.0, 26.0][..] } else { &[0.0, 26.0] };
+    for &angle in angles {
         agree(&triplet, towards(angle, 30.0));
     }
 }

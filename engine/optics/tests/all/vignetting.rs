@@ -169,7 +169,10 @@ fn fields_behind_the_first_vertex_too() {
     let fields = fields(&fisheye, None, f64::INFINITY);
     assert!(fields.free_field_deg > Some(100.0) && fields.largest_field_deg > Some(108.0), "{fields:?}");
     check("fisheye", &fisheye, None, f64::INFINITY);
-    check("laikin-fisheye-170", &prescription("laikin-fisheye-170"), Some(4.0), f64::INFINITY);
+    // A field of less.
+    if petzval_testkit::is_thorough() {
+        check("laikin-fisheye-170", &prescription("laikin-fisheye-170"), Some(4.0), f64::INFINITY);
+    }
     check("eye-gullstrand-exact", &prescription("eye-gullstrand-exact"), None, f64::INFINITY);
 }
 

@@ -118,12 +118,12 @@ fn a_mask_shapes_the_beam_of_every_model() {
     }
 }
 
-/// In the middle of the film a uniform white world is 1, for every shipped lens, open and with curved blades;
-/// `make test-all` and `tests/test_white_world.py` have other openings. This tests the pupil map, its densities, and the measure of the axis together.
+/// In the middle of the film a uniform white world is 1, for every third shipped lens, open and with curved blades;
+/// `make test-all` has all lenses and other openings, and `tests/test_white_world.py` has all lenses in every run. This tests the pupil map, its densities, and the measure of the axis together.
 #[test]
 fn a_white_world_is_one_on_axis() {
     let mut seen = 0;
-    for path in petzval_testkit::lenses::shipped(lens("")) {
+    for path in petzval_testkit::lenses::third(lens(""), 1) {
         let openings = [(None, 0, 0.0), (Some(8.0), 5, 0.6), (Some(11.0), 0, 0.0), (Some(8.0), 5, 0.0)];
         let count = if petzval_testkit::is_thorough() { 4 } else { 2 };
         for (f_number, blades, blade_curvature) in openings.into_iter().take(count) {
@@ -154,7 +154,7 @@ fn a_white_world_is_one_on_axis() {
             seen += 1;
         }
     }
-    assert!(seen > 60, "{seen}");
+    assert!(seen > 25, "{seen}");
 }
 
 /// The same through the whole spectrum, in every channel.

@@ -144,21 +144,22 @@ fn growing(effect: Effect, x: f64) -> Shot {
 #[test]
 fn each_effect_is_called_for_where_it_begins_to_matter() {
     for effect in Effect::ALL.into_iter().filter(|effect| effect.is_available()) {
-        let measure = |x: f64| growing(effect, x).decision(effect).measure.unwrap();
-        let tolerance = growing(effect, 0.5).decision(effect).tolerance;
-        // The place at which the measure with its margin of a quarter is the tolerance.
-        let at_limit = tolerance / 1.25;
+        let decision = |x: f64| growing(effect, x).decision(effect);
+        let measure = |decision: &Decision| decision.measure.unwrap();
         let (mut low, mut high) = (0.0, 1.0);
-        assert!(measure(low) < at_limit && measure(high) > at_limit, "{effect:?}: {} {}", measure(low), measure(high));
-        for _ in 0..12 {
+        let (mut below, mut above) = (decision(low), decision(high));
+        // The place at which the measure with its margin of a quarter is the tolerance.
+        let at_limit = above.tolerance / 1.25;
+        assert!(measure(&below) < at_limit && measure(&above) > at_limit, "{effect:?}: {below:?} {above:?}");
+        for _ in 0..9 {
             let middle = 0.5 * (low + high);
-            if measure(middle) < at_limit { low = middle } else { high = middle }
+            let found = decision(middle);
+            if measure(&found) < at_limit { (low, below) = (middle, found) } else { (high, above) = (middle, found) }
         }
-        let [below, above] = [low, high].map(|x| growing(effect, x).decision(effect));
         let is_called_for = |d: &Decision| d.is_on && d.why.ends_with(": simulated");
         assert!(!is_called_for(&below) && is_called_for(&above), "{effect:?}: {below:?} {above:?}");
         assert!(above.is_uncertain && !below.is_uncertain, "{effect:?}");
-        assert!((above.measure.unwrap() / below.measure.unwrap() - 1.0).abs() < 0.1, "{effect:?}");
+        assert!((measure(&above) / measure(&below) - 1.0).abs() < 0.1, "{effect:?}");
     }
 }
 

@@ -190,14 +190,16 @@ fn vignetting_of_a_bare_stop_is_cos_to_the_fourth() {
     assert!((found.value / expected - 1.0).abs() < 0.02, "{} {expected}", found.value);
 }
 
-/// Nothing is ever not a number, whatever the lens (every third; all by `make test-all`) and the film; mirrors, eyes, turned films and light paths that end.
+/// Nothing is ever not a number, whatever the lens (every third; all by `make test-all`) and the film; mirrors, eyes, films that are turned
+/// (for every second lens; for all by `make test-all`) and light paths that end.
 #[test]
 fn all_lenses_are_measured() {
     let folder = std::path::Path::new(env!("CARGO_MANIFEST_DIR")).join("../../lenses");
     let mut count = 0;
-    for path in petzval_testkit::lenses::third(folder, 2) {
+    for (number, path) in petzval_testkit::lenses::third(folder, 2).into_iter().enumerate() {
         let name = path.file_name().unwrap().to_str().unwrap().to_owned();
-        for tilt in [0.0, 0.1] {
+        let tilts = if petzval_testkit::is_thorough() { &[0.0, 0.1][..] } else { &[[0.0], [0.1]][number % 2][..] };
+        for &tilt in tilts {
             let small = if name.starts_with("eye") { 4.0 } else { 12.0 };
             let d = with_lens(&name, small, small / 1.5, tilt);
             let Ok(survey) = Survey::new(&d, 640, 427) else { continue };
@@ -218,5 +220,5 @@ fn all_lenses_are_measured() {
             }
         }
     }
-    assert!(count > 70, "{count}");
+    assert!(count > 35, "{count}");
 }

@@ -35,12 +35,12 @@ fn white(camera: &Camera, place: Vec2) -> Rgb {
     rays.iter().flatten().map(|ray| ray.white()).sum::<Rgb>() / RAYS as f32
 }
 
-/// The fit's error over all lenses, on their own film, is within what it is allowed; those that are not are known.
+/// The fit's error over every third lens (all by `make test-all`), on their own film, is within what it is allowed; those that are not are known.
 #[test]
 fn every_lens_is_fitted() {
     let folder = std::path::Path::new(env!("CARGO_MANIFEST_DIR")).join("../../lenses");
     let mut count = 0;
-    for path in petzval_testkit::lenses::shipped(folder) {
+    for path in petzval_testkit::lenses::third(folder, 0) {
         let name = path.file_name().unwrap().to_str().unwrap().to_owned();
         let camera = of_own_field(&path, SIZE, |d| (d.transmission, d.spectrum) = (true, Spectrum::Bands(8)));
         let lens = camera.traced_lens().unwrap();
@@ -54,7 +54,7 @@ fn every_lens_is_fitted() {
         assert!(error < allowed, "{name} {error}");
         count += 1;
     }
-    assert!(count > 50, "{count}");
+    assert!(count > 15, "{count}");
 }
 
 /// Uncoated flint is yellowish by the product of what its surfaces pass, and the middle is as bright as ever; by the f-number it is

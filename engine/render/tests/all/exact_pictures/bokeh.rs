@@ -56,13 +56,16 @@ impl Case {
 
 #[test]
 fn points_out_of_focus_have_the_shapes_of_exact_rays() {
-    for case in CASES {
+    for (number, case) in CASES.into_iter().enumerate() {
         let in_one = case.camera();
         let list = case.lamps(&in_one);
         let stage = lamps(&list);
-        for (d, pipelines) in
-            [(in_three(&in_one), &[Pipeline::Hero][..]), (in_one, &[Pipeline::FilmFirst, Pipeline::SceneFirst])]
-        {
+        let mut ways = vec![(in_one.clone(), &[Pipeline::FilmFirst, Pipeline::SceneFirst][..])];
+        // Before and behind the plane that is sharp; through the others in `make test-all`.
+        if number < 2 || petzval_testkit::is_thorough() {
+            ways.push((in_three(&in_one), &[Pipeline::Hero]));
+        }
+        for (d, pipelines) in ways {
             let exact = Exact::new(&d, PIXELS);
             let truths: Vec<_> = list.iter().map(|lamp| exact.picture_of(lamp, RAYS)).collect();
             for &pipeline in pipelines {

@@ -167,7 +167,9 @@ fn vignetting_is_that_of_counted_rays() {
 fn pictures_of_a_white_world_fall_off_as_counted() {
     const PIXELS: [u32; 2] = [12, 8];
     let stage = white_world();
-    for (name, width) in [("wide-angle-smith-f3.4", 120.0), ("laikin-fisheye-170", 9.0)] {
+    // The fisheye's corner is the noisiest.
+    let wide = if petzval_testkit::is_thorough() { 6144 } else { 3072 };
+    for (name, width, of_scene) in [("wide-angle-smith-f3.4", 120.0, wide), ("laikin-fisheye-170", 9.0, 6144)] {
         let d = CameraDescription { film_width_mm: width, film_height_mm: width / 1.5, ..lens(name) };
         let counter = Counter::new(&d, PIXELS);
         let axis = counter.exposure(DVec2::ZERO);
@@ -182,7 +184,7 @@ fn pictures_of_a_white_world_fall_off_as_counted() {
         });
         for (pipeline, d, samples) in [
             (Pipeline::FilmFirst, d.clone(), 512),
-            (Pipeline::SceneFirst, d.clone(), 6144),
+            (Pipeline::SceneFirst, d.clone(), of_scene),
             (Pipeline::Hero, in_three(&d), 512),
         ] {
             let mean = photographs(&stage, &d, &Exposure { pixels: PIXELS, pipeline, samples });

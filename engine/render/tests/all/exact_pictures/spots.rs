@@ -4,7 +4,7 @@ use super::exact::{Exact, Truth};
 use super::noise::photographs;
 use super::studio::{Exposure, Lamp, in_three, lamps, lens};
 use glam::DVec3;
-use petzval_render::camera::CameraDescription;
+use petzval_render::camera::{CameraDescription, Spectrum};
 use petzval_render::pipeline::Pipeline;
 
 /// Far, Blender units: a thousandth of the depth of field of any of these lenses is nearer.
@@ -55,6 +55,14 @@ fn spots_of_far_points_have_the_shapes_of_exact_rays() {
         ] {
             let is_mirror = name == "newtonian-f5";
             if pipeline == Pipeline::Hero && is_mirror {
+                continue;
+            }
+            // The whole spectrum has more to go wrong; points out of focus are taken in three wavelengths, too.
+            if pipeline == Pipeline::Hero
+                && d.wavelength_nm.is_none()
+                && d.spectrum == Spectrum::Three
+                && !petzval_testkit::is_thorough()
+            {
                 continue;
             }
             let (d, lamp) = close_up(&d, field_deg);
