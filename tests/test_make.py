@@ -91,7 +91,6 @@ def test_seconds_of_stray_light_are_added_up():
     ]  # fmt: skip
 
 
-@pytest.mark.recipe
 def test_bench_quick_ends_with_its_page():
     page = ROOT / "output/bench/performance.md"
     page.unlink(missing_ok=True)
