@@ -168,6 +168,6 @@ mod tests {
         let end = point.position + beyond * 10.0;
         assert!((ray.origin + ray.direction * ray.t_max - end).length() < 1e-4);
         let left_alone = self::scene(0.0);
-        assert!(grazing(&left_alone, &point, beyond).is_none());
+        assert!(grazing(&left_alone, &point, point.shading_normal, beyond).is_none());
     }
 }
