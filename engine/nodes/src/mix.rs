@@ -38,6 +38,11 @@ pub(crate) fn interpolate(a: Vec3A, b: Vec3A, t: Vec3A) -> Vec3A {
 }
 
 impl Blend {
+    /// Whether a share of 0 gives the first value, to the bit: some blends bring it into range.
+    pub(crate) fn is_first_at_0(self) -> bool {
+        !matches!(self, Self::Exclusion | Self::Dodge | Self::Burn | Self::Saturation | Self::Value)
+    }
+
     pub(crate) fn apply(self, t: f32, a: Vec3A, b: Vec3A) -> Vec3A {
         let rest = 1.0 - t;
         let over = |result: Vec3A| a * rest + result * t;

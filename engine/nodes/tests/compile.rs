@@ -65,6 +65,46 @@ fn what_stands_still_is_folded() {
     assert_eq!(program.constant(program.surface[0].input("Color").unwrap()), Some(Vec3A::splat(7.0)));
 }
 
+/// What a setting of a group switches off is not computed: 0 times a noise, its sum with 0, a share of 0 of it, and then the noise.
+#[test]
+fn what_is_switched_off_is_not_computed() {
+    let math = |operation: &str, a: Value, b: Value| {
+        node("Math", json!({"operation": operation}), json!({"Value": a, "Value_001": b}))
+    };
+    let noise = node("TexNoise", json!({}), json!({"Vector": link(0, "Position"), "Scale": 3.0}));
+    let nodes = |last: Vec<Value>| {
+        let mut nodes = vec![node("NewGeometry", json!({}), json!({})), noise.clone()];
+        nodes.extend(last);
+        nodes
+    };
+    let none = nodes(vec![math("MULTIPLY", link(1, "Fac"), json!(0.0)), glow(link(2, "Value"))]);
+    let (program, reports) = program(&none);
+    assert_eq!((reports, program.instructions()), (vec![], 0));
+    assert_eq!(colour(&program), Vec3A::ZERO);
+    let mixed = node(
+        "Mix",
+        json!({"data_type": "RGBA", "blend_type": "DIFFERENCE"}),
+        json!({"Factor_Float": 0.0, "A_Color": [0.2, 0.4, 0.6], "B_Color": link(1, "Color")}),
+    );
+    let (program, _) = self::program(&nodes(vec![mixed, glow(link(2, "Result_Color"))]));
+    assert_eq!((program.instructions(), colour(&program)), (0, Vec3A::new(0.2, 0.4, 0.6)));
+    // What changes nothing goes, and what it changes stays.
+    let kept = nodes(vec![
+        math("ADD", json!(0.0), link(1, "Fac")),
+        math("SUBTRACT", link(2, "Value"), json!(0.0)),
+        math("DIVIDE", link(3, "Value"), json!(1.0)),
+        math("POWER", link(4, "Value"), json!(1.0)),
+        glow(link(5, "Value")),
+    ]);
+    let plain = nodes(vec![glow(link(1, "Fac"))]);
+    let (kept, plain) = (self::program(&kept).0, self::program(&plain).0);
+    assert_eq!(kept.instructions(), plain.instructions());
+    assert_eq!(colour(&kept), colour(&plain));
+    let (inverse, _) =
+        self::program(&nodes(vec![math("SUBTRACT", json!(0.0), link(1, "Fac")), glow(link(2, "Value"))]));
+    assert_eq!(colour(&inverse), -colour(&plain));
+}
+
 #[test]
 fn textures_at_a_place_that_stands_still_are_folded_too() {
     let noise = node("TexNoise", json!({}), json!({"Vector": [0.3, 0.4, 0.5], "Scale": 3.0, "Detail": 2.0}));

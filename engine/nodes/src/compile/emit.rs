@@ -5,6 +5,7 @@ use crate::context::{Attribute, AttributeKind, Nowhere};
 use crate::math::MathKind;
 use crate::mix::Blend;
 use crate::program::{FIRST_CONSTANT, Instruction, MOST_OPERANDS, Operand, Operation};
+use crate::vector::VectorMathKind;
 use glam::Vec3A;
 
 /// While compiling, results are virtual registers, numbered from here on: above all constants.
@@ -41,13 +42,30 @@ impl Compiler<'_> {
         self.shortcut(operation, operands).unwrap_or_else(|| self.emit_many::<0>(operation, operands).0)
     }
 
-    /// An operand that is the result already.
+    /// An operand that is the result already: groups of nodes come with parts that their settings switch off by a 0 or a 1. As in
+    /// Cycles 0 times anything is 0.
     fn shortcut(&self, operation: Operation, operands: &[Operand]) -> Option<Operand> {
+        use {MathKind as Number, VectorMathKind as Vector};
+        let is = |i: usize, value: f32| self.is_known(operands[i], value);
+        let first_that = |value: f32| (0..2).find(|&i| is(i, value)).map(|i| operands[i]);
+        let other_than = |value: f32| (0..2).find(|&i| is(i, value)).map(|i| operands[1 - i]);
         match operation {
-            Operation::Mix(Blend::Mix) if self.is_known(operands[0], 0.0) => Some(operands[1]),
-            Operation::Mix(Blend::Mix) if self.is_known(operands[0], 1.0) => Some(operands[2]),
-            Operation::Math(MathKind::Multiply, false) if self.is_known(operands[0], 1.0) => Some(operands[1]),
-            Operation::Math(MathKind::Multiply, false) if self.is_known(operands[1], 1.0) => Some(operands[0]),
+            Operation::Mix(blend) if is(0, 0.0) && blend.is_first_at_0() => Some(operands[1]),
+            Operation::Mix(Blend::Mix) if is(0, 1.0) => Some(operands[2]),
+            Operation::Math(Number::Multiply, false) | Operation::VectorMath(Vector::Multiply) => {
+                first_that(0.0).or_else(|| other_than(1.0))
+            }
+            Operation::Math(Number::Add, false) | Operation::VectorMath(Vector::Add) => other_than(0.0),
+            Operation::Math(Number::Subtract, false) | Operation::VectorMath(Vector::Subtract) if is(1, 0.0) => {
+                Some(operands[0])
+            }
+            Operation::Math(Number::Divide | Number::Power, false) | Operation::VectorMath(Vector::Divide)
+                if is(1, 1.0) =>
+            {
+                Some(operands[0])
+            }
+            Operation::VectorMath(Vector::Scale) if is(3, 0.0) => Some(operands[3]),
+            Operation::VectorMath(Vector::Scale) if is(3, 1.0) => Some(operands[0]),
             _ => None,
         }
     }
