@@ -3,7 +3,6 @@
 
 from __future__ import annotations
 
-import os
 import sys
 from pathlib import Path
 
@@ -22,18 +21,18 @@ except ModuleNotFoundError as error:
 
 pytestmark = pytest.mark.once
 
+#: Cases that no part of their samples decides take minutes: `make test-all` has them.
+NAMES = [name if one.quick else pytest.param(name, marks=pytest.mark.recipe) for name, one in LIMITS.items()]
 
-@pytest.mark.parametrize("name", LIMITS)
+
+@pytest.mark.parametrize("name", NAMES)
 def test_petzval_gives_the_truth_and_cycles_does_not(blender, tmp_path, name):
     from parity_scenes import photograph
 
     one = LIMITS[name]
-    part = 1.0 if os.environ.get("PETZVAL_TEST_ALL") else one.quick
-    if not part:
-        pytest.skip("takes minutes: set PETZVAL_TEST_ALL")
     means = {}
     for way in one.ways:
-        one.open(way, part)
+        one.open(way, one.quick or 1.0)
         picture = photograph.take(way.engine, tmp_path)[..., :3]
         assert np.isfinite(picture).all()
         means[way] = float(picture.mean(dtype=np.float64))

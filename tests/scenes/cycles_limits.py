@@ -251,8 +251,7 @@ def _one_of_two_faces() -> None:
 @limit(
     "Faces that lie on each other",
     "A square of 2 m under a lamp, and the same square once more, turned over: as after a Mirror modifier across the thing's own middle, or a "
-    "boolean. A shadow ray of Cycles leaves out the face that it starts on, and finds the other at no distance: both are black, or black in "
-    "stripes, as rounding has it. One square without its twin is the truth.",
+    "boolean. A shadow ray of Cycles leaves out the face that it starts on, and finds the other at no distance: parts of both are dark, as rounding has it. One square without its twin is the truth.",
     (
         Way("Cycles, one square", "CYCLES", _one_of_two_faces, is_truth=True),
         Way("Cycles, both", "CYCLES", _as_it_is),

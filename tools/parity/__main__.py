@@ -121,6 +121,7 @@ class Run:
             raise SystemExit(
                 f"petzval: where Cycles is not exact: {(done.stderr.strip().splitlines() or ['nothing said'])[-1]}"
             )
+        found = {name: one | {"made": self.made} for name, one in found.items()}
         kept.write_text(json.dumps(found, indent=1) + "\n")
         return found
 

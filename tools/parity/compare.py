@@ -46,7 +46,7 @@ def compare(folder: Path) -> dict:
         means.append(float((ours.mean() - theirs.mean()) / np.abs(theirs).mean()))
         flips.append(flip)
         noises.append(noise)
-        strips.append(np.concatenate([*map(_shown, _for_the_eye(name, theirs, ours, theirs)), error], 1))
+        strips.append(np.concatenate([*map(shown, _for_the_eye(name, theirs, ours, theirs)), error], 1))
     _arranged(strips).save(folder / "strip.png")
     worst = max(blocks, key=blocks.get)
     return {
@@ -88,7 +88,7 @@ def _flip(reference: np.ndarray, test: np.ndarray) -> tuple[np.ndarray, float]:
     return (np.clip(np.asarray(error), 0, 1) * 255).astype(np.uint8), float(mean)
 
 
-def _shown(linear: np.ndarray) -> np.ndarray:
+def shown(linear: np.ndarray) -> np.ndarray:
     """In sRGB, first row on top."""
     linear = np.clip(linear[::-1], 0.0, 1.0)
     encoded = np.where(linear < 0.0031308, 12.92 * linear, 1.055 * linear ** (1 / 2.4) - 0.055)

@@ -9,7 +9,6 @@ cycles-0/NAME and cycles-1/NAME, for the picture or each pass or frame; and a li
 from __future__ import annotations
 
 import json
-import os
 import sys
 import time
 from pathlib import Path
@@ -20,7 +19,7 @@ import numpy as np
 import beside_cycles
 from parity_scenes import SCENES, photograph
 
-from . import MARK
+from . import MARK, in_blender
 from .blocks import block_noise, block_ratios, floor_of
 
 #: The noise of a block that is small enough, where blocks are no farther apart than that.
@@ -99,14 +98,7 @@ def photographed(addon, name: str, folder: Path, width: int, height: int, sample
 
 
 def main(numbers: list[str], scenes: list[str]) -> None:
-    # bpy has it once it is there.
-    import addon_utils
-
-    from petzval import load_addon
-
-    addon_utils.enable("cycles")
-    addon = load_addon()
-    addon.register()
+    addon = in_blender.registered()
     for name, folder in zip(scenes[::2], scenes[1::2], strict=True):
         found = photographed(addon, name, Path(folder), *map(int, numbers))
         # From the start of a line: Blender says things without an end.
@@ -114,11 +106,4 @@ def main(numbers: list[str], scenes: list[str]) -> None:
 
 
 if __name__ == "__main__":
-    code = 1
-    try:
-        main(sys.argv[1:5], sys.argv[5:])
-        code = 0
-    except Exception as error:  # noqa: BLE001 (it is the last line that is read)
-        print(f"{type(error).__name__}: {error}", file=sys.stderr, flush=True)
-    # bpy with an engine registered may hang or crash at its end.
-    os._exit(code)
+    in_blender.end(main, sys.argv[1:5], sys.argv[5:])

@@ -8,7 +8,6 @@ the mean of its picture and whether it is the truth.
 from __future__ import annotations
 
 import json
-import os
 import sys
 from pathlib import Path
 
@@ -17,7 +16,7 @@ import numpy as np
 from cycles_limits import LIMITS
 from parity_scenes import photograph
 
-from . import MARK
+from . import MARK, in_blender
 
 
 def rendered(folder: Path) -> dict[str, dict]:
@@ -41,22 +40,9 @@ def rendered(folder: Path) -> dict[str, dict]:
 
 
 def main(folder: str) -> None:
-    # bpy has it once it is there.
-    import addon_utils
-
-    from petzval import load_addon
-
-    addon_utils.enable("cycles")
-    load_addon().register()
+    in_blender.registered()
     print("\n" + MARK + json.dumps(rendered(Path(folder))), flush=True)
 
 
 if __name__ == "__main__":
-    code = 1
-    try:
-        main(*sys.argv[1:])
-        code = 0
-    except Exception as error:  # noqa: BLE001 (it is the last line that is read)
-        print(f"{type(error).__name__}: {error}", file=sys.stderr, flush=True)
-    # bpy with an engine registered may hang or crash at its end.
-    os._exit(code)
+    in_blender.end(main, *sys.argv[1:])

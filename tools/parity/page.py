@@ -10,6 +10,8 @@ import numpy as np
 import pages
 from PIL import Image
 
+from .compare import shown
+
 #: In the order of the scenes; others are called by their module.
 CHAPTERS = {
     "surfaces": "Surfaces",
@@ -73,7 +75,7 @@ def write(
         lines += [_row(scenes[name], name, results[name], work, pictures) for name in names]
         lines.append("")
     lines += _limits(limits, work / "limits", pictures)
-    origin = _oldest(results, now)
+    origin = _oldest({**results, **limits}, now)
     (docs / "parity.md").write_text(pages.stamped("\n".join(lines).rstrip() + "\n", origin))
 
 
@@ -82,9 +84,9 @@ def _limits(limits: dict, work: Path, pictures: Path) -> list[str]:
     lines = [
         "## Where Cycles is not exact",
         "",
-        "Scenes of `tests/scenes/cycles_limits.py`, each rendered several ways. One way of each is the truth: by the law of refraction, or by",
-        "Cycles itself with the approximation switched off. Petzval does not imitate the approximation. `make parity` and `make other-scenes`",
-        "switch it off where a setting allows that.",
+        "Scenes of `tests/scenes/cycles_limits.py`, each rendered several ways. One way of each is the truth: by the law of refraction, by the same",
+        "shape made otherwise, or by Cycles with the approximation switched off. Petzval does not imitate the approximation.",
+        "`make other-scenes` switches shadow caustics off.",
         "",
     ]
     for name, found in limits.items():
@@ -104,9 +106,9 @@ def _side_by_side(looks: list[np.ndarray]) -> Image.Image:
     """Pictures of one scene at one exposure, twice as large: the 99th percentile of the brightest is white."""
     white = max(float(np.percentile(look, 99.0)) for look in looks) or 1.0
     gap = np.ones((looks[0].shape[0], 2, 3))
-    parts = [part for look in looks for part in (np.clip(look / white, 0.0, 1.0) ** (1.0 / 2.2), gap)][:-1]
-    shown = Image.fromarray((np.concatenate(parts, 1)[::-1] * 255.0 + 0.5).astype(np.uint8))
-    return shown.resize((2 * shown.width, 2 * shown.height), Image.Resampling.NEAREST)
+    parts = [part for look in looks for part in (look / white, gap)][:-1]
+    strip = Image.fromarray(shown(np.concatenate(parts, 1)))
+    return strip.resize((2 * strip.width, 2 * strip.height), Image.Resampling.NEAREST)
 
 
 def _oldest(results: dict, now: pages.Made) -> pages.Made:

@@ -38,7 +38,7 @@ pub(crate) fn interpolate(a: Vec3A, b: Vec3A, t: Vec3A) -> Vec3A {
 }
 
 impl Blend {
-    /// Whether a share of 0 gives the first value, to the bit: some blends bring it into range.
+    /// True of blends whose result at a share of 0 is the first value, but for rounding; the others bring it into range or convert it.
     pub(crate) fn is_first_at_0(self) -> bool {
         !matches!(self, Self::Exclusion | Self::Dodge | Self::Burn | Self::Saturation | Self::Value)
     }

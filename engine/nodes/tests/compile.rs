@@ -65,7 +65,7 @@ fn what_stands_still_is_folded() {
     assert_eq!(program.constant(program.surface[0].input("Color").unwrap()), Some(Vec3A::splat(7.0)));
 }
 
-/// What a setting of a group switches off is not computed: 0 times a noise, its sum with 0, a share of 0 of it, and then the noise.
+/// Instructions are left out that a constant 0 or 1 makes needless: a noise times 0, a share of 0 of it, its sum with 0.
 #[test]
 fn what_is_switched_off_is_not_computed() {
     let math = |operation: &str, a: Value, b: Value| {

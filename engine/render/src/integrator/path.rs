@@ -247,8 +247,7 @@ pub(super) fn mix(
     past: Option<Past>,
 ) -> Mixture {
     // As in Cycles such a normal is the smooth one, too: light is not dimmed as by a bump on it.
-    let bent =
-        layers.first().and_then(|layer| layer.bent).map(|normal| SurfacePoint { shading_normal: normal, ..*point });
+    let bent = nodes::bent_normal(layers).map(|normal| SurfacePoint { shading_normal: normal, ..*point });
     let point = bent.as_ref().unwrap_or(point);
     let brushed = layers.iter().any(|layer| layer.closure.is_brushed());
     let tangent = if brushed { tangent_about_z(&stage.scene, point) } else { Vec3A::ZERO };

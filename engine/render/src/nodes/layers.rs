@@ -35,6 +35,11 @@ pub struct EvaluatedLayer {
     pub bent: Option<Vec3A>,
 }
 
+/// The surface's own normal where a displacement bends it, unit; `None` where it does not.
+pub fn bent_normal(layers: &Layers) -> Option<Vec3A> {
+    layers.first().and_then(|layer| layer.bent)
+}
+
 /// The layers of a material at one point.
 pub type Layers = ArrayVec<EvaluatedLayer, MOST_LAYERS>;
 

@@ -93,7 +93,7 @@ impl Instance {
         let Mat3A { x_axis: x, y_axis: y, z_axis: z } = self.to_render.matrix3;
         let most = x.length_squared().max(y.length_squared()).max(z.length_squared());
         let off = [x.dot(y), y.dot(z), z.dot(x)].into_iter().chain([x, y, z].map(|axis| most - axis.length_squared()));
-        off.fold(0.0, |most: f32, one| most.max(one.abs())) > EVEN * most
+        off.fold(0.0, |worst: f32, one| worst.max(one.abs())) > EVEN * most
     }
 
     /// A triangle's corners, object space.

@@ -151,7 +151,7 @@ fn light_is_scattered_once() {
     close(down(&stage(rising, 0.0, sun as f32), 3.0, 0, 65_536), expected, 0.01 * expected.x);
 }
 
-/// Of thin media, which one path in fifty is scattered by, every path sees what the sun gives: few samples are enough.
+/// Sunlight in a thin medium, which scatters one path in fifty: every path takes a light sample, so that 16 paths are enough.
 #[test]
 fn thin_media_are_lit_for_every_path() {
     let thin = volume("VolumeScatter", r#""Color": [0.9, 0.5, 0.1], "Density": 0.01"#, "");

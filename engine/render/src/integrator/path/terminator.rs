@@ -10,7 +10,7 @@ use crate::scene::Scene;
 use crate::surface::{SurfacePoint, mesh_of};
 use glam::Vec3A;
 
-/// What counts of light along `d`, at a point whose shading normal a displacement may have bent to `normal`, where an object's shading is dimmed towards the edge of light.
+/// The part of light along `d` that counts, at a point whose shading normal a displacement may have bent to `normal`, where an object's shading is dimmed towards the edge of light.
 #[inline]
 pub(super) fn dimmed(scene: &Scene, point: &SurfacePoint, normal: Vec3A, d: Vec3A) -> f32 {
     if scene.dims { dimmed_by_object(scene, point, normal, d) } else { 1.0 }
@@ -34,7 +34,7 @@ pub(super) struct Grazing {
     pub(super) is_beyond: bool,
 }
 
-/// Whether light along `d` does, at a point whose shading normal a displacement may have bent to `normal`.
+/// Grazing light along `d`, at a point whose shading normal a displacement may have bent to `normal`; `None` where it does not graze.
 #[inline]
 pub(super) fn grazing(scene: &Scene, point: &SurfacePoint, normal: Vec3A, d: Vec3A) -> Option<Grazing> {
     if point.shading_normal == point.geometric_normal {

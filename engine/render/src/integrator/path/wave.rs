@@ -317,7 +317,7 @@ impl<N: Notes, const VOLUMES: bool> Wave<N, VOLUMES> {
                 if least_alpha > 0.0 {
                     mixture.widen(least_alpha);
                 }
-                let bent = self.layers.first().and_then(|layer| layer.bent);
+                let bent = nodes::bent_normal(&self.layers);
                 self.go_on(stage, limits, meeting, bent, &mixture);
             } else {
                 let values = constants.unwrap_or_else(|| nodes::evaluate(material, &stage.scene, point));
