@@ -94,9 +94,9 @@ prepared() {
 all=
 if [ "${1-}" = --all ]; then
     all=yes
-    # Rust tests take all lenses and the full number of rays.
-    PETZVAL_TEST_ALL=1
-    export PETZVAL_TEST_ALL
+    # Rust tests take all lenses and the full number of rays, and check what only a development build checks.
+    PETZVAL_TEST_ALL=1 CARGO_PROFILE_DEV_DEBUG_ASSERTIONS=true CARGO_PROFILE_DEV_OVERFLOW_CHECKS=true
+    export PETZVAL_TEST_ALL CARGO_PROFILE_DEV_DEBUG_ASSERTIONS CARGO_PROFILE_DEV_OVERFLOW_CHECKS
 fi
 
 # Fetching Blender waits for the network and the disk mostly: it runs beside the compiler.
