@@ -46,11 +46,11 @@ def stage(blender):
     return parts
 
 
-def alike(folder, block: float, floor: float = 0.1) -> None:
-    """Petzval shows what Cycles does, in the mean and block by block."""
+def alike(folder, block: float, floor: float = 0.1, warns: str = "") -> None:
+    """Petzval shows what Cycles does, in the mean and block by block; it warns of nothing but what `warns` names."""
     import beside_cycles
 
-    beside_cycles.alike(folder, SAMPLES, side=BLOCK, mean=0.01, block=block, floor=floor, bounces=48)
+    beside_cycles.alike(folder, SAMPLES, side=BLOCK, mean=0.01, block=block, floor=floor, bounces=48, warns=warns)
 
 
 def node(tree, kind: str, settings: dict | None = None, **inputs):

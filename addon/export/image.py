@@ -28,12 +28,10 @@ class Images:
         `associated`: colours multiplied by alpha, as a node gives them whose alpha is not used.
         """
         key = (uid(image), associated)
-        if image is None:
-            self._report.warn(f"{user}: no image is chosen, magenta is shown")
+        if image is None or _is_missing(image.original):
+            self._warn_of_missing(image, user)
         if key not in self._known:
-            name, pixels, srgb = (
-                ("(missing)", MAGENTA, False) if image is None else self._read(image.original, associated)
-            )
+            name, pixels, srgb = self._read(image.original, associated) if image else ("(missing)", MAGENTA, False)
             opaque = bool((pixels[..., 3] == pixels.dtype.type(255 if pixels.dtype == np.uint8 else 1)).all())
             self._known[key] = self._builder.add_image(name, pixels, srgb=srgb)
             self._kept.changes += 1
@@ -41,19 +39,20 @@ class Images:
                 self._known[key[0], not associated] = self._known[key]
         return self._known[key]
 
-    def of_node(self, node: bpy.types.Node, owner: str) -> int:
+    def of_node(self, node: bpy.types.Node, owner: str) -> int | None:
         """The engine's index of the image that a texture node shows, its colours multiplied by alpha or not as the node
-        gives them."""
+        gives them; None where the image is missing, which is named: a missing image is magenta wherever it is read."""
+        if node.image is None or _is_missing(node.image.original):
+            self._warn_of_missing(node.image, owner)
+            return None
         associated = node.type == "TEX_ENVIRONMENT" or not node.outputs["Alpha"].is_linked
         return self.index(node.image, owner, associated=associated)
 
     def _read(self, image: bpy.types.Image, associated: bool) -> tuple[str, np.ndarray, bool]:
         """Name, pixels (height, width, 4) from below, and whether they are sRGB-encoded."""
-        width, height = image.size
-        if width == 0 or height == 0 or image.channels == 0:
-            path = bpy.path.abspath(image.filepath, library=image.library) or "no file"
-            self._report.warn(f"Image '{image.name}' cannot be read ({path}), magenta is shown: restore the file")
+        if _is_missing(image):
             return image.name, MAGENTA, False
+        width, height = image.size
         self._warn_of_kind(image)
         values = np.empty(width * height * image.channels, np.float32)
         image.pixels.foreach_get(values)
@@ -63,6 +62,13 @@ class Images:
         if image.is_float:
             return image.name, pixels, False
         return image.name, _bytes(pixels), self._is_srgb(image)
+
+    def _warn_of_missing(self, image: bpy.types.Image | None, user: str) -> None:
+        if image is None:
+            self._report.warn(f"{user}: no image is chosen, magenta is shown")
+            return
+        path = bpy.path.abspath(image.original.filepath, library=image.original.library) or "no file"
+        self._report.warn(f"Image '{image.name}' cannot be read ({path}), magenta is shown: restore the file")
 
     def _warn_of_kind(self, image: bpy.types.Image) -> None:
         if image.source == "TILED" and len(image.tiles) > 1:
@@ -79,6 +85,12 @@ class Images:
                 f"Image '{image.name}': the colour space {settings.name} is not supported yet, it is taken as sRGB"
             )
         return True
+
+
+def _is_missing(image: bpy.types.Image) -> bool:
+    """Whether Blender has no pixels of it."""
+    width, height = image.size
+    return width == 0 or height == 0 or image.channels == 0
 
 
 def _associate(image: bpy.types.Image, pixels: np.ndarray, wanted: bool) -> None:

@@ -64,6 +64,9 @@ def _surface(world: bpy.types.World, inputs: Inputs) -> WorldDescription:
     found = nodes.trace(start)
     if not isinstance(found, nodes.Source):
         return WorldDescription()
+    if found.node.type == "TEX_ENVIRONMENT":
+        # A colour where a shader is expected shines as it is.
+        return _shining(start, 1.0, inputs)
     if found.node.type not in {"BACKGROUND", "EMISSION"}:
         behind = nodes.find_upstream(start, "BACKGROUND")
         inputs.warn(
@@ -73,12 +76,11 @@ def _surface(world: bpy.types.World, inputs: Inputs) -> WorldDescription:
         if behind is None:
             return WorldDescription(color=tuple(world.color))
         found = behind
-    return _background(found, inputs)
+    return _shining(found.input("Color"), inputs.constant(found.input("Strength")), inputs)
 
 
-def _background(source: nodes.Source, inputs: Inputs) -> WorldDescription:
-    strength = inputs.constant(source.input("Strength"))
-    start = source.input("Color")
+def _shining(start: nodes.Input, strength: float, inputs: Inputs) -> WorldDescription:
+    """What shines with the colour of an input, so strongly."""
     colour = values.constant(start)
     if colour is not None:
         return WorldDescription(color=_times(colour[:3], strength))
