@@ -3,6 +3,7 @@
 use super::SceneError;
 use crate::Rgb;
 use glam::{Vec2, Vec4, Vec4Swizzles};
+use std::sync::LazyLock;
 
 /// What an image repeats like outside of the unit square (Blender's Image Texture node).
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
@@ -103,7 +104,13 @@ impl Texture {
     fn decoded(&self, v: Vec4) -> Vec4 {
         match self.pixels {
             Pixels::Bytes { srgb: true, .. } => {
-                Vec4::new(srgb_to_linear(v.x), srgb_to_linear(v.y), srgb_to_linear(v.z), v.w)
+                let table = &*SRGB;
+                let linear = |v: f32| {
+                    let place = v.clamp(0.0, 1.0) * SRGB_STEPS as f32;
+                    let before = (place as usize).min(SRGB_STEPS - 1);
+                    table[before] + (table[before + 1] - table[before]) * (place - before as f32)
+                };
+                Vec4::new(linear(v.x), linear(v.y), linear(v.z), v.w)
             }
             _ => v,
         }
@@ -116,33 +123,31 @@ impl Texture {
     }
 
     fn interpolated(&self, uv: Vec2, interpolation: Interpolation, extension: Extension) -> Vec4 {
+        // Tiles are looked up in the first one: what is outside of it is then a pixel outside at most, and needs no division.
+        let uv = if extension == Extension::Repeat { uv - uv.floor() } else { uv };
         let x = uv.x * self.width as f32;
         let y = uv.y * self.height as f32;
         if !(x.is_finite() && y.is_finite()) {
             return Vec4::ZERO;
         }
+        let column = |x: i64| folded(x, self.width as i64, extension);
+        let row = |y: i64| folded(y, self.height as i64, extension);
+        let at = |x: Option<usize>, y: Option<usize>| match (x, y) {
+            (Some(x), Some(y)) => self.stored(x, y),
+            _ => Vec4::ZERO,
+        };
         match interpolation {
-            Interpolation::Closest => self.outside(x.floor() as i64, y.floor() as i64, extension),
+            Interpolation::Closest => at(column(x.floor() as i64), row(y.floor() as i64)),
             Interpolation::Linear => {
                 let (fx, fy) = ((x - 0.5).floor(), (y - 0.5).floor());
                 let (ix, iy) = (fx as i64, fy as i64);
                 let (tx, ty) = (x - 0.5 - fx, y - 0.5 - fy);
-                if ix >= 0 && iy >= 0 && ix + 1 < self.width as i64 && iy + 1 < self.height as i64 {
-                    // Inside, where most lookups are, nothing needs to be folded back.
-                    let (ix, iy) = (ix as usize, iy as usize);
-                    let row = |iy: usize| {
-                        let a = self.stored(ix, iy);
-                        a + (self.stored(ix + 1, iy) - a) * tx
-                    };
-                    let (a, b) = (row(iy), row(iy + 1));
-                    return a + (b - a) * ty;
-                }
-                let row = |iy: i64| {
-                    let a = self.outside(ix, iy, extension);
-                    let b = self.outside(ix.saturating_add(1), iy, extension);
-                    a + (b - a) * tx
+                let columns = [column(ix), column(ix.saturating_add(1))];
+                let between = |y: Option<usize>| {
+                    let a = at(columns[0], y);
+                    a + (at(columns[1], y) - a) * tx
                 };
-                let (a, b) = (row(iy), row(iy.saturating_add(1)));
+                let (a, b) = (between(row(iy)), between(row(iy.saturating_add(1))));
                 a + (b - a) * ty
             }
         }
@@ -162,23 +167,23 @@ impl Texture {
         }
         sum / count
     }
+}
 
-    #[inline]
-    fn outside(&self, x: i64, y: i64, extension: Extension) -> Vec4 {
-        let (w, h) = (self.width as i64, self.height as i64);
-        let (x, y) = match extension {
-            Extension::Repeat => (x.rem_euclid(w), y.rem_euclid(h)),
-            Extension::Extend => (x.clamp(0, w - 1), y.clamp(0, h - 1)),
-            Extension::Clip => {
-                if x < 0 || y < 0 || x >= w || y >= h {
-                    return Vec4::ZERO;
-                }
-                (x, y)
-            }
-            Extension::Mirror => (mirror(x, w), mirror(y, h)),
-        };
-        self.stored(x as usize, y as usize)
+/// The column or row, of `n`, that stands at a place outside of the image; `None` where nothing does. Of a place that repeats it is
+/// at most one beyond the edge.
+#[inline]
+fn folded(i: i64, n: i64, extension: Extension) -> Option<usize> {
+    if (0..n).contains(&i) {
+        return Some(i as usize);
     }
+    let i = match extension {
+        Extension::Repeat if i < 0 => n - 1,
+        Extension::Repeat => 0,
+        Extension::Extend => i.clamp(0, n - 1),
+        Extension::Clip => return None,
+        Extension::Mirror => mirror(i, n),
+    };
+    Some(i as usize)
 }
 
 fn mirror(x: i64, n: i64) -> i64 {
@@ -192,6 +197,13 @@ fn check(name: &str, width: usize, height: usize, values: usize) -> Result<(), S
     }
     Err(SceneError::BadImage { image: name.into(), pixels: values, width, height })
 }
+
+/// Steps of [`SRGB`]: between two of them the function is met to a ten-thousandth, where a byte is one part in 255.
+const SRGB_STEPS: usize = 2040;
+
+/// [`srgb_to_linear`] from 0 to 1, eight steps for each of a byte's: of these every eighth is exact.
+static SRGB: LazyLock<Vec<f32>> =
+    LazyLock::new(|| (0..=SRGB_STEPS).map(|i| srgb_to_linear(i as f32 / SRGB_STEPS as f32)).collect());
 
 /// The sRGB transfer function (IEC 61966-2-1), continued linearly below zero.
 pub fn srgb_to_linear(v: f32) -> f32 {
@@ -230,6 +242,34 @@ mod tests {
         assert_eq!(at(1.1, Extension::Clip), 0.0);
         assert_eq!(at(f32::NAN, Extension::Repeat), 0.0);
         assert_eq!(at(1e30, Extension::Extend), 3.0);
+    }
+
+    #[test]
+    fn tiles_meet() {
+        let t = ramp();
+        let at = |u: f32, v: f32| t.lookup(Vec2::new(u, v), Interpolation::Linear, Extension::Repeat);
+        // Half way between the last column and the first one of the next tile; on both edges of both ways.
+        for whole in [-3.0, -1.0, 0.0, 1.0, 7.0] {
+            assert_eq!(at(whole, 0.375), Vec4::new(1.5, 1.0, 0.0, 1.0));
+            assert_eq!(at(0.375, whole), Vec4::new(1.0, 1.5, 0.0, 1.0));
+            assert_eq!(at(whole + 0.625, 0.5), at(0.625, 0.5));
+        }
+        let pixel = Texture::from_floats("pixel", 1, 1, &[0.25, 0.5, 0.75, 1.0], false).unwrap();
+        for u in [-1e30, -1e-9, 0.0, 0.49, 0.51, 1.0, 1e9] {
+            for interpolation in [Interpolation::Linear, Interpolation::Closest] {
+                assert_eq!(pixel.lookup(Vec2::new(u, -u), interpolation, Extension::Repeat).x, 0.25, "{u}");
+            }
+        }
+    }
+
+    #[test]
+    fn the_table_of_srgb_is_its_function() {
+        let t = Texture::from_bytes("b", 2, 1, &[0, 0, 0, 255, 255, 255, 255, 255], true).unwrap();
+        for i in 0..=100_000 {
+            let v = i as f32 / 100_000.0;
+            let found = t.lookup(Vec2::new(0.25 + 0.5 * v, 0.5), Interpolation::Linear, Extension::Extend).x;
+            assert!((found - srgb_to_linear(v)).abs() <= 1e-4 * srgb_to_linear(v) + 1e-7, "{v}: {found}");
+        }
     }
 
     #[test]
