@@ -50,7 +50,13 @@ def _measured(plan: measure.Plan) -> dict:
     scene.write(WORK / "scenes")
     bench = Bench()
     camera = scene.CAMERA
-    bench.set_up(plan.scenes, camera["focus_m"], camera["focal_length_mm"], camera["f_number"])
+    bench.set_up(
+        plan.scenes,
+        camera["focus_m"],
+        camera["focal_length_mm"],
+        camera["f_number"],
+        with_llvm=plan is measure.FULL,
+    )
     found = measure.Experiments(bench, plan).all()
     if plan is measure.FULL:
         kernels.run(TOP)

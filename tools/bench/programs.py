@@ -65,8 +65,10 @@ class Bench:
         self.lens: dict = {}
         self.osl_lost = 0.0
 
-    def set_up(self, scenes: tuple[str, ...], focus_m: float, focal_mm: float, f_number: float) -> None:
-        """Writes the scenes for all programs, and the lens for Cycles; looks for an LLVM."""
+    def set_up(
+        self, scenes: tuple[str, ...], focus_m: float, focal_mm: float, f_number: float, *, with_llvm: bool
+    ) -> None:
+        """Writes the scenes for all programs, and the lens for Cycles; looks for an LLVM if wanted."""
         for name in scenes:
             self.versions["Blender"] = self._process("build", Job("build", "", scene=name))[0]["version"]
         command = [self.blender_python, "-m", "petzval", "lens", "info", str(LENS), "--json"]
@@ -80,7 +82,8 @@ class Bench:
         (WORK / "double-gauss.osl").write_text(double_gauss.script(optics, 36.0, 20.25))
         places = [(x + 0.5, y + 0.5) for x in range(-18, 18, 2) for y in range(-10, 10, 2)]
         self.osl_lost = sum(double_gauss.exposure(optics, x, y)[1] for x, y in places) / len(places)
-        self._find_llvm()
+        if with_llvm:
+            self._find_llvm()
 
     def programs(self) -> list[str]:
         """Those that can run here."""
@@ -122,7 +125,9 @@ class Bench:
             return
         self._environment.pop("DRJIT_LIBLLVM_PATH", None)
         tried = ", ".join(map(str, found)) or "none found"
-        self.missing.append(f"{NAMES[LLVM]}: no LLVM that it can use ({tried}): install libllvm19 or newer")
+        self.missing.append(
+            f"{NAMES[LLVM]}: no LLVM that it can use ({tried}): install libllvm19 or newer, or Rust by rustup"
+        )
 
 
 def _first(*folders: str) -> str:
@@ -134,9 +139,11 @@ def _first(*folders: str) -> str:
 
 
 def _llvm_libraries() -> list[Path]:
-    """Newest first."""
+    """The system's, and that of the Rust compiler: newest first."""
     by_version: dict[int, Path] = {}
-    for folder in ("/usr/lib", "/usr/lib64", "/usr/local/lib"):
+    asked = subprocess.run(["rustc", "--print", "sysroot"], capture_output=True, text=True, check=False, cwd=TOP)
+    of_rust = [f"{asked.stdout.strip()}/lib"] if asked.returncode == 0 else []
+    for folder in ("/usr/lib", "/usr/lib64", "/usr/local/lib", *of_rust):
         for pattern in ("libLLVM*.so*", "*/libLLVM*.so*", "llvm-*/lib/libLLVM*.so*"):
             for path in sorted(Path(folder).glob(pattern)):
                 version = re.search(r"LLVM(?:-|\.so\.)(\d+)", path.name)
