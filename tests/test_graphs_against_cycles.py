@@ -153,13 +153,14 @@ def image_box(t: Tree):
 
 
 def lost_image(t: Tree):
-    """An image whose file is missing is magenta beyond its edges too, and opaque, whatever reads it."""
+    """An image whose file is missing is magenta and opaque, whatever reads it; from 5.2 on beyond its edges, too."""
     import bpy
 
     image = bpy.data.images.new("lost", 4, 4)
     image.source, image.filepath = "FILE", "//lost.png"
+    extension = "CLIP" if bpy.app.version >= (5, 2, 0) else "REPEAT"
     vector = t.node("VectorMath", {"operation": "SCALE"}, Vector=t.coordinates("Generated"), Scale=3.0)
-    texture = t.node("TexImage", {"image": image, "extension": "CLIP"}, Vector=vector.outputs[0])
+    texture = t.node("TexImage", {"image": image, "extension": extension}, Vector=vector.outputs[0])
     mixed = t.node("MixRGB", Fac=texture.outputs["Alpha"], Color1=(0.0, 1.0, 0.0, 1.0), Color2=texture.outputs["Color"])
     bumped = t.node("Bump", Height=texture.outputs["Color"])
     t.shows(t.node("BsdfDiffuse", Color=mixed.outputs[0], Normal=bumped.outputs[0]).outputs[0])

@@ -10,6 +10,8 @@ from ..description import Report
 from .kept import Kept, uid
 
 MAGENTA = np.array([[[1.0, 0.0, 1.0, 1.0]]], np.float32)
+#: From this version on a missing image is magenta beyond its edges too, whatever its extension.
+_MISSING_IS_EVERYWHERE = (5, 2, 0)
 LINEAR_SPACES = {"Linear", "Linear Rec.709", "scene_linear"}
 
 
@@ -42,7 +44,7 @@ class Images:
     def of_node(self, node: bpy.types.Node, owner: str) -> int | None:
         """The engine's index of the image that a texture node shows, its colours multiplied by alpha or not as the node
         gives them; None where the image is missing, which is named: a missing image is magenta wherever it is read."""
-        if node.image is None or _is_missing(node.image.original):
+        if node.image is None or (_is_missing(node.image.original) and not _ends_at_its_edge(node)):
             self._warn_of_missing(node.image, owner)
             return None
         associated = node.type == "TEX_ENVIRONMENT" or not node.outputs["Alpha"].is_linked
@@ -85,6 +87,11 @@ class Images:
                 f"Image '{image.name}': the colour space {settings.name} is not supported yet, it is taken as sRGB"
             )
         return True
+
+
+def _ends_at_its_edge(node: bpy.types.Node) -> bool:
+    """Whether a missing image is a pixel beyond which nothing is: so in the Cycles of older versions."""
+    return bpy.app.version < _MISSING_IS_EVERYWHERE and node.type == "TEX_IMAGE" and node.extension == "CLIP"
 
 
 def _is_missing(image: bpy.types.Image) -> bool:
