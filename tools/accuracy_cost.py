@@ -191,7 +191,7 @@ def _lessons(rows: list[dict[str, dict]], found: list[dict]) -> list[str]:
 
 def _range(values: list[float]) -> str:
     low, high = 100.0 * min(values), 100.0 * max(values)
-    return f"{low:.0f} to {high:.0f} %" if round(low) != round(high) else f"{low:.0f} %"
+    return f"{round(low)} to {round(high)} %" if round(low) != round(high) else f"{round(low)} %"
 
 
 def _times(values: list[float]) -> str:
