@@ -30,10 +30,11 @@ class Images:
         `associated`: colours multiplied by alpha, as a node gives them whose alpha is not used.
         """
         key = (uid(image), associated)
-        if image is None or _is_missing(image.original):
+        is_lost = image is None or _is_missing(image.original)
+        if is_lost:
             self._warn_of_missing(image, user)
         if key not in self._known:
-            name, pixels, srgb = self._read(image.original, associated) if image else ("(missing)", MAGENTA, False)
+            name, pixels, srgb = ("(missing)", MAGENTA, False) if is_lost else self._read(image.original, associated)
             opaque = bool((pixels[..., 3] == pixels.dtype.type(255 if pixels.dtype == np.uint8 else 1)).all())
             self._known[key] = self._builder.add_image(name, pixels, srgb=srgb)
             self._kept.changes += 1
@@ -52,8 +53,6 @@ class Images:
 
     def _read(self, image: bpy.types.Image, associated: bool) -> tuple[str, np.ndarray, bool]:
         """Name, pixels (height, width, 4) from below, and whether they are sRGB-encoded."""
-        if _is_missing(image):
-            return image.name, MAGENTA, False
         width, height = image.size
         self._warn_of_kind(image)
         values = np.empty(width * height * image.channels, np.float32)

@@ -68,6 +68,75 @@ fn outside_of(curve: &[(DVec3, f64)], place: DVec3) -> f64 {
     curve.iter().map(|(p, r)| (place - *p).length() - r).fold(f64::INFINITY, f64::min)
 }
 
+/// Ten rays of a seed, from so far away, at a round strand: each meets the strand where the ray enters the round body about the curve.
+fn is_round(seed: u32, far: f32) -> Result<(), TestCaseError> {
+    let keys = bent(seed, 5, 0.2);
+    let scene = strand(&keys, CurveShape::Thick, &[DMat4::IDENTITY]);
+    let (accel, curve) = (Accel::new(&scene), finely(&scene));
+    for i in 0..10 {
+        let u = sobol_burley::sample_4d(i, 1, seed);
+        let ray = ray_at(Vec3A::new(0.7 + 2.6 * u[2], 0.5 * u[3], 0.5 * u[0]), u, far);
+        let (o, d) = (ray.origin.as_dvec3(), ray.direction.as_dvec3());
+        let outside = |t: f64| outside_of(&curve, o + d * t);
+        // Follows the ray, never farther than the body is.
+        let mut t = 0.0;
+        let mut depth = f64::INFINITY;
+        if outside(t) < 0.1 {
+            continue;
+        }
+        while t < f64::from(far) + 5.0 {
+            depth = depth.min(outside(t));
+            if depth < 1e-4 {
+                break;
+            }
+            t += outside(t).max(1e-4);
+        }
+        let hit = accel.closest(&ray, Rays::CAMERA);
+        if let Some(hit) = hit.filter(|hit| hit.v <= 1.0) {
+            prop_assert!(outside(f64::from(hit.t)).abs() < 0.006, "{hit:?} is {} outside", outside(f64::from(hit.t)));
+            let point = SurfacePoint::new(&scene, &hit, ray.direction);
+            let off = (point.position - ray.origin - ray.direction * hit.t).length();
+            let at = ((hit.triangle as f64 + f64::from(hit.u)) * FINE as f64) as usize;
+            let [before, here, after] = [at.saturating_sub(1), at, at + 1].map(|i| curve[i.min(curve.len() - 1)].0);
+            // At its outline a small part of its radius is a long way along the ray. And where the ray goes along the strand,
+            // what is across both turns a long way with a small bend: the place stays on the strand, not before the ray.
+            let is_along = (after - before).normalize().dot(d).abs() > 0.98;
+            let is_hard = hit.v.abs() > 0.95 || is_along;
+            // The hit and the place are each within 0.006 of the surface, across it: along the ray that is more, where the ray
+            // is oblique.
+            let along_ray = 0.01 / point.shading_normal.dot(ray.direction).abs();
+            prop_assert!(off < along_ray.max(0.02) || is_hard, "{off} {hit:?}");
+            prop_assert!(point.shading_normal.dot(ray.direction) < 1e-3);
+            prop_assert!(outside_of(&curve, point.position.as_dvec3()).abs() < 0.02, "{hit:?}");
+            let out = (o + d * f64::from(hit.t) - here).normalize();
+            prop_assert!(out.dot(point.shading_normal.as_dvec3()) > 0.98 || is_hard);
+        }
+        // Its ends are open: who looks in sees the inside, later.
+        let met = o + d * t;
+        if depth < 1e-4 && met.x > 0.3 && met.x < 3.7 {
+            // Unless it only grazes.
+            let deepest = (0..200).map(|i| outside(t + 0.002 * f64::from(i))).fold(f64::INFINITY, f64::min);
+            if deepest < -0.02 {
+                // Or before that, where the ray passes so close by that it is on the surface, as was found above of what is met
+                // from outside.
+                let is_graze = |hit: &Hit| f64::from(hit.t) < t && hit.v <= 1.0;
+                let is_it = |hit: &Hit| (f64::from(hit.t) - t).abs() < 0.05 || is_graze(hit);
+                prop_assert!(hit.as_ref().is_some_and(is_it), "{t} {hit:?}");
+            }
+        } else if depth > 0.01 {
+            prop_assert!(hit.is_none(), "met {depth} outside: {hit:?}");
+        }
+    }
+    Ok(())
+}
+
+/// A known fault: about one ray in some 100,000 near a round strand passes the joint of two pieces, and meets the strand from within.
+#[test]
+#[ignore = "a ray passes the joint of two pieces: not mended yet"]
+fn no_ray_passes_a_joint() {
+    is_round(24_529, 3.0).unwrap();
+}
+
 proptest! {
     #![proptest_config(ProptestConfig::with_cases(200))]
 
@@ -112,60 +181,7 @@ proptest! {
     /// A round strand is met where the ray first comes as near to the curve as its radius.
     #[test]
     fn round_strands_are_round(seed in 0u32..60000, far in 3f32..30.0) {
-        let keys = bent(seed, 5, 0.2);
-        let scene = strand(&keys, CurveShape::Thick, &[DMat4::IDENTITY]);
-        let (accel, curve) = (Accel::new(&scene), finely(&scene));
-        for i in 0..10 {
-            let u = sobol_burley::sample_4d(i, 1, seed);
-            let ray = ray_at(Vec3A::new(0.7 + 2.6 * u[2], 0.5 * u[3], 0.5 * u[0]), u, far);
-            let (o, d) = (ray.origin.as_dvec3(), ray.direction.as_dvec3());
-            let outside = |t: f64| outside_of(&curve, o + d * t);
-            // Follows the ray, never farther than the body is.
-            let mut t = 0.0;
-            let mut depth = f64::INFINITY;
-            if outside(t) < 0.1 {
-                continue;
-            }
-            while t < f64::from(far) + 5.0 {
-                depth = depth.min(outside(t));
-                if depth < 1e-4 {
-                    break;
-                }
-                t += outside(t).max(1e-4);
-            }
-            let hit = accel.closest(&ray, Rays::CAMERA);
-            if let Some(hit) = hit.filter(|hit| hit.v <= 1.0) {
-                prop_assert!(outside(f64::from(hit.t)).abs() < 0.006, "{hit:?} is {} outside", outside(f64::from(hit.t)));
-                let point = SurfacePoint::new(&scene, &hit, ray.direction);
-                let off = (point.position - ray.origin - ray.direction * hit.t).length();
-                let at = ((hit.triangle as f64 + f64::from(hit.u)) * FINE as f64) as usize;
-                let [before, here, after] = [at.saturating_sub(1), at, at + 1].map(|i| curve[i.min(curve.len() - 1)].0);
-                // At its outline a small part of its radius is a long way along the ray. And where the ray goes along the strand,
-                // what is across both turns a long way with a small bend: the place stays on the strand, not before the ray.
-                let is_along = (after - before).normalize().dot(d).abs() > 0.98;
-                let is_hard = hit.v.abs() > 0.95 || is_along;
-                // What is so far off the surface, across it, is as much farther along the ray as the ray is oblique to it.
-                let along_ray = 0.01 / point.shading_normal.dot(ray.direction).abs();
-                prop_assert!(off < along_ray.max(0.02) || is_hard, "{off} {hit:?}");
-                prop_assert!(point.shading_normal.dot(ray.direction) < 1e-3);
-                prop_assert!(outside_of(&curve, point.position.as_dvec3()).abs() < 0.02, "{hit:?}");
-                let out = (o + d * f64::from(hit.t) - here).normalize();
-                prop_assert!(out.dot(point.shading_normal.as_dvec3()) > 0.98 || is_hard);
-            }
-            // Its ends are open: who looks in sees the inside, later.
-            let met = o + d * t;
-            if depth < 1e-4 && met.x > 0.3 && met.x < 3.7 {
-                // Unless it only grazes.
-                let deepest = (0..200).map(|i| outside(t + 0.002 * f64::from(i))).fold(f64::INFINITY, f64::min);
-                if deepest < -0.02 {
-                    // Or before that, where the ray passes so close by that it is on the surface, as was found above.
-                    let is_it = |hit: &Hit| f64::from(hit.t) < t + 0.05;
-                    prop_assert!(hit.as_ref().is_some_and(is_it), "{t} {hit:?}");
-                }
-            } else if depth > 0.01 {
-                prop_assert!(hit.is_none(), "met {depth} outside: {hit:?}");
-            }
-        }
+        is_round(seed, far)?;
     }
 
     /// Straight thick strands are what a ball sweeps, ends and corners included.
