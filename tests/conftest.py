@@ -79,8 +79,11 @@ def blender():
 
     import petzval
 
-    bpy.ops.wm.read_factory_settings(use_empty=True)
-    if not _addon_registered:
+    if _addon_registered:
+        # The preferences stay. To reset them, too, takes six times as long: Blender's own add-ons are turned off and on.
+        bpy.ops.wm.read_homefile(use_factory_startup=True, use_empty=True)
+    else:
+        bpy.ops.wm.read_factory_settings(use_empty=True)
         petzval.load_addon().register()
         _addon_registered = True
     return bpy

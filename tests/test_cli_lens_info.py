@@ -18,9 +18,9 @@ from cli_render_parts import many
 pytestmark = pytest.mark.once
 
 
-#: Every third in `make test`, the others as recipes: engine/optics/tests/all/reference_paraxial.rs has all of them in every run.
+#: Every sixth in `make test`, the others as recipes: engine/optics/tests/all/reference_paraxial.rs has all of them in every run.
 EACH_LENS = [
-    pytest.param(path, id=path.stem, marks=[pytest.mark.recipe] * (i % 3 != 0)) for i, path in enumerate(LENSES)
+    pytest.param(path, id=path.stem, marks=[pytest.mark.recipe] * (i % 6 != 0)) for i, path in enumerate(LENSES)
 ]
 
 

@@ -42,7 +42,7 @@ def test_a_report_is_a_picture_that_names_what_it_shows(petzval_cli, tmp_path, k
     assert not missing
     # No line of the file longer than a reader bears.
     assert len(text) < 400_000
-    if kind not in ("spots", "mtf"):
+    if kind != "spots":
         # All reports are laid out and written the same way.
         return
     again, _ = reported(petzval_cli, tmp_path, kind, LENS, name="again.svg")

@@ -55,9 +55,8 @@ def test_a_report_is_the_product_of_surfaces_and_glass(petzval_cli, flint, tmp_p
     assert axis["parts"] == pytest.approx([passed(nm) for nm in found["spectrum_nm"]], rel=1.5e-3)
     assert not found["coating_is_assumed"] and found["unknown_absorption"] == []
     assert [coating["name"] for coating in found["coatings"]] == ["none"]
-    for name in ("flint.svg", "flint.png"):
-        done = petzval_cli("lens", "transmission", flint, "-o", tmp_path / name)
-        assert done.returncode == 0 and (tmp_path / name).stat().st_size > 5000, done.stderr
+    done = petzval_cli("lens", "transmission", flint, "-o", tmp_path / "flint.svg")
+    assert done.returncode == 0 and (tmp_path / "flint.svg").stat().st_size > 5000, done.stderr
 
 
 @pytest.mark.once

@@ -95,9 +95,9 @@ def test_a_full_disk_leaves_the_old_file_or_the_new_one(name, scene, parts, tmp_
     done = command(*arguments, *where)
     assert done.returncode == 0, done.stderr
     whole = out.read_bytes()
-    # Within a file of Python's own writer nothing differs: it is tested at every byte below.
+    # Python's own writer is tested at every byte below: of its files the last byte shows that they take that way.
     is_engines = arguments[0] in ("render", "merge") or arguments[1] == "stmap"
-    for most in (0, *([len(whole) // 2] if is_engines else []), len(whole) - 1):
+    for most in (*((0, len(whole) // 2) if is_engines else ()), len(whole) - 1):
         out.write_bytes(b"the old file, which is longer than nothing")
         done = command(*arguments, *where, most_bytes=most)
         assert done.returncode == 1, (most, done.stdout)

@@ -308,8 +308,9 @@ def resident_mb() -> float:
 
 
 @pytest.mark.once
-def test_a_thousand_edits_keep_their_memory(viewer):
-    """Of every kind; each is rendered, coarse at least."""
+def test_many_edits_keep_their_memory(viewer):
+    """Of every kind; each is rendered, coarse at least. A thousand in `make test-all`, two hundred in `make test`: 33 of each kind,
+    which may leave behind 0.2 MB each before the limit tells."""
     bpy = viewer.bpy
     found = balls(bpy)
     image = add_texture(bpy, found[2])
@@ -339,13 +340,14 @@ def test_a_thousand_edits_keep_their_memory(viewer):
         viewer.look(samples=1)
         viewer.session.wait(20.0)
 
-    for i in range(300):
+    first, last = (300, 1300) if os.environ.get("PETZVAL_TEST_ALL") else (120, 320)
+    for i in range(first):
         edit(i)
     before = resident_mb()
-    for i in range(300, 1300):
+    for i in range(first, last):
         edit(i)
     after = resident_mb()
-    print(f"{before:.1f} MB before, {after:.1f} MB after a thousand edits")
+    print(f"{before:.1f} MB before, {after:.1f} MB after {last - first} edits")
     kept = viewer.sync._kept
     assert len(kept.meshes) <= 5 and len(kept.materials) <= 5
     assert after < 1.01 * before, (before, after)

@@ -23,7 +23,7 @@ from bpy_extras.view3d_utils import location_3d_to_region_2d
 from mathutils import Euler, Vector
 
 FOLDER, ADDON, SCENE = Path(sys.argv[-3]), sys.argv[-2], sys.argv[-1]
-TURNS = 20
+TURNS = 20 if os.environ.get("PETZVAL_TEST_ALL") else 12
 seen = {"shown": {}, "seconds": {}}
 views, sessions = [], []
 

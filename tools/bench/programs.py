@@ -124,7 +124,7 @@ class Bench:
             self.versions["LLVM"] = str(library)
             return
         self._environment.pop("DRJIT_LIBLLVM_PATH", None)
-        tried = ", ".join(map(str, found)) or "none found"
+        tried = ", ".join(library.name for library in found) or "none found"
         self.missing.append(
             f"{NAMES[LLVM]}: no LLVM that it can use ({tried}): install libllvm19 or newer, or Rust by rustup"
         )
@@ -147,7 +147,8 @@ def _llvm_libraries() -> list[Path]:
         for pattern in ("libLLVM*.so*", "*/libLLVM*.so*", "llvm-*/lib/libLLVM*.so*"):
             for path in sorted(Path(folder).glob(pattern)):
                 version = re.search(r"LLVM(?:-|\.so\.)(\d+)", path.name)
-                if version:
+                # A linker script of that name is no library.
+                if version and path.stat().st_size > 1_000_000:
                     by_version.setdefault(int(version[1]), path)
     return [by_version[version] for version in sorted(by_version, reverse=True)]
 

@@ -8,7 +8,9 @@ the page stays as it is. Scripts of the files are never run, and nothing is writ
 from __future__ import annotations
 
 import argparse
+import hashlib
 import json
+import math
 import os
 import resource
 import subprocess
@@ -30,8 +32,12 @@ PAGE = TOP / "docs" / "other-scenes.md"
 KNOWN = Path(__file__).with_name("known.toml")
 #: Samples of the short render: what is done once is taken off by it.
 FEW = 8
-#: Processor time of a sample below which it is lost in what is done once.
-LEAST_US = 0.15
+#: Processor time, s, that samples must take to be timed; what is done once varies by some tenths. Where they take less, a longer
+#: render is timed, but of no more than so many times the samples.
+LEAST_S = 4.0
+MOST_LONGER = 32
+#: Processor time of a sample below which it is lost in what is done once, even so.
+LEAST_US = 0.05
 #: A render that takes longer, s, is given up.
 LONGEST_S = 1500
 #: Why a file that is a part of others is left out, as `other_scenes.job` says it.
@@ -59,7 +65,12 @@ def main() -> int:
         return 1
     width, height = map(int, options.size.split("x"))
     began, made, rows = time.monotonic(), pages.made("docs/other-scenes.md"), {}
+    seen: dict[str, Path] = {}
     for path in scenes:
+        # Repositories hold copies of each other's files.
+        if (first := seen.setdefault(hashlib.sha256(path.read_bytes()).hexdigest(), path)) != path:
+            print(f"{path.stem:26s} is the same file as {first.relative_to(options.folder)}", flush=True)
+            continue
         name = path.stem if path.stem not in rows else f"{path.parent.name}/{path.stem}"
         try:
             rows[name] = compared(path, width, height, options.samples)
@@ -106,14 +117,38 @@ def compared(path: Path, width: int, height: int, samples: int) -> dict:
         # Beside the scene its images would be found without a change; so are they by paths that are rewritten.
         ready = Path(folder) / "scene.blend"
         run(*job, "prepare", path, ready)
-        pictures = []
-        for name, count, seed in (("few", FEW, 1), ("a", samples, 1), ("b", samples, 2)):
-            ours, theirs = (Path(folder) / f"{program}_{name}.exr" for program in ("petzval", "cycles"))
-            command = [python, "-m", "petzval", "render", ready, "--camera", "pinhole", "--resolution", "x".join(size)]
-            command += ["--samples", count, "--seed", seed, "--blue-noise", "off", "--checkpoint", "off", "-o", ours]
-            seconds["petzval", name] = run(*command)
-            seconds["cycles", name] = run(*job, "cycles", ready, theirs, *size, count, seed)
-            pictures += [ours, theirs]
+
+        def render(program: str, name: str, count: int, seed: int) -> Path:
+            out = Path(folder) / f"{program}_{name}.exr"
+            command = [*job, "cycles", ready, out, *size, count, seed]
+            if program == "petzval":
+                command = [
+                    python,
+                    "-m",
+                    "petzval",
+                    "render",
+                    ready,
+                    "--camera",
+                    "pinhole",
+                    "--resolution",
+                    "x".join(size),
+                ]
+                command += ["--samples", count, "--seed", seed, "--blue-noise", "off", "--checkpoint", "off", "-o", out]
+            seconds[program, name] = run(*command)
+            return out
+
+        pictures = [
+            render(program, *one)
+            for one in (("few", FEW, 1), ("a", samples, 1), ("b", samples, 2))
+            for program in ("petzval", "cycles")
+        ]
+        longest = dict.fromkeys(("petzval", "cycles"), samples)
+        for program in longest:
+            many = (seconds[program, "a"] + seconds[program, "b"]) / 2
+            longer = math.ceil(LEAST_S / max(many - seconds[program, "few"], LEAST_S / MOST_LONGER))
+            if longer > 1:
+                longest[program] = longer * samples
+                render(program, "long", longest[program], 3)
         run(*job, "read", Path(folder) / "all.npz", *pictures)
         pixels = {name: one.astype(np.float64) for name, one in np.load(Path(folder) / "all.npz").items()}
     of = {program: [pixels[f"{program}_{name}"] for name in "ab"] for program in ("petzval", "cycles")}
@@ -121,9 +156,9 @@ def compared(path: Path, width: int, height: int, samples: int) -> dict:
     mean = np.maximum(sum(of["petzval"]) + sum(of["cycles"]), 0.0) / 4
     result = {"beyond_noise": found.beyond_noise, "of_noise": found.of_noise, "mean": found.mean}
     for program in of:
-        many = (seconds[program, "a"] + seconds[program, "b"]) / 2
+        many = seconds.get((program, "long"), (seconds[program, "a"] + seconds[program, "b"]) / 2)
         result[program] = {
-            "sample_us": (many - seconds[program, "few"]) / (width * height * (samples - FEW)) * 1e6,
+            "sample_us": (many - seconds[program, "few"]) / (width * height * (longest[program] - FEW)) * 1e6,
             "noise": compare.noise(of[program], mean),
         }
     ours, theirs = result["petzval"], result["cycles"]

@@ -38,7 +38,7 @@ fn is_printed_form_lost(category: Category, tally: &Tally) -> bool {
 /// A hundred thousand rays; a million in `make test-all`.
 #[test]
 fn many_hard_rays() {
-    let least = if petzval_testkit::is_thorough() { 1_000_000 } else { 100_000 };
+    let least = if petzval_testkit::is_thorough() { 1_000_000 } else { 60_000 };
     let mut rays = 0;
     for (category, mut tallies) in measure(least + least / 20, 1) {
         for (by, tally) in By::ALL.into_iter().zip(&mut tallies) {

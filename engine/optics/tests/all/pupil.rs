@@ -141,7 +141,9 @@ fn make_cameras() -> Vec<Camera> {
 fn the_map_is_unbiased() {
     let brute_side = if petzval_testkit::is_thorough() { 1000 } else { 700 };
     for camera in cameras() {
-        for (u, v) in [(0.0, 0.0), (0.6, -0.3), (-1.0, 1.0)] {
+        // The middle of an even film has a test of its own, `throughput_on_axis_is_that_of_brute_force`.
+        let is_in_all = camera.film.is_uneven() || petzval_testkit::is_thorough();
+        for &(u, v) in &[(0.0, 0.0), (0.6, -0.3), (-1.0, 1.0)][usize::from(!is_in_all)..] {
             let point = camera.film.point(u * camera.half[0], v * camera.half[1]);
             let (map, map_error) = camera.by_map(point);
             let (brute, brute_error) = camera.by_brute_force(point, brute_side);
@@ -170,7 +172,7 @@ fn few_rays_are_lost() {
 /// A hunt over the whole film and the whole rear glass: of a hundred thousand rays that get through, not one is outside.
 #[test]
 fn light_outside_of_the_outline_is_rare() {
-    let film_side = if petzval_testkit::is_thorough() { 7 } else { 5 };
+    let film_side = if petzval_testkit::is_thorough() { 7 } else { 4 };
     for camera in cameras() {
         let mut inside = 0.0;
         let mut outside = 0.0;
