@@ -110,7 +110,7 @@ coatings: build ## what coatings reflect, and what lenses let through, into docs
 diffraction: build ## what diffraction and glare do, into docs/diffraction.md and docs/glare.md
 	@tools/setup-python.sh bench
 	@cargo build --quiet --release --locked -p petzval-render --example starburst --example glare
-	@.venv-bench/bin/python tools/diffraction.py $(or $(CARGO_TARGET_DIR),target)/release/examples $(DIFFRACTION_OPTIONS)
+	@PYTHONPATH=$(CURDIR)/engine/python .venv-bench/bin/python tools/diffraction.py $(or $(CARGO_TARGET_DIR),target)/release/examples $(DIFFRACTION_OPTIONS)
 
 ghosts: $(ENGINE) ## ghosts beside brute force, their price, and pictures full of light that strays, into docs/ghosts.md
 	@$(dir $(PETZVAL))python tools/ghosts.py $(GHOSTS_OPTIONS)

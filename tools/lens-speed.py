@@ -20,7 +20,7 @@ import pages
 
 TOP = Path(__file__).resolve().parent.parent
 PAGE = TOP / "docs" / "lens-speed.md"
-BENCH = ["cargo", "bench", "-p", "petzval-optics", "--bench", "lens"]
+BENCH = ["cargo", "bench", "-p", "petzval-benches", "--bench", "lens"]
 # All levels of processors are timed: these flags leave none out of the kernels.
 ENVIRONMENT = os.environ | ({"RUSTFLAGS": "-C target-cpu=x86-64"} if platform.machine() == "x86_64" else {})
 LIMIT = "two roots and two divisions"

@@ -12,8 +12,8 @@ from .programs import Failed
 
 #: Groups of benches, and the command that runs each.
 GROUPS = {
-    "tree": "cargo bench -p petzval-render --bench tree",
-    "camera sample": "cargo bench -p petzval-render --bench camera",
+    "tree": "cargo bench -p petzval-benches --bench tree",
+    "camera sample": "cargo bench -p petzval-benches --bench camera",
 }
 
 

@@ -44,7 +44,7 @@ def _page(name: str, target: str, *measures: str, **more) -> Page:
 
 #: In the order in which they are remade: pages of one build stand together, so that it is built once.
 _ALL = (
-    _page("lens-speed", "speed", *_BUILD, "engine/optics/src", "engine/optics/benches/lens.rs", "tools/lens-speed.py"),
+    _page("lens-speed", "speed", *_BUILD, "engine/optics/src", "engine/benches/lens.rs", "tools/lens-speed.py"),
     _page(
         "numerics",
         "numerics",
@@ -80,7 +80,7 @@ _ALL = (
         "tools/accuracy_cost.py",
         minutes=13,
     ),
-    _page("performance", "bench", *_TIMED, *_RENDER, "engine/render/benches", "tools/bench", "tools/requirements"),
+    _page("performance", "bench", *_TIMED, *_RENDER, "engine/benches", "tools/bench", "tools/requirements"),
     _page(
         "viewport",
         "viewport-price",

@@ -7,7 +7,7 @@
 //! With `noise` it renders twice, with other random numbers, and says by how much the two differ, pixel by pixel and in
 //! blocks of 4 x 4; with `blue` the errors of neighbours cancel.
 
-#[path = "../benches/stage/mod.rs"]
+#[path = "../../benches/stage/mod.rs"]
 mod stage;
 
 use petzval_render::camera::{Camera, CameraDescription, Model};

@@ -1,4 +1,4 @@
-//! What a whole sample costs, by camera: `cargo bench -p petzval-render --bench path`.
+//! What a whole sample costs, by camera: `cargo bench -p petzval-benches --bench path`.
 
 mod stage;
 

@@ -1,6 +1,6 @@
 //! Time of a ray and surface, by lens and by kind of lane.
 //!
-//! `cargo bench -p petzval-optics`; `make speed` writes the table of docs/lens-speed.md from it.
+//! `cargo bench -p petzval-benches --bench lens`; `make speed` writes the table of docs/lens-speed.md from it.
 
 use std::hint::black_box;
 use std::path::Path;
