@@ -23,7 +23,7 @@ def draw(found: dict, targets: tuple[float, ...], path: Path) -> None:
     cameras = [camera for camera in CAMERAS if camera in found["noise"]]
     # Both kinds of the exact lens in one panel: no other program has the spectrum.
     panels = [[camera] for camera in cameras if not camera.startswith("lens")]
-    panels.append([camera for camera in cameras if camera.startswith("lens")])
+    panels += [lenses] if (lenses := [camera for camera in cameras if camera.startswith("lens")]) else []
     plt.rcParams |= {"font.size": 9, "svg.hashsalt": "petzval", "axes.spines.top": False, "axes.spines.right": False}
     figure, all_axes = plt.subplots(1, len(panels), figsize=(3.6 * len(panels), 3.6), sharey=True, squeeze=False)
     for axes, panel in zip(all_axes[0], panels, strict=True):
