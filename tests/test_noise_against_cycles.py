@@ -1,5 +1,6 @@
 # SPDX-License-Identifier: GPL-3.0-or-later
-"""The noise of light from lamps beside that of Cycles in the same Blender, at equal samples, by number and kind of lights."""
+"""The noise of light from lamps beside that of Cycles in the same Blender, at equal samples, by number and kind of lights, and on
+surfaces that are partly transparent."""
 
 from __future__ import annotations
 
@@ -79,9 +80,50 @@ def test_several_lights_are_no_noisier_than_in_cycles(stage, blender, tmp_path, 
         blender.context.collection.objects.link(lamp)
     stage.world = parts.grey_world(grey)
     stage.cycles.use_light_tree = True
-    for samples in (16, 64, 256):
-        ours, our_mean = variance(tmp_path, "PETZVAL", samples)
-        theirs, their_mean = variance(tmp_path, "CYCLES", samples)
-        print(f"{name}, {samples} samples: {ours:.3g} / {theirs:.3g} = {ours / theirs:.2f}")
+    assert_no_noisier(tmp_path, name, (16, 64, 256), WITHIN)
+
+
+def assert_no_noisier(folder, name: str, samples: tuple[int, ...], within: float) -> None:
+    """At each of these samples a pixel the variance is that of Cycles, times `within` at most."""
+    for count in samples:
+        ours, our_mean = variance(folder, "PETZVAL", count)
+        theirs, their_mean = variance(folder, "CYCLES", count)
+        print(f"{name}, {count} samples: {ours:.3g} / {theirs:.3g} = {ours / theirs:.2f}")
         assert our_mean == pytest.approx(their_mean, rel=0.005)
-        assert ours < WITHIN * theirs, f"{samples} samples: {ours / theirs:.2f} of Cycles' variance"
+        assert ours < within * theirs, f"{count} samples: {ours / theirs:.2f} of Cycles' variance"
+
+
+#: A closure, by its node and the inputs that are set, the part of the light that passes, and the strength of a sun.
+VEILS = {
+    "half diffuse": ("ShaderNodeBsdfDiffuse", {}, 0.5, 2.0),
+    "a tenth translucent": ("ShaderNodeBsdfTranslucent", {}, 0.9, 2.0),
+    # By itself: Cycles does not choose so weak a mesh among its lights.
+    "a tenth glows": ("ShaderNodeEmission", {"Strength": 3.0}, 0.9, 0.0),
+}
+
+
+@pytest.mark.parametrize("name", VEILS)
+def test_partly_transparent_surfaces_are_no_noisier_than_in_cycles(stage, blender, tmp_path, name):
+    """The light sample and the emission of a surface do not depend on whether a path passes."""
+    import scene_parts as parts
+
+    kind, inputs, passed, strength = VEILS[name]
+    blender.ops.mesh.primitive_uv_sphere_add(radius=1.5, location=(0, -0.5, 1.6))
+    material = blender.data.materials.new(name)
+    material.use_nodes = True
+    tree = material.node_tree
+    mix, closure = tree.nodes.new("ShaderNodeMixShader"), tree.nodes.new(kind)
+    for key, value in inputs.items():
+        closure.inputs[key].default_value = value
+    mix.inputs[0].default_value = passed
+    tree.links.new(closure.outputs[0], mix.inputs[1])
+    tree.links.new(tree.nodes.new("ShaderNodeBsdfTransparent").outputs[0], mix.inputs[2])
+    tree.links.new(mix.outputs[0], tree.get_output_node("CYCLES").inputs["Surface"])
+    blender.context.object.data.materials.append(material)
+    sun = blender.data.lights.new("Sun", "SUN")
+    sun.energy, sun.angle = strength, 0.1
+    lamp = blender.data.objects.new("Sun", sun)
+    lamp.rotation_euler = (0.6, 0.2, 0)
+    blender.context.collection.objects.link(lamp)
+    stage.world = parts.grey_world(0.2)
+    assert_no_noisier(tmp_path, name, (16, 64), 1.0)

@@ -264,7 +264,7 @@ def other_tabs():
     scene = bpy.context.scene
     light = bpy.data.objects.new("Lamp", bpy.data.lights.new("Lamp", "AREA"))
     scene.collection.objects.link(light)
-    ball = next(one for one in scene.objects if one.type == "MESH")
+    ball = next(one for one in scene.objects if one.type == "MESH" and one.data.materials)
     for holder, tab in ((light, "DATA"), (ball, "OBJECT"), (ball, "MATERIAL"), (ball, "WORLD"), (ball, "VIEW_LAYER")):
         bpy.context.view_layer.objects.active = holder
         yield 0.4

@@ -157,25 +157,30 @@ pub struct Opening {
     pub chance: f32,
     /// What the rest of the surface counts for a path that does not.
     pub kept: f32,
+    /// What the rest of the surface counts for all paths together.
+    pub rest: f32,
+    /// The chance of scattering of a path that takes the emission of the surface in any case.
+    pub share: f32,
 }
 
 impl Opening {
     /// Of a surface that lets nothing through.
-    pub const NONE: Self = Self { light: Rgb::ZERO, chance: 0.0, kept: 1.0 };
+    pub const NONE: Self = Self { light: Rgb::ZERO, chance: 0.0, kept: 1.0, rest: 1.0, share: 1.0 };
 
-    /// Of closures of which some let this light through, and the others count so much.
-    fn of(light: Rgb, rest: f32) -> Self {
+    /// Of closures of which some let this light through, and the others count so much; of those the ones that scatter.
+    fn of(light: Rgb, rest: f32, scattering: f32) -> Self {
         let through = luminance(light);
         if through <= 0.0 {
             return Self::NONE;
         }
         let chance = through / (through + rest);
-        Self { light, chance, kept: if rest > 0.0 { 1.0 / (1.0 - chance) } else { 0.0 } }
+        let kept = if rest > 0.0 { 1.0 / (1.0 - chance) } else { 0.0 };
+        Self { light, chance, kept, rest: 1.0, share: scattering / (through + scattering) }
     }
 
     /// Of one that takes a share of the light, and does all else to that share.
     pub fn of_alpha(alpha: f32) -> Self {
-        Self { light: Rgb::splat(1.0 - alpha), chance: 1.0 - alpha, kept: 1.0 }
+        Self { light: Rgb::splat(1.0 - alpha), chance: 1.0 - alpha, kept: 1.0, rest: alpha, share: alpha }
     }
 }
 
@@ -192,7 +197,7 @@ pub fn opening(
     }
     if let Some(graph) = &material.graph {
         return with_program(graph, around, [instance, triangle], barycentric, view, |value, _| {
-            let (mut light, mut rest) = (Rgb::ZERO, 0.0);
+            let (mut light, mut rest, mut glowing) = (Rgb::ZERO, 0.0, 0.0);
             for layer in &graph.layers {
                 let weight = value(layer.weight).x;
                 match &layer.closure {
@@ -202,15 +207,16 @@ pub fn opening(
                         light += Rgb::splat(weight * (1.0 - alpha));
                         rest += weight * alpha;
                     }
+                    Closure::Emission { .. } => glowing += weight,
                     _ => rest += weight,
                 }
             }
-            Opening::of(light, rest)
+            Opening::of(light, rest + glowing, rest)
         });
     }
     let scene = around.scene;
     let place = Place { textures: &scene.textures, mesh: mesh_of(scene, instance), triangle, barycentric };
-    let (mut light, mut rest) = (Rgb::ZERO, 0.0);
+    let (mut light, mut rest, mut glowing) = (Rgb::ZERO, 0.0, 0.0);
     for Layer { weight, closure } in material.layers.iter().take(MOST_LAYERS) {
         let weight = place.weight(weight);
         match closure {
@@ -220,10 +226,11 @@ pub fn opening(
                 light += Rgb::splat(weight * (1.0 - alpha));
                 rest += weight * alpha;
             }
+            Closure::Emission { .. } => glowing += weight,
             _ => rest += weight,
         }
     }
-    Opening::of(light, rest)
+    Opening::of(light, rest + glowing, rest)
 }
 
 /// How much of what the camera sees at a point is a hole.

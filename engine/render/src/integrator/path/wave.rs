@@ -71,7 +71,7 @@ struct Path {
     sampler: PathSampler,
 }
 
-/// A path at a surface that scatters it.
+/// A path at a surface that scatters light.
 struct Meeting {
     path: u32,
     point: SurfacePoint,
@@ -80,6 +80,49 @@ struct Meeting {
     view: View,
     /// To choose a light and a place on it: of one set, so that the places on each light are stratified, too.
     u_light: [f32; 3],
+    /// The probability of scattering, which the light sample is weighted by where paths that pass take one, too; else 1.
+    share: f32,
+    next: Next,
+}
+
+/// How a path goes on after the light sample at a surface.
+#[derive(Clone, Copy)]
+enum Next {
+    /// Scattered.
+    Scatter,
+    /// Through the surface, unbent.
+    Pass(Passage),
+    /// Not at all: the path has passed as many surfaces as it may.
+    End,
+}
+
+/// A path's way through a transparent surface.
+#[derive(Clone, Copy)]
+struct Passage {
+    /// Transmittance over the probability of passing.
+    weight: Rgb,
+    /// Distance of the surface from the ray's origin.
+    t: f32,
+    /// The border of a volume alone is no surface: it is not counted.
+    is_counted: bool,
+}
+
+/// At a surface that lets a part of the light through, the light sample does not depend on whether the path passes, as in Cycles: less
+/// noise. Not where fewer paths than this part are scattered: a shadow ray would seldom be worth its time.
+const LEAST_SHARE: f32 = 0.02;
+
+impl Path {
+    /// Goes through a surface.
+    #[inline(always)]
+    fn pass(&mut self, point: &SurfacePoint, Passage { weight, t, is_counted }: Passage) {
+        if is_counted {
+            self.way = self.way.passed();
+        }
+        self.throughput *= weight;
+        self.travelled += t;
+        let origin = offset_origin(point.position, -point.geometric_normal, point.position_error);
+        self.ray = Ray { t_max: self.ray.t_max - t, ..point.leaving(origin, self.ray.direction) };
+    }
 }
 
 impl Default for Wave {
@@ -218,38 +261,45 @@ impl<N: Notes, const VOLUMES: bool> Wave<N, VOLUMES> {
             let [u0, u1, u_light, u_alpha] = path.sampler.next_4d();
             let view = path.view(path.travelled + hit.t);
             let opening = opening(stage.around(), hit, &view);
-            if u_alpha >= 1.0 - opening.chance {
-                // The border of a volume alone is no surface.
-                if !VOLUMES || !is_only_volume(stage, &point) {
-                    if !limits.goes_on(path.way) {
-                        continue;
-                    }
-                    path.way = path.way.passed();
+            // The film is opaque where a surface that glows alone stops a path.
+            let is_film = limits.hide_sky && path.way.is_camera();
+            let share = if is_film { 1.0 - opening.chance } else { opening.share };
+            let is_scattered = u_alpha < share;
+            let is_border = VOLUMES && share < 1.0 && is_only_volume(stage, &point);
+            let is_split = share >= LEAST_SHARE && !is_border;
+            if is_scattered {
+                if !VOLUMES {
+                    path.lamps_before(stage, limits, path.travelled + hit.t, &mut found);
                 }
-                if VOLUMES {
-                    self.inside[i as usize].stack.cross(&stage.scene, &point);
-                }
-                path.throughput *= opening.light / opening.chance;
-                path.travelled += hit.t;
-                let origin = offset_origin(point.position, -point.geometric_normal, point.position_error);
-                path.ray = Ray { t_max: path.ray.t_max - hit.t, ..point.leaving(origin, path.ray.direction) };
-                self.is_alive[i as usize] = true;
+                found.result.hit = true;
+            }
+            if !is_border && path.emission(stage, limits, hit, &point, opening.rest, &mut found) {
                 continue;
             }
-            if !VOLUMES {
-                path.lamps_before(stage, limits, path.travelled + hit.t, &mut found);
-            }
-            found.result.hit = true;
-            if path.emission(stage, limits, hit, &point, opening.kept, &mut found) {
-                continue;
-            }
-            if found.result.first.is_none() && (!VOLUMES || path.way.is_camera()) {
+            if is_scattered && found.result.first.is_none() && (!VOLUMES || path.way.is_camera()) {
                 found.result.first = Some(FirstSurface::from(&point));
                 found.notes.finds(i, stage, &point, &view);
             }
-            if limits.scatters(path.way) && (!VOLUMES || self.inside[i as usize].may_scatter(limits)) {
-                let kept = opening.kept;
-                self.meetings.push(Meeting { path: i, point, kept, view, u_light: [u_light, u0, u1] });
+            let next = if is_scattered {
+                Next::Scatter
+            } else if is_border || limits.goes_on(path.way) {
+                Next::Pass(Passage { weight: opening.light / (1.0 - share), t: hit.t, is_counted: !is_border })
+            } else {
+                Next::End
+            };
+            if (is_scattered || is_split)
+                && limits.scatters(path.way)
+                && (!VOLUMES || self.inside[i as usize].may_scatter(limits))
+            {
+                let (kept, u_light) = (opening.rest / share, [u_light, u0, u1]);
+                let share = if is_split { share } else { 1.0 };
+                self.meetings.push(Meeting { path: i, point, kept, view, u_light, share, next });
+            } else if let Next::Pass(passage) = next {
+                path.pass(&point, passage);
+                if VOLUMES {
+                    self.inside[i as usize].stack.cross(&stage.scene, &point);
+                }
+                self.is_alive[i as usize] = true;
             }
         }
     }
@@ -341,18 +391,32 @@ impl<N: Notes, const VOLUMES: bool> Wave<N, VOLUMES> {
         bent: Option<Vec3A>,
         bsdf: &(impl Scattering + Parted),
     ) {
-        let Meeting { path: i, point, view, u_light, .. } = &self.meetings[meeting];
+        let Meeting { path: i, point, view, u_light, share, next, .. } = &self.meetings[meeting];
         let path = &mut self.paths[*i as usize];
         let mut found = Found { path: *i, result: &mut self.results[*i as usize], notes: &mut self.notes };
-        // The lobe and the direction in it, likewise of one set.
-        let [u2, u3, u_lobe, u_end] = path.sampler.next_4d();
-        let at = Place { stage, limits, point, normal: bent.unwrap_or(point.shading_normal) };
-        found.notes.looks_at(*i, path.way, path.throughput, bsdf, view.distance);
+        let at = Place { stage, limits, point, normal: bent.unwrap_or(point.shading_normal), share: *share };
+        if let Next::Scatter = next {
+            found.notes.looks_at(*i, path.way, path.throughput, bsdf, view.distance);
+        }
         let to = at.light(path, &mut found, &mut self.shadows, bsdf, *u_light);
         if VOLUMES {
             let scene = &stage.scene;
             self.inside[*i as usize].veil(scene, point, &self.shadows, &mut self.veils, *u_light);
         }
+        match *next {
+            Next::Scatter => {}
+            Next::Pass(passage) => {
+                path.pass(point, passage);
+                if VOLUMES {
+                    self.inside[*i as usize].stack.cross(&stage.scene, point);
+                }
+                self.is_alive[*i as usize] = true;
+                return;
+            }
+            Next::End => return,
+        }
+        // The lobe and the direction in it, likewise of one set.
+        let [u2, u3, u_lobe, u_end] = path.sampler.next_4d();
         let is_ambient = matches!(limits.approximations.fast_gi, FastGi::Add { .. });
         if is_ambient {
             at.ambient(path, &found, &mut self.shadows, bsdf, [u2, u3]);
@@ -379,7 +443,7 @@ impl<N: Notes, const VOLUMES: bool> Wave<N, VOLUMES> {
         path.throughput *= light;
         let mut four = || std::array::from_fn(|_| numbers.next());
         let ([u_light, u0, u1, _], [u_lobe, u2, u3, _]) = (four(), four());
-        let (at, bsdf) = (Place { point: &exit, normal: exit.shading_normal, ..at }, Mixture::exit(&exit));
+        let (at, bsdf) = (Place { point: &exit, normal: exit.shading_normal, share: 1.0, ..at }, Mixture::exit(&exit));
         let to = at.light(path, &mut found, &mut self.shadows, &bsdf, [u_light, u0, u1]);
         if VOLUMES {
             let inside = &self.inside[*i as usize];

@@ -34,6 +34,8 @@ pub(super) struct Place<'a> {
     pub(super) point: &'a SurfacePoint,
     /// The shading normal, bent where a displacement bends it.
     pub(super) normal: Vec3A,
+    /// The part of the paths that come there which scatter; a light sample is taken by all of them.
+    pub(super) share: f32,
 }
 
 impl Place<'_> {
@@ -47,7 +49,7 @@ impl Place<'_> {
         bsdf: &(impl Scattering + Parted),
         [u_light, u0, u1]: [f32; 3],
     ) -> Receiver {
-        let Self { stage, limits, point, normal } = *self;
+        let Self { stage, limits, point, normal, share } = *self;
         let to = stage.lights.receiver_on(point.instance, point.position, bsdf.receiving_normal(), limits.openness);
         let to = to.at(point.moment);
         if !bsdf.is_mirror()
@@ -56,7 +58,7 @@ impl Place<'_> {
         {
             let grazing = terminator::grazing(&stage.scene, point, normal, light.wi);
             let arrives = path.throughput
-                * direct(bsdf, &light, grazing.is_some_and(|grazing| grazing.is_beyond))
+                * direct(bsdf, &light, share, grazing.is_some_and(|grazing| grazing.is_beyond))
                 * terminator::dimmed(&stage.scene, point, normal, light.wi);
             let is_beyond = grazing.is_some_and(|grazing| grazing.is_beyond);
             let shares = || bsdf.shares(light.wi, light.reaches, is_beyond);
@@ -117,7 +119,7 @@ impl Place<'_> {
             Chosen::Alone
         } else {
             path.least_pdf = path.least_pdf.min(next.pdf);
-            Chosen::WithPdf(next.pdf, to)
+            Chosen::WithPdf(next.pdf * self.share, to)
         };
         path.travelled = 0.0;
         path.ray = self.point.leaving(leave(self.point, next.wi), next.wi);
@@ -173,10 +175,10 @@ impl Path {
     }
 }
 
-/// Light from one sample that a surface scatters along the path, if nothing stands in between. `is_beyond`: it comes to the other
-/// side of the triangle than of the smooth surface.
+/// Light from one sample that a surface scatters along the path, if nothing stands in between, times the `share` of the paths that are
+/// scattered. `is_beyond`: it comes to the other side of the triangle than of the smooth surface.
 #[inline(always)]
-fn direct(bsdf: &impl Scattering, light: &LightSample, is_beyond: bool) -> Rgb {
+fn direct(bsdf: &impl Scattering, light: &LightSample, share: f32, is_beyond: bool) -> Rgb {
     let (value, pdf) = if is_beyond {
         bsdf.evaluate_smooth(light.wi, light.reaches)
     } else if light.reaches.all_of(Rays::BOUNCE) {
@@ -184,7 +186,7 @@ fn direct(bsdf: &impl Scattering, light: &LightSample, is_beyond: bool) -> Rgb {
     } else {
         bsdf.evaluate_some(light.wi, light.reaches)
     };
-    let weight = if light.point_like { 1.0 } else { power_heuristic(light.pdf, pdf) };
-    let contribution = value * light.radiance * (weight / light.pdf);
+    let weight = if light.point_like { 1.0 } else { power_heuristic(light.pdf, pdf * share) };
+    let contribution = value * light.radiance * (share * weight / light.pdf);
     if contribution.is_finite() { contribution } else { Rgb::ZERO }
 }
