@@ -1,4 +1,4 @@
-//! What a sample costs before its path begins: `cargo bench -p petzval-benches --bench camera`.
+//! Time of a camera sample, up to where its path begins: `cargo bench -p petzval-benches --bench camera`.
 
 use criterion::{Criterion, criterion_group, criterion_main};
 use petzval_render::camera::packet::Request;

@@ -1,4 +1,4 @@
-//! What a whole sample costs, by camera: `cargo bench -p petzval-benches --bench path`.
+//! Time of a whole sample, by camera: `cargo bench -p petzval-benches --bench path`.
 
 mod stage;
 

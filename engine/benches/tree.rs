@@ -1,4 +1,4 @@
-//! What a ray costs in the tree, and what the tree costs: `cargo bench -p petzval-benches --bench tree`.
+//! Time of a ray in the BVH, and of building the BVH: `cargo bench -p petzval-benches --bench tree`.
 
 use criterion::{Criterion, Throughput, criterion_group, criterion_main};
 use glam::Vec3A;

@@ -122,17 +122,8 @@ def compared(path: Path, width: int, height: int, samples: int) -> dict:
             out = Path(folder) / f"{program}_{name}.exr"
             command = [*job, "cycles", ready, out, *size, count, seed]
             if program == "petzval":
-                command = [
-                    python,
-                    "-m",
-                    "petzval",
-                    "render",
-                    ready,
-                    "--camera",
-                    "pinhole",
-                    "--resolution",
-                    "x".join(size),
-                ]
+                command = [python, "-m", "petzval", "render", ready, "--camera", "pinhole"]
+                command += ["--resolution", "x".join(size)]
                 command += ["--samples", count, "--seed", seed, "--blue-noise", "off", "--checkpoint", "off", "-o", out]
             seconds[program, name] = run(*command)
             return out

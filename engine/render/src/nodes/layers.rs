@@ -157,9 +157,10 @@ pub struct Opening {
     pub chance: f32,
     /// What the rest of the surface counts for a path that does not.
     pub kept: f32,
-    /// What the rest of the surface counts for all paths together.
+    /// Weight of the closures that are not transparent, before the choice between passing and scattering; `kept` is that weight over the
+    /// probability of scattering, 1 - `chance`.
     pub rest: f32,
-    /// The chance of scattering of a path that takes the emission of the surface in any case.
+    /// Probability of scattering where emission is added to every path, so that it takes no part in the choice.
     pub share: f32,
 }
 

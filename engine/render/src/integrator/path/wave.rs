@@ -80,12 +80,12 @@ struct Meeting {
     view: View,
     /// To choose a light and a place on it: of one set, so that the places on each light are stratified, too.
     u_light: [f32; 3],
-    /// The probability of scattering, which the light sample is weighted by where paths that pass take one, too; else 1.
+    /// Probability of scattering, where paths that pass take a light sample, too, which is weighted by it; else 1.
     share: f32,
     next: Next,
 }
 
-/// How a path goes on after the light sample at a surface.
+/// The event that follows the light sample of a path at a surface.
 #[derive(Clone, Copy)]
 enum Next {
     /// Scattered.
