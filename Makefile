@@ -123,7 +123,7 @@ numerics: ## hold the lens tracer against exact numbers, and write docs/numerics
 	@began=$$(date +%s) && cargo run --quiet --locked -p petzval-optics --example numerics && \
 	PYTHONPATH=tools python3 -m pages stamp docs/numerics.md --began $$began
 
-figures: build ## the paper's figures and three more, measured, into docs/figures.md; FIGURES_OPTIONS="--only fig-10" to try
+figures: $(ENGINE) ## the paper's figures and three more, measured, into docs/figures.md; FIGURES_OPTIONS="--only fig-10" to try
 	@PYTHONPATH=tools $(dir $(PETZVAL))python -m figures $(FIGURES_OPTIONS)
 
 pages: ## the generated pages of docs/, and the commits since each was made that touch what it shows

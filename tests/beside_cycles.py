@@ -16,12 +16,12 @@ import scene_parts
 #: before each render; what is seen does not depend on it.
 SKY_TABLE = 256
 
-#: Few samples tell most pictures that agree: looks are taken with these parts of them, Petzval's and Cycles's, whose picture a
-#: warm run has kept; and where both are not within this share of the limits, more are added. What is truly beyond a limit passes
-#: an early look less often than the last: what is off by x more than the limit must be thought x + 1 - share nearer than it is,
-#: by the noise of both, which is 3.2, 2.4, 1.7 or 1.2 times the last one's; that is the rarer chance up to an x of 0.15, 0.24,
-#: 0.27 and 0.5 of the limit, and beyond none has a chance that matters.
-LOOKS = ((1 / 16, 1 / 4, 2 / 3), (1 / 8, 1 / 4, 2 / 3), (1 / 4, 1 / 2, 0.8), (1 / 2, 1, 0.9), (1, 1, 1.0))
+#: Few samples tell most pictures that agree: looks are taken with these parts of them, Petzval's and Cycles's, and where both are not
+#: within this share of the limits, more are added. Cycles has fewer looks, as it builds the scene anew for each. What is truly beyond
+#: a limit passes an early look less often than the last: what is off by x more than the limit must be thought x + 1 - share nearer
+#: than it is, by the noise of both, which is 2.8, 1.7 or 1.4 times the last one's; that is the rarer chance up to an x of 0.18, 0.45
+#: and 0.48 of the limit, and beyond none has a chance that matters.
+LOOKS = ((1 / 8, 1 / 8, 2 / 3), (1 / 4, 1 / 2, 2 / 3), (1 / 2, 1 / 2, 0.8), (1, 1, 1.0))
 
 
 def without_tricks(samples: int) -> None:

@@ -97,6 +97,7 @@ def assert_no_noisier(folder, name: str, samples: tuple[int, ...], within: float
 VEILS = {
     "half diffuse": ("ShaderNodeBsdfDiffuse", {}, 0.5, 2.0),
     "a tenth translucent": ("ShaderNodeBsdfTranslucent", {}, 0.9, 2.0),
+    "a tenth passes the dark": ("ShaderNodeBsdfTranslucent", {"Color": (0.05, 0.05, 0.05, 1.0)}, 0.12, 2.0),
     # By itself: Cycles does not choose so weak a mesh among its lights.
     "a tenth glows": ("ShaderNodeEmission", {"Strength": 3.0}, 0.9, 0.0),
 }
@@ -104,12 +105,34 @@ VEILS = {
 
 @pytest.mark.parametrize("name", VEILS)
 def test_partly_transparent_surfaces_are_no_noisier_than_in_cycles(stage, blender, tmp_path, name):
-    """The light sample and the emission of a surface do not depend on whether a path passes."""
+    """The light sample and the emission of a surface do not depend on whether a path passes, which it does the likelier the darker the
+    rest of the surface is."""
+    kind, inputs, passed, strength = VEILS[name]
+    ball_under_a_sun(stage, blender, kind, inputs, passed, strength)
+    assert_no_noisier(tmp_path, name, (16, 64), 1.0)
+
+
+#: Subsurface Scattering: colour, radius by channel, scale and anisotropy.
+BODIES = {
+    "wax": {"Color": (0.8, 0.6, 0.4, 1.0), "Radius": (1.0, 1.0, 1.0), "Scale": 0.1},
+    "dark": {"Color": (0.4, 0.3, 0.2, 1.0), "Radius": (1.0, 0.2, 0.1), "Scale": 0.3},
+    "forward": {"Color": (0.8, 0.6, 0.4, 1.0), "Radius": (1.0, 0.5, 0.3), "Scale": 0.3, "Anisotropy": 0.6},
+}
+
+
+@pytest.mark.parametrize("name", BODIES)
+def test_bodies_are_no_noisier_than_in_cycles(stage, blender, tmp_path, name):
+    """Random walks are guided to the surface."""
+    ball_under_a_sun(stage, blender, "ShaderNodeSubsurfaceScattering", BODIES[name], 0.0, 2.0)
+    assert_no_noisier(tmp_path, name, (16, 64), 1.0)
+
+
+def ball_under_a_sun(stage, blender, kind: str, inputs: dict, passed: float, strength: float) -> None:
+    """A ball of a closure that lets a part of the light pass, in the sun and a grey world."""
     import scene_parts as parts
 
-    kind, inputs, passed, strength = VEILS[name]
     blender.ops.mesh.primitive_uv_sphere_add(radius=1.5, location=(0, -0.5, 1.6))
-    material = blender.data.materials.new(name)
+    material = blender.data.materials.new("Ball")
     material.use_nodes = True
     tree = material.node_tree
     mix, closure = tree.nodes.new("ShaderNodeMixShader"), tree.nodes.new(kind)
@@ -126,4 +149,3 @@ def test_partly_transparent_surfaces_are_no_noisier_than_in_cycles(stage, blende
     lamp.rotation_euler = (0.6, 0.2, 0)
     blender.context.collection.objects.link(lamp)
     stage.world = parts.grey_world(0.2)
-    assert_no_noisier(tmp_path, name, (16, 64), 1.0)

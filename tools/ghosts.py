@@ -35,7 +35,7 @@ SCENES = {
     "night": ("takumar-35-1970", "35", "8", "6"),
     "sun": ("flektogon-1954", "35", "11", "5"),
 }
-#: Of pictures and of the renders that are timed: at 1536 x 1024 with 256 samples the page took an hour.
+#: Of the renders that are timed, whose last ones are the page's pictures: at 1536 x 1024 with 256 samples the page took an hour.
 RESOLUTION = "1152x768"
 COATINGS = ("none", "mgf2", "triple")
 
@@ -78,30 +78,34 @@ def rendered(folder: Path, scene: Path, name: str, *options: object) -> tuple[np
     return np.asarray(Image.open(out).convert("RGB")), json.loads(stats.read_text())
 
 
-def priced(folder: Path, scenes: dict[str, Path], rounds: int) -> list[str]:
+def priced(folder: Path, scenes: dict[str, Path], rounds: int, samples: int) -> tuple[list[str], dict[str, np.ndarray]]:
+    """The table of prices, and the last picture of each scene."""
+    taken = {}
     rows = [
         "| picture | samples | sources | ghosts | without, s | ghosts, s | glare, s | diffraction, s | ghosts' part |",
         "|---|---:|---:|---:|---:|---:|---:|---:|---:|",
     ]
     for name, scene in scenes.items():
-        runs = [rendered(folder, scene, name, "--resolution", RESOLUTION, "--samples", 64)[1] for _ in range(rounds)]
+        runs = []
+        for _ in range(rounds):
+            taken[name], told = rendered(folder, scene, name, "--resolution", RESOLUTION, "--samples", samples)
+            runs.append(told)
         times = {
             key: median(run["seconds"]["strays"][key] for run in runs) for key in ("ghosts", "glare", "diffraction")
         }
         without = median(run["seconds"]["render"] for run in runs)
         ghosts = runs[0]["ghosts"]
         rows.append(
-            f"| {name}, {RESOLUTION} | 64 | {ghosts['sources']} | {ghosts['simulated']} of {ghosts['found']} | {without:.0f} | "
+            f"| {name}, {RESOLUTION} | {samples} | {ghosts['sources']} | {ghosts['simulated']} of {ghosts['found']} | {without:.0f} | "
             f"{times['ghosts']:.1f} | {times['glare']:.1f} | {times['diffraction']:.1f} | "
             f"{100.0 * times['ghosts'] / without:.1f} % |"
         )
-    return rows
+    return rows, taken
 
 
-def pictures(folder: Path, scenes: dict[str, Path], samples: int) -> None:
-    for name, scene in scenes.items():
-        taken, _ = rendered(folder, scene, name, "--resolution", RESOLUTION, "--samples", samples)
-        Image.fromarray(taken).save(IMAGES / f"stray-{name}.jpg", quality=88)
+def pictures(folder: Path, scenes: dict[str, Path], taken: dict[str, np.ndarray], samples: int) -> None:
+    for name, picture in taken.items():
+        Image.fromarray(picture).save(IMAGES / f"stray-{name}.jpg", quality=88)
     strips = []
     for coating in COATINGS:
         options = ("--resolution", "768x512", "--samples", max(samples // 2, 8), "--coating", coating)
@@ -115,8 +119,8 @@ def write(mark: str, rows: list[str]) -> None:
 
 def main() -> None:
     parser = argparse.ArgumentParser(description=__doc__)
-    parser.add_argument("--only", choices=("held", "price", "pictures"))
-    parser.add_argument("--samples", type=int, default=96)
+    parser.add_argument("--only", choices=("held", "price"))
+    parser.add_argument("--samples", type=int, default=64)
     parser.add_argument("--rounds", type=int, default=2)
     options = parser.parse_args()
     began, origin = time.monotonic(), pages.made("docs/ghosts.md")
@@ -130,9 +134,10 @@ def main() -> None:
         if options.only in (None, "held"):
             write("held", held())
         if options.only in (None, "price"):
-            write("price", priced(folder, scenes, options.rounds))
-        if options.only in (None, "pictures"):
-            pictures(folder, scenes, options.samples)
+            rows, taken = priced(folder, scenes, options.rounds, options.samples)
+            write("price", rows)
+            if options.only is None:
+                pictures(folder, scenes, taken, options.samples)
     # What is renewed in part stays as old as the rest.
     if options.only is None:
         pages.stamp("docs/ghosts.md", origin.took(time.monotonic() - began))

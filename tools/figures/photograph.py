@@ -15,7 +15,7 @@ from .figure import Shot, Taken
 ROOT = Path(__file__).resolve().parents[2]
 GALLERY = ROOT / "tests/scenes/gallery"
 #: Pixels of width, samples of a shot that is hidden, and of one that is shown: a reader sees noise that a check does not mind.
-SIZES = {"smallest": (120, 16, 16), "small": (240, 24, 24), "full": (480, 64, 256), "large": (960, 192, 512)}
+SIZES = {"smallest": (120, 16, 16), "small": (240, 24, 24), "full": (480, 64, 128), "large": (960, 192, 512)}
 #: Those of a shot that asks for more are so many times as many at most, but where noise decides.
 MOST = {"smallest": 4.0, "small": 4.0, "full": 1.0, "large": 1.0}
 

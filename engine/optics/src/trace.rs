@@ -214,12 +214,13 @@ impl<R: Real> Tracer<R> {
     }
 
     /// From the scene to the film: the ray that leaves the last surface, its origin on that surface.
+    #[inline(never)]
     pub fn from_scene(&self, ray: Ray) -> Result<Ray, Lost> {
         self.from_scene.run(ray, &self.diaphragm, &mut |_| {})
     }
 
     /// From the film to the scene: the ray that leaves the first surface, its origin on that surface.
-    #[inline]
+    #[inline(never)]
     pub fn from_film(&self, ray: Ray) -> Result<Ray, Lost> {
         self.from_film.run(ray, &self.diaphragm, &mut |_| {})
     }
@@ -265,6 +266,7 @@ fn bent<R: Real>(
 
 impl Way<f64> {
     /// As [`Self::run`], with the places in lens space that the ray comes by: its hits, and some between them where it bends.
+    #[inline(never)]
     fn path(&self, ray: Ray, diaphragm: &Diaphragm) -> Result<(Ray, Vec<DVec3>), Lost> {
         let (mut p, mut d) = self.enter(ray);
         let (mut z, mut places) = (self.start_z, Vec::new());
@@ -350,6 +352,7 @@ impl<R: Real> Way<R> {
         Ok(self.leave(p.of(0), d.of(0)))
     }
 
+    #[inline(never)]
     fn run_measuring(&self, ray: Ray, diaphragm: &Diaphragm<R>, lengths_mm: &mut Vec<f64>) -> Result<Ray, Lost> {
         let (mut before, mut z) = (ray.origin, self.start_z);
         let (mut p, mut d) = self.enter(ray);
@@ -374,6 +377,7 @@ impl<R: Real> Way<R> {
         Ok(self.leave(p.of(0), d.of(0)))
     }
 
+    #[inline(never)]
     fn run_recording(&self, ray: Ray, diaphragm: &Diaphragm<R>, hits: &mut Vec<DVec3>) -> Result<Ray, Lost> {
         let first = hits.len();
         let result = self.run(ray, diaphragm, &mut |p| hits.push(p));

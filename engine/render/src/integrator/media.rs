@@ -11,11 +11,11 @@ mod stack;
 pub(crate) use stack::{Entry, Stack};
 
 use super::Stage;
-use super::subsurface::Numbers;
 use crate::Rgb;
 use crate::accel::Ray;
 use crate::nodes::Way;
 use crate::nodes::volume::Medium;
+use crate::sampler::hashed::HashedNumbers;
 use crate::scene::Scene;
 use bound::{Bound, Bounded};
 use glam::Vec3A;
@@ -180,7 +180,7 @@ impl Stretch<'_> {
     }
 
     /// The part of light that gets through all of it, on average.
-    pub(super) fn transmittance(&self, numbers: &mut Numbers) -> Rgb {
+    pub(super) fn transmittance(&self, numbers: &mut HashedNumbers) -> Rgb {
         if self.is_even() {
             return through(self.medium(self.ray.origin).extinction, self.ray.t_max);
         }
@@ -284,7 +284,7 @@ impl Stretch<'_> {
     }
 
     fn follow_varying(&self, throughput: &mut Rgb, scatters: bool, u: [f32; 4]) -> (Event, Rgb) {
-        let mut numbers = Numbers::new([u[0], u[1], u[2]]);
+        let mut numbers = HashedNumbers::new([u[0], u[1], u[2]]);
         let mut emitted = Rgb::ZERO;
         let mut walk = self.walk();
         let start = throughput.abs().max_element();

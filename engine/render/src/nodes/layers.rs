@@ -160,7 +160,8 @@ pub struct Opening {
     /// Weight of the closures that are not transparent, before the choice between passing and scattering; `kept` is that weight over the
     /// probability of scattering, 1 - `chance`.
     pub rest: f32,
-    /// Probability of scattering where emission is added to every path, so that it takes no part in the choice.
+    /// Probability of scattering where emission is added to every path, so that it takes no part in the choice. Closures count by their
+    /// brightness, as in Cycles: a path seldom ends on a dark one.
     pub share: f32,
 }
 
@@ -168,21 +169,82 @@ impl Opening {
     /// Of a surface that lets nothing through.
     pub const NONE: Self = Self { light: Rgb::ZERO, chance: 0.0, kept: 1.0, rest: 1.0, share: 1.0 };
 
-    /// Of closures of which some let this light through, and the others count so much; of those the ones that scatter.
-    fn of(light: Rgb, rest: f32, scattering: f32) -> Self {
+    fn of(Parts { light, rest, glowing, scattering }: Parts) -> Self {
         let through = luminance(light);
         if through <= 0.0 {
             return Self::NONE;
         }
-        let chance = through / (through + rest);
-        let kept = if rest > 0.0 { 1.0 / (1.0 - chance) } else { 0.0 };
-        Self { light, chance, kept, rest: 1.0, share: scattering / (through + scattering) }
+        let chance = through / (through + rest + glowing);
+        let kept = if rest + glowing > 0.0 { 1.0 / (1.0 - chance) } else { 0.0 };
+        Self { light, chance, kept, rest: 1.0, share: scattering / (average(light) + scattering) }
     }
 
     /// Of one that takes a share of the light, and does all else to that share.
     pub fn of_alpha(alpha: f32) -> Self {
         Self { light: Rgb::splat(1.0 - alpha), chance: 1.0 - alpha, kept: 1.0, rest: alpha, share: alpha }
     }
+}
+
+/// What the closures of a surface do with light, by their weights.
+#[derive(Default)]
+struct Parts {
+    /// Let through unbent.
+    light: Rgb,
+    /// The weight of those that scatter.
+    rest: f32,
+    /// The weight of those that glow alone.
+    glowing: f32,
+    /// The weight of those that scatter, times about what part of the light.
+    scattering: f32,
+}
+
+/// About what a Principled surface reflects that is black.
+const LEAST_PRINCIPLED: f32 = 0.1;
+
+impl Parts {
+    fn add<C, N>(
+        &mut self,
+        weight: f32,
+        closure: &Closure<C, N>,
+        color: impl Fn(&C) -> Rgb,
+        number: impl Fn(&N) -> f32,
+    ) {
+        let (mut weight, mut least) = (weight, 0.0);
+        let tint = match closure {
+            Closure::Transparent { color: tint } => {
+                self.light += color(tint).max(Rgb::ZERO) * weight;
+                return;
+            }
+            Closure::Emission { .. } => {
+                self.glowing += weight;
+                return;
+            }
+            Closure::Principled(p) => {
+                let alpha = number(&p.alpha).clamp(0.0, 1.0);
+                self.light += Rgb::splat(weight * (1.0 - alpha));
+                weight *= alpha;
+                least = LEAST_PRINCIPLED;
+                Some(&p.base_color)
+            }
+            Closure::Diffuse { color, .. }
+            | Closure::Translucent { color }
+            | Closure::Glossy { color, .. }
+            | Closure::Glass { color, .. }
+            | Closure::Refraction { color, .. }
+            | Closure::Microfiber { color, .. }
+            | Closure::Velvet { color, .. }
+            | Closure::Toon { color, .. }
+            | Closure::Subsurface { color, .. }
+            | Closure::Hair { color, .. } => Some(color),
+            Closure::Metal { .. } | Closure::PrincipledHair(_) | Closure::Holdout => None,
+        };
+        self.rest += weight;
+        self.scattering += weight * tint.map_or(1.0, |tint| (average(color(tint).max(Rgb::ZERO)) + least).min(1.0));
+    }
+}
+
+fn average(color: Rgb) -> f32 {
+    color.element_sum() / 3.0
 }
 
 /// Of a material at a point of a triangle.
@@ -198,40 +260,22 @@ pub fn opening(
     }
     if let Some(graph) = &material.graph {
         return with_program(graph, around, [instance, triangle], barycentric, view, |value, _| {
-            let (mut light, mut rest, mut glowing) = (Rgb::ZERO, 0.0, 0.0);
+            let mut parts = Parts::default();
             for layer in &graph.layers {
-                let weight = value(layer.weight).x;
-                match &layer.closure {
-                    Closure::Transparent { color } => light += finite(value(*color)).max(Rgb::ZERO) * weight,
-                    Closure::Principled(p) => {
-                        let alpha = finite(value(p.alpha)).x.clamp(0.0, 1.0);
-                        light += Rgb::splat(weight * (1.0 - alpha));
-                        rest += weight * alpha;
-                    }
-                    Closure::Emission { .. } => glowing += weight,
-                    _ => rest += weight,
-                }
+                let (color, number) =
+                    (|source: &Source| finite(value(*source)), |source: &Source| finite(value(*source)).x);
+                parts.add(value(layer.weight).x, &layer.closure, color, number);
             }
-            Opening::of(light, rest + glowing, rest)
+            Opening::of(parts)
         });
     }
     let scene = around.scene;
     let place = Place { textures: &scene.textures, mesh: mesh_of(scene, instance), triangle, barycentric };
-    let (mut light, mut rest, mut glowing) = (Rgb::ZERO, 0.0, 0.0);
+    let mut parts = Parts::default();
     for Layer { weight, closure } in material.layers.iter().take(MOST_LAYERS) {
-        let weight = place.weight(weight);
-        match closure {
-            Closure::Transparent { color } => light += place.colour(color).max(Rgb::ZERO) * weight,
-            Closure::Principled(p) => {
-                let alpha = place.number(&p.alpha).clamp(0.0, 1.0);
-                light += Rgb::splat(weight * (1.0 - alpha));
-                rest += weight * alpha;
-            }
-            Closure::Emission { .. } => glowing += weight,
-            _ => rest += weight,
-        }
+        parts.add(place.weight(weight), closure, |color| place.colour(color), |number| place.number(number));
     }
-    Opening::of(light, rest + glowing, rest)
+    Opening::of(parts)
 }
 
 /// How much of what the camera sees at a point is a hole.

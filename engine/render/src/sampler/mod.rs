@@ -7,6 +7,7 @@
 
 pub mod distribution;
 pub mod evenly;
+pub mod hashed;
 pub mod pattern;
 pub mod phase;
 mod points;
@@ -42,6 +43,12 @@ impl PathSampler {
     #[inline]
     pub fn jump_to(&mut self, set: u32) {
         self.set = set;
+    }
+
+    /// The same sample's numbers of 1024 sets that belong to the present set alone: for a walk of many steps within one.
+    #[inline]
+    pub fn aside(&self) -> Self {
+        Self { set: 1 << 31 | self.set << 10, ..self.clone() }
     }
 }
 

@@ -12,7 +12,7 @@ use super::{CAMERA_SETS, FastGi, FirstSurface, Limits, MOST_STEPS, PathResult, S
 use crate::Rgb;
 use crate::accel::{Hit, Ray, offset_origin};
 use crate::integrator::Stage;
-use crate::integrator::subsurface::{Numbers, leave};
+use crate::integrator::subsurface::leave;
 use crate::nodes::{self, Layers, View, Way};
 use crate::sampler::PathSampler;
 use crate::scene::layer::Layer;
@@ -265,18 +265,18 @@ impl<N: Notes, const VOLUMES: bool> Wave<N, VOLUMES> {
             let is_film = limits.hide_sky && path.way.is_camera();
             let share = if is_film { 1.0 - opening.chance } else { opening.share };
             let is_scattered = u_alpha < share;
+            // What is seen goes by the weights alone, however dark.
+            let is_seen = u_alpha < share.max(1.0 - opening.chance);
             let is_border = VOLUMES && share < 1.0 && is_only_volume(stage, &point);
             let is_split = share >= LEAST_SHARE && !is_border;
-            if is_scattered {
-                if !VOLUMES {
-                    path.lamps_before(stage, limits, path.travelled + hit.t, &mut found);
-                }
-                found.result.hit = true;
+            if is_scattered && !VOLUMES {
+                path.lamps_before(stage, limits, path.travelled + hit.t, &mut found);
             }
+            found.result.hit |= is_seen;
             if !is_border && path.emission(stage, limits, hit, &point, opening.rest, &mut found) {
                 continue;
             }
-            if is_scattered && found.result.first.is_none() && (!VOLUMES || path.way.is_camera()) {
+            if is_seen && found.result.first.is_none() && (!VOLUMES || path.way.is_camera()) {
                 found.result.first = Some(FirstSurface::from(&point));
                 found.notes.finds(i, stage, &point, &view);
             }
@@ -438,11 +438,10 @@ impl<N: Notes, const VOLUMES: bool> Wave<N, VOLUMES> {
             }
             return;
         };
-        let mut numbers = Numbers::new([u_lobe, u2, u3]);
-        let Some((exit, light)) = leave(stage, point, &entry, &mut numbers, &mut found.result.rays) else { return };
+        let mut sampler = path.sampler.aside();
+        let ([u_light, u0, u1, _], [u2, u3, u_lobe, _]) = (sampler.next_4d(), sampler.next_4d());
+        let Some((exit, light)) = leave(stage, point, &entry, &mut sampler, &mut found.result.rays) else { return };
         path.throughput *= light;
-        let mut four = || std::array::from_fn(|_| numbers.next());
-        let ([u_light, u0, u1, _], [u_lobe, u2, u3, _]) = (four(), four());
         let (at, bsdf) = (Place { point: &exit, normal: exit.shading_normal, share: 1.0, ..at }, Mixture::exit(&exit));
         let to = at.light(path, &mut found, &mut self.shadows, &bsdf, [u_light, u0, u1]);
         if VOLUMES {

@@ -10,11 +10,11 @@ use crate::Rgb;
 use crate::accel::{Hit, Ray};
 use crate::integrator::Stage;
 use crate::integrator::media::{Event, Stack, Stretch};
-use crate::integrator::subsurface::Numbers;
 use crate::lights::receiver::Receiver;
 use crate::lights::{Line, Shining};
 use crate::nodes::View;
 use crate::nodes::volume::Medium;
+use crate::sampler::hashed::HashedNumbers;
 use crate::sampler::warp;
 use crate::scene::Scene;
 use crate::scene::visibility::Rays;
@@ -77,7 +77,14 @@ impl Inside {
         }
         let [u_first, u_second] = [path.sampler.next_4d(), path.sampler.next_4d()];
         let u_distance = path.sampler.next_4d();
-        self.lamps(stage, limits, path, t_max, found, &mut Numbers::new([u_distance[2], u_distance[3], u_first[0]]));
+        self.lamps(
+            stage,
+            limits,
+            path,
+            t_max,
+            found,
+            &mut HashedNumbers::new([u_distance[2], u_distance[3], u_first[0]]),
+        );
         if self.stack.is_empty() {
             return Brought::ToTheEnd;
         }
@@ -273,7 +280,7 @@ impl Inside {
         path: &Path,
         t_max: f32,
         found: &mut Found<'_, N>,
-        numbers: &mut Numbers,
+        numbers: &mut HashedNumbers,
     ) {
         if stage.scene.lamps.is_empty() {
             return;
@@ -414,7 +421,7 @@ impl Veil {
             return free;
         }
         borders.sort_by(|(a, p), (b, q)| a.total_cmp(b).then((p.instance, p.triangle).cmp(&(q.instance, q.triangle))));
-        let mut numbers = Numbers::seeded(self.seed);
+        let mut numbers = HashedNumbers::seeded(self.seed);
         let (mut stack, mut from, mut free) = (self.stack.clone(), 0.0, free);
         let mut dim = |stack: &Stack, from: f32, to: f32| {
             if stack.is_empty() || to <= from {
