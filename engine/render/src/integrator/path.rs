@@ -94,7 +94,8 @@ pub struct Limits {
     pub hide_sky: bool,
     /// The part of the sky that is seen from a surface, on average: see [`openness`]. Only noise depends on it.
     pub openness: f32,
-    /// A path from the camera goes on with a chance of its throughput times this, at most 1: see [`roulette`].
+    /// A path from the camera goes on with a chance of this times its throughput over that of its first scattering, at most 1: see
+    /// [`roulette`].
     pub roulette: f32,
 }
 

@@ -68,6 +68,8 @@ struct Path {
     from: u32,
     /// Least density of the directions that it was scattered in so far; infinite before the first.
     least_pdf: f32,
+    /// The brightest channel of the throughput after the first scattering; 0 before it.
+    first_throughput: f32,
     sampler: PathSampler,
 }
 
@@ -179,6 +181,7 @@ impl<N: Notes, const VOLUMES: bool> Wave<N, VOLUMES> {
             start: ray.origin,
             from: 0,
             least_pdf: f32::INFINITY,
+            first_throughput: 0.0,
             sampler,
         });
     }

@@ -156,15 +156,22 @@ impl Place<'_> {
     }
 }
 
+/// A first surface that scatters less than this is treated as if it scattered so much.
+const LEAST_FIRST_THROUGHPUT: f32 = 0.02;
+
 impl Path {
-    /// Ends faint paths by chance; whether this one goes on.
+    /// Ends faint paths by chance; whether this one goes on. Faint is what has lost much of its light since the first scattering: the
+    /// pixel of a dark surface is dark itself, and its noise counts by that.
     #[inline(always)]
     pub(super) fn goes_on(&mut self, limits: &Limits, u_end: f32) -> bool {
         let brightest = self.throughput.max_element();
         if brightest <= 0.0 {
             return false;
         }
-        let go_on = brightest * limits.roulette;
+        if self.first_throughput == 0.0 {
+            self.first_throughput = brightest.max(LEAST_FIRST_THROUGHPUT);
+        }
+        let go_on = brightest / self.first_throughput * limits.roulette;
         if go_on < 1.0 {
             if u_end >= go_on {
                 return false;
