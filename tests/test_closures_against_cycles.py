@@ -350,6 +350,27 @@ def test_coarse_balls_look_as_in_cycles(stage, blender, tmp_path, name):
     made, tree, surface = stage.material(name)
     tree.links.new(COARSE[name](tree), surface)
     bpy.context.object.data.materials.append(made)
-    # Light samples that the triangle and its smooth normal see from different sides count in Cycles, not here; and a
-    # normal is turned away from its rim for all of a Principled here, for its mirrors alone there.
+    # Light samples that the triangle and its smooth normal see from different sides count in Cycles, not here.
+    alike(tmp_path, 0.015)
+
+
+#: Of few faces, whose smooth normals lean far from them and away from the camera.
+SPIKES = {
+    "diffuse": lambda tree: node(tree, "BsdfDiffuse", Color=RED),
+    "principled": principled(Base_Color=RED, Roughness=0.4),
+}
+
+
+@pytest.mark.once
+@pytest.mark.parametrize("name", SPIKES)
+def test_spikes_look_as_in_cycles(stage, blender, tmp_path, name):
+    """The normal of a diffuse base is not turned where that of a mirror is."""
+    bpy = blender
+    bpy.data.objects.remove(bpy.context.object)
+    bpy.ops.mesh.primitive_cone_add(vertices=4, radius1=0.9, depth=2.0, location=(0, 0, 0), rotation=(0.5, 0.6, 0.3))
+    bpy.ops.object.shade_smooth()
+    made, tree, surface = stage.material(name)
+    tree.links.new(SPIKES[name](tree), surface)
+    bpy.context.object.data.materials.append(made)
+    # As coarse balls.
     alike(tmp_path, 0.015)

@@ -65,7 +65,10 @@ fn transmits(material: &Material) -> bool {
 /// The BSDF of one point seen from one direction.
 #[derive(Clone)]
 pub struct Bsdf {
+    /// About the normal of the facets, where there are any, else of the diffuse base.
     frame: [Vec3A; 3],
+    /// The normal of the diffuse base in these axes. That of facets is turned, where a mirror would send light into the surface.
+    base_normal: Vec3A,
     geometric_normal: Vec3A,
     /// Cosine of `wo` to the normal.
     cos_o: f32,
@@ -118,10 +121,17 @@ impl Bsdf {
         wo: Vec3A,
         caustics: Caustics,
     ) -> Self {
-        let normal = normal::reflecting(point.geometric_normal, point.shading_normal, wo);
+        let has_facets = values.metallic > 0.0 || values.transmission > 0.0 || material.specular;
+        let normal = if has_facets {
+            normal::reflecting(point.geometric_normal, point.shading_normal, wo)
+        } else {
+            point.shading_normal
+        };
         let frame = warp::frame(normal);
+        let is_turned = normal != point.shading_normal;
         let mut bsdf = Self {
             frame,
+            base_normal: if is_turned { warp::to_local(&frame, point.shading_normal) } else { Vec3A::Z },
             geometric_normal: point.geometric_normal,
             cos_o: normal.dot(wo),
             eta: if point.backfacing { 1.0 / tables.ior } else { tables.ior },
@@ -129,7 +139,7 @@ impl Bsdf {
             chance: [0.0, 0.0, 0.0, 1.0],
             facets: None,
         };
-        if values.metallic > 0.0 || values.transmission > 0.0 || material.specular {
+        if has_facets {
             bsdf.add_facets(material, values, tables, point.backfacing, warp::to_local(&frame, wo), caustics);
         } else if luminance(bsdf.diffuse) <= 0.0 {
             bsdf.chance = [0.0; 4];
@@ -257,12 +267,15 @@ impl Bsdf {
         let mut value = Rgb::ZERO;
         let mut pdf = 0.0;
         // The triangle itself and its interpolated normal must agree on the side.
-        if above && wi.z > 0.0 {
-            if self.chance[3] > 0.0 {
-                value += self.diffuse * (wi.z * FRAC_1_PI);
-                pdf += self.chance[3] * warp::cosine_hemisphere_pdf(wi.z);
+        if above {
+            let cos = self.base_normal.dot(wi);
+            if self.chance[3] > 0.0 && cos > 0.0 {
+                value += self.diffuse * (cos * FRAC_1_PI);
+                pdf += self.chance[3] * warp::cosine_hemisphere_pdf(cos);
             }
-            if let Some(f) = self.rough_facets() {
+            if wi.z > 0.0
+                && let Some(f) = self.rough_facets()
+            {
                 let h = (f.wo + wi).normalize_or(Vec3A::Z);
                 let cos = f.wo.dot(h);
                 if cos > 0.0 {
@@ -272,8 +285,7 @@ impl Bsdf {
                     pdf += reflects * facets / (1.0 + f.lambda_o);
                 }
             }
-        } else if !above
-            && wi.z < 0.0
+        } else if wi.z < 0.0
             && self.chance[1] > 0.0
             && let Some(f) = self.rough_facets()
         {
@@ -324,7 +336,7 @@ impl Bsdf {
         let above = self.geometric_normal.dot(world) > 0.0;
         // A tilted facet can bend light back to the side it came from, or mirror it below the surface: that
         // light would meet another facet, which the restored energy accounts for.
-        if above == transmit || (wi.z > 0.0) == transmit {
+        if above == transmit || (!matte && (wi.z > 0.0) == transmit) {
             return None;
         }
         let (value, pdf) = self.evaluate_local(wi, above);
@@ -391,13 +403,14 @@ impl Parted for Bsdf {
     }
 
     fn diffuse(&self) -> (Rgb, Vec3A) {
-        (self.diffuse, self.frame[2])
+        (self.diffuse, warp::to_world(&self.frame, self.base_normal))
     }
 }
 
 impl Scattering for Bsdf {
     fn receiving_normal(&self) -> Option<Vec3A> {
-        (self.chance[1] == 0.0).then_some(self.frame[2])
+        // No light is left out that either normal sees.
+        (self.chance[1] == 0.0 && self.base_normal == Vec3A::Z).then_some(self.frame[2])
     }
 
     fn is_mirror(&self) -> bool {
@@ -434,7 +447,7 @@ impl Scattering for Bsdf {
     }
 
     fn sample(&self, u_lobe: f32, u: [f32; 2]) -> Option<BsdfSample> {
-        if self.cos_o <= 0.0 {
+        if self.cos_o <= 0.0 && self.facets.is_some() {
             return None;
         }
         let mut lobe = 0;
@@ -447,7 +460,10 @@ impl Scattering for Bsdf {
             return None;
         }
         if lobe == 3 {
-            let wi = warp::sample_cosine_hemisphere(u);
+            let mut wi = warp::sample_cosine_hemisphere(u);
+            if self.base_normal != Vec3A::Z {
+                wi = warp::to_world(&warp::frame(self.base_normal), wi);
+            }
             return if self.facets.is_some() { self.finish(wi, false, true) } else { self.finish_lambert(wi) };
         }
         let f = self.facets.as_ref()?;

@@ -22,6 +22,8 @@ const EVEN_AFTER: u32 = 10;
 const FAINT: f32 = 0.5;
 /// The other side of a body is looked for within so many of the longest free paths.
 const FAR_SIDE_PATHS: f32 = 10.0;
+/// A stretch of so many free paths lets nothing through that is seen.
+const MOST_EXPONENT: f32 = 60.0;
 
 /// Where a walk that begins at `point` leaves the body, seen from outside, and what is left of its light; `None` where
 /// it ends within.
@@ -129,7 +131,9 @@ impl Ways {
             Rgb::splat(a + b + c)
         } else {
             let [_, s, t] = if is_hit { [1.0; 3] } else { self.stretches() };
-            let more = exp(extinction * (length * self.longer));
+            // A channel that goes no distance has an extinction beyond all bounds: 0 times infinity would be NaN for all of them.
+            let most = Rgb::splat(MOST_EXPONENT);
+            let more = exp((extinction * (length * self.longer)).clamp(-most, most));
             a + more * (b * s) + Rgb::splat(c * t) / more
         };
         sum * if is_hit { left } else { left * extinction }
@@ -259,6 +263,22 @@ mod tests {
                 let [sum, by_density, sampled] = [sum, cos_by_density, cos_sampled].map(|x| x / f64::from(DIRECTIONS));
                 assert!((sum - 1.0).abs() < 5e-3, "{albedo} {anisotropy}: {sum}");
                 assert!((by_density - sampled).abs() < 5e-3, "{albedo} {anisotropy}: {by_density} and {sampled}");
+            }
+        }
+    }
+
+    /// A channel whose light does not go into the body leaves the others as they are.
+    #[test]
+    fn a_channel_of_no_depth_does_no_harm() {
+        let medium = Medium { extinction: Rgb::new(2.0, 3.0, 1e16), ..medium(0.9, 0.0) };
+        let guide = guide(&medium, None);
+        let ray = Ray::new(Vec3A::new(0.0, 0.0, -0.2), Vec3A::new(0.0, 0.6, -0.8));
+        for i in 0..100 {
+            let u = i as f32 / 100.0;
+            let (_, ways) = guide.turn(&medium, &ray, [u, 1.0 - u, 0.4]);
+            for is_hit in [false, true] {
+                let density = ways.density(medium.extinction, 0.5, is_hit, exp(medium.extinction * -0.5));
+                assert!(density.is_finite() && density.x > 0.0 && density.z == 0.0, "{density}");
             }
         }
     }
