@@ -4,18 +4,18 @@
 pub(crate) struct HashedNumbers(u64);
 
 impl HashedNumbers {
-    /// Seeded by numbers of a path's sampler.
+    /// The stream seeded by numbers of a path's sampler.
     pub(crate) fn new(u: [f32; 3]) -> Self {
         let bits = |i: usize| u64::from(u[i].to_bits());
         Self::seeded(bits(0) ^ (bits(1) << 21) ^ (bits(2) << 42))
     }
 
-    /// Of that seed.
+    /// The stream of that seed.
     pub(crate) fn seeded(seed: u64) -> Self {
         Self(seed ^ 0x9e37_79b9_7f4a_7c15)
     }
 
-    /// Uniform, 0 to 1 (Steele, Lea and Flood 2014, splitmix).
+    /// The next number, 0 to 1 (Steele, Lea and Flood 2014, splitmix).
     pub(crate) fn next(&mut self) -> f32 {
         self.0 = self.0.wrapping_add(0x9e37_79b9_7f4a_7c15);
         let mut z = self.0;

@@ -39,7 +39,8 @@ pub fn openness(stage: &Stage, rays: &[Ray]) -> f32 {
     if seen == 0 { UNKNOWN } else { open as f32 / seen as f32 }
 }
 
-/// How much dimmer than after its first scattering a path may get before it may end by chance, as [`Limits::roulette`].
+/// The number of [`Limits::roulette`] for a picture: a path may end by chance once its throughput is so many times less than after its first
+/// scattering.
 ///
 /// The best chance to go on is in proportion to what the rest of a path brings, over the noise that the pixel has anyhow,
 /// for its cost (Rath et al. 2022, "EARS", equation 8). Where the rest is as bright and as costly as a whole path, that is

@@ -25,8 +25,8 @@ const FAR_SIDE_PATHS: f32 = 10.0;
 /// A stretch of so many free paths lets nothing through that is seen.
 const MOST_EXPONENT: f32 = 60.0;
 
-/// Where a walk that begins at `point` leaves the body, seen from outside, and what is left of its light; `None` where
-/// it ends within.
+/// The place where a walk that begins at `point` leaves the body, seen from outside, and the light that is left; `None` where the walk
+/// ends within.
 pub(super) fn walk(
     stage: &Stage,
     point: &SurfacePoint,
@@ -105,7 +105,7 @@ fn exp(x: Rgb) -> Rgb {
 
 /// The ways in which a stretch may have been sampled: by the medium, guided outwards, and guided to the far side.
 struct Ways {
-    /// Of each: its probability, times the density of its direction over that of the phase function.
+    /// Weight of each way: its probability, times the density of its direction over that of the phase function.
     weights: [f32; 3],
     /// The cosine to the way out over the diffusion length: guided outwards, distances are sampled by the extinction less this part, and
     /// to the far side by as much more.
@@ -114,7 +114,7 @@ struct Ways {
 }
 
 impl Ways {
-    /// By the medium alone.
+    /// The medium's own sampling alone.
     const STRAIGHT: Self = Self { weights: [1.0, 0.0, 0.0], longer: 0.0, taken: 0 };
 
     /// The extinctions by which they sample distances, over the medium's.
@@ -144,11 +144,11 @@ impl Ways {
 struct Guide {
     outwards: Vec3A,
     start: Vec3A,
-    /// Of the medium, in free paths; above 1.
+    /// Diffusion length of the medium, in free paths; above 1.
     diffusion_length: f32,
     /// ln((diffusion length + 1) / (diffusion length - 1)).
     log: f32,
-    /// Of a free path, per Blender unit.
+    /// Extinction of the channel that guides, per Blender unit.
     extinction: f32,
     /// Probability of a guided direction.
     share: f32,
