@@ -1,6 +1,6 @@
 # SPDX-License-Identifier: GPL-3.0-or-later
-"""The noise of light from lamps beside that of Cycles in the same Blender, at equal samples, by number and kind of lights, and on
-surfaces that are partly transparent."""
+"""The noise of light from lamps beside that of Cycles in the same Blender, at equal samples, by number and kind of lights, on
+surfaces that are partly transparent, in bodies, and on a dark floor."""
 
 from __future__ import annotations
 

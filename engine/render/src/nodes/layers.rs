@@ -185,20 +185,20 @@ impl Opening {
     }
 }
 
-/// What the closures of a surface do with light, by their weights.
+/// Sums over the closures of a surface, by what they do with light.
 #[derive(Default)]
 struct Parts {
-    /// Let through unbent.
+    /// Transmittance of those that let light through unbent.
     light: Rgb,
     /// The weight of those that scatter.
     rest: f32,
     /// The weight of those that glow alone.
     glowing: f32,
-    /// The weight of those that scatter, times about what part of the light.
+    /// The same, each times about the part of the light that it scatters.
     scattering: f32,
 }
 
-/// About what a Principled surface reflects that is black.
+/// Albedo, about, of a Principled surface whose base is black.
 const LEAST_PRINCIPLED: f32 = 0.1;
 
 impl Parts {

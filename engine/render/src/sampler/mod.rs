@@ -45,7 +45,7 @@ impl PathSampler {
         self.set = set;
     }
 
-    /// The same sample's numbers of 1024 sets that belong to the present set alone: for a walk of many steps within one.
+    /// A sampler of 1024 more sets of the same sample, which belong to the present set alone: for a walk of many steps within one.
     #[inline]
     pub fn aside(&self) -> Self {
         Self { set: 1 << 31 | self.set << 10, ..self.clone() }

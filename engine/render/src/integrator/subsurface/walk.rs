@@ -67,7 +67,7 @@ pub(super) fn walk(
             hit = hit.filter(|(_, t)| *t < distance);
         }
         let length = hit.as_ref().map_or(distance, |(_, t)| *t);
-        let left = exp(medium.extinction * -length);
+        let left = (medium.extinction * -length).exp();
         let density = chances.dot(ways.density(medium.extinction, length, hit.is_some(), left));
         if let Some((exit, _)) = hit {
             light *= left / density;
@@ -97,10 +97,6 @@ fn chosen(chances: [f32; 3], mut u: f32) -> (usize, f32) {
     // Rounding leaves a number beyond the last: the likeliest takes it.
     let most = (0..3).max_by(|&a, &b| chances[a].total_cmp(&chances[b])).unwrap_or(0);
     (most, 0.5)
-}
-
-fn exp(x: Rgb) -> Rgb {
-    Rgb::from(x.to_array().map(f32::exp))
 }
 
 /// The ways in which a stretch may have been sampled: by the medium, guided outwards, and guided to the far side.
@@ -133,7 +129,7 @@ impl Ways {
             let [_, s, t] = if is_hit { [1.0; 3] } else { self.stretches() };
             // A channel that goes no distance has an extinction beyond all bounds: 0 times infinity would be NaN for all of them.
             let most = Rgb::splat(MOST_EXPONENT);
-            let more = exp((extinction * (length * self.longer)).clamp(-most, most));
+            let more = (extinction * (length * self.longer)).clamp(-most, most).exp();
             a + more * (b * s) + Rgb::splat(c * t) / more
         };
         sum * if is_hit { left } else { left * extinction }
@@ -277,7 +273,7 @@ mod tests {
             let u = i as f32 / 100.0;
             let (_, ways) = guide.turn(&medium, &ray, [u, 1.0 - u, 0.4]);
             for is_hit in [false, true] {
-                let density = ways.density(medium.extinction, 0.5, is_hit, exp(medium.extinction * -0.5));
+                let density = ways.density(medium.extinction, 0.5, is_hit, (medium.extinction * -0.5).exp());
                 assert!(density.is_finite() && density.x > 0.0 && density.z == 0.0, "{density}");
             }
         }
@@ -294,7 +290,7 @@ mod tests {
             let (_, ways) = guide.turn(&medium, &ray, [u, u, 0.4]);
             let weight: f32 = ways.weights.iter().sum();
             let reach = 1.5;
-            let left = |length: f32| exp(medium.extinction * -length);
+            let left = |length: f32| (medium.extinction * -length).exp();
             let step = reach / STEPS as f32;
             let within: Rgb = (0..STEPS)
                 .map(|i| (i as f32 + 0.5) * step)
