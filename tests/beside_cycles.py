@@ -57,10 +57,12 @@ def _joined(first: Pictures, first_samples: int, second: Pictures, second_sample
     return (first_samples * first + second_samples * second) / (first_samples + second_samples)
 
 
-def looks(samples: int, take: Callable[[str], Pictures]) -> Iterator[tuple[int, float, Pictures, Pictures]]:
+def looks(
+    samples: int, take: Callable[[str], Pictures], *, theirs_at_once: bool = False
+) -> Iterator[tuple[int, float, Pictures, Pictures]]:
     """By the `LOOKS`: Petzval's samples so far, the share of the limits, Petzval's picture and Cycles's. `take` renders with the
     engine of that name, a picture or several by their names. What has been rendered is not rendered again: samples are added to
-    it, the next ones of the same sequence."""
+    it, the next ones of the same sequence. `theirs_at_once`: Cycles takes all samples for the first look."""
     own, cycles = bpy.context.scene.petzval, bpy.context.scene.cycles
     done, pictures = {"PETZVAL": 0, "CYCLES": 0}, {}
 
@@ -83,7 +85,7 @@ def looks(samples: int, take: Callable[[str], Pictures]) -> Iterator[tuple[int, 
     for ours, theirs, share in LOOKS:
         before = dict(done)
         add("PETZVAL", ours)
-        add("CYCLES", theirs)
+        add("CYCLES", 1 if theirs_at_once else theirs)
         if done == before:
             continue
         own.samples, own.sample_offset = done["PETZVAL"], 0

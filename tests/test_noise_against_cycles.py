@@ -14,6 +14,8 @@ pytestmark = pytest.mark.once
 SIDE, SEEDS = 64, 3
 #: Of a variance from 3 seeds of 64 x 64 pixels and 3 colours, which go together: 1.5 % each; of a ratio of two a tenth is far off.
 WITHIN = 1.2
+#: From so many samples a pixel on half the side is enough: 3 % each, a fifth is far off a ratio of two.
+MANY, FEWER = 256, 32
 
 
 def suns(*rows):
@@ -58,6 +60,7 @@ def variance(folder, engine: str, samples: int) -> tuple[float, float]:
     import beside_cycles
 
     scene, pictures = bpy.context.scene, []
+    scene.render.resolution_x = scene.render.resolution_y = SIDE if samples < MANY else FEWER
     for seed in range(SEEDS):
         beside_cycles.prepare(samples)
         scene.petzval.seed = scene.cycles.seed = seed

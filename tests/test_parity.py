@@ -25,9 +25,33 @@ except ModuleNotFoundError as error:
 pytestmark = pytest.mark.once
 
 WIDTH, HEIGHT, SAMPLES = 64, 48, 256
+#: Scenes that `make test-all` has, and what holds the same in every run.
+ELSEWHERE = {
+    # A ball of each in test_closures_against_cycles.py.
+    "principled_metal": "principled metal",
+    "principled_specular_tint": "principled, tinted",
+    "principled_anisotropic": "principled, brushed",
+    "principled_emission": "principled, shining",
+    "principled_alpha": "principled, half clear",
+    "principled_thin_film": "principled, film",
+    "metallic": "tinted metal",
+    # Each kind of lamp in test_lamps_against_cycles.py, and many of them in test_noise_against_cycles.py.
+    "area": "lamps",
+    "area_spread": "lamps",
+    "spot": "lamps",
+    "many_lamps": "sixteen points in a grey world",
+    # Cycles takes half a minute; its closed form is in test_fog.py.
+    "world_low_fog": "low fog",
+}
+#: Cycles takes long to get the volumes of these ready for each picture: it takes one of all samples.
+AT_ONCE = {"fire", "volume_object"}
 
 
-@pytest.mark.parametrize("name", SCENES)
+def scenes() -> list:
+    return [pytest.param(name, marks=[pytest.mark.recipe] * (name in ELSEWHERE)) for name in SCENES]
+
+
+@pytest.mark.parametrize("name", scenes())
 def test_parity(blender, tmp_path, name):
     import beside_cycles
     from parity_scenes import photograph
@@ -40,7 +64,7 @@ def test_parity(blender, tmp_path, name):
     def take(engine):
         return photograph.looks(engine, tmp_path, one.passes, one.frames)
 
-    for done, share, ours, theirs in beside_cycles.looks(SAMPLES, take):
+    for done, share, ours, theirs in beside_cycles.looks(SAMPLES, take, theirs_at_once=name in AT_ONCE):
         told = sys.modules["petzval_addon"].statistics.last(blender.context.scene.name)
         assert all(np.isfinite(look).all() for look in ours.values())
         left = [line for line in told.warnings if not any(word in line for word in one.warns)]

@@ -75,7 +75,6 @@ def writers(scene: Path, parts: list[Path], out: Path) -> dict[str, tuple]:
         "render.exr": ("render", scene, *SMALL, "--checkpoint", "off"),
         "render.png": ("render", scene, *SMALL, "--checkpoint", "off"),
         "merge.exr": ("merge", parts[0], parts[1]),
-        "spots.svg": ("lens", "spots", LENS),
         "spots.png": ("lens", "spots", LENS),
         "spots.json": ("lens", "spots", LENS),
         "draw.pdf": ("lens", "draw", LENS),

@@ -29,10 +29,14 @@ class Plan:
     noise_size: tuple[int, int]
     noise_samples: tuple[int, ...]
     reference_samples: int
+    #: Programs render with so many threads, one after the other, to be compared; none: it is not measured.
+    threads: tuple[int, ...]
 
 
-FULL = Plan(("small", "large"), tuple(CAMERAS), tuple(CAMERAS), 3, (960, 540), 16, (192, 108), (8, 32, 128), 1024)
-QUICK = Plan(("small",), ("thin", "lens-one"), ("thin",), 1, (160, 90), 2, (48, 27), (4, 16), 32)
+FULL = Plan(
+    ("small", "large"), tuple(CAMERAS), tuple(CAMERAS), 3, (960, 540), 16, (192, 108), (8, 32, 128), 1024, (1, 2)
+)
+QUICK = Plan(("small",), ("thin", "lens-one"), ("thin",), 1, (160, 90), 2, (48, 27), (4, 16), 32, ())
 
 #: Of the two halves of a converged picture: their difference is its noise.
 REFERENCE_SEEDS = (77, 78)
@@ -157,7 +161,7 @@ class Experiments:
         """Wall seconds of the samples by one thread and by two."""
         plan, scene = self.plan, self.plan.scenes[0]
         for program in self.bench.programs():
-            for threads in (1, 2):
+            for threads in plan.threads:
                 renders = [(1, 1), (1 + plan.samples, 2)]
                 done = self._run(Job(program, "thin", plan.size, renders, scene, threads))
                 if done:

@@ -139,6 +139,8 @@ def _agreement(found: dict, plan: Plan) -> str:
 
 
 def _threads(found: dict, plan: Plan) -> str:
+    if not plan.threads:
+        return ""
     lines = [
         f"## Two threads against one, thin lens, {plan.scenes[0]}\n",
         "| program | wall s, one | wall s, two | faster | CPU s, two over one |",
