@@ -40,7 +40,7 @@ ELSEWHERE = {
     "area_spread": "lamps",
     "spot": "lamps",
     "many_lamps": "sixteen points in a grey world",
-    # Cycles takes half a minute; its closed form is in test_fog.py.
+    # Cycles takes half a minute; its closed form is in test_closed_forms.py.
     "world_low_fog": "low fog",
 }
 #: Cycles takes long to get the volumes of these ready for each picture: it takes one of all samples.

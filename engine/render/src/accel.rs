@@ -45,7 +45,7 @@ pub struct Ray {
     pub direction: Vec3A,
     /// Nothing farther than this counts, Blender units.
     pub t_max: f32,
-    /// The strand or point that it leaves.
+    /// The triangle, strand or point that it leaves.
     pub skip: Skip,
     /// When: from 0, as the shutter opens, to 65535, as it is closed.
     pub moment: u16,
@@ -65,23 +65,24 @@ impl Ray {
     }
 }
 
-/// A strand of hair, or a point of a cloud, that a ray does not meet, as in Cycles: what leaves it does not come back to it. A
-/// ribbon that turns to every ray would else hide from itself.
+/// A triangle, a strand of hair or a point of a cloud that a ray does not meet, as in Cycles: what leaves it does not come back to it.
+/// A triangle is flat, but the distance to a large one is known less well than how far from it a ray starts; a ribbon that turns to
+/// every ray would hide from itself.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub struct Skip {
     /// Index of its instance.
     pub instance: u32,
-    /// Its number in its curves, or among its points.
-    pub strand: u32,
+    /// Its number in its mesh, in its curves, or among its points.
+    pub part: u32,
 }
 
 impl Skip {
-    /// Of rays that do not leave hair.
-    pub const NONE: Self = Self { instance: u32::MAX, strand: u32::MAX };
+    /// Of rays that leave no surface.
+    pub const NONE: Self = Self { instance: u32::MAX, part: u32::MAX };
 
     #[inline(always)]
-    fn is(self, instance: u32, strand: u32) -> bool {
-        self.strand == strand && self.instance == instance
+    fn is(self, instance: u32, part: u32) -> bool {
+        self.part == part && self.instance == instance
     }
 }
 
@@ -249,7 +250,13 @@ impl Accel {
     #[inline(always)]
     fn closest_with<S: Simd>(&self, simd: S, ray: &Ray, kind: Rays) -> Option<Hit> {
         let here = TreeRay::new(ray.origin, ray.direction);
-        let found = self.common.closest(simd, &here, ray.t_max, |instance| self.shows(instance, kind));
+        let found = self.common.closest(
+            simd,
+            &here,
+            ray.t_max,
+            #[inline(always)]
+            |instance, triangle| self.shows(instance, kind) && !ray.skip.is(instance, triangle),
+        );
         let mut nearest = found.map(|found| hit(found, 1.0, found.instance, ray.moment));
         if !self.places.is_empty() {
             let t_max = nearest.map_or(ray.t_max, |hit| hit.t);
@@ -261,8 +268,13 @@ impl Accel {
                 #[inline(always)]
                 |leaf, mut t_max| {
                     if let Some((placed, there, scale)) = self.enter(leaf, ray, kind)
-                        && let Some(found) =
-                            self.meshes[placed.mesh as usize].closest(simd, &there, t_max * scale, |_| true)
+                        && let Some(found) = self.meshes[placed.mesh as usize].closest(
+                            simd,
+                            &there,
+                            t_max * scale,
+                            #[inline(always)]
+                            |_, triangle| !ray.skip.is(placed.instance, triangle),
+                        )
                     {
                         let hit = hit(found, scale, placed.instance, ray.moment);
                         // Not so where the division rounds up.
@@ -284,7 +296,10 @@ impl Accel {
         kind: Rays,
         pass: &mut dyn FnMut(&Hit) -> bool,
     ) -> ControlFlow<()> {
-        let mut pass = |hit: Hit| if pass(&hit) { ControlFlow::Continue(()) } else { ControlFlow::Break(()) };
+        let mut pass = |hit: Hit| {
+            let goes_on = ray.skip.is(hit.instance, hit.triangle) || pass(&hit);
+            if goes_on { ControlFlow::Continue(()) } else { ControlFlow::Break(()) }
+        };
         let here = TreeRay::new(ray.origin, ray.direction);
         self.common.visit(
             simd,

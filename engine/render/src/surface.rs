@@ -166,10 +166,11 @@ impl SurfacePoint {
         }
     }
 
-    /// A ray without end that leaves it at `origin`: it does not meet the strand or point that it leaves.
+    /// A ray without end that leaves it at `origin`: it does not meet the triangle, strand or point that it leaves.
     #[inline(always)]
     pub fn leaving(&self, origin: Vec3A, direction: Vec3A) -> Ray {
-        let skip = Skip { instance: self.instance, strand: self.strand };
+        let part = if self.strand == NO_STRAND { self.triangle } else { self.strand };
+        let skip = Skip { instance: self.instance, part };
         Ray { origin, direction, t_max: f32::INFINITY, skip, moment: self.moment }
     }
 

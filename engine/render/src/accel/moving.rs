@@ -177,9 +177,10 @@ impl Forest for MovingForest {
                     && let Some(Within { origin, direction, scale }) = placed.enter(ray)
                 {
                     let there = TreeRay::new(origin, direction);
+                    let wanted = |_: u32, triangle: u32| !ray.skip.is(placed.instance, triangle);
                     let found = match self.posed[placed.mesh as usize].get(pose.key as usize) {
-                        None => self.still[placed.mesh as usize].closest(simd, &there, t_max * scale, |_| true),
-                        Some(posed) => posed.closest(simd, &there, pose.part, t_max * scale),
+                        None => self.still[placed.mesh as usize].closest(simd, &there, t_max * scale, wanted),
+                        Some(posed) => posed.closest(simd, &there, pose.part, t_max * scale, wanted),
                     };
                     if let Some(found) = found {
                         let hit = hit(found, scale, placed.instance, ray.moment);
@@ -202,7 +203,10 @@ impl Forest for MovingForest {
         wanted: &impl Fn(u32) -> bool,
         pass: &mut dyn FnMut(&Hit) -> bool,
     ) -> ControlFlow<()> {
-        let mut pass = |hit: Hit| if pass(&hit) { ControlFlow::Continue(()) } else { ControlFlow::Break(()) };
+        let mut pass = |hit: Hit| {
+            let goes_on = ray.skip.is(hit.instance, hit.triangle) || pass(&hit);
+            if goes_on { ControlFlow::Continue(()) } else { ControlFlow::Break(()) }
+        };
         let here = TreeRay::new(ray.origin, ray.direction);
         traverse(
             simd,

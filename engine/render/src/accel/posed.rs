@@ -46,7 +46,14 @@ impl PosedTree {
 
     /// As [`TriangleTree::closest`], after a part of the time.
     #[inline(always)]
-    pub(super) fn closest<S: Simd>(&self, simd: S, ray: &TreeRay, part: f32, t_max: f32) -> Option<Found> {
+    pub(super) fn closest<S: Simd>(
+        &self,
+        simd: S,
+        ray: &TreeRay,
+        part: f32,
+        t_max: f32,
+        wanted: impl Fn(u32, u32) -> bool,
+    ) -> Option<Found> {
         let mut nearest = None;
         let _ = traverse(
             simd,
@@ -56,7 +63,7 @@ impl PosedTree {
             #[inline(always)]
             |leaf, mut t_max| {
                 for found in self.meet(simd, leaf, ray, part, t_max) {
-                    if found.t < t_max {
+                    if found.t < t_max && wanted(found.instance, found.triangle) {
                         t_max = found.t;
                         nearest = Some(found);
                     }

@@ -46,14 +46,14 @@ pub(super) struct Found {
 }
 
 impl TriangleTree {
-    /// The nearest triangle before `t_max` of an instance that is wanted.
+    /// The nearest triangle before `t_max` that is wanted, by its instance and number.
     #[inline(always)]
     pub(super) fn closest<S: Simd>(
         &self,
         simd: S,
         ray: &TreeRay,
         t_max: f32,
-        wanted: impl Fn(u32) -> bool,
+        wanted: impl Fn(u32, u32) -> bool,
     ) -> Option<Found> {
         let mut nearest = None;
         let _ = traverse(
@@ -66,7 +66,7 @@ impl TriangleTree {
                 let block = &self.blocks[leaf];
                 if let Some(met) = block.meet(simd, &ray.shear, t_max) {
                     for lane in lanes(met.lanes) {
-                        if met.t[lane] < t_max && wanted(block.instance[lane]) {
+                        if met.t[lane] < t_max && wanted(block.instance[lane], block.triangle[lane]) {
                             t_max = met.t[lane];
                             nearest = Some(found(block, &met, lane));
                         }

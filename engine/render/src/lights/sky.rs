@@ -16,7 +16,8 @@ use glam::{Vec2, Vec3A, Vec4Swizzles};
 use std::f32::consts::{FRAC_PI_2, PI};
 
 /// The most columns of the table that the world's image is sampled by. Larger tables find smaller suns in the
-/// image and take longer to build.
+/// image and take longer to build. The pixels of smaller images are split into cells: an image is interpolated, and samples by whole
+/// pixels have the noise of their steps.
 const TABLE_WIDTH: usize = 1024;
 /// Irradiance beyond which suns are chosen alike, so that sums of it stay finite.
 const BRIGHTEST: f32 = 1e30;
@@ -228,12 +229,23 @@ fn image_table(scene: &Scene) -> Option<Grid2d> {
         // Sizes that do not divide: one cell a pixel keeps cells and pixels aligned.
         return table_of(scene, w, h, 1);
     }
-    table_of(scene, columns, rows, block)
+    let split = TABLE_WIDTH / columns.max(rows);
+    if split > 1 { fine_table_of(scene, columns * split, rows * split) } else { table_of(scene, columns, rows, block) }
+}
+
+/// Of cells smaller than pixels.
+fn fine_table_of(scene: &Scene, columns: usize, rows: usize) -> Option<Grid2d> {
+    let brightness = (0..columns * rows).map(|i| {
+        let place = Vec2::new((i % columns) as f32 + 0.5, (i / columns) as f32 + 0.5);
+        let uv = place / Vec2::new(columns as f32, rows as f32);
+        luminance(scene.world.radiance_at(uv, &scene.textures).abs())
+    });
+    table_by(brightness.collect(), columns, rows)
 }
 
 fn table_of(scene: &Scene, columns: usize, rows: usize, block: usize) -> Option<Grid2d> {
     let texture = &scene.textures[scene.world.texture? as usize];
-    let brightness: Vec<f32> = (0..columns * rows)
+    let brightness = (0..columns * rows)
         .map(|i| {
             let (x0, y0) = ((i % columns) * block, (i / columns) * block);
             let mut sum = 0.0;
@@ -245,6 +257,11 @@ fn table_of(scene: &Scene, columns: usize, rows: usize, block: usize) -> Option<
             sum / (block * block) as f32
         })
         .collect();
+    table_by(brightness, columns, rows)
+}
+
+/// By the cells' brightness.
+fn table_by(brightness: Vec<f32>, columns: usize, rows: usize) -> Option<Grid2d> {
     let weights: Vec<f32> = (0..columns * rows)
         .map(|i| {
             let (x, y) = (i % columns, i / columns);

@@ -5,6 +5,7 @@
 //! to where the path came from, `wi` to where it goes (pbrt's words).
 
 pub mod albedo;
+mod beckmann;
 pub mod energy;
 pub mod fresnel;
 mod hair;

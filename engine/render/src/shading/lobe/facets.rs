@@ -2,6 +2,7 @@
 //!
 //! All directions in the lobe's own frame, +z its normal.
 
+use super::super::beckmann;
 use super::super::energy;
 use super::super::fresnel::{self, F82Tint};
 use super::super::microfacet::{MIRROR_BELOW, reflect, refract};
@@ -65,15 +66,25 @@ impl Slopes {
         if a < 1.6 { (1.0 - 1.259 * a + 0.396 * a * a) / (3.535 * a + 2.181 * a * a) } else { 0.0 }
     }
 
-    /// A facet for light from `wo`: of GGX one of those it sees, of Beckmann any.
+    /// The area of the facets that `w` sees, projected along it, of a unit of area. The density of [`Slopes::sample`] takes it: of
+    /// Beckmann it is exact, where [`Slopes::lambda`] is a fit.
+    fn seen(&self, w: Vec3A, lambda: f32) -> f32 {
+        if !self.is_beckmann() {
+            return w.z * (1.0 + lambda);
+        }
+        let [ax, ay] = self.alpha;
+        beckmann::seen(Vec3A::new(ax * w.x, ay * w.y, w.z))
+    }
+
+    /// A facet that `wo` sees.
     fn sample(&self, wo: Vec3A, u: [f32; 2]) -> Vec3A {
         let [ax, ay] = self.alpha;
-        let (sin, cos) = (TAU * u[0]).sin_cos();
-        if self.is_beckmann() {
-            let slope = (-(1.0 - u[1]).max(1e-12).ln()).sqrt();
-            return Vec3A::new(ax * slope * cos, ay * slope * sin, 1.0).normalize();
-        }
         let stretched = Vec3A::new(ax * wo.x, ay * wo.y, wo.z).normalize();
+        if self.is_beckmann() {
+            let [x, y] = beckmann::sample_slopes(stretched, u);
+            return Vec3A::new(-ax * x, -ay * y, 1.0).normalize();
+        }
+        let (sin, cos) = (TAU * u[0]).sin_cos();
         // A spherical cap seen from the stretched direction (Dupuy and Benyoub 2023).
         let z = (1.0 - u[1]) * (1.0 + stretched.z) - stretched.z;
         let r = (1.0 - z * z).clamp(0.0, 1.0).sqrt();
@@ -81,13 +92,9 @@ impl Slopes {
         Vec3A::new(ax * h.x, ay * h.y, h.z.max(0.0)).normalize_or(Vec3A::Z)
     }
 
-    /// Density of [`Slopes::sample`] per steradian of `h`, for a `wo` of that [`Slopes::lambda`].
-    fn pdf(&self, wo: Vec3A, lambda_o: f32, h: Vec3A) -> f32 {
-        if self.is_beckmann() {
-            self.density(h) * h.z
-        } else {
-            self.density(h) * wo.dot(h).max(0.0) / (wo.z * (1.0 + lambda_o))
-        }
+    /// Density of [`Slopes::sample`] per steradian of `h`, for a `wo` of which that area is [seen](Slopes::seen).
+    fn pdf(&self, wo: Vec3A, seen: f32, h: Vec3A) -> f32 {
+        self.density(h) * wo.dot(h).max(0.0) / seen
     }
 }
 
@@ -142,18 +149,29 @@ pub(super) struct Facets {
     /// Beyond over before.
     pub(super) eta: f32,
     lambda_o: f32,
+    /// [`Slopes::seen`] from the direction.
+    seen: f32,
 }
 
 impl Facets {
     pub(super) fn new(slopes: Slopes, fresnel: Fresnel, eta: f32, wo: Vec3A) -> Self {
-        let lambda_o = if slopes.is_mirror() { 0.0 } else { slopes.lambda(wo) };
-        Self { slopes, fresnel, eta, lambda_o }
+        let mut made = Self { slopes, fresnel, eta, lambda_o: 0.0, seen: wo.z };
+        made.look_from(wo);
+        made
+    }
+
+    /// Takes what masks facets from `wo`, for a lobe that is no mirror.
+    fn look_from(&mut self, wo: Vec3A) {
+        if !self.slopes.is_mirror() {
+            self.lambda_o = self.slopes.lambda(wo);
+            self.seen = self.slopes.seen(wo, self.lambda_o);
+        }
     }
 
     /// Makes them at least so wide along both axes.
     pub(super) fn widen(&mut self, alpha: f32, wo: Vec3A) {
         self.slopes.alpha = self.slopes.alpha.map(|own| own.max(alpha));
-        self.lambda_o = if self.slopes.is_mirror() { 0.0 } else { self.slopes.lambda(wo) };
+        self.look_from(wo);
     }
 
     /// What is mirrored and what is let through in all, seen from `wo`. The weight of those that give back what goes on from
@@ -228,7 +246,7 @@ impl Facets {
         let jacobian = if mirrored { 0.25 / co } else { -ci / (ci + co / self.eta).powi(2) };
         let both = 1.0 + self.lambda_o + self.slopes.lambda(wi);
         let facets = self.slopes.density(h) * co / wo.z * jacobian / both;
-        (value * facets, share * self.slopes.pdf(wo, self.lambda_o, h) * jacobian)
+        (value * facets, share * self.slopes.pdf(wo, self.seen, h) * jacobian)
     }
 
     /// A direction; `u_choice` chooses between mirrored and refracted.

@@ -1,7 +1,9 @@
 # SPDX-License-Identifier: GPL-3.0-or-later
-"""What fog of the world that lies low takes away, by its closed form."""
+"""Pictures that are known by closed forms: fog that lies low, and ground that reaches far."""
 
 from __future__ import annotations
+
+import math
 
 import numpy as np
 import pytest
@@ -62,3 +64,25 @@ def test_what_low_fog_takes_is_that_of_its_closed_form(blender, tmp_path):
     error = np.sqrt(expected * (1.0 - expected) / scene.petzval.samples).mean(-1) / np.sqrt(width)
     assert np.all(np.abs(picture.mean(-1) - expected.mean(-1)) < 4.0 * error), picture.mean(-1) / expected.mean(-1)
     assert picture.mean() == pytest.approx(expected.mean(), rel=0.005)
+
+
+@pytest.mark.parametrize("side", [200.0, 2e4, 2e5])
+def test_ground_does_not_hide_the_sky_from_itself(blender, tmp_path, side):
+    """In a white world it is as bright as its albedo, however far it reaches: what is known of the distance to so large a triangle is
+    less than how far from it rays start."""
+    import scene_parts as parts
+
+    scene = parts.set_up(16, 12, samples=64)
+    blender.ops.mesh.primitive_plane_add(size=side)
+    scene.camera.location, scene.camera.rotation_euler = (7.0, -30.0, 27.0), (math.radians(60.0), 0.0, 0.1)
+    scene.camera.data.clip_end = 1e7
+    scene.world = parts.grey_world(1.0)
+    # One bounce more would fill in what the ground hides.
+    scene.petzval.max_bounces = 0
+    material, tree, surface = parts.material()
+    diffuse = tree.nodes.new("ShaderNodeBsdfDiffuse")
+    diffuse.inputs["Color"].default_value = (0.8, 0.8, 0.8, 1.0)
+    tree.links.new(diffuse.outputs[0], surface)
+    blender.context.object.data.materials.append(material)
+    picture = parts.render(tmp_path)[..., :3]
+    assert np.all(np.abs(picture - 0.8) < 1e-5), picture.min()
