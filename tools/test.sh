@@ -26,18 +26,26 @@ export PETZVAL_NOT_RUN PETZVAL_DURATIONS
 : >"$PETZVAL_DURATIONS"
 start=$(date +%s)
 
+# cpu FILE: seconds of processor time, of the children's line of `times` in it.
+cpu() { awk 'NR == 2 { gsub("[ms]", " "); printf "%d\n", 60 * ($1 + $3) + $2 + $4 }' "$1"; }
+
 # step NAME COMMAND...: runs it, keeps what it prints in a log, and shows the log if it fails.
 step() {
     name=$1 log=$logs/$(echo "$1" | tr -cs 'A-Za-z0-9.\n' -).log began=$(date +%s) status=0
     shift
+    # Not in a pipe or $(...): there it would be another shell's.
+    times >"$log.before"
     "$@" >"$log" 2>&1 || status=$?
+    times >"$log.after"
+    used=$(($(cpu "$log.after") - $(cpu "$log.before")))
+    rm -f "$log.before" "$log.after"
     case $status in
     0) word=ok ;;
     124) word="OUT OF TIME" ;;
     *) word=FAILED ;;
     esac
     [ "$word" = ok ] || { cat "$log"; }
-    line=$(printf '%-11s %5s s  %s' "$word" "$(($(date +%s) - began))" "$name")
+    line=$(printf '%-11s %5s s %5s CPU s  %s' "$word" "$(($(date +%s) - began))" "$used" "$name")
     echo "$line" >>"$report"
     echo "$line"
 }
@@ -62,7 +70,7 @@ step_of() {
     now=$(digest $1) passed=$passed_steps/$(echo "$2" | tr -cs 'A-Za-z0-9.\n' -)
     shift
     if [ -n "$now" ] && [ -z "${PETZVAL_TEST_AGAIN-}" ] && [ "$(cat "$passed" 2>/dev/null)" = "$now" ]; then
-        line=$(printf '%-11s %5s s  %s (passed before, nothing has changed)' ok 0 "$1")
+        line=$(printf '%-11s %5s s %5s CPU s  %s (passed before, nothing has changed)' ok 0 0 "$1")
         echo "$line" >>"$report"
         echo "$line"
         return
