@@ -42,6 +42,6 @@ pub use graph::{Graph, Input, Link, Node, Parsing};
 pub use hash::{random_of, random_of_pair};
 pub use pixels::Pixels;
 pub use points::{Column, Points};
-pub use program::{Layer, LayerKind, Operand, Program, Registers};
+pub use program::{Layer, LayerKind, Operand, Program, Registers, Slice};
 pub use sky::SunDisc;
 pub use spectral::blackbody;

@@ -119,6 +119,52 @@ fn what_nobody_reads_is_dropped() {
     assert_eq!(program.instructions(), 1);
 }
 
+/// A slice has fewer instructions than the program, the same bits for what was asked, and further results with what gives them.
+#[test]
+fn a_slice_computes_what_was_asked() {
+    let noise = |scale: f32| node("TexNoise", json!({}), json!({"Vector": link(0, "Position"), "Scale": scale}));
+    let ramp = json!({"table": [[0.1, 0.2, 0.3, 0.4], [0.9, 0.7, 0.5, 1.0]]});
+    let nodes = [
+        node("NewGeometry", json!({}), json!({})),
+        noise(3.0),
+        noise(7.0),
+        node("ValToRGB", ramp, json!({"Fac": link(2, "Fac")})),
+        node("Emission", json!({}), json!({"Color": link(1, "Color"), "Strength": link(3, "Alpha")})),
+        node("BsdfDiffuse", json!({}), json!({"Color": link(3, "Color")})),
+        node("MixShader", json!({}), json!({"Fac": link(1, "Fac"), "Shader": link(4, "Emission"), "Shader_001": link(5, "BSDF")})),
+    ];
+    let (program, reports) = program(&nodes);
+    assert!(reports.is_empty(), "{reports:?}");
+    let whole = run(&program);
+    let layers = &program.surface;
+    let asked: Vec<Vec<_>> = vec![
+        layers.iter().map(|layer| layer.weight).collect(),
+        vec![layers[0].input("Color").unwrap()],
+        vec![layers[0].input("Strength").unwrap()],
+        vec![layers[1].input("Color").unwrap(), layers[1].weight],
+        layers.iter().flat_map(|layer| [layer.weight, layer.input("Color").unwrap()]).collect(),
+    ];
+    for (number, values) in asked.into_iter().enumerate() {
+        let slice = program.slice(values.clone());
+        assert!(!slice.is_empty() && slice.len() <= program.instructions());
+        if number < 3 {
+            assert!(slice.len() < program.instructions(), "{number}: {} instructions", slice.len());
+        }
+        // What other places have left is no help.
+        let mut registers = Registers::default();
+        program.run_slice(
+            &slice,
+            &points().point(0, &program.attributes),
+            &Vec::<Pixels>::new(),
+            &mut registers,
+        );
+        for value in values {
+            assert_eq!(program.value(value, &registers), program.value(value, &whole), "{number}");
+        }
+    }
+    assert!(program.slice([]).is_empty());
+}
+
 #[test]
 fn attributes_that_nobody_reads_are_dropped() {
     let uv = |name: &str| node("UVMap", json!({"uv_map": name}), json!({}));

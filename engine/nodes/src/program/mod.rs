@@ -2,9 +2,11 @@
 
 mod evaluate;
 mod instruction;
+mod slice;
 
 pub use instruction::Operand;
 pub(crate) use instruction::{FIRST_CONSTANT, Instruction, MOST_OPERANDS, Operation};
+pub use slice::Slice;
 
 use crate::context::{Attribute, Context, Field, Textures};
 use crate::ies::Ies;

@@ -22,6 +22,7 @@ use crate::Rgb;
 use crate::accel::{Hit, Ray, offset_origin};
 use crate::nodes::{self, Around, Layers, Opening, View, Way};
 use crate::sampler::PathSampler;
+use crate::scene::Scene;
 use crate::shading::{Caustics, Past, mixture::Mixture};
 use crate::surface::{SurfacePoint, strand, tangent_about_z};
 use glam::Vec3A;
@@ -224,35 +225,42 @@ pub(super) fn leave(point: &SurfacePoint, d: glam::Vec3A) -> glam::Vec3A {
 
 /// How a surface lets light through unbent.
 #[inline]
-pub(super) fn opening<'a>(around: impl Into<Around<'a>>, hit: &Hit, view: &View) -> Opening {
+pub(super) fn opening<'a>(around: impl Into<Around<'a>>, point: &SurfacePoint, view: &View) -> Opening {
     let around = around.into();
-    let scene = around.scene;
+    let material = &around.scene.materials[point.material as usize];
+    if material.may_be_transparent() { nodes::opening(material, around, point, view) } else { Opening::NONE }
+}
+
+/// What of the light a surface lets through unbent.
+#[inline]
+pub(super) fn transmittance(scene: &Scene, hit: &Hit, view: &View) -> Rgb {
     let instance = &scene.instances[hit.instance as usize];
     let slot = scene.meshes[instance.mesh as usize].slot(hit.triangle);
     let material = &scene.materials[instance.material(slot) as usize];
     if !material.may_be_transparent() {
-        return Opening::NONE;
+        return Rgb::ZERO;
     }
-    nodes::opening(material, around, [hit.instance, hit.triangle], [hit.u, hit.v], view)
+    nodes::transmittance(material, scene.into(), [hit.instance, hit.triangle], [hit.u, hit.v], view)
 }
 
-/// What a surface of these layers scatters at a point; `kept` is what it counts. Light goes through bodies where the path's past is
-/// given, or is scattered where it enters them.
+/// Makes a mixture of what a surface of these layers scatters at a point; `kept` is what it counts. Light goes through bodies where the
+/// path's past is given, or is scattered where it enters them.
 #[inline(never)]
 pub(super) fn mix(
+    mixture: &mut Mixture,
     stage: &Stage,
     layers: &Layers,
     point: &SurfacePoint,
     wo: Vec3A,
     kept: f32,
     past: Option<Past>,
-) -> Mixture {
+) {
     // As in Cycles such a normal is the smooth one, too: light is not dimmed as by a bump on it.
     let bent = nodes::bent_normal(layers).map(|normal| SurfacePoint { shading_normal: normal, ..*point });
     let point = bent.as_ref().unwrap_or(point);
     let brushed = layers.iter().any(|layer| layer.closure.is_brushed());
     let tangent = if brushed { tangent_about_z(&stage.scene, point) } else { Vec3A::ZERO };
-    let mut mixture = Mixture::new(point, wo, tangent, past.is_some());
+    mixture.begin(point, wo, tangent, past.is_some());
     if let Some(past) = past {
         mixture.set_past(past);
     }
@@ -267,7 +275,6 @@ pub(super) fn mix(
         mixture.add(layer.weight, &layer.closure, layer.normal.unwrap_or(point.shading_normal));
     }
     mixture.finish(kept);
-    mixture
 }
 
 #[cfg(test)]

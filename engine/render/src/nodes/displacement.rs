@@ -2,12 +2,14 @@
 //! shape before trees are built.
 
 use super::point::{Images, Point, UNDISPLACED_NORMAL, View};
+use crate::accel::Hit;
 use crate::nodes::Way;
 use crate::scene::Scene;
 use crate::scene::corners::Corners;
 use crate::scene::graph::{Displacement, Graph};
 use crate::scene::mesh::{Mesh, MeshDescription};
 use crate::scene::motion::{MIDDLE, Poses};
+use crate::surface::SurfacePoint;
 use glam::{Vec3, Vec3A};
 use petzval_nodes::Registers;
 use rayon::prelude::*;
@@ -82,10 +84,12 @@ fn offsets(scene: &Scene, instance: usize) -> Option<Vec<Vec3>> {
         let width = owner.to_render.transform_vector3((b - a).abs().max((c - a).abs())).length();
         let view = View { direction: -normal, distance: width, way: Way::BOUNCE, moment: MIDDLE };
         let barycentric = [[0.0, 0.0], [1.0, 0.0], [0.0, 1.0]][corner];
-        let Graph { program, pass_index, .. } = graph;
-        let place = [instance as u32, triangle];
-        let point = Point::new(scene.into(), place, barycentric, view, &program.attributes, *pass_index as f32);
-        program.run(&point.with_normal(normal), &Images(&scene.textures), registers);
+        let Graph { program, slices, pass_index, .. } = graph;
+        let [u, v] = barycentric;
+        let hit = Hit { t: view.distance, u, v, instance: instance as u32, triangle, moment: view.moment };
+        let surface = SurfacePoint::new(scene, &hit, view.direction);
+        let point = Point::new(scene.into(), surface, view, &program.attributes, *pass_index as f32);
+        program.run_slice(&slices.displacement, &point.with_normal(normal), &Images(&scene.textures), registers);
         let moved = owner.to_object.matrix3 * program.value(displacement, registers);
         if moved.is_finite() { moved.into() } else { Vec3::ZERO }
     };

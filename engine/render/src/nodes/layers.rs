@@ -3,6 +3,8 @@
 use super::around::Around;
 use super::point::{Images, Point, View};
 use super::{colour, number};
+use crate::accel::Hit;
+use crate::scene::Scene;
 use crate::scene::closure::Closure;
 use crate::scene::graph::{Displacement, Graph, Source};
 use crate::scene::layer::{Layer, MOST_LAYERS, Weight};
@@ -14,7 +16,7 @@ use crate::surface::{SurfacePoint, mesh_of};
 use crate::{Rgb, luminance};
 use arrayvec::ArrayVec;
 use glam::Vec3A;
-use petzval_nodes::Registers;
+use petzval_nodes::{Registers, Slice};
 use std::cell::RefCell;
 use std::sync::Arc;
 
@@ -52,29 +54,65 @@ thread_local! {
 fn with_program<T>(
     graph: &Graph,
     around: Around<'_>,
-    place: [u32; 2],
-    barycentric: [f32; 2],
+    point: &SurfacePoint,
     view: &View,
     read: impl FnOnce(&dyn Fn(Source) -> Vec3A, &Point<'_>) -> T,
 ) -> T {
     let Graph { program, pass_index, .. } = graph;
-    let mut point = Point::new(around, place, barycentric, *view, &program.attributes, *pass_index as f32);
+    let mut point = Point::new(around, *point, *view, &program.attributes, *pass_index as f32);
     let images = Images(&around.scene.textures);
     REGISTERS.with_borrow_mut(|registers| {
-        if let Some(displacement) = program.displacement.filter(|_| graph.displacement.bends()) {
-            if graph.displacement == Displacement::Both {
-                point = point.undisplaced_normal().map_or(point, |normal| point.with_normal(normal));
-            }
-            let mut height_at = |x, y| {
-                program.run(&point.beside(x, y), &images, registers);
-                point.along_normal(program.value(displacement, registers))
-            };
-            let heights = [height_at(0.0, 0.0), height_at(1.0, 0.0), height_at(0.0, 1.0)];
-            point.bend(heights);
-        }
+        bend(graph, &mut point, &images, registers);
         program.run(&point, &images, registers);
         read(&|source| source.value(program, registers), &point)
     })
+}
+
+/// Runs a part of a material's program at a point, and hands on what reads its results. Where they are the same everywhere, the point is
+/// not asked for.
+fn with_slice<T>(
+    graph: &Graph,
+    slice: &Slice,
+    around: Around<'_>,
+    point: impl FnOnce() -> SurfacePoint,
+    view: &View,
+    read: impl FnOnce(&dyn Fn(Source) -> Vec3A) -> T,
+) -> T {
+    let Graph { program, pass_index, .. } = graph;
+    REGISTERS.with_borrow_mut(|registers| {
+        if !slice.is_empty() {
+            let mut point = Point::new(around, point(), *view, &program.attributes, *pass_index as f32);
+            let images = Images(&around.scene.textures);
+            if slice.reads_normal() {
+                bend(graph, &mut point, &images, registers);
+            }
+            program.run_slice(slice, &point, &images, registers);
+        }
+        read(&|source| source.value(program, registers))
+    })
+}
+
+/// Bends a point's normal by the displacement, where it does that.
+fn bend(graph: &Graph, point: &mut Point<'_>, images: &Images<'_>, registers: &mut Registers) {
+    let Graph { program, slices, .. } = graph;
+    let Some(displacement) = program.displacement.filter(|_| graph.displacement.bends()) else { return };
+    if graph.displacement == Displacement::Both
+        && let Some(normal) = point.undisplaced_normal()
+    {
+        *point = point.with_normal(normal);
+    }
+    let mut height_at = |x, y| {
+        program.run_slice(&slices.displacement, &point.beside(x, y), images, registers);
+        point.along_normal(program.value(displacement, registers))
+    };
+    let heights = [height_at(0.0, 0.0), height_at(1.0, 0.0), height_at(0.0, 1.0)];
+    point.bend(heights);
+}
+
+/// A point of a triangle, as it is seen.
+fn seen(around: Around<'_>, [instance, triangle]: [u32; 2], [u, v]: [f32; 2], view: &View) -> SurfacePoint {
+    let hit = Hit { t: view.distance, u, v, instance, triangle, moment: view.moment };
+    SurfacePoint::new(around.scene, &hit, view.direction)
 }
 
 /// The closures of a graph, those that count nothing left out.
@@ -133,7 +171,7 @@ pub fn layers(material: &Material, around: Around<'_>, point: &SurfacePoint, vie
     let SurfacePoint { instance, triangle, barycentric, .. } = *point;
     to.clear();
     if let Some(graph) = &material.graph {
-        return with_program(graph, around, [instance, triangle], barycentric, view, |value, point| {
+        return with_program(graph, around, point, view, |value, point| {
             of_graph(graph, value, point.bent_normal(), to);
         });
     }
@@ -210,7 +248,7 @@ impl Parts {
         number: impl Fn(&N) -> f32,
     ) {
         let (mut weight, mut least) = (weight, 0.0);
-        let tint = match closure {
+        match closure {
             Closure::Transparent { color: tint } => {
                 self.light += color(tint).max(Rgb::ZERO) * weight;
                 return;
@@ -224,22 +262,12 @@ impl Parts {
                 self.light += Rgb::splat(weight * (1.0 - alpha));
                 weight *= alpha;
                 least = LEAST_PRINCIPLED;
-                Some(&p.base_color)
             }
-            Closure::Diffuse { color, .. }
-            | Closure::Translucent { color }
-            | Closure::Glossy { color, .. }
-            | Closure::Glass { color, .. }
-            | Closure::Refraction { color, .. }
-            | Closure::Microfiber { color, .. }
-            | Closure::Velvet { color, .. }
-            | Closure::Toon { color, .. }
-            | Closure::Subsurface { color, .. }
-            | Closure::Hair { color, .. } => Some(color),
-            Closure::Metal { .. } | Closure::PrincipledHair(_) | Closure::Holdout => None,
-        };
+            _ => {}
+        }
         self.rest += weight;
-        self.scattering += weight * tint.map_or(1.0, |tint| (average(color(tint).max(Rgb::ZERO)) + least).min(1.0));
+        self.scattering +=
+            weight * closure.tint().map_or(1.0, |tint| (average(color(tint).max(Rgb::ZERO)) + least).min(1.0));
     }
 }
 
@@ -247,35 +275,78 @@ fn average(color: Rgb) -> f32 {
     color.element_sum() / 3.0
 }
 
-/// Of a material at a point of a triangle.
-pub fn opening(
-    material: &Material,
-    around: Around<'_>,
-    [instance, triangle]: [u32; 2],
-    barycentric: [f32; 2],
-    view: &View,
-) -> Opening {
+/// Of a material at a point.
+pub fn opening(material: &Material, around: Around<'_>, point: &SurfacePoint, view: &View) -> Opening {
+    let SurfacePoint { instance, triangle, barycentric, .. } = *point;
     if !material.is_layered() {
         return Opening::of_alpha(super::alpha(around.scene, instance, triangle, barycentric));
     }
     if let Some(graph) = &material.graph {
-        return with_program(graph, around, [instance, triangle], barycentric, view, |value, _| {
-            let mut parts = Parts::default();
-            for layer in &graph.layers {
-                let (color, number) =
-                    (|source: &Source| finite(value(*source)), |source: &Source| finite(value(*source)).x);
-                parts.add(value(layer.weight).x, &layer.closure, color, number);
-            }
-            Opening::of(parts)
-        });
+        return with_slice(
+            graph,
+            &graph.slices.opening,
+            around,
+            || *point,
+            view,
+            |value| {
+                let mut parts = Parts::default();
+                for layer in &graph.layers {
+                    let (color, number) =
+                        (|source: &Source| finite(value(*source)), |source: &Source| finite(value(*source)).x);
+                    parts.add(value(layer.weight).x, &layer.closure, color, number);
+                }
+                Opening::of(parts)
+            },
+        );
     }
-    let scene = around.scene;
+    opening_of_layers(material, around.scene, [instance, triangle], barycentric)
+}
+
+fn opening_of_layers(
+    material: &Material,
+    scene: &Scene,
+    [instance, triangle]: [u32; 2],
+    barycentric: [f32; 2],
+) -> Opening {
     let place = Place { textures: &scene.textures, mesh: mesh_of(scene, instance), triangle, barycentric };
     let mut parts = Parts::default();
     for Layer { weight, closure } in material.layers.iter().take(MOST_LAYERS) {
         parts.add(place.weight(weight), closure, |color| place.colour(color), |number| place.number(number));
     }
     Opening::of(parts)
+}
+
+/// [`Opening::light`] of a material at a point of a triangle: what a shadow ray carries on.
+pub fn transmittance(
+    material: &Material,
+    around: Around<'_>,
+    [instance, triangle]: [u32; 2],
+    barycentric: [f32; 2],
+    view: &View,
+) -> Rgb {
+    if !material.is_layered() {
+        return Opening::of_alpha(super::alpha(around.scene, instance, triangle, barycentric)).light;
+    }
+    let Some(graph) = &material.graph else {
+        return opening_of_layers(material, around.scene, [instance, triangle], barycentric).light;
+    };
+    let point = || seen(around, [instance, triangle], barycentric, view);
+    with_slice(graph, &graph.slices.transmittance, around, point, view, |value| {
+        let mut light = Rgb::ZERO;
+        for layer in &graph.layers {
+            match &layer.closure {
+                Closure::Transparent { color } => {
+                    light += finite(value(*color)).max(Rgb::ZERO) * value(layer.weight).x;
+                }
+                Closure::Principled(p) if p.is_clear(&graph.program) => {
+                    let alpha = finite(value(p.alpha)).x.clamp(0.0, 1.0);
+                    light += Rgb::splat(value(layer.weight).x * (1.0 - alpha));
+                }
+                _ => {}
+            }
+        }
+        if luminance(light) > 0.0 { light } else { Rgb::ZERO }
+    })
 }
 
 /// How much of what the camera sees at a point is a hole.
@@ -291,7 +362,8 @@ pub fn hole(
         return 1.0;
     }
     if let Some(graph) = &material.graph {
-        return with_program(graph, around, [instance, triangle], barycentric, view, |value, _| {
+        let point = seen(around, [instance, triangle], barycentric, view);
+        return with_program(graph, around, &point, view, |value, _| {
             let holes = graph.layers.iter().filter(|layer| matches!(layer.closure, Closure::Holdout));
             holes.map(|layer| value(layer.weight).x).sum()
         });
@@ -304,9 +376,8 @@ pub fn hole(
 
 /// Calls `found(number, value)` with what a material's nodes give out at a point beside its surface.
 pub fn aovs(around: Around<'_>, point: &SurfacePoint, view: &View, mut found: impl FnMut(u16, Rgb)) {
-    let SurfacePoint { instance, triangle, barycentric, material, .. } = *point;
-    let Some(Aovs { graph, numbers }) = &around.scene.materials[material as usize].aovs else { return };
-    with_program(graph, around, [instance, triangle], barycentric, view, |value, _| {
+    let Some(Aovs { graph, numbers }) = &around.scene.materials[point.material as usize].aovs else { return };
+    with_program(graph, around, point, view, |value, _| {
         for (layer, &number) in graph.layers.iter().zip(numbers) {
             if let Closure::Emission { color, strength } = &layer.closure {
                 found(number, finite(value(*color) * value(*strength).x));
@@ -315,21 +386,23 @@ pub fn aovs(around: Around<'_>, point: &SurfacePoint, view: &View, mut found: im
     });
 }
 
-/// Emitted radiance, what lies over it not taken off.
+/// Emitted radiance, what lies over it not taken off. `point` is that of the place.
 pub(super) fn emission(
     material: &Material,
     around: Around<'_>,
     [instance, triangle]: [u32; 2],
     barycentric: [f32; 2],
     view: &View,
+    point: Option<&SurfacePoint>,
 ) -> Rgb {
     if let Some(graph) = &material.graph {
-        return with_program(graph, around, [instance, triangle], barycentric, view, |value, _| {
+        let point = || point.map_or_else(|| seen(around, [instance, triangle], barycentric, view), |point| *point);
+        return with_slice(graph, &graph.slices.emission, around, point, view, |value| {
             let mut sum = Rgb::ZERO;
             for layer in &graph.layers {
                 let radiance = match &layer.closure {
                     Closure::Emission { color, strength } => value(*color) * value(*strength).x,
-                    Closure::Principled(p) => {
+                    Closure::Principled(p) if p.shines(&graph.program) => {
                         value(p.emission_color) * (value(p.emission_strength).x * value(p.alpha).x.clamp(0.0, 1.0))
                     }
                     _ => continue,

@@ -14,7 +14,7 @@ mod way;
 pub mod world;
 
 pub use around::Around;
-pub use layers::{EvaluatedLayer, Layers, Opening, aovs, bent_normal, hole, layers, opening};
+pub use layers::{EvaluatedLayer, Layers, Opening, aovs, bent_normal, hole, layers, opening, transmittance};
 pub use point::View;
 pub use way::{OF_BOUNCES, Way};
 
@@ -123,12 +123,22 @@ pub fn alpha(scene: &Scene, instance: u32, triangle: u32, barycentric: [f32; 2])
 }
 
 /// Emitted radiance of a point of a triangle, the same on both sides; negative where it takes light away, as in Cycles.
-pub fn emission(
+pub fn emission(material: &Material, around: Around<'_>, place: [u32; 2], barycentric: [f32; 2], view: &View) -> Rgb {
+    emission_of(material, around, place, barycentric, view, None)
+}
+
+/// [`emission`] of a point that is known.
+pub fn emission_at(material: &Material, around: Around<'_>, point: &SurfacePoint, view: &View) -> Rgb {
+    emission_of(material, around, [point.instance, point.triangle], point.barycentric, view, Some(point))
+}
+
+fn emission_of(
     material: &Material,
     around: Around<'_>,
     [instance, triangle]: [u32; 2],
     barycentric: [f32; 2],
     view: &View,
+    point: Option<&SurfacePoint>,
 ) -> Rgb {
     if !material.emits() {
         return Rgb::ZERO;
@@ -136,7 +146,7 @@ pub fn emission(
     let scene = around.scene;
     let mesh = mesh_of(scene, instance);
     if material.is_layered() {
-        return layers::emission(material, around, [instance, triangle], barycentric, view);
+        return layers::emission(material, around, [instance, triangle], barycentric, view, point);
     }
     let color = colour(&material.emission_color, &scene.textures, mesh, triangle, barycentric);
     color * material.emission_strength

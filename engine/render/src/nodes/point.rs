@@ -3,7 +3,7 @@
 use super::around::Around;
 use super::way::Way;
 use super::{ball, strand};
-use crate::accel::{Hit, Ray};
+use crate::accel::Ray;
 use crate::scene::corners::Corners;
 use crate::scene::mesh::{GENERATED, Mesh};
 use crate::scene::{Instance, Scene};
@@ -62,17 +62,16 @@ pub(super) struct Point<'a> {
 }
 
 impl<'a> Point<'a> {
+    /// At a place of a surface that is seen in the view's direction.
     pub(super) fn new(
         around: Around<'a>,
-        [instance, triangle]: [u32; 2],
-        [u, v]: [f32; 2],
+        surface: SurfacePoint,
         view: View,
         attributes: &'a [Attribute],
         material_index: f32,
     ) -> Self {
         let scene = around.scene;
-        let hit = Hit { t: view.distance, u, v, instance, triangle, moment: view.moment };
-        let surface = SurfacePoint::new(scene, &hit, view.direction);
+        let SurfacePoint { instance, triangle, .. } = surface;
         let mesh = mesh_of(scene, instance);
         let instance = &scene.instances[instance as usize];
         let normal = surface.geometric_normal;

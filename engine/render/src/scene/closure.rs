@@ -319,6 +319,28 @@ impl<N> ThinFilm<N> {
 }
 
 impl<C, N> Closure<C, N> {
+    /// The colour that tells about how much of the light it scatters; `None` where none does.
+    pub fn tint(&self) -> Option<&C> {
+        match self {
+            Self::Principled(p) => Some(&p.base_color),
+            Self::Diffuse { color, .. }
+            | Self::Translucent { color }
+            | Self::Glossy { color, .. }
+            | Self::Glass { color, .. }
+            | Self::Refraction { color, .. }
+            | Self::Microfiber { color, .. }
+            | Self::Velvet { color, .. }
+            | Self::Toon { color, .. }
+            | Self::Subsurface { color, .. }
+            | Self::Hair { color, .. } => Some(color),
+            Self::Metal { .. }
+            | Self::PrincipledHair(_)
+            | Self::Holdout
+            | Self::Transparent { .. }
+            | Self::Emission { .. } => None,
+        }
+    }
+
     /// The same closure with its inputs given in another way.
     pub fn map<D, M>(&self, mut c: impl FnMut(&C) -> D, mut n: impl FnMut(&N) -> M) -> Closure<D, M> {
         match self {

@@ -7,7 +7,7 @@ use super::layer::MOST_LAYERS;
 use super::volume::Volume;
 use crate::luminance;
 use glam::Vec3A;
-use petzval_nodes::{Field, Graph as Shaders, Layer, LayerKind, Operand, Program, Registers, compile};
+use petzval_nodes::{Field, Graph as Shaders, Layer, LayerKind, Operand, Program, Registers, Slice, compile};
 
 /// What the engine can tell of a point.
 const KNOWN: [Field; 51] = [
@@ -100,6 +100,13 @@ impl Source {
             Self::Always(value) => Some(value),
         }
     }
+
+    fn operand(self) -> Option<Operand> {
+        match self {
+            Self::Of(operand) => Some(operand),
+            Self::Always(_) => None,
+        }
+    }
 }
 
 /// One closure.
@@ -122,6 +129,8 @@ pub struct GraphLayer {
 pub struct Graph {
     /// To be run at each point.
     pub program: Program,
+    /// Parts of it.
+    pub slices: Slices,
     /// The closures, which add up.
     pub layers: Vec<GraphLayer>,
     /// Of the material.
@@ -130,6 +139,65 @@ pub struct Graph {
     pub displacement: Displacement,
     /// What fills the space behind the surface; of the world, all space.
     pub volume: Option<Volume>,
+}
+
+/// Parts of a graph's program, for questions that do not need all of it.
+#[derive(Debug)]
+pub struct Slices {
+    /// For the displacement.
+    pub displacement: Slice,
+    /// For how likely a path passes unbent, and what it carries then.
+    pub opening: Slice,
+    /// For what a shadow ray carries on.
+    pub transmittance: Slice,
+    /// For what shines.
+    pub emission: Slice,
+}
+
+impl Slices {
+    fn new(program: &Program, layers: &[GraphLayer]) -> Self {
+        let slice = |sources: Vec<Source>| program.slice(sources.into_iter().filter_map(Source::operand));
+        let mut opening: Vec<Source> = layers.iter().map(|layer| layer.weight).collect();
+        let (mut transmittance, mut emission) = (Vec::new(), Vec::new());
+        for layer in layers {
+            match &layer.closure {
+                Closure::Transparent { color } => {
+                    transmittance.extend([layer.weight, *color]);
+                    opening.push(*color);
+                }
+                Closure::Emission { color, strength } => emission.extend([layer.weight, *color, *strength]),
+                Closure::Principled(p) => {
+                    if p.is_clear(program) {
+                        transmittance.extend([layer.weight, p.alpha]);
+                    }
+                    if p.shines(program) {
+                        emission.extend([layer.weight, p.emission_color, p.emission_strength, p.alpha]);
+                    }
+                    opening.push(p.alpha);
+                }
+                _ => {}
+            }
+            opening.extend(layer.closure.tint());
+        }
+        Self {
+            displacement: program.slice(program.displacement),
+            opening: slice(opening),
+            transmittance: slice(transmittance),
+            emission: slice(emission),
+        }
+    }
+}
+
+impl Principled<Source, Source> {
+    /// Whether light may pass it unbent.
+    pub fn is_clear(&self, program: &Program) -> bool {
+        self.alpha.constant(program) != Some(Vec3A::ONE)
+    }
+
+    /// Whether it may shine.
+    pub fn shines(&self, program: &Program) -> bool {
+        self.emission_strength.constant(program) != Some(Vec3A::ZERO)
+    }
 }
 
 /// What a material's displacement does.
@@ -183,7 +251,8 @@ impl Graph {
         for field in program.reads().filter(|field| !KNOWN.contains(field)) {
             report(&format!("{} is not supported yet, it is 0", in_words(field)));
         }
-        (Self { program, layers, pass_index, displacement: Displacement::default(), volume: None }, reports)
+        let slices = Slices::new(&program, &layers);
+        (Self { program, slices, layers, pass_index, displacement: Displacement::default(), volume: None }, reports)
     }
 
     /// Of all that shaders say: surface and volume become programs of their own, since they are asked at different places.
@@ -270,7 +339,7 @@ impl Graph {
     pub fn may_be_transparent(&self) -> bool {
         self.layers.iter().any(|layer| match &layer.closure {
             Closure::Transparent { .. } | Closure::Holdout => true,
-            Closure::Principled(p) => p.alpha.constant(&self.program) != Some(Vec3A::ONE),
+            Closure::Principled(p) => p.is_clear(&self.program),
             _ => false,
         })
     }

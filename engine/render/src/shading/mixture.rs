@@ -48,10 +48,25 @@ pub(super) struct Here {
 }
 
 impl Mixture {
+    /// Nothing, nowhere: memory for mixtures, one after the other. It is too large to be moved for each place.
+    pub fn empty() -> Self {
+        let here = Here {
+            wo: Vec3A::Z,
+            geometric_normal: Vec3A::Z,
+            smooth_normal: Vec3A::Z,
+            backfacing: false,
+            tangent: Vec3A::ZERO,
+            coat_normal: Vec3A::Z,
+            caustics: Caustics::ALL,
+        };
+        Self { lobes: ArrayVec::new(), walks: false, is_blurred: false, here, strand: None }
+    }
+
     /// Nothing yet, at a point; `wo` is the unit direction to where the path came from, stretched facets lie along
     /// `tangent`, and light `walks` through bodies or leaves them where it enters.
-    pub fn new(point: &SurfacePoint, wo: Vec3A, tangent: Vec3A, walks: bool) -> Self {
-        let here = Here {
+    pub fn begin(&mut self, point: &SurfacePoint, wo: Vec3A, tangent: Vec3A, walks: bool) {
+        self.lobes.clear();
+        self.here = Here {
             wo,
             geometric_normal: point.geometric_normal,
             smooth_normal: point.shading_normal,
@@ -60,7 +75,14 @@ impl Mixture {
             coat_normal: point.shading_normal,
             caustics: Caustics::ALL,
         };
-        Self { lobes: ArrayVec::new(), walks, is_blurred: false, here, strand: None }
+        (self.walks, self.is_blurred, self.strand) = (walks, false, None);
+    }
+
+    /// [`begin`](Self::begin) in memory of its own.
+    pub fn new(point: &SurfacePoint, wo: Vec3A, tangent: Vec3A, walks: bool) -> Self {
+        let mut mixture = Self::empty();
+        mixture.begin(point, wo, tangent, walks);
+        mixture
     }
 
     /// What the path that comes here has been through, for closures that are added from now on.

@@ -6,7 +6,7 @@ use super::{CameraEnd, is_dark};
 use crate::Rgb;
 use crate::accel::{Hit, Ray};
 use crate::integrator::Stage;
-use crate::integrator::path::{CAMERA_SETS, FirstSurface, Limits, PathResult, SURE_BOUNCES, opening};
+use crate::integrator::path::{CAMERA_SETS, FirstSurface, Limits, PathResult, SURE_BOUNCES, transmittance};
 use crate::lights::receiver::Receiver;
 use crate::lights::{Line, Shining};
 use crate::nodes::{self, View, Way};
@@ -159,8 +159,7 @@ impl Met<'_> {
     fn surface(&self, point: &SurfacePoint, hit: &Hit, distance: f32) -> Rgb {
         let Stage { scene, lights, emission, .. } = self.stage;
         let view = View::along(self.ray, distance, self.way());
-        let place = [hit.instance, hit.triangle];
-        let radiance = nodes::emission(material(self.stage, point), self.stage.around(), place, [hit.u, hit.v], &view);
+        let radiance = nodes::emission_at(material(self.stage, point), self.stage.around(), point, &view);
         let (Some(to), Some(source)) = (self.receiver(), lights.triangle_source(hit.instance, hit.triangle)) else {
             return radiance;
         };
@@ -195,7 +194,7 @@ fn direct(stage: &Stage, vertex: &Vertex, [u_choice, u0, u1]: [f32; 3], rays: &m
     *rays += 1;
     let mut ray = vertex.ray(light.wi);
     ray.t_max = light.reach(vertex.point.position_error);
-    let through = |hit: &Hit| opening(scene, hit, &View::along(&ray, hit.t, Way::CAMERA.shadow())).light;
+    let through = |hit: &Hit| transmittance(scene, hit, &View::along(&ray, hit.t, Way::CAMERA.shadow()));
     found * stage.accel.light_through(&ray, Rays::SHADOW, through)
 }
 
@@ -232,7 +231,7 @@ fn connect(stage: &Stage, eye: &Vertex, light: &Vertex, rays: &mut u32) -> Rgb {
         if light.point.is_on_strand_of(&stage.scene, hit) {
             return Rgb::ONE;
         }
-        opening(&stage.scene, hit, &View::along(&ray, hit.t, Way::CAMERA.shadow())).light
+        transmittance(&stage.scene, hit, &View::along(&ray, hit.t, Way::CAMERA.shadow()))
     };
     let open = stage.accel.light_through(&ray, Rays::BOUNCE, through);
     found * weight(others) * open

@@ -7,7 +7,7 @@ use crate::Rgb;
 use crate::accel::{Hit, Ray};
 use crate::camera::from_scene::Landed;
 use crate::integrator::Stage;
-use crate::integrator::path::{Limits, SURE_BOUNCES, opening};
+use crate::integrator::path::{Limits, SURE_BOUNCES, transmittance};
 use crate::nodes::{View, Way};
 use crate::sampler::PathSampler;
 use crate::scene::visibility::Rays;
@@ -159,7 +159,7 @@ pub(super) fn splat(
             let Some(way) = clip.way_to_camera(&seen) else { continue };
             ray.t_max = way;
         }
-        let through = |hit: &Hit| opening(&stage.scene, hit, &View::along(&ray, hit.t, Way::CAMERA.shadow())).light;
+        let through = |hit: &Hit| transmittance(&stage.scene, hit, &View::along(&ray, hit.t, Way::CAMERA.shadow()));
         rays += 1;
         let open = stage.accel.light_through(&ray, Rays::CAMERA, through);
         let light = light * open;

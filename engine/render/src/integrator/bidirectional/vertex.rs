@@ -83,7 +83,9 @@ impl Surface {
             let mut layers = Layers::new();
             let view = View { direction: -wo, distance: 1.0, way: Way::BOUNCE, moment: point.moment };
             nodes::layers(material, stage.around(), point, &view, &mut layers);
-            return Self::Layers(mix(stage, &layers, point, wo, kept, None));
+            let mut mixture = Mixture::empty();
+            mix(&mut mixture, stage, &layers, point, wo, kept, None);
+            return Self::Layers(mixture);
         }
         Self::One(Bsdf::new(material, values, &stage.tables[point.material as usize], point, wo))
     }
@@ -179,7 +181,7 @@ impl Walk<'_> {
             let point = SurfacePoint::new(&self.stage.scene, &hit, ray.direction);
             let [u0, u1, u_light, u_alpha] = self.sampler.next_4d();
             distance += hit.t;
-            let opening = opening(&self.stage.scene, &hit, &View::along(&ray, distance, Way::BOUNCE));
+            let opening = opening(&self.stage.scene, &point, &View::along(&ray, distance, Way::BOUNCE));
             let stays = 1.0 - opening.chance;
             if u_alpha >= stays {
                 through *= opening.light / opening.chance;

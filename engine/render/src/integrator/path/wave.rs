@@ -8,7 +8,9 @@ mod through;
 
 use super::choice::Chosen;
 use super::notes::{NoNotes, Notes};
-use super::{CAMERA_SETS, FastGi, FirstSurface, Limits, MOST_STEPS, PathResult, SETS_PER_STEP, mix, opening};
+use super::{
+    CAMERA_SETS, FastGi, FirstSurface, Limits, MOST_STEPS, PathResult, SETS_PER_STEP, mix, opening, transmittance,
+};
 use crate::Rgb;
 use crate::accel::{Hit, Ray, offset_origin};
 use crate::integrator::Stage;
@@ -263,7 +265,7 @@ impl<N: Notes, const VOLUMES: bool> Wave<N, VOLUMES> {
             let point = SurfacePoint::new(&stage.scene, hit, path.ray.direction);
             let [u0, u1, u_light, u_alpha] = path.sampler.next_4d();
             let view = path.view(path.travelled + hit.t);
-            let opening = opening(stage.around(), hit, &view);
+            let opening = opening(stage.around(), &point, &view);
             // The film is opaque where a surface that glows alone stops a path.
             let is_film = limits.hide_sky && path.way.is_camera();
             let share = if is_film { 1.0 - opening.chance } else { opening.share };
@@ -346,6 +348,7 @@ impl<N: Notes, const VOLUMES: bool> Wave<N, VOLUMES> {
         let mut current = u32::MAX;
         let mut constants = None;
         let mut is_even = false;
+        let mut mixture = Mixture::empty();
         for number in 0..self.order.len() {
             let meeting = self.order[number] as usize;
             let Meeting { path, point, kept, view, .. } = &self.meetings[meeting];
@@ -366,7 +369,7 @@ impl<N: Notes, const VOLUMES: bool> Wave<N, VOLUMES> {
                 if !is_even {
                     nodes::layers(material, stage.around(), point, view, &mut self.layers);
                 }
-                let mut mixture = mix(stage, &self.layers, point, wo, *kept, Some(past));
+                mix(&mut mixture, stage, &self.layers, point, wo, *kept, Some(past));
                 if least_alpha > 0.0 {
                     mixture.widen(least_alpha);
                 }
@@ -492,7 +495,7 @@ impl<N: Notes, const VOLUMES: bool> Wave<N, VOLUMES> {
                     return Rgb::ZERO;
                 }
                 left -= 1;
-                opening(&stage.scene, hit, &View::along(ray, hit.t, way.shadow())).light
+                transmittance(&stage.scene, hit, &View::along(ray, hit.t, way.shadow()))
             });
             found.add(*of, limits.clamp(*light * free, u32::from(way.depth)));
         }

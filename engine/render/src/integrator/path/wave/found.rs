@@ -127,8 +127,7 @@ impl Path {
             return false;
         }
         let view = self.view(self.travelled + hit.t);
-        let place = [hit.instance, hit.triangle];
-        let radiance = nodes::emission(material, stage.around(), place, point.barycentric, &view) * kept;
+        let radiance = nodes::emission_at(material, stage.around(), point, &view) * kept;
         let cos = -point.geometric_normal.dot(self.ray.direction);
         let pdf = self.chosen.receiver().map_or(0.0, |to| {
             stage.lights.triangle_pdf(&stage.scene, to, (hit.instance, hit.triangle), self.travelled + hit.t, cos)

@@ -2,7 +2,7 @@
 
 use super::super::choice::{Chosen, power_heuristic};
 use super::super::notes::Notes;
-use super::super::{Limits, opening};
+use super::super::{Limits, transmittance};
 use super::Path;
 use super::found::Found;
 use super::place::Shadow;
@@ -415,7 +415,7 @@ impl Veil {
                 return Rgb::ZERO;
             }
             left -= 1;
-            opening(scene, hit, &View::along(ray, hit.t, way.shadow())).light
+            transmittance(scene, hit, &View::along(ray, hit.t, way.shadow()))
         });
         if free == Rgb::ZERO || (borders.is_empty() && self.stack.is_empty()) {
             return free;

@@ -1,0 +1,78 @@
+//! Parts of a program, for those who do not need all of its values.
+
+use super::instruction::{FIRST_CONSTANT, Instruction, Operand, Operation};
+use super::{Program, REGISTERS, Registers};
+use crate::context::{Context, Field, Textures};
+
+/// The instructions of a [`Program`] that some of its values need.
+#[derive(Clone, Debug, Default)]
+pub struct Slice {
+    code: Vec<Instruction>,
+    reads_normal: bool,
+}
+
+impl Slice {
+    /// Whether the values are constants: nothing has to be run.
+    #[inline]
+    pub fn is_empty(&self) -> bool {
+        self.code.is_empty()
+    }
+
+    /// Whether an instruction may ask for the shading normal.
+    #[inline]
+    pub fn reads_normal(&self) -> bool {
+        self.reads_normal
+    }
+
+    /// How many instructions it has.
+    pub fn len(&self) -> usize {
+        self.code.len()
+    }
+}
+
+impl Program {
+    /// The instructions that these values need, in their order.
+    pub fn slice(&self, values: impl IntoIterator<Item = Operand>) -> Slice {
+        // By register, whether a later instruction or the caller reads what is in it.
+        let mut is_read = [false; REGISTERS];
+        let read = |operand: Operand, is_read: &mut [bool; REGISTERS]| {
+            if operand.0 < FIRST_CONSTANT {
+                is_read[usize::from(operand.0)] = true;
+            }
+        };
+        values.into_iter().for_each(|operand| read(operand, &mut is_read));
+        let mut code = Vec::new();
+        for instruction in self.code.iter().rev() {
+            if std::mem::take(&mut is_read[usize::from(instruction.result)]) {
+                instruction.operands().iter().for_each(|operand| read(*operand, &mut is_read));
+                code.push(*instruction);
+            }
+        }
+        code.reverse();
+        let reads_normal = code.iter().any(|instruction| asks_for_normal(instruction.operation));
+        Slice { code, reads_normal }
+    }
+
+    /// Computes the values of a [`slice`](Self::slice), the same bits as [`run`](Self::run) has.
+    pub fn run_slice<C: Context, T: Textures>(
+        &self,
+        slice: &Slice,
+        context: &C,
+        textures: &T,
+        registers: &mut Registers,
+    ) {
+        for instruction in &slice.code {
+            self.step(instruction, context, textures, registers);
+        }
+    }
+}
+
+/// Whether a context may look at the shading normal for it.
+fn asks_for_normal(operation: Operation) -> bool {
+    match operation {
+        Operation::Read(field, _) => matches!(field, Field::Normal | Field::MeshNormal | Field::Reflection),
+        Operation::NormalMap(_) | Operation::VectorDisplacement(_) | Operation::RadialTangent(_) => true,
+        Operation::Bump(_) | Operation::Displacement(_) | Operation::Occlusion(_) => true,
+        _ => false,
+    }
+}
