@@ -131,7 +131,11 @@ fn a_slice_computes_what_was_asked() {
         node("ValToRGB", ramp, json!({"Fac": link(2, "Fac")})),
         node("Emission", json!({}), json!({"Color": link(1, "Color"), "Strength": link(3, "Alpha")})),
         node("BsdfDiffuse", json!({}), json!({"Color": link(3, "Color")})),
-        node("MixShader", json!({}), json!({"Fac": link(1, "Fac"), "Shader": link(4, "Emission"), "Shader_001": link(5, "BSDF")})),
+        node(
+            "MixShader",
+            json!({}),
+            json!({"Fac": link(1, "Fac"), "Shader": link(4, "Emission"), "Shader_001": link(5, "BSDF")}),
+        ),
     ];
     let (program, reports) = program(&nodes);
     assert!(reports.is_empty(), "{reports:?}");
@@ -152,12 +156,7 @@ fn a_slice_computes_what_was_asked() {
         }
         // What other places have left is no help.
         let mut registers = Registers::default();
-        program.run_slice(
-            &slice,
-            &points().point(0, &program.attributes),
-            &Vec::<Pixels>::new(),
-            &mut registers,
-        );
+        program.run_slice(&slice, &points().point(0, &program.attributes), &Vec::<Pixels>::new(), &mut registers);
         for value in values {
             assert_eq!(program.value(value, &registers), program.value(value, &whole), "{number}");
         }

@@ -2,13 +2,14 @@
 
 use super::instruction::{FIRST_CONSTANT, Instruction, Operand, Operation};
 use super::{Program, REGISTERS, Registers};
-use crate::context::{Context, Field, Textures};
+use crate::context::{Context, Field, Shift, Textures};
 
 /// The instructions of a [`Program`] that some of its values need.
 #[derive(Clone, Debug, Default)]
 pub struct Slice {
     code: Vec<Instruction>,
     reads_normal: bool,
+    reads_footprint: bool,
 }
 
 impl Slice {
@@ -22,6 +23,12 @@ impl Slice {
     #[inline]
     pub fn reads_normal(&self) -> bool {
         self.reads_normal
+    }
+
+    /// Whether an instruction may look beside the point, or asks how far that is.
+    #[inline]
+    pub fn reads_footprint(&self) -> bool {
+        self.reads_footprint
     }
 
     /// How many instructions it has.
@@ -49,8 +56,14 @@ impl Program {
             }
         }
         code.reverse();
-        let reads_normal = code.iter().any(|instruction| asks_for_normal(instruction.operation));
-        Slice { code, reads_normal }
+        let any = |asks: fn(Operation) -> bool| code.iter().any(|instruction| asks(instruction.operation));
+        let (reads_normal, reads_footprint) = (any(asks_for_normal), any(asks_for_footprint));
+        Slice { code, reads_normal, reads_footprint }
+    }
+
+    /// Whether an instruction may look beside the point, or asks how far that is.
+    pub fn reads_footprint(&self) -> bool {
+        self.code.iter().any(|instruction| asks_for_footprint(instruction.operation))
     }
 
     /// Computes the values of a [`slice`](Self::slice), the same bits as [`run`](Self::run) has.
@@ -73,6 +86,16 @@ fn asks_for_normal(operation: Operation) -> bool {
         Operation::Read(field, _) => matches!(field, Field::Normal | Field::MeshNormal | Field::Reflection),
         Operation::NormalMap(_) | Operation::VectorDisplacement(_) | Operation::RadialTangent(_) => true,
         Operation::Bump(_) | Operation::Displacement(_) | Operation::Occlusion(_) => true,
+        _ => false,
+    }
+}
+
+/// Whether a context needs the footprint for it.
+fn asks_for_footprint(operation: Operation) -> bool {
+    match operation {
+        Operation::Read(field, shift) => shift != Shift::NONE || matches!(field, Field::FootprintX | Field::FootprintY),
+        Operation::Attribute(_, shift) => shift != Shift::NONE,
+        Operation::Bump(_) => true,
         _ => false,
     }
 }

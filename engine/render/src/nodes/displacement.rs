@@ -88,7 +88,7 @@ fn offsets(scene: &Scene, instance: usize) -> Option<Vec<Vec3>> {
         let [u, v] = barycentric;
         let hit = Hit { t: view.distance, u, v, instance: instance as u32, triangle, moment: view.moment };
         let surface = SurfacePoint::new(scene, &hit, view.direction);
-        let point = Point::new(scene.into(), surface, view, &program.attributes, *pass_index as f32);
+        let point = Point::new(scene.into(), surface, view, &program.attributes, *pass_index as f32, true);
         program.run_slice(&slices.displacement, &point.with_normal(normal), &Images(&scene.textures), registers);
         let moved = owner.to_object.matrix3 * program.value(displacement, registers);
         if moved.is_finite() { moved.into() } else { Vec3::ZERO }

@@ -58,8 +58,9 @@ fn with_program<T>(
     view: &View,
     read: impl FnOnce(&dyn Fn(Source) -> Vec3A, &Point<'_>) -> T,
 ) -> T {
-    let Graph { program, pass_index, .. } = graph;
-    let mut point = Point::new(around, *point, *view, &program.attributes, *pass_index as f32);
+    let Graph { program, slices, pass_index, .. } = graph;
+    let has_footprint = slices.reads_footprint || program.displacement.is_some();
+    let mut point = Point::new(around, *point, *view, &program.attributes, *pass_index as f32, has_footprint);
     let images = Images(&around.scene.textures);
     REGISTERS.with_borrow_mut(|registers| {
         bend(graph, &mut point, &images, registers);
@@ -81,9 +82,11 @@ fn with_slice<T>(
     let Graph { program, pass_index, .. } = graph;
     REGISTERS.with_borrow_mut(|registers| {
         if !slice.is_empty() {
-            let mut point = Point::new(around, point(), *view, &program.attributes, *pass_index as f32);
+            let bends = slice.reads_normal() && program.displacement.is_some();
+            let has_footprint = slice.reads_footprint() || bends;
+            let mut point = Point::new(around, point(), *view, &program.attributes, *pass_index as f32, has_footprint);
             let images = Images(&around.scene.textures);
-            if slice.reads_normal() {
+            if bends {
                 bend(graph, &mut point, &images, registers);
             }
             program.run_slice(slice, &point, &images, registers);
@@ -120,8 +123,12 @@ fn of_graph(graph: &Graph, value: &dyn Fn(Source) -> Vec3A, bent: Option<Vec3A>,
     for layer in &graph.layers {
         let weight = value(layer.weight).x;
         if weight > 0.0 {
-            let colour = |source: &Source| finite(value(*source));
-            let number = |source: &Source| finite(value(*source)).x;
+            // Most inputs are the same everywhere: they are finite, and nothing is called for them.
+            let colour = |source: &Source| match source {
+                Source::Always(value) => (*value).into(),
+                source => finite(value(*source)),
+            };
+            let number = |source: &Source| colour(source).x;
             let direction = |source: Option<Source>| source.and_then(|source| value(source).try_normalize());
             to.push(EvaluatedLayer {
                 weight,

@@ -62,32 +62,35 @@ pub(super) struct Point<'a> {
 }
 
 impl<'a> Point<'a> {
-    /// At a place of a surface that is seen in the view's direction.
+    /// At a place of a surface that is seen in the view's direction. Without a footprint all that is beside it is the point itself.
     pub(super) fn new(
         around: Around<'a>,
         surface: SurfacePoint,
         view: View,
         attributes: &'a [Attribute],
         material_index: f32,
+        has_footprint: bool,
     ) -> Self {
         let scene = around.scene;
         let SurfacePoint { instance, triangle, .. } = surface;
         let mesh = mesh_of(scene, instance);
         let instance = &scene.instances[instance as usize];
-        let normal = surface.geometric_normal;
-        let [x, y] = perpendicular(normal);
-        // A pixel's width: heights are asked that far apart for a bump.
-        let size = scene.viewport.pixel_angle_rad() * view.distance.max(1e-6 * surface.position.length());
-        let footprint = [x * size, y * size];
-        let along = if !mesh.is_special {
-            weights_along(instance, mesh.corners(triangle), &footprint)
-        } else if let Some(curves) = &mesh.curves {
-            strand::weights_along(instance, curves, &surface, &footprint)
-        } else if mesh.points.is_some() {
-            [Vec2::ZERO; 2]
-        } else {
-            weights_along(instance, instance.corners(mesh, triangle), &footprint)
-        };
+        let (mut footprint, mut along) = ([Vec3A::ZERO; 2], [Vec2::ZERO; 2]);
+        if has_footprint {
+            let [x, y] = perpendicular(surface.geometric_normal);
+            // A pixel's width: heights are asked that far apart for a bump.
+            let size = scene.viewport.pixel_angle_rad() * view.distance.max(1e-6 * surface.position.length());
+            footprint = [x * size, y * size];
+            along = if !mesh.is_special {
+                weights_along(instance, mesh.corners(triangle), &footprint)
+            } else if let Some(curves) = &mesh.curves {
+                strand::weights_along(instance, curves, &surface, &footprint)
+            } else if mesh.points.is_some() {
+                [Vec2::ZERO; 2]
+            } else {
+                weights_along(instance, instance.corners(mesh, triangle), &footprint)
+            };
+        }
         Self {
             around,
             scene,

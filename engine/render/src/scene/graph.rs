@@ -79,7 +79,7 @@ pub(super) fn in_words(field: Field) -> String {
 pub enum Source {
     /// What the program computes, or a constant of it.
     Of(Operand),
-    /// What stands for a socket that this Blender does not have.
+    /// The same everywhere, and finite: a constant, or what stands for a socket that this Blender does not have.
     Always(Vec3A),
 }
 
@@ -98,6 +98,15 @@ impl Source {
         match self {
             Self::Of(operand) => program.constant(operand),
             Self::Always(value) => Some(value),
+        }
+    }
+
+    /// The same source, known by its value where that is the same everywhere.
+    fn settled(self, program: &Program) -> Self {
+        match self.constant(program) {
+            Some(value) if value.is_finite() => Self::Always(value),
+            Some(_) => Self::Always(Vec3A::ZERO),
+            None => self,
         }
     }
 
@@ -122,6 +131,20 @@ pub struct GraphLayer {
     pub coat_normal: Option<Source>,
     /// A direction of its own that brushed metal follows, world space.
     pub tangent: Option<Source>,
+}
+
+impl GraphLayer {
+    /// Its inputs by their values where they are the same everywhere.
+    fn settled(&self, program: &Program) -> Self {
+        let settle = |source: &Source| source.settled(program);
+        Self {
+            weight: settle(&self.weight),
+            closure: self.closure.map(settle, settle),
+            normal: self.normal.as_ref().map(settle),
+            coat_normal: self.coat_normal.as_ref().map(settle),
+            tangent: self.tangent.as_ref().map(settle),
+        }
+    }
 }
 
 /// A program and what it is for.
@@ -152,6 +175,8 @@ pub struct Slices {
     pub transmittance: Slice,
     /// For what shines.
     pub emission: Slice,
+    /// Whether the program as a whole looks beside the point.
+    pub reads_footprint: bool,
 }
 
 impl Slices {
@@ -184,6 +209,7 @@ impl Slices {
             opening: slice(opening),
             transmittance: slice(transmittance),
             emission: slice(emission),
+            reads_footprint: program.reads_footprint(),
         }
     }
 }
@@ -246,8 +272,13 @@ impl Graph {
                 program.surface.len()
             ));
         }
-        let layers: Vec<GraphLayer> =
-            program.surface.iter().take(MOST_LAYERS).filter_map(|layer| Of(layer).layer(&mut report)).collect();
+        let layers: Vec<GraphLayer> = program
+            .surface
+            .iter()
+            .take(MOST_LAYERS)
+            .filter_map(|layer| Of(layer).layer(&mut report))
+            .map(|layer| layer.settled(&program))
+            .collect();
         for field in program.reads().filter(|field| !KNOWN.contains(field)) {
             report(&format!("{} is not supported yet, it is 0", in_words(field)));
         }
@@ -284,6 +315,11 @@ impl Graph {
     #[inline]
     pub fn is_only_volume(&self) -> bool {
         self.volume.is_some() && self.program.surface.is_empty()
+    }
+
+    /// Whether its closures are the same everywhere.
+    pub fn is_even(&self) -> bool {
+        self.program.instructions() == 0 && !(self.displacement.bends() && self.program.displacement.is_some())
     }
 
     /// Whether it moves the vertices of meshes.

@@ -357,7 +357,10 @@ impl<N: Notes, const VOLUMES: bool> Wave<N, VOLUMES> {
                 material = &stage.scene.materials[current as usize];
                 tables = &stage.tables[current as usize];
                 constants = nodes::constants(material);
-                is_even = material.graph.is_none() && material.layers.iter().all(Layer::is_constant);
+                is_even = match &material.graph {
+                    Some(graph) => graph.is_even(),
+                    None => material.layers.iter().all(Layer::is_constant),
+                };
                 if is_even {
                     nodes::layers(material, stage.around(), point, view, &mut self.layers);
                 }
