@@ -3,6 +3,7 @@
 use super::instruction::{FIRST_CONSTANT, Instruction, Operand, Operation};
 use super::{Program, REGISTERS, Registers};
 use crate::context::{Context, Field, Shift, Textures};
+use crate::image::Projection;
 
 /// The instructions of a [`Program`] that some of its values need.
 #[derive(Clone, Debug, Default)]
@@ -80,22 +81,40 @@ impl Program {
     }
 }
 
-/// Whether a context may look at the shading normal for it.
+/// Whether a context may look at the shading normal for it. What is not known to do without is taken to ask.
 fn asks_for_normal(operation: Operation) -> bool {
     match operation {
         Operation::Read(field, _) => matches!(field, Field::Normal | Field::MeshNormal | Field::Reflection),
-        Operation::NormalMap(_) | Operation::VectorDisplacement(_) | Operation::RadialTangent(_) => true,
-        Operation::Bump(_) | Operation::Displacement(_) | Operation::Occlusion(_) => true,
-        _ => false,
+        Operation::Image(_, projection, _) => projection == Projection::Box,
+        Operation::Further(_)
+        | Operation::Attribute(..)
+        | Operation::Transform(..)
+        | Operation::Fresnel
+        | Operation::LayerFresnel
+        | Operation::Facing
+        | Operation::Falloff(_)
+        | Operation::Wireframe(_)
+        | Operation::Environment(..) => false,
+        _ => !operation.is_pure(),
     }
 }
 
-/// Whether a context needs the footprint for it.
+/// Whether a context needs the footprint for it. What is not known to do without is taken to ask.
 fn asks_for_footprint(operation: Operation) -> bool {
     match operation {
         Operation::Read(field, shift) => shift != Shift::NONE || matches!(field, Field::FootprintX | Field::FootprintY),
         Operation::Attribute(_, shift) => shift != Shift::NONE,
-        Operation::Bump(_) => true,
-        _ => false,
+        Operation::Further(_)
+        | Operation::Transform(..)
+        | Operation::Fresnel
+        | Operation::LayerFresnel
+        | Operation::Facing
+        | Operation::Falloff(_)
+        | Operation::Wireframe(_)
+        | Operation::Image(..)
+        | Operation::Environment(..)
+        | Operation::NormalMap(_)
+        | Operation::RadialTangent(_) => false,
+        _ => !operation.is_pure(),
     }
 }
