@@ -68,8 +68,8 @@ def test_what_low_fog_takes_is_that_of_its_closed_form(blender, tmp_path):
 
 @pytest.mark.parametrize("side", [200.0, 2e4, 2e5])
 def test_ground_does_not_hide_the_sky_from_itself(blender, tmp_path, side):
-    """In a white world it is as bright as its albedo, however far it reaches: what is known of the distance to so large a triangle is
-    less than how far from it rays start."""
+    """In a white world it is as bright as its albedo, however far it reaches. Rays that leave so large a triangle start nearer to it than
+    the distance to it is known."""
     import scene_parts as parts
 
     scene = parts.set_up(16, 12, samples=64)

@@ -24,14 +24,16 @@ BLADES = 1
 
 
 def each_lens(number: int | None = None) -> list:
-    """All lenses, those as recipes that `make test` leaves out: the slow one but for the blades, and of several tests of all
-    lenses number 0 to 2 has every third one."""
-    left_out = {
-        lens
-        for i, lens in enumerate(LENSES)
-        if (number != BLADES if lens.stem == SLOW else number is not None and i % 3 != number)
-    }
-    return [pytest.param(lens, id=lens.stem, marks=[pytest.mark.recipe] * (lens in left_out)) for lens in LENSES]
+    """All lenses; those that `make test` leaves out are recipes. Test `number`, 0 to 2, of three tests of all lenses has every third one in
+    `make test`; without a number it has all. The slow one has its turn with the blades alone."""
+
+    def is_left_out(i: int, lens: Path) -> bool:
+        if lens.stem == SLOW:
+            return number != BLADES
+        return number is not None and i % 3 != number
+
+    recipe = pytest.mark.recipe
+    return [pytest.param(lens, id=lens.stem, marks=[recipe] * is_left_out(i, lens)) for i, lens in enumerate(LENSES)]
 
 
 def assert_white(picture: np.ndarray, tolerance: float) -> None:

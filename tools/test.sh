@@ -2,7 +2,7 @@
 # Runs everything that must hold, and ends with a summary: what failed, what could not run, the slowest tests.
 #
 #   tools/test.sh         Rust, Python, bpy 5.2 and 4.5, the real Blender
-#   tools/test.sh --all   bpy 5.0 and 4.2 too, the release wheel, and a small run of every page's recipe
+#   tools/test.sh --all   bpy 5.0 and 4.2 too, the release wheel, all cases, and a small run of every page's recipe
 #
 # Every step has a log in output/test/. A step that has passed is not run again while nothing that it reads has changed:
 # PETZVAL_TEST_AGAIN=1 runs all of them. Two lanes run side by side: one compiles and runs the Rust tests, the other the Python

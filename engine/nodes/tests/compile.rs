@@ -164,23 +164,23 @@ fn a_slice_computes_what_was_asked() {
     assert!(program.slice([]).is_empty());
 }
 
-/// What a slice asks of its place: an image on a box looks at the normal, a flat one does not; a bump looks beside the point.
+/// An image on a box needs the normal, a flat one does not; a bump looks beside the point.
 #[test]
-fn a_slice_says_what_it_asks_for() {
-    let asked = |texture: Value| {
+fn a_slice_tells_what_it_needs() {
+    let needed = |texture: Value| {
         let geometry = node("NewGeometry", json!({}), json!({}));
         let bump = node("Bump", json!({}), json!({"Height": link(1, "Color"), "Strength": 1.0, "Distance": 1.0}));
         let bent = node("BsdfDiffuse", json!({}), json!({"Color": link(1, "Color"), "Normal": link(2, "Normal")}));
         let (program, _) = program(&[geometry, texture, bump, bent]);
         let [colour, normal] = ["Color", "Normal"].map(|name| program.slice(program.surface[0].input(name)));
-        [colour.reads_normal(), colour.reads_footprint(), normal.reads_normal(), normal.reads_footprint()]
+        [colour.needs_normal(), colour.needs_footprint(), normal.needs_normal(), normal.needs_footprint()]
     };
     let image = |projection: &str| {
         let place = json!({"Vector": link(0, "Position")});
         node("TexImage", json!({"image": 0, "projection": projection}), place)
     };
-    assert_eq!(asked(image("FLAT")), [false, false, true, true]);
-    assert_eq!(asked(image("BOX")), [true, false, true, true]);
+    assert_eq!(needed(image("FLAT")), [false, false, true, true]);
+    assert_eq!(needed(image("BOX")), [true, false, true, true]);
 }
 
 #[test]

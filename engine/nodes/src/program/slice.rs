@@ -9,30 +9,35 @@ use crate::image::Projection;
 #[derive(Clone, Debug, Default)]
 pub struct Slice {
     code: Vec<Instruction>,
-    reads_normal: bool,
-    reads_footprint: bool,
+    needs_normal: bool,
+    needs_footprint: bool,
 }
 
 impl Slice {
-    /// Whether the values are constants: nothing has to be run.
+    /// True if the values are constants, so that nothing has to be run.
     #[inline]
     pub fn is_empty(&self) -> bool {
         self.code.is_empty()
     }
 
-    /// Whether an instruction may ask for the shading normal.
-    #[inline]
-    pub fn reads_normal(&self) -> bool {
-        self.reads_normal
+    /// The same slice for a caller that needs the shading normal itself.
+    pub fn with_normal(self) -> Self {
+        Self { needs_normal: true, ..self }
     }
 
-    /// Whether an instruction may look beside the point, or asks how far that is.
+    /// True if the shading normal may be needed.
     #[inline]
-    pub fn reads_footprint(&self) -> bool {
-        self.reads_footprint
+    pub fn needs_normal(&self) -> bool {
+        self.needs_normal
     }
 
-    /// How many instructions it has.
+    /// True if the footprint may be needed: an instruction looks beside the point.
+    #[inline]
+    pub fn needs_footprint(&self) -> bool {
+        self.needs_footprint
+    }
+
+    /// Number of instructions.
     pub fn len(&self) -> usize {
         self.code.len()
     }
@@ -57,14 +62,11 @@ impl Program {
             }
         }
         code.reverse();
-        let any = |asks: fn(Operation) -> bool| code.iter().any(|instruction| asks(instruction.operation));
-        let (reads_normal, reads_footprint) = (any(asks_for_normal), any(asks_for_footprint));
-        Slice { code, reads_normal, reads_footprint }
-    }
-
-    /// Whether an instruction may look beside the point, or asks how far that is.
-    pub fn reads_footprint(&self) -> bool {
-        self.code.iter().any(|instruction| asks_for_footprint(instruction.operation))
+        let (needs_normal, needs_footprint) = code
+            .iter()
+            .map(|instruction| needs(instruction.operation))
+            .fold((false, false), |all, one| (all.0 || one.0, all.1 || one.1));
+        Slice { code, needs_normal, needs_footprint }
     }
 
     /// Computes the values of a [`slice`](Self::slice), the same bits as [`run`](Self::run) has.
@@ -81,29 +83,17 @@ impl Program {
     }
 }
 
-/// Whether a context may look at the shading normal for it. What is not known to do without is taken to ask.
-fn asks_for_normal(operation: Operation) -> bool {
+/// The parts of a point that a context may need for an operation: the shading normal, and the footprint. An operation that is not listed, and
+/// is more than its operands, is taken to need both.
+fn needs(operation: Operation) -> (bool, bool) {
     match operation {
-        Operation::Read(field, _) => matches!(field, Field::Normal | Field::MeshNormal | Field::Reflection),
-        Operation::Image(_, projection, _) => projection == Projection::Box,
-        Operation::Further(_)
-        | Operation::Attribute(..)
-        | Operation::Transform(..)
-        | Operation::Fresnel
-        | Operation::LayerFresnel
-        | Operation::Facing
-        | Operation::Falloff(_)
-        | Operation::Wireframe(_)
-        | Operation::Environment(..) => false,
-        _ => !operation.is_pure(),
-    }
-}
-
-/// Whether a context needs the footprint for it. What is not known to do without is taken to ask.
-fn asks_for_footprint(operation: Operation) -> bool {
-    match operation {
-        Operation::Read(field, shift) => shift != Shift::NONE || matches!(field, Field::FootprintX | Field::FootprintY),
-        Operation::Attribute(_, shift) => shift != Shift::NONE,
+        Operation::Read(field, shift) => (
+            matches!(field, Field::Normal | Field::MeshNormal | Field::Reflection),
+            shift != Shift::NONE || matches!(field, Field::FootprintX | Field::FootprintY),
+        ),
+        Operation::Attribute(_, shift) => (false, shift != Shift::NONE),
+        Operation::Image(_, projection, _) => (projection == Projection::Box, false),
+        Operation::NormalMap(_) | Operation::RadialTangent(_) => (true, false),
         Operation::Further(_)
         | Operation::Transform(..)
         | Operation::Fresnel
@@ -111,10 +101,7 @@ fn asks_for_footprint(operation: Operation) -> bool {
         | Operation::Facing
         | Operation::Falloff(_)
         | Operation::Wireframe(_)
-        | Operation::Image(..)
-        | Operation::Environment(..)
-        | Operation::NormalMap(_)
-        | Operation::RadialTangent(_) => false,
-        _ => !operation.is_pure(),
+        | Operation::Environment(..) => (false, false),
+        _ => (!operation.is_pure(), !operation.is_pure()),
     }
 }

@@ -231,7 +231,7 @@ pub(super) fn opening<'a>(around: impl Into<Around<'a>>, point: &SurfacePoint, v
     if material.may_be_transparent() { nodes::opening(material, around, point, view) } else { Opening::NONE }
 }
 
-/// What of the light a surface lets through unbent.
+/// Transmittance of a surface for a shadow ray.
 #[inline]
 pub(super) fn transmittance(scene: &Scene, hit: &Hit, view: &View) -> Rgb {
     let instance = &scene.instances[hit.instance as usize];

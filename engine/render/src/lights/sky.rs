@@ -233,7 +233,7 @@ fn image_table(scene: &Scene) -> Option<Grid2d> {
     if split > 1 { fine_table_of(scene, columns * split, rows * split) } else { table_of(scene, columns, rows, block) }
 }
 
-/// Of cells smaller than pixels.
+/// The table of cells smaller than the pixels of the image.
 fn fine_table_of(scene: &Scene, columns: usize, rows: usize) -> Option<Grid2d> {
     let brightness = (0..columns * rows).map(|i| {
         let place = Vec2::new((i % columns) as f32 + 0.5, (i / columns) as f32 + 0.5);
@@ -260,7 +260,7 @@ fn table_of(scene: &Scene, columns: usize, rows: usize, block: usize) -> Option<
     table_by(brightness, columns, rows)
 }
 
-/// By the cells' brightness.
+/// The table of cells of that brightness.
 fn table_by(brightness: Vec<f32>, columns: usize, rows: usize) -> Option<Grid2d> {
     let weights: Vec<f32> = (0..columns * rows)
         .map(|i| {

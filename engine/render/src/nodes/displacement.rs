@@ -1,15 +1,14 @@
 //! Displacement that moves vertices: the program of a material is run at each vertex of its meshes, and the mesh takes a new
 //! shape before trees are built.
 
+use super::layers::surface_point;
 use super::point::{Images, Point, UNDISPLACED_NORMAL, View};
-use crate::accel::Hit;
 use crate::nodes::Way;
 use crate::scene::Scene;
 use crate::scene::corners::Corners;
 use crate::scene::graph::{Displacement, Graph};
 use crate::scene::mesh::{Mesh, MeshDescription};
 use crate::scene::motion::{MIDDLE, Poses};
-use crate::surface::SurfacePoint;
 use glam::{Vec3, Vec3A};
 use petzval_nodes::Registers;
 use rayon::prelude::*;
@@ -85,9 +84,7 @@ fn offsets(scene: &Scene, instance: usize) -> Option<Vec<Vec3>> {
         let view = View { direction: -normal, distance: width, way: Way::BOUNCE, moment: MIDDLE };
         let barycentric = [[0.0, 0.0], [1.0, 0.0], [0.0, 1.0]][corner];
         let Graph { program, slices, pass_index, .. } = graph;
-        let [u, v] = barycentric;
-        let hit = Hit { t: view.distance, u, v, instance: instance as u32, triangle, moment: view.moment };
-        let surface = SurfacePoint::new(scene, &hit, view.direction);
+        let surface = surface_point(scene.into(), [instance as u32, triangle], barycentric, &view);
         let point = Point::new(scene.into(), surface, view, &program.attributes, *pass_index as f32, true);
         program.run_slice(&slices.displacement, &point.with_normal(normal), &Images(&scene.textures), registers);
         let moved = owner.to_object.matrix3 * program.value(displacement, registers);

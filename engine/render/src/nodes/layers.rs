@@ -4,9 +4,8 @@ use super::around::Around;
 use super::point::{Images, Point, View};
 use super::{colour, number};
 use crate::accel::Hit;
-use crate::scene::Scene;
 use crate::scene::closure::Closure;
-use crate::scene::graph::{Displacement, Graph, Source};
+use crate::scene::graph::{Displacement, Graph, GraphLayer, Source};
 use crate::scene::layer::{Layer, MOST_LAYERS, Weight};
 use crate::scene::material::Input;
 use crate::scene::material::{Aovs, Material};
@@ -50,55 +49,38 @@ thread_local! {
     static REGISTERS: RefCell<Registers> = RefCell::default();
 }
 
-/// Runs a material's program at a point, and hands on what reads its results.
-fn with_program<T>(
-    graph: &Graph,
-    around: Around<'_>,
-    point: &SurfacePoint,
-    view: &View,
-    read: impl FnOnce(&dyn Fn(Source) -> Vec3A, &Point<'_>) -> T,
-) -> T {
-    let Graph { program, slices, pass_index, .. } = graph;
-    let has_footprint = slices.reads_footprint || program.displacement.is_some();
-    let mut point = Point::new(around, *point, *view, &program.attributes, *pass_index as f32, has_footprint);
-    let images = Images(&around.scene.textures);
-    REGISTERS.with_borrow_mut(|registers| {
-        bend(graph, &mut point, &images, registers);
-        program.run(&point, &images, registers);
-        read(&|source| source.value(program, registers), &point)
-    })
-}
-
-/// Runs a part of a material's program at a point, and hands on what reads its results. Where they are the same everywhere, the point is
-/// not asked for.
+/// Runs a slice of a material's program at a point, and hands on what reads its results, with the normal where the displacement bends it.
+/// Where nothing has to be run, the point is not asked for.
 fn with_slice<T>(
     graph: &Graph,
     slice: &Slice,
     around: Around<'_>,
     point: impl FnOnce() -> SurfacePoint,
     view: &View,
-    read: impl FnOnce(&dyn Fn(Source) -> Vec3A) -> T,
+    read: impl FnOnce(&dyn Fn(Source) -> Vec3A, Option<Vec3A>) -> T,
 ) -> T {
     let Graph { program, pass_index, .. } = graph;
+    let bends = slice.needs_normal() && graph.bends_normals();
     REGISTERS.with_borrow_mut(|registers| {
-        if !slice.is_empty() {
-            let bends = slice.reads_normal() && program.displacement.is_some();
-            let has_footprint = slice.reads_footprint() || bends;
+        let mut bent = None;
+        if bends || !slice.is_empty() {
+            let has_footprint = bends || slice.needs_footprint();
             let mut point = Point::new(around, point(), *view, &program.attributes, *pass_index as f32, has_footprint);
             let images = Images(&around.scene.textures);
             if bends {
                 bend(graph, &mut point, &images, registers);
+                bent = point.bent_normal();
             }
             program.run_slice(slice, &point, &images, registers);
         }
-        read(&|source| source.value(program, registers))
+        read(&|source| source.value(program, registers), bent)
     })
 }
 
-/// Bends a point's normal by the displacement, where it does that.
+/// Bends a point's normal by the displacement.
 fn bend(graph: &Graph, point: &mut Point<'_>, images: &Images<'_>, registers: &mut Registers) {
     let Graph { program, slices, .. } = graph;
-    let Some(displacement) = program.displacement.filter(|_| graph.displacement.bends()) else { return };
+    let Some(displacement) = program.displacement else { return };
     if graph.displacement == Displacement::Both
         && let Some(normal) = point.undisplaced_normal()
     {
@@ -112,8 +94,13 @@ fn bend(graph: &Graph, point: &mut Point<'_>, images: &Images<'_>, registers: &m
     point.bend(heights);
 }
 
-/// A point of a triangle, as it is seen.
-fn seen(around: Around<'_>, [instance, triangle]: [u32; 2], [u, v]: [f32; 2], view: &View) -> SurfacePoint {
+/// The point of a surface at a place of a triangle that is seen in the view's direction.
+pub(super) fn surface_point(
+    around: Around<'_>,
+    [instance, triangle]: [u32; 2],
+    [u, v]: [f32; 2],
+    view: &View,
+) -> SurfacePoint {
     let hit = Hit { t: view.distance, u, v, instance, triangle, moment: view.moment };
     SurfacePoint::new(around.scene, &hit, view.direction)
 }
@@ -178,9 +165,16 @@ pub fn layers(material: &Material, around: Around<'_>, point: &SurfacePoint, vie
     let SurfacePoint { instance, triangle, barycentric, .. } = *point;
     to.clear();
     if let Some(graph) = &material.graph {
-        return with_program(graph, around, point, view, |value, point| {
-            of_graph(graph, value, point.bent_normal(), to);
-        });
+        return with_slice(
+            graph,
+            &graph.slices.closures,
+            around,
+            || *point,
+            view,
+            |value, bent| {
+                of_graph(graph, value, bent, to);
+            },
+        );
     }
     let scene = around.scene;
     let place = Place { textures: &scene.textures, mesh: mesh_of(scene, instance), triangle, barycentric };
@@ -239,8 +233,17 @@ struct Parts {
     rest: f32,
     /// The weight of those that glow alone.
     glowing: f32,
-    /// The same, each times about the part of the light that it scatters.
+    /// The weight of those that scatter, each times about the part of the light that it scatters.
     scattering: f32,
+}
+
+/// Transmittance of a closure for light that goes on unbent.
+fn passed<C, N>(closure: &Closure<C, N>, color: impl Fn(&C) -> Rgb, number: impl Fn(&N) -> f32) -> Rgb {
+    match closure {
+        Closure::Transparent { color: tint } => color(tint).max(Rgb::ZERO),
+        Closure::Principled(p) => Rgb::splat(1.0 - number(&p.alpha).clamp(0.0, 1.0)),
+        _ => Rgb::ZERO,
+    }
 }
 
 /// Albedo, about, of a Principled surface whose base is black.
@@ -254,20 +257,16 @@ impl Parts {
         color: impl Fn(&C) -> Rgb,
         number: impl Fn(&N) -> f32,
     ) {
+        self.light += passed(closure, &color, &number) * weight;
         let (mut weight, mut least) = (weight, 0.0);
         match closure {
-            Closure::Transparent { color: tint } => {
-                self.light += color(tint).max(Rgb::ZERO) * weight;
-                return;
-            }
+            Closure::Transparent { .. } => return,
             Closure::Emission { .. } => {
                 self.glowing += weight;
                 return;
             }
             Closure::Principled(p) => {
-                let alpha = number(&p.alpha).clamp(0.0, 1.0);
-                self.light += Rgb::splat(weight * (1.0 - alpha));
-                weight *= alpha;
+                weight *= number(&p.alpha).clamp(0.0, 1.0);
                 least = LEAST_PRINCIPLED;
             }
             _ => {}
@@ -282,7 +281,7 @@ fn average(color: Rgb) -> f32 {
     color.element_sum() / 3.0
 }
 
-/// Of a material at a point.
+/// The opening of a material at a point.
 pub fn opening(material: &Material, around: Around<'_>, point: &SurfacePoint, view: &View) -> Opening {
     let SurfacePoint { instance, triangle, barycentric, .. } = *point;
     if !material.is_layered() {
@@ -295,7 +294,7 @@ pub fn opening(material: &Material, around: Around<'_>, point: &SurfacePoint, vi
             around,
             || *point,
             view,
-            |value| {
+            |value, _| {
                 let mut parts = Parts::default();
                 for layer in &graph.layers {
                     let (color, number) =
@@ -306,15 +305,7 @@ pub fn opening(material: &Material, around: Around<'_>, point: &SurfacePoint, vi
             },
         );
     }
-    opening_of_layers(material, around.scene, [instance, triangle], barycentric)
-}
-
-fn opening_of_layers(
-    material: &Material,
-    scene: &Scene,
-    [instance, triangle]: [u32; 2],
-    barycentric: [f32; 2],
-) -> Opening {
+    let scene = around.scene;
     let place = Place { textures: &scene.textures, mesh: mesh_of(scene, instance), triangle, barycentric };
     let mut parts = Parts::default();
     for Layer { weight, closure } in material.layers.iter().take(MOST_LAYERS) {
@@ -323,7 +314,7 @@ fn opening_of_layers(
     Opening::of(parts)
 }
 
-/// [`Opening::light`] of a material at a point of a triangle: what a shadow ray carries on.
+/// Transmittance of a material at a point of a triangle for shadow rays: [`Opening::light`].
 pub fn transmittance(
     material: &Material,
     around: Around<'_>,
@@ -331,29 +322,29 @@ pub fn transmittance(
     barycentric: [f32; 2],
     view: &View,
 ) -> Rgb {
+    let scene = around.scene;
     if !material.is_layered() {
-        return Opening::of_alpha(super::alpha(around.scene, instance, triangle, barycentric)).light;
+        return Opening::of_alpha(super::alpha(scene, instance, triangle, barycentric)).light;
     }
-    let Some(graph) = &material.graph else {
-        return opening_of_layers(material, around.scene, [instance, triangle], barycentric).light;
+    let light = if let Some(graph) = &material.graph {
+        let point = || surface_point(around, [instance, triangle], barycentric, view);
+        with_slice(graph, &graph.slices.transmittance, around, point, view, |value, _| {
+            let clear = graph.layers.iter().filter(|layer| match &layer.closure {
+                Closure::Transparent { .. } => true,
+                Closure::Principled(p) => p.is_clear(&graph.program),
+                _ => false,
+            });
+            clear.fold(Rgb::ZERO, |light, GraphLayer { weight, closure, .. }| {
+                light + passed(closure, |c| finite(value(*c)), |n| finite(value(*n)).x) * value(*weight).x
+            })
+        })
+    } else {
+        let place = Place { textures: &scene.textures, mesh: mesh_of(scene, instance), triangle, barycentric };
+        material.layers.iter().take(MOST_LAYERS).fold(Rgb::ZERO, |light, Layer { weight, closure }| {
+            light + passed(closure, |c| place.colour(c), |n| place.number(n)) * place.weight(weight)
+        })
     };
-    let point = || seen(around, [instance, triangle], barycentric, view);
-    with_slice(graph, &graph.slices.transmittance, around, point, view, |value| {
-        let mut light = Rgb::ZERO;
-        for layer in &graph.layers {
-            match &layer.closure {
-                Closure::Transparent { color } => {
-                    light += finite(value(*color)).max(Rgb::ZERO) * value(layer.weight).x;
-                }
-                Closure::Principled(p) if p.is_clear(&graph.program) => {
-                    let alpha = finite(value(p.alpha)).x.clamp(0.0, 1.0);
-                    light += Rgb::splat(value(layer.weight).x * (1.0 - alpha));
-                }
-                _ => {}
-            }
-        }
-        if luminance(light) > 0.0 { light } else { Rgb::ZERO }
-    })
+    if luminance(light) > 0.0 { light } else { Rgb::ZERO }
 }
 
 /// How much of what the camera sees at a point is a hole.
@@ -369,8 +360,8 @@ pub fn hole(
         return 1.0;
     }
     if let Some(graph) = &material.graph {
-        let point = seen(around, [instance, triangle], barycentric, view);
-        return with_program(graph, around, &point, view, |value, _| {
+        let point = || surface_point(around, [instance, triangle], barycentric, view);
+        return with_slice(graph, &graph.slices.closures, around, point, view, |value, _| {
             let holes = graph.layers.iter().filter(|layer| matches!(layer.closure, Closure::Holdout));
             holes.map(|layer| value(layer.weight).x).sum()
         });
@@ -384,16 +375,23 @@ pub fn hole(
 /// Calls `found(number, value)` with what a material's nodes give out at a point beside its surface.
 pub fn aovs(around: Around<'_>, point: &SurfacePoint, view: &View, mut found: impl FnMut(u16, Rgb)) {
     let Some(Aovs { graph, numbers }) = &around.scene.materials[point.material as usize].aovs else { return };
-    with_program(graph, around, point, view, |value, _| {
-        for (layer, &number) in graph.layers.iter().zip(numbers) {
-            if let Closure::Emission { color, strength } = &layer.closure {
-                found(number, finite(value(*color) * value(*strength).x));
+    with_slice(
+        graph,
+        &graph.slices.closures,
+        around,
+        || *point,
+        view,
+        |value, _| {
+            for (layer, &number) in graph.layers.iter().zip(numbers) {
+                if let Closure::Emission { color, strength } = &layer.closure {
+                    found(number, finite(value(*color) * value(*strength).x));
+                }
             }
-        }
-    });
+        },
+    );
 }
 
-/// Emitted radiance, what lies over it not taken off. `point` is that of the place.
+/// Emitted radiance, what lies over it not taken off. `point`: that of the place, where it is known.
 pub(super) fn emission(
     material: &Material,
     around: Around<'_>,
@@ -403,8 +401,9 @@ pub(super) fn emission(
     point: Option<&SurfacePoint>,
 ) -> Rgb {
     if let Some(graph) = &material.graph {
-        let point = || point.map_or_else(|| seen(around, [instance, triangle], barycentric, view), |point| *point);
-        return with_slice(graph, &graph.slices.emission, around, point, view, |value| {
+        let point =
+            || point.map_or_else(|| surface_point(around, [instance, triangle], barycentric, view), |point| *point);
+        return with_slice(graph, &graph.slices.emission, around, point, view, |value, _| {
             let mut sum = Rgb::ZERO;
             for layer in &graph.layers {
                 let radiance = match &layer.closure {

@@ -134,7 +134,15 @@ pub struct GraphLayer {
 }
 
 impl GraphLayer {
-    /// Its inputs by their values where they are the same everywhere.
+    /// The sources of its weight, its inputs and its directions.
+    fn sources(&self) -> Vec<Source> {
+        let (mut colors, mut numbers) = (Vec::new(), Vec::new());
+        self.closure.map(|color| colors.push(*color), |number| numbers.push(*number));
+        let directions = [self.normal, self.coat_normal, self.tangent].into_iter().flatten();
+        std::iter::once(self.weight).chain(directions).chain(colors).chain(numbers).collect()
+    }
+
+    /// The same layer, its inputs known by their values where they are the same everywhere.
     fn settled(&self, program: &Program) -> Self {
         let settle = |source: &Source| source.settled(program);
         Self {
@@ -152,7 +160,7 @@ impl GraphLayer {
 pub struct Graph {
     /// To be run at each point.
     pub program: Program,
-    /// Parts of it.
+    /// The parts of it that are run.
     pub slices: Slices,
     /// The closures, which add up.
     pub layers: Vec<GraphLayer>,
@@ -164,19 +172,19 @@ pub struct Graph {
     pub volume: Option<Volume>,
 }
 
-/// Parts of a graph's program, for questions that do not need all of it.
+/// Slices of a graph's program, one for each question that is asked of a point.
 #[derive(Debug)]
 pub struct Slices {
-    /// For the displacement.
+    /// Instructions of the closures' weights and inputs.
+    pub closures: Slice,
+    /// Instructions of the displacement.
     pub displacement: Slice,
-    /// For how likely a path passes unbent, and what it carries then.
+    /// Instructions of the probability that a path passes unbent, and of its throughput then.
     pub opening: Slice,
-    /// For what a shadow ray carries on.
+    /// Instructions of a shadow ray's transmittance.
     pub transmittance: Slice,
-    /// For what shines.
+    /// Instructions of the emitted radiance.
     pub emission: Slice,
-    /// Whether the program as a whole looks beside the point.
-    pub reads_footprint: bool,
 }
 
 impl Slices {
@@ -205,22 +213,23 @@ impl Slices {
             opening.extend(layer.closure.tint());
         }
         Self {
+            // Closures without a normal of their own have the point's.
+            closures: slice(layers.iter().flat_map(GraphLayer::sources).collect()).with_normal(),
             displacement: program.slice(program.displacement),
             opening: slice(opening),
             transmittance: slice(transmittance),
             emission: slice(emission),
-            reads_footprint: program.reads_footprint(),
         }
     }
 }
 
 impl Principled<Source, Source> {
-    /// Whether light may pass it unbent.
+    /// True if light may pass it unbent.
     pub fn is_clear(&self, program: &Program) -> bool {
         self.alpha.constant(program) != Some(Vec3A::ONE)
     }
 
-    /// Whether it may shine.
+    /// True if it may emit.
     pub fn shines(&self, program: &Program) -> bool {
         self.emission_strength.constant(program) != Some(Vec3A::ZERO)
     }
@@ -317,9 +326,14 @@ impl Graph {
         self.volume.is_some() && self.program.surface.is_empty()
     }
 
-    /// Whether its closures are the same everywhere.
+    /// True if its displacement bends normals.
+    pub fn bends_normals(&self) -> bool {
+        self.displacement.bends() && self.program.displacement.is_some()
+    }
+
+    /// True if its closures are the same everywhere.
     pub fn is_even(&self) -> bool {
-        self.program.instructions() == 0 && !(self.displacement.bends() && self.program.displacement.is_some())
+        self.slices.closures.is_empty() && !self.bends_normals()
     }
 
     /// Whether it moves the vertices of meshes.
@@ -364,7 +378,7 @@ impl Graph {
         self.layers.iter().all(|layer| match &layer.closure {
             Closure::Emission { color, strength } => [color, strength, &layer.weight].into_iter().all(stands),
             Closure::Principled(p) => {
-                p.emission_strength.constant(&self.program) == Some(Vec3A::ZERO)
+                !p.shines(&self.program)
                     || [&p.emission_color, &p.emission_strength, &p.alpha, &layer.weight].into_iter().all(stands)
             }
             _ => true,

@@ -1,21 +1,21 @@
-//! Beckmann's distribution of facets, of width one: the facets that a direction sees.
+//! Visible facets of Beckmann's distribution of width one: their area, and samples of their slopes.
 //!
-//! Slopes are Gaussian, so that the error function and its inverse lead to them.
+//! Slopes are Gaussian: their sums are error functions.
 
 use glam::Vec3A;
 use std::f32::consts::FRAC_2_SQRT_PI;
 
 const INVERSE_SQRT_PI: f32 = 0.5 * FRAC_2_SQRT_PI;
-/// Sines below which a direction is that of the normal: all facets are seen alike.
+/// Sines below which a direction counts as that of the normal: the projected area of a facet does not depend on its slope.
 const STRAIGHT: f32 = 1e-6;
 /// Newton's steps at most; three are the rule.
 const MOST_STEPS: usize = 12;
 /// Error of the cumulative distribution at which they end.
 const CLOSE: f32 = 3e-7;
 
-/// The area of the facets that a direction sees, projected along it, over that of the surface: cos θ (1 + Λ) with the exact Λ of
-/// Smith's masking (Walter et al. 2007, eq. 26). `w` may be of any length, z > 0, and the area is as much longer.
-pub(super) fn seen(w: Vec3A) -> f32 {
+/// Area of the facets visible from `w`, projected along `w`, over that of the surface: cos θ (1 + Λ) with the exact Λ of Smith's masking
+/// (Walter et al. 2007, eq. 26). z > 0; for a `w` that is not of unit length, times its length.
+pub(super) fn visible_area(w: Vec3A) -> f32 {
     let sin = (w.x * w.x + w.y * w.y).sqrt();
     if sin < STRAIGHT * w.z {
         return w.z;
@@ -24,7 +24,8 @@ pub(super) fn seen(w: Vec3A) -> f32 {
     0.5 * (w.z * (1.0 + libm::erff(cot)) + sin * INVERSE_SQRT_PI * (-cot * cot).exp())
 }
 
-/// The slopes dz/dx and dz/dy of a facet that the unit direction `w` sees, z > 0, in proportion to its area projected along `w`.
+/// The slopes dz/dx and dz/dy of a facet visible from the unit direction `w`, z > 0, with a density in proportion to the facet's area
+/// projected along `w`.
 ///
 /// The slope towards `w` is found where its cumulative distribution is `u[0]`, by Newton's method in erf(slope), where that is nearly
 /// straight: neighbouring numbers give neighbouring facets (Jakob 2014, "An Improved Visible Normal Sampling Routine for the Beckmann
@@ -36,12 +37,12 @@ pub(super) fn sample_slopes(w: Vec3A, u: [f32; 2]) -> [f32; 2] {
         return [inverse_erf(2.0 * u[0] - 1.0), across];
     }
     let (tan, cot) = (sin / w.z, w.z / sin);
-    // Facets of steeper slopes turn their backs.
+    // Facets of steeper slopes face away from `w`.
     let most = libm::erff(cot);
     let area = |x: f32, slope: f32| 1.0 + x + INVERSE_SQRT_PI * tan * (-slope * slope).exp();
     let wanted = u[0] * area(most, cot);
     let (mut low, mut high) = (-1.0, most);
-    // As if all facets that face `w` were seen alike.
+    // A first guess: as if all facets that face `w` had the same projected area.
     let mut x = most - (most + 1.0) * libm::erff((-u[0].max(1e-12).ln()).max(0.0).sqrt());
     let mut slope = inverse_erf(x);
     for _ in 0..MOST_STEPS {
@@ -127,7 +128,12 @@ mod tests {
         for degrees in [0.0f32, 1.0, 30.0, 60.0, 80.0, 89.0, 89.99] {
             let (sin, cos) = degrees.to_radians().sin_cos();
             let w = Vec3A::new(sin, 0.0, cos);
-            assert!((f64::from(seen(w)) / counted(w) - 1.0).abs() < 2e-5, "{degrees}: {} {}", seen(w), counted(w));
+            assert!(
+                (f64::from(visible_area(w)) / counted(w) - 1.0).abs() < 2e-5,
+                "{degrees}: {} {}",
+                visible_area(w),
+                counted(w)
+            );
         }
     }
 
@@ -157,7 +163,7 @@ mod tests {
     }
 
     #[test]
-    fn all_numbers_give_facets_that_are_seen() {
+    fn all_numbers_give_visible_facets() {
         for degrees in [0.0f32, 1e-4, 45.0, 89.0, 89.999] {
             for phi in [0.0f32, 2.0, 4.0] {
                 let (sin, cos) = degrees.to_radians().sin_cos();

@@ -48,7 +48,7 @@ pub(super) struct Here {
 }
 
 impl Mixture {
-    /// Nothing, nowhere: memory for mixtures, one after the other. It is too large to be moved for each place.
+    /// Memory for mixtures, one after the other, each made by [`begin`](Self::begin): some 7 KB, too much to be moved for each place.
     pub fn empty() -> Self {
         let here = Here {
             wo: Vec3A::Z,
@@ -62,7 +62,7 @@ impl Mixture {
         Self { lobes: ArrayVec::new(), walks: false, is_blurred: false, here, strand: None }
     }
 
-    /// Nothing yet, at a point; `wo` is the unit direction to where the path came from, stretched facets lie along
+    /// Begins a mixture without closures at a point; `wo` is the unit direction to where the path came from, stretched facets lie along
     /// `tangent`, and light `walks` through bodies or leaves them where it enters.
     pub fn begin(&mut self, point: &SurfacePoint, wo: Vec3A, tangent: Vec3A, walks: bool) {
         self.lobes.clear();
@@ -78,7 +78,7 @@ impl Mixture {
         (self.walks, self.is_blurred, self.strand) = (walks, false, None);
     }
 
-    /// [`begin`](Self::begin) in memory of its own.
+    /// A mixture without closures at a point, as [`begin`](Self::begin) makes it.
     pub fn new(point: &SurfacePoint, wo: Vec3A, tangent: Vec3A, walks: bool) -> Self {
         let mut mixture = Self::empty();
         mixture.begin(point, wo, tangent, walks);

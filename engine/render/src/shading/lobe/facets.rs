@@ -66,17 +66,17 @@ impl Slopes {
         if a < 1.6 { (1.0 - 1.259 * a + 0.396 * a * a) / (3.535 * a + 2.181 * a * a) } else { 0.0 }
     }
 
-    /// The area of the facets that `w` sees, projected along it, of a unit of area. The density of [`Slopes::sample`] takes it: of
-    /// Beckmann it is exact, where [`Slopes::lambda`] is a fit.
-    fn seen(&self, w: Vec3A, lambda: f32) -> f32 {
+    /// Area of the facets visible from `w`, projected along `w`, over that of the surface, for a `w` of that [`Slopes::lambda`]. Beckmann's is
+    /// exact, where `lambda` is a fit: it normalizes the density of [`Slopes::sample`].
+    fn visible_area(&self, w: Vec3A, lambda: f32) -> f32 {
         if !self.is_beckmann() {
             return w.z * (1.0 + lambda);
         }
         let [ax, ay] = self.alpha;
-        beckmann::seen(Vec3A::new(ax * w.x, ay * w.y, w.z))
+        beckmann::visible_area(Vec3A::new(ax * w.x, ay * w.y, w.z))
     }
 
-    /// A facet that `wo` sees.
+    /// The normal of a facet visible from `wo`.
     fn sample(&self, wo: Vec3A, u: [f32; 2]) -> Vec3A {
         let [ax, ay] = self.alpha;
         let stretched = Vec3A::new(ax * wo.x, ay * wo.y, wo.z).normalize();
@@ -92,9 +92,9 @@ impl Slopes {
         Vec3A::new(ax * h.x, ay * h.y, h.z.max(0.0)).normalize_or(Vec3A::Z)
     }
 
-    /// Density of [`Slopes::sample`] per steradian of `h`, for a `wo` of which that area is [seen](Slopes::seen).
-    fn pdf(&self, wo: Vec3A, seen: f32, h: Vec3A) -> f32 {
-        self.density(h) * wo.dot(h).max(0.0) / seen
+    /// Density of [`Slopes::sample`] per steradian of `h`, for a `wo` of that [`Slopes::visible_area`].
+    fn pdf(&self, wo: Vec3A, visible_area: f32, h: Vec3A) -> f32 {
+        self.density(h) * wo.dot(h).max(0.0) / visible_area
     }
 }
 
@@ -149,22 +149,22 @@ pub(super) struct Facets {
     /// Beyond over before.
     pub(super) eta: f32,
     lambda_o: f32,
-    /// [`Slopes::seen`] from the direction.
-    seen: f32,
+    /// [`Slopes::visible_area`] from there.
+    visible_area: f32,
 }
 
 impl Facets {
     pub(super) fn new(slopes: Slopes, fresnel: Fresnel, eta: f32, wo: Vec3A) -> Self {
-        let mut made = Self { slopes, fresnel, eta, lambda_o: 0.0, seen: wo.z };
+        let mut made = Self { slopes, fresnel, eta, lambda_o: 0.0, visible_area: wo.z };
         made.look_from(wo);
         made
     }
 
-    /// Takes what masks facets from `wo`, for a lobe that is no mirror.
+    /// Computes the masking from `wo`, of facets that are no mirror.
     fn look_from(&mut self, wo: Vec3A) {
         if !self.slopes.is_mirror() {
             self.lambda_o = self.slopes.lambda(wo);
-            self.seen = self.slopes.seen(wo, self.lambda_o);
+            self.visible_area = self.slopes.visible_area(wo, self.lambda_o);
         }
     }
 
@@ -246,7 +246,7 @@ impl Facets {
         let jacobian = if mirrored { 0.25 / co } else { -ci / (ci + co / self.eta).powi(2) };
         let both = 1.0 + self.lambda_o + self.slopes.lambda(wi);
         let facets = self.slopes.density(h) * co / wo.z * jacobian / both;
-        (value * facets, share * self.slopes.pdf(wo, self.seen, h) * jacobian)
+        (value * facets, share * self.slopes.pdf(wo, self.visible_area, h) * jacobian)
     }
 
     /// A direction; `u_choice` chooses between mirrored and refracted.
