@@ -43,8 +43,8 @@ ELSEWHERE = {
     # Cycles takes half a minute; its closed form is in test_closed_forms.py.
     "world_low_fog": "low fog",
 }
-#: Cycles takes long to get the volumes of these ready for each picture: it takes one of all samples.
-AT_ONCE = {"fire", "volume_object"}
+#: Cycles takes long to get these ready for each picture: it takes one of all samples.
+AT_ONCE = {"demo", "fire", "volume_object"}
 
 
 def scenes() -> list:

@@ -5,8 +5,8 @@
 #   tools/test.sh --all   bpy 5.0 and 4.2 too, the release wheel, all cases, and a small run of every page's recipe
 #
 # Every step has a log in output/test/. A step that has passed is not run again while nothing that it reads has changed:
-# PETZVAL_TEST_AGAIN=1 runs all of them. Two lanes run side by side: one compiles and runs the Rust tests, the other the Python
-# tests, whose engine is compiled first.
+# PETZVAL_TEST_AGAIN=1 runs all of them. Two lanes run side by side after the engine is compiled: one compiles and runs the Rust tests,
+# and then the Python tests beside the second Blender version; the other runs all other Python tests.
 set -eu
 cd "$(dirname "$0")/.."
 
@@ -18,6 +18,8 @@ mkdir -p "$logs" "$passed_steps"
 # What the Rust tests read.
 rust="engine lenses tests/reference Cargo.toml Cargo.lock .cargo tools/rust_tests.py"
 report=$logs/steps.txt
+# There once the Python environments can be used.
+prepared_mark=$logs/prepared
 PETZVAL_NOT_RUN=$PWD/$logs/not-run.txt
 PETZVAL_DURATIONS=$PWD/$logs/durations.txt
 export PETZVAL_NOT_RUN PETZVAL_DURATIONS
@@ -33,12 +35,14 @@ cpu() { awk 'NR == 2 { gsub("[ms]", " "); printf "%d\n", 60 * ($1 + $3) + $2 + $
 step() {
     name=$1 log=$logs/$(echo "$1" | tr -cs 'A-Za-z0-9.\n' -).log began=$(date +%s) status=0
     shift
-    # Not in a pipe or $(...): there it would be another shell's.
-    times >"$log.before"
-    "$@" >"$log" 2>&1 || status=$?
-    times >"$log.after"
-    used=$(($(cpu "$log.after") - $(cpu "$log.before")))
-    rm -f "$log.before" "$log.after"
+    # In a shell of its own: the processes of the other lane would count here when they end.
+    (
+        "$@" >"$log" 2>&1 || status=$?
+        times >"$log.times"
+        exit "$status"
+    ) || status=$?
+    used=$(cpu "$log.times")
+    rm -f "$log.times"
     case $status in
     0) word=ok ;;
     124) word="OUT OF TIME" ;;
@@ -122,7 +126,8 @@ step "ruff check" .venv-tools/bin/ruff check
 step "ruff format" .venv-tools/bin/ruff format --check
 step "wheel" tools/build-wheel.sh $([ -z "$all" ] || echo --release)
 
-rust_lane() {
+# In a shell of its own: what it exports is for cargo.
+rust_tests() (
     # The settings with which maturin compiles pyo3: with others it would be compiled again here, and for the next wheel.
     PYO3_CONFIG_FILE=$(ls "$PWD"/target/maturin/pyo3-config-*.txt 2>/dev/null | head -n 1)
     PYO3_BUILD_EXTENSION_MODULE=1 PYO3_PYTHON=$PWD/.venv-tools/bin/python
@@ -130,15 +135,26 @@ rust_lane() {
     step_of "$rust" "cargo clippy" cargo clippy --quiet --all-targets --workspace --locked -- -D warnings
     step_of "$rust" "cargo test" .venv-tools/bin/python tools/rust_tests.py
     step_of "$rust" "cargo test --doc" cargo test --quiet --workspace --locked --doc
+)
+
+rust_lane() {
+    rust_tests
+    # Until the other lane has made the Python environments, or has ended.
+    while [ ! -e "$prepared_mark" ] && kill -0 $$ 2>/dev/null; do sleep 1; done
+    # If it is the only one, the other lane takes it.
+    if has bpy52 && has bpy45; then
+        step_of . "pytest, bpy45" pytest_on bpy45 2700 -m "not once and not real_blender and not window"
+    fi
 }
 
 python_lane() {
     wait "$python_job" || true
-    # Makes the checkout the Petzval of environments that were made after the wheel.
+    # Makes the checkout the package `petzval` of environments that were made after the wheel.
     tools/build-wheel.sh
     wait "$blender_job" || true
     step "extension" make --no-print-directory extension
     if has docs; then step "book" make --no-print-directory docs; fi
+    touch "$prepared_mark"
     main=
     for environment in bpy52 bpy45; do if has $environment; then main=$environment && break; fi; done
     if [ -z "$main" ]; then
@@ -147,9 +163,6 @@ python_lane() {
         return 0
     fi
     step_of . "pytest, $main" pytest_on "$main" 3600 -m "not real_blender and not window and not recipe"
-    if [ "$main" != bpy45 ] && has bpy45; then
-        step_of . "pytest, bpy45" pytest_on bpy45 2700 -m "not once and not real_blender and not window"
-    fi
     if tools/setup-blender.sh --where >/dev/null; then
         step_of . "pytest, real Blender" pytest_on "$main" 1200 -m "real_blender or window"
     else
