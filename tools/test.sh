@@ -140,7 +140,10 @@ rust_tests() (
 rust_lane() {
     rust_tests
     # Until the other lane has made the Python environments, or has ended.
-    while [ ! -e "$prepared_mark" ] && kill -0 $$ 2>/dev/null; do sleep 1; done
+    while [ ! -e "$prepared_mark" ]; do
+        kill -0 $$ 2>/dev/null || return 0
+        sleep 1
+    done
     # If it is the only one, the other lane takes it.
     if has bpy52 && has bpy45; then
         step_of . "pytest, bpy45" pytest_on bpy45 2700 -m "not once and not real_blender and not window"

@@ -77,7 +77,7 @@ pub struct Skip {
 }
 
 impl Skip {
-    /// Of rays that leave no surface.
+    /// The skip of a ray that leaves no surface.
     pub const NONE: Self = Self { instance: u32::MAX, part: u32::MAX };
 
     #[inline(always)]

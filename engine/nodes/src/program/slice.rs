@@ -20,7 +20,7 @@ impl Slice {
         self.code.is_empty()
     }
 
-    /// The same slice for a caller that needs the shading normal itself.
+    /// This slice, for a caller that needs the shading normal itself.
     pub fn with_normal(self) -> Self {
         Self { needs_normal: true, ..self }
     }

@@ -79,7 +79,7 @@ pub(super) fn in_words(field: Field) -> String {
 pub enum Source {
     /// What the program computes, or a constant of it.
     Of(Operand),
-    /// The same everywhere, and finite: a constant, or what stands for a socket that this Blender does not have.
+    /// A finite value for all points: a constant, or what stands for a socket that this Blender does not have.
     Always(Vec3A),
 }
 
@@ -101,7 +101,7 @@ impl Source {
         }
     }
 
-    /// The same source, known by its value where that is the same everywhere.
+    /// This source by its value, if it is a constant.
     fn settled(self, program: &Program) -> Self {
         match self.constant(program) {
             Some(value) if value.is_finite() => Self::Always(value),
