@@ -8,6 +8,7 @@ mod bounds;
 mod build;
 mod capsules;
 pub(crate) mod curves;
+mod divide;
 mod moving;
 mod node;
 mod places;

@@ -23,13 +23,13 @@ impl Bounds {
         Self { min: a.min(b).min(c), max: a.max(b).max(c) }.grown()
     }
 
-    /// Around balls about keys, their radii (the fourth parts) as many times as large.
-    pub(super) fn around(keys: &[Vec4], larger: f32) -> Self {
-        let of = |key: &Vec4| {
-            let (place, radius) = (key.with_w(0.0), Vec4::splat(key.w.abs() * larger).with_w(0.0));
+    /// Around balls, their radii the fourth parts.
+    pub(super) fn around(balls: &[Vec4]) -> Self {
+        let of = |ball: &Vec4| {
+            let (place, radius) = (ball.with_w(0.0), Vec4::splat(ball.w.abs()).with_w(0.0));
             Self { min: place - radius, max: place + radius }
         };
-        keys.iter().map(of).fold(Self::EMPTY, |all, one| all.union(&one)).grown()
+        balls.iter().map(of).fold(Self::EMPTY, |all, one| all.union(&one)).grown()
     }
 
     /// The same box, around what these two numbers name.

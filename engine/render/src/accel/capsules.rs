@@ -39,22 +39,43 @@ impl Capsules {
         Self { ends: [[[0.0; LANES]; 3]; 2], radius: [f32::NAN; LANES], first }
     }
 
-    /// Puts a capsule into a lane: about the line from the first to the last of some balls, around all that is between them.
-    pub(super) fn set(&mut self, lane: usize, balls: &[Vec4; 4], larger: f32) {
-        let [start, .., end] = balls.map(Vec3A::from_vec4);
-        for axis in 0..3 {
-            self.ends[0][axis][lane] = start[axis];
-            self.ends[1][axis][lane] = end[axis];
+    /// Puts a capsule into a lane, around all that is between each two neighbours of some balls. Its axis has the direction of the line from
+    /// the first to the last, and lies beside that line where the balls do.
+    pub(super) fn set(&mut self, lane: usize, balls: &[Vec4]) {
+        /// Steps towards the axis of the thinnest capsule: the first is the last one of a plain bend, an S takes some.
+        const STEPS: usize = 6;
+        let [start, end] = [balls.first(), balls.last()].map(|ball| Vec3A::from_vec4(*ball.expect("at least one")));
+        let direction = (end - start).normalize_or_zero();
+        let from = |ball: &Vec4| Vec3A::from_vec4(*ball) - start;
+        let aside = |ball: &Vec4| from(ball).reject_from_normalized(direction);
+        // How far balls reach is a convex function of where they are and of their radii: the largest value is at one of them. The centre of the
+        // smallest ball around others is found by going towards the farthest, ever less far (Badoiu and Clarkson 2003, "Smaller
+        // Core-Sets for Balls").
+        let (mut shift, mut best, mut thinnest) = (Vec3A::ZERO, Vec3A::ZERO, f32::INFINITY);
+        for step in 0..=STEPS {
+            let (mut reach, mut farthest) = (0.0f32, Vec3A::ZERO);
+            for ball in balls {
+                let aside = aside(ball);
+                let so_far = (aside - shift).length() + ball.w;
+                if so_far > reach {
+                    (reach, farthest) = (so_far, aside);
+                }
+            }
+            if reach < thinnest {
+                (best, thinnest) = (shift, reach);
+            }
+            shift += (farthest - shift) / (step + 2) as f32;
         }
-        let chord = end - start;
-        // How far balls reach is a convex function of where they are and of their radii.
-        let reach = |ball: &Vec4| {
-            let from = Vec3A::from_vec4(*ball) - start;
-            let along = (from.dot(chord) / chord.length_squared().max(f32::MIN_POSITIVE)).clamp(0.0, 1.0);
-            (from - along * chord).length() + ball.w.abs() * larger
-        };
+        let along = balls.iter().map(|ball| from(ball).dot(direction));
+        let [low, high] = along.fold([0.0f32; 2], |[low, high], along| [low.min(along), high.max(along)]);
+        let ends = [low, high].map(|along| start + best + along * direction);
+        for (columns, end) in self.ends.iter_mut().zip(ends) {
+            for (column, coordinate) in columns.iter_mut().zip(end.to_array()) {
+                column[lane] = coordinate;
+            }
+        }
         let rounding = ROUNDING * start.abs().max(end.abs()).max_element();
-        self.radius[lane] = balls.iter().map(reach).fold(0.0, f32::max) * (1.0 + ROUNDING) + rounding;
+        self.radius[lane] = thinnest * (1.0 + ROUNDING) + rounding;
     }
 
     /// The capsules that a ray meets before `t_max`, or may meet.

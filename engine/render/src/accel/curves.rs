@@ -6,6 +6,7 @@ use super::beside::Forest;
 use super::bounds::Bounds;
 use super::build::build;
 use super::capsules::Capsules;
+use super::divide::divide;
 use super::moving::MovingPlaces;
 use super::node::{BoxRay, Node};
 use super::places::{PlacedMesh, Within, placed};
@@ -46,8 +47,8 @@ struct CurveTree {
     keys: Vec<Vec4>,
 }
 
-/// One of a leaf.
-#[derive(Clone, Copy)]
+/// A segment, or a part of one that is bounded by itself.
+#[derive(Clone)]
 struct Segment {
     /// The first of four in [`CurveTree::keys`].
     controls: u32,
@@ -57,6 +58,8 @@ struct Segment {
     /// In its curves.
     number: u32,
     cut: Cut,
+    /// Of its pieces.
+    part: Range<u16>,
 }
 
 impl CurveForest {
@@ -313,6 +316,10 @@ impl CurveTree {
     fn new(of: &[(u32, Option<&Instance>, &Curves)]) -> Self {
         let mut tree = Self::default();
         let mut boxes = Vec::new();
+        // The keys of each strand, and of each segment its strand's number among them.
+        let (mut strands, mut strand_of) = (Vec::new(), Vec::new());
+        let mut balls = Vec::new();
+        let total: usize = of.iter().map(|(_, _, curves)| curves.keys.len()).sum();
         for &(i, instance, curves) in of {
             let larger = instance.map_or(1.0, radius_scale);
             let placed = |key: Vec4| match instance {
@@ -332,6 +339,7 @@ impl CurveTree {
                 tree.keys.extend(own().take(1));
                 tree.keys.extend(own());
                 tree.keys.extend(own().next_back());
+                strands.push(base as usize..tree.keys.len());
                 for number in range.start..range.end - 1 {
                     let controls = base + number - range.start;
                     let four = tree.controls(controls);
@@ -341,28 +349,48 @@ impl CurveTree {
                     }
                     let four = super::Controls(four);
                     let cut = Cut::new(curves.shape, &four);
-                    let bounds = Bounds::around(&cut.hull(&four), cut.reach());
-                    if bounds.is_within_reach() {
+                    divide(cut, &four, total, &mut balls, &mut |part, bounds| {
                         boxes.push(bounds.naming([tree.segments.len() as u32, 0]));
-                        tree.segments.push(Segment { controls, instance: i, strand, number, cut });
-                    }
+                        tree.segments.push(Segment { controls, instance: i, strand, number, cut, part });
+                        strand_of.push(strands.len() as u32 - 1);
+                    });
                 }
             }
         }
         let built = build(&mut boxes, LANES);
         tree.nodes = built.nodes;
-        tree.segments = boxes.iter().map(|bounds| tree.segments[bounds.name()[0] as usize]).collect();
+        tree.set_order(boxes.iter().map(|bounds| bounds.name()[0] as usize), &strands, &strand_of);
         drop(boxes);
         tree.leaves = built.leaves.into_par_iter().map(|leaf| tree.capsules(leaf)).collect();
         tree
     }
 
+    /// Puts segments into this order, and strands into that of their first segments: what one ray meets lies together in memory.
+    fn set_order(&mut self, order: impl Iterator<Item = usize>, strands: &[Range<usize>], strand_of: &[u32]) {
+        let mut segments = Vec::with_capacity(self.segments.len());
+        let mut keys = Vec::with_capacity(self.keys.len());
+        let mut moved_to: Vec<Option<usize>> = vec![None; strands.len()];
+        for old in order {
+            let strand = strand_of[old] as usize;
+            let from = &strands[strand];
+            let to = *moved_to[strand].get_or_insert_with(|| {
+                keys.extend_from_slice(&self.keys[from.clone()]);
+                keys.len() - from.len()
+            });
+            let controls = (self.segments[old].controls as usize - from.start + to) as u32;
+            segments.push(Segment { controls, ..self.segments[old].clone() });
+        }
+        (self.segments, self.keys) = (segments, keys);
+    }
+
     /// Around some of its segments.
     fn capsules(&self, of: Range<usize>) -> Capsules {
         let mut capsules = Capsules::new(of.start as u32);
+        let mut balls = Vec::new();
         for (lane, segment) in self.segments[of].iter().enumerate() {
             let controls = super::Controls(self.controls(segment.controls));
-            capsules.set(lane, &segment.cut.hull(&controls), segment.cut.reach());
+            segment.cut.balls(&controls, segment.part.clone(), &mut balls);
+            capsules.set(lane, &balls);
         }
         capsules
     }
@@ -399,7 +427,8 @@ impl CurveTree {
                     for lane in lanes(candidates.lanes) {
                         let segment = &self.segments[leaf.first as usize + lane];
                         if candidates.near[lane] < t_max && wanted(segment) {
-                            let both = meet(simd, gaze, self.controls(segment.controls), segment.cut, t_max);
+                            let both =
+                                meet(simd, gaze, self.controls(segment.controls), (segment.cut, &segment.part), t_max);
                             t_max = met(segment, both, t_max)?;
                         }
                     }

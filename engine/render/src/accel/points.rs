@@ -301,7 +301,7 @@ impl PointTree {
     fn new(of: &[Cloud<'_>]) -> Self {
         let boxes = of.iter().enumerate().flat_map(|(number, cloud)| {
             (0..cloud.points.points.len() as u32)
-                .map(move |point| Bounds::around(&[cloud.ball(point)], 1.0).naming([number as u32, point]))
+                .map(move |point| Bounds::around(&[cloud.ball(point)]).naming([number as u32, point]))
         });
         let (nodes, names) = built(boxes.collect());
         let leaf = |names: &Vec<[u32; 2]>| {
@@ -318,7 +318,7 @@ impl PointTree {
     /// Of the way of points from a key to the next, object space: boxes hold all of it.
     fn between(points: &Points, key: u32) -> Self {
         let ball = |point: u32, part: f32| points.at(point, Pose { key, part });
-        let swept = |point: u32| Bounds::around(&[ball(point, 0.0), ball(point, 1.0)], 1.0).naming([0, point]);
+        let swept = |point: u32| Bounds::around(&[ball(point, 0.0), ball(point, 1.0)]).naming([0, point]);
         let (nodes, names) = built((0..points.points.len() as u32).map(swept).collect());
         let leaves = |part: f32| {
             let leaf = |names: &Vec<[u32; 2]>| {

@@ -10,6 +10,7 @@ use super::LEANS_AWAY;
 use crate::scene::curves::{Controls, CurveShape};
 use fearless_simd::{Select, Simd, SimdBase, SimdFloat, SimdMask, f32x8};
 use glam::{Vec2, Vec3, Vec3A, Vec4};
+use std::ops::Range;
 
 const LANES: usize = 8;
 /// Pieces of a round segment at most.
@@ -97,17 +98,34 @@ impl Cut {
         }
     }
 
-    /// The balls between which the segment is, from its start to its end.
-    pub(super) fn hull(self, controls: &Controls) -> [Vec4; 4] {
+    /// Pieces of a segment.
+    pub(super) fn pieces(self) -> u16 {
         match self {
-            Self::Straight => [1, 1, 2, 2].map(|key| controls.0[key]),
-            _ => controls.hull(),
+            Self::Ribbon(pieces) | Self::Round(pieces) => pieces,
+            Self::Straight => 1,
         }
     }
 
-    /// How far it reaches from the curve, in radii: the edges between round pieces stick out.
-    pub(super) fn reach(self) -> f32 {
-        if matches!(self, Self::Round(_)) { 1.04 } else { 1.0 }
+    /// Fills `balls` with the balls about the joints of some pieces, in their order, each with the room around it that the pieces may need:
+    /// they lie between neighbouring balls, and the curve does.
+    pub(super) fn balls(self, controls: &Controls, part: Range<u16>, balls: &mut Vec<Vec4>) {
+        let pieces = self.pieces();
+        // The edges between round pieces stick out.
+        let reach = if matches!(self, Self::Round(_)) { 1.04 } else { 1.0 };
+        // As far as a curve is from the chord of a piece: an eighth of the second difference. A ribbon, whose pieces end at right angles to the
+        // curve and not to their chords, is met less far outside of them.
+        let [_, _, c, d] = if self == Self::Straight { [Vec4::ZERO; 4] } else { controls.coefficients() };
+        let second = (2.0 * c).truncate().length().max((2.0 * c + 6.0 * d).truncate().length());
+        let bend = second / (8.0 * f32::from(pieces) * f32::from(pieces));
+        balls.clear();
+        balls.extend((part.start..=part.end).map(|joint| {
+            let ball = match joint {
+                0 => controls.0[1],
+                joint if joint == pieces => controls.0[2],
+                joint => controls.at(f32::from(joint) / f32::from(pieces)),
+            };
+            ball.with_w(ball.w.abs() * reach + bend)
+        }));
     }
 }
 
@@ -122,16 +140,22 @@ fn round_pieces(controls: &Controls) -> u16 {
     pieces.clamp(LANES as f32, MOST_PIECES) as u16
 }
 
-/// The nearest places before `t_max` where a segment is met.
+/// The nearest places before `t_max` where a part of a segment is met, some of its pieces.
 #[inline(always)]
-pub(super) fn meet<S: Simd>(simd: S, gaze: &Gaze, controls: [Vec4; 4], cut: Cut, t_max: f32) -> BothMet {
+pub(super) fn meet<S: Simd>(
+    simd: S,
+    gaze: &Gaze,
+    controls: [Vec4; 4],
+    (cut, part): (Cut, &Range<u16>),
+    t_max: f32,
+) -> BothMet {
     let seen = Controls(controls.map(|key| gaze.seen(key)));
     if !matches!(cut, Cut::Straight) && passes_by(&seen) {
         return [None; 2];
     }
     match cut {
-        Cut::Ribbon(pieces) => in_pieces::<S, false>(simd, &seen, usize::from(pieces), t_max),
-        Cut::Round(pieces) => in_pieces::<S, true>(simd, &seen, usize::from(pieces), t_max),
+        Cut::Ribbon(pieces) => in_pieces::<S, false>(simd, &seen, usize::from(pieces), part, t_max),
+        Cut::Round(pieces) => in_pieces::<S, true>(simd, &seen, usize::from(pieces), part, t_max),
         Cut::Straight => straight(&seen, t_max),
     }
 }
@@ -157,12 +181,19 @@ struct Joints<S: Simd> {
 }
 
 #[inline(always)]
-fn in_pieces<S: Simd, const ROUND: bool>(simd: S, seen: &Controls, pieces: usize, t_max: f32) -> BothMet {
+fn in_pieces<S: Simd, const ROUND: bool>(
+    simd: S,
+    seen: &Controls,
+    pieces: usize,
+    part: &Range<u16>,
+    t_max: f32,
+) -> BothMet {
+    let part = usize::from(part.start)..usize::from(part.end);
     let coefficients = seen.coefficients();
     let step = 1.0 / pieces as f32;
     let mut both = [None; 2];
-    for first in (0..pieces).step_by(LANES) {
-        let which = (first, (pieces - first).min(LANES), step);
+    for first in part.clone().step_by(LANES) {
+        let which = (first, (part.end - first).min(LANES), step);
         let before = Joints::new(simd, seen, &coefficients, pieces, first);
         let behind = Joints::new(simd, seen, &coefficients, pieces, first + 1);
         if ROUND {

@@ -256,15 +256,15 @@ pub(super) fn mix(
     past: Option<Past>,
 ) {
     // As in Cycles such a normal is the smooth one, too: light is not dimmed as by a bump on it.
-    let bent = nodes::bent_normal(layers).map(|normal| SurfacePoint { shading_normal: normal, ..*point });
+    let bent = layers.bent_normal.map(|normal| SurfacePoint { shading_normal: normal, ..*point });
     let point = bent.as_ref().unwrap_or(point);
-    let brushed = layers.iter().any(|layer| layer.closure.is_brushed());
+    let brushed = layers.closures.iter().any(|layer| layer.closure.is_brushed());
     let tangent = if brushed { tangent_about_z(&stage.scene, point) } else { Vec3A::ZERO };
     mixture.begin(point, wo, tangent, past.is_some());
     if let Some(past) = past {
         mixture.set_past(past);
     }
-    for layer in layers {
+    for layer in &layers.closures {
         mixture.set_directions(
             layer.coat_normal.unwrap_or(point.shading_normal),
             layer.tangent.filter(|_| brushed).unwrap_or(tangent),

@@ -32,17 +32,16 @@ pub struct EvaluatedLayer {
     pub coat_normal: Option<Vec3A>,
     /// Instead of the surface's own, unit.
     pub tangent: Option<Vec3A>,
-    /// The surface's own where a displacement bends it, unit; the same for all layers.
-    pub bent: Option<Vec3A>,
 }
 
-/// The surface's own normal where a displacement bends it, unit; `None` where it does not.
-pub fn bent_normal(layers: &Layers) -> Option<Vec3A> {
-    layers.first().and_then(|layer| layer.bent)
+/// What scatters of a material at one point.
+#[derive(Clone, Debug, Default)]
+pub struct Layers {
+    /// The closures that count.
+    pub closures: ArrayVec<EvaluatedLayer, MOST_LAYERS>,
+    /// The surface's normal where a displacement bends it, unit; `None` where it does not.
+    pub bent_normal: Option<Vec3A>,
 }
-
-/// The layers of a material at one point.
-pub type Layers = ArrayVec<EvaluatedLayer, MOST_LAYERS>;
 
 thread_local! {
     /// What programs compute in.
@@ -105,9 +104,9 @@ pub(super) fn surface_point(
     SurfacePoint::new(around.scene, &hit, view.direction)
 }
 
-/// The closures of a graph, those that count nothing left out.
-fn of_graph(graph: &Graph, value: &dyn Fn(Source) -> Vec3A, bent: Option<Vec3A>, to: &mut Layers) {
-    for layer in &graph.layers {
+/// The closures of a graph that scatter, those that count nothing left out.
+fn of_graph(graph: &Graph, value: &dyn Fn(Source) -> Vec3A, to: &mut Layers) {
+    for layer in &graph.scattering {
         let weight = value(layer.weight).x;
         if weight > 0.0 {
             // Most inputs are the same everywhere: they are finite, and nothing is called for them.
@@ -117,13 +116,12 @@ fn of_graph(graph: &Graph, value: &dyn Fn(Source) -> Vec3A, bent: Option<Vec3A>,
             };
             let number = |source: &Source| colour(source).x;
             let direction = |source: Option<Source>| source.and_then(|source| value(source).try_normalize());
-            to.push(EvaluatedLayer {
+            to.closures.push(EvaluatedLayer {
                 weight,
                 closure: layer.closure.map(colour, number),
                 normal: direction(layer.normal),
                 coat_normal: direction(layer.coat_normal),
                 tangent: direction(layer.tangent),
-                bent,
             });
         }
     }
@@ -160,19 +158,21 @@ impl Place<'_> {
     }
 }
 
-/// What the layers of a material are at a point. Those that count nothing are left out.
+/// What the layers of a material that scatter are at a point. Those that count nothing are left out.
 pub fn layers(material: &Material, around: Around<'_>, point: &SurfacePoint, view: &View, to: &mut Layers) {
     let SurfacePoint { instance, triangle, barycentric, .. } = *point;
-    to.clear();
+    to.closures.clear();
+    to.bent_normal = None;
     if let Some(graph) = &material.graph {
         return with_slice(
             graph,
-            &graph.slices.closures,
+            &graph.slices.scattering,
             around,
             || *point,
             view,
             |value, bent| {
-                of_graph(graph, value, bent, to);
+                to.bent_normal = bent;
+                of_graph(graph, value, to);
             },
         );
     }
@@ -182,7 +182,7 @@ pub fn layers(material: &Material, around: Around<'_>, point: &SurfacePoint, vie
         let weight = place.weight(weight);
         if weight > 0.0 {
             let closure = closure.map(|c| place.colour(c), |n| place.number(n));
-            to.push(EvaluatedLayer { weight, closure, normal: None, coat_normal: None, tangent: None, bent: None });
+            to.closures.push(EvaluatedLayer { weight, closure, normal: None, coat_normal: None, tangent: None });
         }
     }
 }
@@ -361,7 +361,7 @@ pub fn hole(
     }
     if let Some(graph) = &material.graph {
         let point = || surface_point(around, [instance, triangle], barycentric, view);
-        return with_slice(graph, &graph.slices.closures, around, point, view, |value, _| {
+        return with_slice(graph, &graph.slices.holdout, around, point, view, |value, _| {
             let holes = graph.layers.iter().filter(|layer| matches!(layer.closure, Closure::Holdout));
             holes.map(|layer| value(layer.weight).x).sum()
         });
@@ -377,7 +377,7 @@ pub fn aovs(around: Around<'_>, point: &SurfacePoint, view: &View, mut found: im
     let Some(Aovs { graph, numbers }) = &around.scene.materials[point.material as usize].aovs else { return };
     with_slice(
         graph,
-        &graph.slices.closures,
+        &graph.slices.emission,
         around,
         || *point,
         view,

@@ -14,7 +14,7 @@ mod way;
 pub mod world;
 
 pub use around::Around;
-pub use layers::{EvaluatedLayer, Layers, Opening, aovs, bent_normal, hole, layers, opening, transmittance};
+pub use layers::{EvaluatedLayer, Layers, Opening, aovs, hole, layers, opening, transmittance};
 pub use point::View;
 pub use way::{OF_BOUNCES, Way};
 

@@ -142,6 +142,19 @@ impl GraphLayer {
         std::iter::once(self.weight).chain(directions).chain(colors).chain(numbers).collect()
     }
 
+    /// The same layer without what it emits; `None` of a closure that does not scatter.
+    fn scattering(&self) -> Option<Self> {
+        let closure = match self.closure {
+            Closure::Emission { .. } | Closure::Transparent { .. } | Closure::Holdout => return None,
+            Closure::Principled(principled) => {
+                let [emission_color, emission_strength] = [Source::Always(Vec3A::ZERO); 2];
+                Closure::Principled(Principled { emission_color, emission_strength, ..principled })
+            }
+            closure => closure,
+        };
+        Some(Self { closure, ..self.clone() })
+    }
+
     /// The same layer, its inputs known by their values where they are the same everywhere.
     fn settled(&self, program: &Program) -> Self {
         let settle = |source: &Source| source.settled(program);
@@ -164,6 +177,8 @@ pub struct Graph {
     pub slices: Slices,
     /// The closures, which add up.
     pub layers: Vec<GraphLayer>,
+    /// Those of them that scatter light, without what they emit.
+    pub scattering: Vec<GraphLayer>,
     /// Of the material.
     pub pass_index: i32,
     /// What its displacement does.
@@ -175,8 +190,10 @@ pub struct Graph {
 /// Slices of a graph's program, one for each question that is asked of a point.
 #[derive(Debug)]
 pub struct Slices {
-    /// Instructions of the closures' weights and inputs.
-    pub closures: Slice,
+    /// Instructions of the weights and inputs of the closures that scatter.
+    pub scattering: Slice,
+    /// Instructions of the weights of holdouts.
+    pub holdout: Slice,
     /// Instructions of the displacement.
     pub displacement: Slice,
     /// Instructions of the probability that a path passes unbent, and of its throughput then.
@@ -188,7 +205,7 @@ pub struct Slices {
 }
 
 impl Slices {
-    fn new(program: &Program, layers: &[GraphLayer]) -> Self {
+    fn new(program: &Program, layers: &[GraphLayer], scattering: &[GraphLayer]) -> Self {
         let slice = |sources: Vec<Source>| program.slice(sources.into_iter().filter_map(Source::operand));
         let mut opening: Vec<Source> = layers.iter().map(|layer| layer.weight).collect();
         let (mut transmittance, mut emission) = (Vec::new(), Vec::new());
@@ -214,7 +231,14 @@ impl Slices {
         }
         Self {
             // Closures without a normal of their own have the point's.
-            closures: slice(layers.iter().flat_map(GraphLayer::sources).collect()).with_normal(),
+            scattering: slice(scattering.iter().flat_map(GraphLayer::sources).collect()).with_normal(),
+            holdout: slice(
+                layers
+                    .iter()
+                    .filter(|layer| matches!(layer.closure, Closure::Holdout))
+                    .map(|layer| layer.weight)
+                    .collect(),
+            ),
             displacement: program.slice(program.displacement),
             opening: slice(opening),
             transmittance: slice(transmittance),
@@ -291,8 +315,10 @@ impl Graph {
         for field in program.reads().filter(|field| !KNOWN.contains(field)) {
             report(&format!("{} is not supported yet, it is 0", in_words(field)));
         }
-        let slices = Slices::new(&program, &layers);
-        (Self { program, slices, layers, pass_index, displacement: Displacement::default(), volume: None }, reports)
+        let scattering: Vec<GraphLayer> = layers.iter().filter_map(GraphLayer::scattering).collect();
+        let slices = Slices::new(&program, &layers, &scattering);
+        let displacement = Displacement::default();
+        (Self { program, slices, layers, scattering, pass_index, displacement, volume: None }, reports)
     }
 
     /// Of all that shaders say: surface and volume become programs of their own, since they are asked at different places.
@@ -333,7 +359,7 @@ impl Graph {
 
     /// True if its closures are the same everywhere.
     pub fn is_even(&self) -> bool {
-        self.slices.closures.is_empty() && !self.bends_normals()
+        self.slices.scattering.is_empty() && !self.bends_normals()
     }
 
     /// Whether it moves the vertices of meshes.

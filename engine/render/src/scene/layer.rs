@@ -63,6 +63,11 @@ impl Layer {
         );
     }
 
+    /// Whether it may scatter light.
+    pub fn scatters(&self) -> bool {
+        !matches!(self.closure, Closure::Emission { .. } | Closure::Transparent { .. } | Closure::Holdout)
+    }
+
     /// Whether any of it may shine.
     pub fn emits(&self) -> bool {
         let shines = |color: &Input<Rgb>, strength: &Input<f32>| {

@@ -99,6 +99,8 @@ pub struct Material {
     pub holds_out: bool,
     /// There is more to ask of it where it is met than how it scatters: a scene's builder finds out.
     pub speaks: bool,
+    /// Any of its closures may scatter light: a scene's builder finds out.
+    pub scatters: bool,
 }
 
 /// Values that nodes give out: a graph with a layer of emission for each, and their numbers.
@@ -132,6 +134,7 @@ impl Material {
             aovs: None,
             holds_out: false,
             speaks: false,
+            scatters: true,
         }
     }
 
@@ -222,5 +225,9 @@ impl Material {
         }
         self.specular_tint = if self.specular_tint.is_finite() { self.specular_tint.max(Rgb::ZERO) } else { Rgb::ONE };
         self.speaks = self.emits() || self.may_hold_out();
+        self.scatters = match &self.graph {
+            Some(graph) => !graph.scattering.is_empty(),
+            None => self.layers.is_empty() || self.layers.iter().any(Layer::scatters),
+        };
     }
 }

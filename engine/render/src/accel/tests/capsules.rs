@@ -23,8 +23,10 @@ fn segment(i: u32, seed: u32) -> Controls {
 fn capsules(of: &[Controls], shape: CurveShape) -> Capsules {
     let mut capsules = Capsules::new(0);
     for (lane, controls) in of.iter().enumerate() {
+        let mut balls = vec![];
         let cut = Cut::new(shape, controls);
-        capsules.set(lane, &cut.hull(controls), cut.reach());
+        cut.balls(controls, 0..cut.pieces(), &mut balls);
+        capsules.set(lane, &balls);
     }
     capsules
 }
@@ -54,7 +56,7 @@ proptest! {
             let candidates = dispatch!(level, simd => capsules.meet(simd, &gaze, t_max));
             for (lane, controls) in segments.iter().enumerate() {
                 let cut = Cut::new(shape, controls);
-                let both = dispatch!(level, simd => meet(simd, &gaze, controls.0, cut, t_max));
+                let both = dispatch!(level, simd => meet(simd, &gaze, controls.0, (cut, &(0..cut.pieces())), t_max));
                 for met in both.into_iter().flatten() {
                     let near = candidates.as_ref().filter(|found| found.lanes >> lane & 1 != 0);
                     let near = near.map(|found| found.near[lane]);

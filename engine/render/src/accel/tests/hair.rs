@@ -3,7 +3,7 @@
 use super::*;
 use crate::scene::curves::{Controls, CurveShape, CurvesDescription};
 use crate::surface::SurfacePoint;
-use glam::{DVec2, Vec4};
+use glam::{DVec2, Quat, Vec4};
 
 const RIBBON: CurveShape = CurveShape::Ribbon { pieces: 5 };
 /// Steps of a segment in double precision.
@@ -140,18 +140,21 @@ fn no_ray_passes_a_joint() {
 proptest! {
     #![proptest_config(ProptestConfig::with_cases(200))]
 
-    /// A ribbon is met where the ray passes the curve, as it is seen along the ray, at less than the radius.
+    /// A ribbon is met where the ray passes the curve, as it is seen along the ray, at less than the radius; across the axes, too, where its
+    /// segments are divided.
     #[test]
-    fn ribbons_are_as_wide_as_they_should_be(seed in 0u32..60000, far in 3f32..30.0) {
-        let keys = bent(seed, 5, 0.05);
+    fn ribbons_are_as_wide_as_they_should_be(seed in 0u32..60000, far in 3f32..30.0, is_across in any::<bool>()) {
+        let turn = if is_across { Quat::from_rotation_arc(Vec3::X, Vec3::ONE.normalize()) } else { Quat::IDENTITY };
+        let turned = |key: Vec4| (turn * key.truncate()).extend(key.w);
+        let keys: Vec<Vec4> = bent(seed, 5, 0.05).into_iter().map(turned).collect();
         let scene = strand(&keys, CurveShape::Ribbon { pieces: 16 }, &[DMat4::IDENTITY]);
         let (accel, curve) = (Accel::new(&scene), finely(&scene));
         for i in 0..20 {
             let u = sobol_burley::sample_4d(i, 1, seed);
-            let target = Vec3A::new(0.5 + 3.0 * u[2], 0.5 * u[3], 0.5 * u[0]);
+            let target = turn * Vec3A::new(0.5 + 3.0 * u[2], 0.5 * u[3], 0.5 * u[0]);
             let ray = ray_at(target, u, far);
             // Seen along it, a strand folds up within less than its width, where ribbons are no good reference.
-            if ray.direction.x.abs() > 0.7 {
+            if ray.direction.dot(turn * Vec3A::X).abs() > 0.7 {
                 continue;
             }
             let (x, y) = ray.direction.any_orthonormal_pair();

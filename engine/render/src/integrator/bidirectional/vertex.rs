@@ -80,7 +80,7 @@ impl Surface {
     fn new(stage: &Stage, values: &MaterialValues, kept: f32, point: &SurfacePoint, wo: Vec3A) -> Self {
         let material = material(stage, point);
         if material.is_layered() {
-            let mut layers = Layers::new();
+            let mut layers = Layers::default();
             let view = View { direction: -wo, distance: 1.0, way: Way::BOUNCE, moment: point.moment };
             nodes::layers(material, stage.around(), point, &view, &mut layers);
             let mut mixture = Mixture::empty();

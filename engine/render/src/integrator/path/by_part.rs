@@ -168,6 +168,11 @@ impl ByPart {
         }
     }
 
+    /// True if features for denoisers are noted.
+    pub(super) fn has_features(&self) -> bool {
+        self.has_features
+    }
+
     /// A surface that scatters the path and what comes to it by `throughput`.
     pub(super) fn looks_at(
         &mut self,

@@ -48,6 +48,9 @@ pub trait Notes {
     /// A surface that a path is to be scattered by, with what comes to it, so far from where the ray began.
     fn looks_at(&mut self, path: u32, way: Way, throughput: Rgb, bsdf: &impl Parted, distance: f32);
 
+    /// True if [`Self::looks_at`] notes something of a surface that scatters nothing.
+    fn looks(&self) -> bool;
+
     /// A path was scattered by a surface, with the shares of its lobes.
     fn turned(&mut self, path: u32, way: Way, shares: impl FnOnce() -> LobeShares);
 
@@ -91,6 +94,11 @@ impl Notes for NoNotes {
 
     #[inline(always)]
     fn looks_at(&mut self, _: u32, _: Way, _: Rgb, _: &impl Parted, _: f32) {}
+
+    #[inline(always)]
+    fn looks(&self) -> bool {
+        false
+    }
 
     #[inline(always)]
     fn turned(&mut self, _: u32, _: Way, _: impl FnOnce() -> LobeShares) {}
@@ -186,6 +194,10 @@ impl Notes for Noted {
         let (count, groups) = (self.count(), usize::from(self.groups));
         let sums = of_parts(&mut self.sums, path as usize, groups, count);
         self.parts.looks_at(sums, path, way, throughput, bsdf, distance);
+    }
+
+    fn looks(&self) -> bool {
+        self.parts.has_features()
     }
 
     fn turned(&mut self, path: u32, way: Way, shares: impl FnOnce() -> LobeShares) {

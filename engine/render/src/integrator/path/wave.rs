@@ -292,7 +292,10 @@ impl<N: Notes, const VOLUMES: bool> Wave<N, VOLUMES> {
             } else {
                 Next::End
             };
+            // What only glows has nothing to scatter, and its normal may be noted.
+            let may_scatter = stage.scene.materials[point.material as usize].scatters || found.notes.looks();
             if (is_scattered || is_split)
+                && may_scatter
                 && limits.scatters(path.way)
                 && (!VOLUMES || self.inside[i as usize].may_scatter(limits))
             {
@@ -376,8 +379,7 @@ impl<N: Notes, const VOLUMES: bool> Wave<N, VOLUMES> {
                 if least_alpha > 0.0 {
                     mixture.widen(least_alpha);
                 }
-                let bent = nodes::bent_normal(&self.layers);
-                self.go_on(stage, limits, meeting, bent, &mixture);
+                self.go_on(stage, limits, meeting, self.layers.bent_normal, &mixture);
             } else {
                 let values = constants.unwrap_or_else(|| nodes::evaluate(material, &stage.scene, point));
                 let mut bsdf = Bsdf::with_caustics(material, &values, tables, point, wo, past.caustics);

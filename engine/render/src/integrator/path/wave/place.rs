@@ -39,7 +39,7 @@ pub(super) struct Place<'a> {
 }
 
 impl Place<'_> {
-    /// A sample of the lights.
+    /// A sample of the lights. Gives the receiver that it was for; `None` of a surface that no light sample can light.
     #[inline(always)]
     pub(super) fn light<N: Notes>(
         &self,
@@ -48,12 +48,14 @@ impl Place<'_> {
         shadows: &mut Vec<Shadow<N::Of>>,
         bsdf: &(impl Scattering + Parted),
         [u_light, u0, u1]: [f32; 3],
-    ) -> Receiver {
+    ) -> Option<Receiver> {
         let Self { stage, limits, point, normal, share } = *self;
+        if bsdf.is_mirror() {
+            return None;
+        }
         let to = stage.lights.receiver_on(point.instance, point.position, bsdf.receiving_normal(), limits.openness);
         let to = to.at(point.moment);
-        if !bsdf.is_mirror()
-            && let Some((light, source)) = stage.lights.sample_source(&stage.scene, &to, u_light, [u0, u1], path.way)
+        if let Some((light, source)) = stage.lights.sample_source(&stage.scene, &to, u_light, [u0, u1], path.way)
             && let Some(light) = self.linked(light)
         {
             let grazing = terminator::grazing(&stage.scene, point, normal, light.wi);
@@ -78,7 +80,7 @@ impl Place<'_> {
                 shadows.push(Shadow { path: found.path, ray, light: arrives, way, sets, of });
             }
         }
-        to
+        Some(to)
     }
 
     /// A light sample, if the light lights this object. Where it has shadows of its own it counts as if no ray found it: see
@@ -100,7 +102,7 @@ impl Place<'_> {
         path: &mut Path,
         found: &mut Found<'_, N>,
         bsdf: &(impl Scattering + Parted),
-        to: Receiver,
+        to: Option<Receiver>,
         [u_end, u_lobe, u2, u3]: [f32; 4],
     ) -> bool {
         let Some(next) = bsdf.sample(u_lobe, [u2, u3]) else { return false };
@@ -115,11 +117,12 @@ impl Place<'_> {
         if !path.goes_on(self.limits, u_end) {
             return false;
         }
-        path.chosen = if next.mirror {
-            Chosen::Alone
-        } else {
-            path.least_pdf = path.least_pdf.min(next.pdf);
-            Chosen::WithPdf(next.pdf * self.share, to)
+        path.chosen = match to.filter(|_| !next.mirror) {
+            None => Chosen::Alone,
+            Some(to) => {
+                path.least_pdf = path.least_pdf.min(next.pdf);
+                Chosen::WithPdf(next.pdf * self.share, to)
+            }
         };
         path.travelled = 0.0;
         path.ray = self.point.leaving(leave(self.point, next.wi), next.wi);
