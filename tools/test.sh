@@ -6,8 +6,8 @@
 #
 # Every step has a log in output/test/. A step that has passed is not run again while nothing that it reads has changed:
 # PETZVAL_TEST_AGAIN=1 runs all of them. Two lanes run side by side after the engine is compiled: one compiles and runs the Rust tests,
-# and then the Python tests beside the second Blender version; the other runs all other Python tests. The first one, and clippy beside the
-# compiler, have what the others leave of the processor: starts of Blender, windows and single threads leave a part of it.
+# and then the Python tests beside the second Blender version; the other runs all other Python tests. The first one has
+# what the other leaves of the processor: starts of Blender, windows and single threads leave a part of it.
 set -eu
 cd "$(dirname "$0")/.."
 
@@ -89,7 +89,7 @@ not_run() { echo "$*" >>"$PETZVAL_NOT_RUN"; }
 
 has() { [ -e ".venv-$1/.petzval-ready" ]; }
 
-# Of the tests in this lane, as `nice` counts, and of what leaves the processor to others.
+# Priority of the Python tests in this lane, as `nice` counts, and that of a lane that leaves the processor to the other.
 niceness=0
 low=10
 
@@ -129,10 +129,6 @@ echo "petzval: logs of all steps are in $logs"
 step "cargo fmt" cargo fmt --all --check
 step "ruff check" .venv-tools/bin/ruff check
 step "ruff format" .venv-tools/bin/ruff format --check
-# In a folder of its own: two runs of cargo do not use one folder at a time.
-step_of "$rust" "cargo clippy" nice -n "$low" env CARGO_TARGET_DIR=target/clippy PYO3_PYTHON="$PWD/.venv-tools/bin/python" \
-    cargo clippy --quiet --all-targets --workspace --locked -- -D warnings &
-clippy_job=$!
 step "wheel" tools/build-wheel.sh $([ -z "$all" ] || echo --release)
 
 # In a shell of its own: what it exports is for cargo.
@@ -141,6 +137,7 @@ rust_tests() (
     PYO3_CONFIG_FILE=$(ls "$PWD"/target/maturin/pyo3-config-*.txt 2>/dev/null | head -n 1)
     PYO3_BUILD_EXTENSION_MODULE=1 PYO3_PYTHON=$PWD/.venv-tools/bin/python
     [ -n "$PYO3_CONFIG_FILE" ] && export PYO3_CONFIG_FILE PYO3_BUILD_EXTENSION_MODULE || export PYO3_PYTHON
+    step_of "$rust" "cargo clippy" nice -n "$low" cargo clippy --quiet --all-targets --workspace --locked -- -D warnings
     step_of "$rust" "cargo test" nice -n "$low" .venv-tools/bin/python tools/rust_tests.py
     step_of "$rust" "cargo test --doc" nice -n "$low" cargo test --quiet --workspace --locked --doc
 )
@@ -192,7 +189,7 @@ trap 'kill 0' INT TERM
 rust_lane &
 rust_job=$!
 python_lane
-wait "$rust_job" "$clippy_job" || true
+wait "$rust_job" || true
 
 printf '\n== summary, %s s in all\n' "$(($(date +%s) - start))"
 cat "$report"
