@@ -216,7 +216,6 @@ def test_a_signal_before_the_first_sample_leaves_the_old_picture(number, scene, 
     # Both are heard in the same way: the second at every second moment.
     if number == signal.SIGTERM and not os.environ.get("PETZVAL_TEST_ALL"):
         moments = moments[::2]
-    statuses = []
     for moment in moments:
         process = subprocess.Popen(
             [sys.executable, "-m", "petzval", "render", str(scene), "--lens", LENS, "--samples", "1000000",
@@ -225,17 +224,43 @@ def test_a_signal_before_the_first_sample_leaves_the_old_picture(number, scene, 
         )  # fmt: skip
         time.sleep(moment)
         process.send_signal(number)
-        _, said = process.communicate(timeout=30)
-        statuses.append(process.returncode)
+        try:
+            _, said = process.communicate(timeout=30)
+        except subprocess.TimeoutExpired:
+            process.send_signal(number)
+            _, said = process.communicate(timeout=30)
+            # While Python itself starts, it may drop a KeyboardInterrupt, and say so; the command's own imports have a test of their own.
+            assert moment < 0.4 and "Exception ignored in" in said and "KeyboardInterrupt" in said, (moment, said)
+        # While Python itself starts, which takes longer on a busy machine, the system ends the process, or Python does with status 1.
+        assert process.returncode in {130, -number} | ({1} if moment < 0.4 else set()), (moment, process.returncode, said)
         if out.read_bytes() == old:
             continue
         # It had samples by then.
         assert picture(out).shape[:2] == (48, 64) and picture(out)[..., :3].mean() > 0.05, (moment, said)
         out.write_bytes(old)
-    # While Python itself starts, which takes longer on a busy machine, the system ends the process, or Python does with status 1.
-    allowed = [{130, -number} | ({1} if moment < 0.4 else set()) for moment in moments]
-    assert all(status in these for status, these in zip(statuses, allowed, strict=True)), statuses
     assert left_over(tmp_path) == []
+
+
+def test_ctrl_c_in_a_callback_of_an_import_is_heard(tmp_path):
+    """Python itself drops a KeyboardInterrupt there, and goes on."""
+    (tmp_path / "sitecustomize.py").write_text(
+        "import os, signal, sys\n"
+        "class Dropped:\n"
+        "    def __del__(self):\n"
+        "        os.kill(os.getpid(), signal.SIGINT)\n"
+        "        sum(i for i in range(1000))\n"
+        "class Finder:\n"
+        "    def find_spec(self, name, path=None, target=None):\n"
+        "        if name == 'petzval.cli':\n"
+        "            sys.meta_path.remove(self)\n"
+        "            Dropped()\n"
+        "sys.meta_path.insert(0, Finder())\n"
+    )
+    done = subprocess.run(
+        [sys.executable, "-m", "petzval", "--help"], cwd=ROOT, env=os.environ | {"PYTHONPATH": str(tmp_path)},
+        capture_output=True, text=True, timeout=60,
+    )  # fmt: skip
+    assert (done.returncode, done.stdout, done.stderr) == (130, "", "")
 
 
 def test_what_a_killed_render_leaves_goes_with_the_next(scene, tmp_path):

@@ -17,6 +17,7 @@ import sys
 from collections.abc import Sequence
 from typing import NoReturn
 
+from . import interrupts
 from .errors import CommandError, complain
 from .processors import ProcessorError
 
@@ -82,6 +83,8 @@ def _run(argv: Sequence[str]) -> int:
         return 0
     if arguments.command is None:
         parser.error("a command is missing")
+    # Commands have files to clean up; those that need Blender listen for signals in their own way.
+    interrupts.raise_at_ctrl_c()
     return importlib.import_module(f".{COMMANDS[arguments.command][0]}", __package__).run(arguments)
 
 

@@ -59,6 +59,28 @@ class _Listener:
 _listener = _Listener()
 
 
+def end_at_ctrl_c() -> None:
+    """Ends the process at Ctrl-C, without a word, until `raise_at_ctrl_c` or `listen`: while modules are imported, nothing is
+    there to be cleaned up."""
+    if _is_handled_by(signal.default_int_handler):
+        signal.signal(signal.SIGINT, _end)
+
+
+def raise_at_ctrl_c() -> None:
+    """Raises KeyboardInterrupt at Ctrl-C again, as Python does by itself."""
+    if _is_handled_by(_end):
+        signal.signal(signal.SIGINT, signal.default_int_handler)
+
+
+def _is_handled_by(handler: object) -> bool:
+    """Whether Ctrl-C calls `handler`. A handler that a host program or a parent process has set stays."""
+    return signal.getsignal(signal.SIGINT) is handler
+
+
+def _end(*_: object) -> None:
+    os._exit(INTERRUPTED)
+
+
 def listen() -> None:
     """Hears signals from now on, in a thread of its own: whatever Blender does with signals when it is imported, and while the main
     thread is inside Blender. Called before bpy is imported; of several calls the first counts."""
