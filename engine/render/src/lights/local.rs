@@ -178,7 +178,9 @@ fn mean_emission(scene: &Scene) -> Vec<f32> {
         }
         *number += 1;
     });
-    for (brightness, (_, sum)) in brightness.iter_mut().zip(sums).zip(varies).filter_map(|(pair, varies)| varies.then_some(pair)) {
+    for (brightness, (_, sum)) in
+        brightness.iter_mut().zip(sums).zip(varies).filter_map(|(pair, varies)| varies.then_some(pair))
+    {
         *brightness = (sum / LOOKS as f32).max(LEAST_SHARE * *brightness);
     }
     brightness
@@ -203,7 +205,8 @@ fn for_each_triangle(scene: &Scene, wanted: &[bool], mut found: impl FnMut(usize
 /// Emission of a triangle at a place of it, seen from its front.
 fn look_at(scene: &Scene, material: usize, [instance, triangle]: [u32; 2], look: u64) -> Rgb {
     // Roberts' R2 sequence.
-    let u = [0.754_877_666_246_692_8, 0.569_840_290_998_053_3].map(|step: f64| (0.5 + step * look as f64).fract() as f32);
+    let u =
+        [0.754_877_666_246_692_8, 0.569_840_290_998_053_3].map(|step: f64| (0.5 + step * look as f64).fract() as f32);
     let placed = &scene.instances[instance as usize];
     let normal = geometric_normal(placed, &placed.corners(mesh_of(scene, instance), triangle));
     let view = View { direction: -normal, distance: 1.0, way: Way::LIGHT, moment: MIDDLE };

@@ -330,13 +330,7 @@ pub fn aovs(around: Around<'_>, point: &SurfacePoint, view: &View, mut found: im
 
 /// Emitted radiance of a point of a triangle, the same on both sides; negative where it takes light away, as in Cycles. What sheen and
 /// coat absorb of it is not taken off.
-pub fn emission(
-    material: &Material,
-    around: Around<'_>,
-    place: [u32; 2],
-    barycentric: [f32; 2],
-    view: &View,
-) -> Rgb {
+pub fn emission(material: &Material, around: Around<'_>, place: [u32; 2], barycentric: [f32; 2], view: &View) -> Rgb {
     emitted(material, around, || surface_point(around, place, barycentric, view), view)
 }
 

@@ -3,10 +3,10 @@
 use glam::{DMat4, DVec3, Vec2, Vec3};
 use petzval_render::Rgb;
 use petzval_render::integrator::Stage;
-use petzval_render::scene::corners::Corners;
-use petzval_render::scene::lamp::{Lamp, LampKind};
 use petzval_render::scene::closure::{Closure, Principled};
+use petzval_render::scene::corners::Corners;
 use petzval_render::scene::graph::Graph;
+use petzval_render::scene::lamp::{Lamp, LampKind};
 use petzval_render::scene::material::Material;
 use petzval_render::scene::mesh::MeshDescription;
 use petzval_render::scene::texture::Texture;
@@ -149,8 +149,7 @@ pub(crate) fn rough_caustic() -> Arc<Stage> {
 /// Glowing meshes: an open one and a closed one.
 pub(crate) fn emissive() -> Arc<Stage> {
     let mut room = Room::new();
-    let glowing =
-        |strength: f32| Material::diffuse("glowing", Rgb::splat(0.5), Rgb::new(1.0, 0.6, 0.3) * strength);
+    let glowing = |strength: f32| Material::diffuse("glowing", Rgb::splat(0.5), Rgb::new(1.0, 0.6, 0.3) * strength);
     room.put(square(), glowing(6.0), place([0.6, 0.2, -4.0], [0.3, 0.5, 0.1], 0.3));
     room.put(ball(8), glowing(3.0), place([-0.5, -0.3, -3.6], [0.0; 3], 0.2));
     room.put(ball(16), glossy(0.0, 0.0, 0.1), place([0.1, -0.35, -3.0], [0.0; 3], 0.2));

@@ -270,8 +270,7 @@ fn plain_principled_is_the_same_both_ways() {
         let principled = Principled { base_color, metallic, transmission, roughness, ..plain() };
         let material = Material::principled("plain", principled);
         let plain = material.graph.plain.as_ref().unwrap();
-        let (tables, values) =
-            (PrincipledTables::new(plain, energy::reflection().clone()), plain.constants.unwrap());
+        let (tables, values) = (PrincipledTables::new(plain, energy::reflection().clone()), plain.constants.unwrap());
         let views = directions().into_iter().flat_map(|d| [(d, false, 0.0), (d, true, 0.0), (d, false, 0.4)]);
         for (wo, backfacing, least_alpha) in views {
             let mut short = Bsdf::new(&tables, &values, &point(backfacing), wo);
