@@ -175,15 +175,6 @@ def test_material_slots(parts, blender):
     assert recorder.meshes[0]["material_slots"].tolist() == [one.material_index for one in mesh.loop_triangles]
 
 
-def test_an_empty_slot_is_blenders_grey(parts, blender):
-    blender.ops.mesh.primitive_cube_add()
-    blender.context.object.data.materials.append(None)
-    recorder, warnings, _ = parts.sent()
-    (index,) = recorder.instances[0]["materials"]
-    assert recorder.materials[index].base_color == pytest.approx((0.8, 0.8, 0.8))
-    assert not warnings
-
-
 def test_shared_data_is_sent_once(parts, blender):
     blender.ops.mesh.primitive_monkey_add()
     mesh = blender.context.object.data

@@ -8,8 +8,9 @@ use petzval_render::Rgb;
 use petzval_render::camera::{Camera, CameraDescription, Model};
 use petzval_render::integrator::Stage;
 use petzval_render::sampler::mix;
+use petzval_render::scene::closure::Principled;
 use petzval_render::scene::corners::Corners;
-use petzval_render::scene::material::{Input, Material};
+use petzval_render::scene::material::Material;
 use petzval_render::scene::mesh::MeshDescription;
 use petzval_render::scene::texture::Texture;
 use petzval_render::scene::{Scene, SceneBuilder, world::World};
@@ -99,20 +100,22 @@ fn quad(corners: [[f32; 3]; 4]) -> MeshDescription {
 }
 
 fn plain(rgb: [f32; 3]) -> Material {
-    Material { base_color: Input::Constant(Rgb::from(rgb)), specular: false, ..Material::default_grey() }
+    Material::diffuse("plain", Rgb::from(rgb), Rgb::ZERO)
 }
 
 fn metal(rgb: [f32; 3], alpha: f32) -> Material {
-    Material { metallic: Input::Constant(1.0), roughness: Input::Constant(alpha.sqrt()), ..plain(rgb) }
+    let base_color = Rgb::from(rgb);
+    let metal = Principled { base_color, metallic: 1.0, roughness: alpha.sqrt(), ..Principled::default() };
+    Material::principled("metal", metal)
 }
 
 fn glass() -> Material {
-    let smooth = Input::Constant(0.0);
-    Material { transmission: Input::Constant(1.0), roughness: smooth, ..plain([1.0; 3]) }
+    let glass = Principled { base_color: Rgb::ONE, transmission: 1.0, roughness: 0.0, ..Principled::default() };
+    Material::principled("glass", glass)
 }
 
 fn lamp(rgb: [f32; 3]) -> Material {
-    Material { emission_color: Input::Constant(Rgb::from(rgb)), emission_strength: 60.0, ..plain([0.0; 3]) }
+    Material::diffuse("lamp", Rgb::ZERO, Rgb::from(rgb) * 60.0)
 }
 
 /// The scene with `n` quads along each side of a body.
@@ -120,7 +123,7 @@ pub(crate) fn scene(n: u32) -> Scene {
     let mut builder = SceneBuilder::new();
     let mut dice = Dice::new(7);
     let mut add = |mesh: MeshDescription, material: Material| {
-        let material = builder.add_material(material).unwrap();
+        let material = builder.add_material(material);
         let mesh = builder.add_mesh(mesh).unwrap();
         builder.add_instance("body", mesh, DMat4::IDENTITY, &[material], true, true).unwrap();
     };

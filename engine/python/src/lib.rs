@@ -15,7 +15,6 @@ mod ghosts;
 mod glass;
 mod graph;
 mod job;
-mod layer;
 mod lens;
 mod library;
 mod material;

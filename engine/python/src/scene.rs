@@ -77,7 +77,7 @@ impl SceneBuilder {
     fn add_material(&mut self, material: PyMaterial) -> Result<usize, Error> {
         let (material, reports) = material.material(&mut self.graphs)?;
         reports.into_iter().for_each(|report| self.builder.warn(report));
-        Ok(self.builder.add_material(material)?)
+        Ok(self.builder.add_material(material))
     }
 
     #[pyo3(signature = (

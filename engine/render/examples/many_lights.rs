@@ -13,7 +13,7 @@ use petzval_render::integrator::path::{Approximations, KindLimits, Limits, Wave}
 use petzval_render::sampler::PathSampler;
 use petzval_render::scene::SceneBuilder;
 use petzval_render::scene::lamp::{Lamp, LampKind};
-use petzval_render::scene::material::{Input, Material};
+use petzval_render::scene::material::Material;
 use petzval_render::scene::mesh::MeshDescription;
 use std::time::Instant;
 
@@ -55,12 +55,8 @@ fn room(kind: &str, count: u32, shining: u32) -> Result<Stage, Box<dyn std::erro
             positions.extend([Vec3::X, Vec3::Y, -Vec3::X].map(|corner| at + corner * half));
             triangles.push([first, first + 2, first + 1]);
         }
-        let material = Material {
-            emission_color: Input::Constant(Rgb::ONE),
-            emission_strength: 1000.0 * brightness,
-            ..Material::default_grey()
-        };
-        let materials = [builder.add_material(material)?, builder.add_material(Material::default_grey())?];
+        let lit = Material::diffuse("lit", Rgb::splat(0.8), Rgb::splat(1000.0 * brightness));
+        let materials = [lit, Material::default_grey()].map(|material| builder.add_material(material));
         let material_slots = Some((0..count).map(|i| u32::from(!shines(i))).collect());
         let lit = MeshDescription { name: "lit".into(), positions, triangles, material_slots, ..Default::default() };
         let mesh = builder.add_mesh(lit)?;

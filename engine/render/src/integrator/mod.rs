@@ -9,8 +9,7 @@ use crate::accel::Accel;
 use crate::lights::{Lights, emission::Emission};
 use crate::nodes;
 use crate::scene::Scene;
-use crate::scene::closure::Closure;
-use crate::scene::material::Input;
+use crate::scene::plain::Plain;
 use crate::shading::{energy, principled::PrincipledTables};
 use media::Media;
 use rayon::prelude::*;
@@ -51,8 +50,8 @@ pub struct Stage {
     pub emission: Emission,
     /// What fills space.
     pub media: Media,
-    /// By material.
-    pub tables: Vec<Arc<PrincipledTables>>,
+    /// Tables of the plain surfaces, by material.
+    pub plain_tables: Vec<Option<Arc<PrincipledTables>>>,
     /// What had to be left out.
     pub warnings: Vec<String>,
     /// Wall time that it took, s.
@@ -96,41 +95,31 @@ impl Stage {
         let reflection = energy::reflection().clone();
         indices(&scene).into_par_iter().for_each(energy::prepare);
         // One set of tables for each that differs, made in parallel.
-        let mut representative: HashMap<_, usize> = HashMap::new();
-        for (i, m) in scene.materials.iter().enumerate() {
-            representative.entry(PrincipledTables::key(m)).or_insert(i);
-        }
-        let before: HashMap<_, _> = previous.map_or_else(HashMap::new, |previous| {
-            previous.scene.materials.iter().map(PrincipledTables::key).zip(&previous.tables).collect()
+        let before = previous.map_or_else(HashMap::new, |previous| {
+            let tables = |(key, tables): (_, &Option<Arc<PrincipledTables>>)| Some((key?, tables.clone()?));
+            keys(&previous.scene).zip(&previous.plain_tables).filter_map(tables).collect::<HashMap<_, _>>()
         });
-        let made = |i: usize| Arc::new(PrincipledTables::new(&scene.materials[i], reflection.clone()));
+        let plains = scene.materials.iter().filter_map(|material| material.graph.plain.as_ref());
+        let representative: HashMap<_, &Plain> = plains.map(|plain| (PrincipledTables::key(plain), plain)).collect();
+        let made = |plain: &Plain| Arc::new(PrincipledTables::new(plain, reflection.clone()));
         let known: HashMap<_, _> = representative
             .into_par_iter()
-            .map(|(key, i)| {
-                let tables = before.get(&key).map_or_else(|| made(i), |&tables| tables.clone());
-                (key, tables)
-            })
+            .map(|(key, plain)| (key, before.get(&key).cloned().unwrap_or_else(|| made(plain))))
             .collect();
-        let tables = scene.materials.iter().map(|m| known[&PrincipledTables::key(m)].clone()).collect();
+        let plain_tables = keys(&scene).map(|key| Some(known[&key?].clone())).collect();
         let build_seconds = start.elapsed().as_secs_f64();
-        Self { scene, accel, lights, emission, media, tables, warnings, build_seconds }
+        Self { scene, accel, lights, emission, media, plain_tables, warnings, build_seconds }
     }
 }
 
-/// The indices of refraction of all layers, as far as they stand still.
+/// By material, what its tables are found by, if it is plain.
+fn keys(scene: &Scene) -> impl Iterator<Item = Option<(u32, u32, bool, bool)>> {
+    scene.materials.iter().map(|material| material.graph.plain.as_ref().map(PrincipledTables::key))
+}
+
+/// The indices of refraction that are the same everywhere on a surface.
 fn indices(scene: &Scene) -> Vec<f32> {
-    let mut found = Vec::new();
-    for layer in scene.materials.iter().flat_map(|material| &material.layers) {
-        let inputs = match &layer.closure {
-            Closure::Glass { ior, .. } => vec![ior],
-            Closure::Principled(p) => vec![&p.ior, &p.coat_ior],
-            _ => continue,
-        };
-        found.extend(inputs.into_iter().filter_map(|i| if let Input::Constant(v) = i { Some(*v) } else { None }));
-    }
-    found.extend(
-        scene.materials.iter().filter_map(|material| material.graph.as_ref()).flat_map(|graph| graph.indices()),
-    );
+    let mut found: Vec<f32> = scene.materials.iter().flat_map(|material| material.graph.indices()).collect();
     found.sort_by(f32::total_cmp);
     found.dedup();
     found

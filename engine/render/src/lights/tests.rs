@@ -3,7 +3,7 @@
 use super::*;
 use crate::Rgb;
 use crate::sampler::warp;
-use crate::scene::material::{Input, Material};
+use crate::scene::material::Material;
 use crate::scene::mesh::MeshDescription;
 use crate::scene::visibility::Links;
 use crate::scene::{SceneBuilder, lamp::Lamp, texture::Texture, world::World};
@@ -140,15 +140,10 @@ fn the_sky_is_sampled_by_its_brightness() {
 /// Emissive triangles: a large square seen from close by has irradiance near pi L, however it is cut and scaled.
 #[test]
 fn emissive_triangles_are_sampled_by_area() {
-    use crate::scene::material::{Input, Material};
+    use crate::scene::material::Material;
     use crate::scene::mesh::MeshDescription;
     let mut builder = SceneBuilder::new();
-    let glow = Material {
-        emission_color: Input::Constant(Rgb::new(1.0, 2.0, 3.0)),
-        emission_strength: 2.0,
-        ..Material::default_grey()
-    };
-    let m = builder.add_material(glow).unwrap();
+    let m = builder.add_material(Material::diffuse("glow", Rgb::ONE, Rgb::new(2.0, 4.0, 6.0)));
     let p = |x: f32, y: f32| glam::Vec3::new(x, y, 0.0);
     let mesh = builder
         .add_mesh(MeshDescription {
@@ -259,14 +254,7 @@ fn crowd(count: u32, unequal: bool, with_lamps: bool) -> (Scene, Lights) {
     }
     let strength = |slot: u32| power((slot as f32 + 0.5) / 8.0);
     let materials: Vec<usize> = (0..8)
-        .map(|slot| {
-            let glowing = Material {
-                emission_color: Input::Constant(Rgb::ONE),
-                emission_strength: strength(slot),
-                ..Material::default_grey()
-            };
-            builder.add_material(glowing).unwrap()
-        })
+        .map(|slot| builder.add_material(Material::diffuse("lit", Rgb::ONE, Rgb::splat(strength(slot)))))
         .collect();
     let material_slots = Some(slots);
     let mesh = MeshDescription { name: "lit".into(), positions, triangles, material_slots, ..Default::default() };
@@ -293,7 +281,7 @@ fn brought(scene: &Scene, lights: &Lights, from: Vec3A) -> Vec<f64> {
                 let place = (a + b + c) / 3.0;
                 let area = 0.5 * (b - a).as_dvec3().cross((c - a).as_dvec3()).length();
                 let cos = f64::from((place - from).normalize().z.abs());
-                (place, f64::from(material.emission_strength) * area * cos)
+                (place, f64::from(material.graph.brightness()) * area * cos)
             }
         };
         let to = (place - from).as_dvec3();
@@ -401,7 +389,7 @@ fn a_lamp_in_the_plane_of_a_ceiling_is_not_hidden_by_it() {
         for place in 0..40 {
             let away = DVec3::new(1.7, -0.9, 2.3) * f64::from(place);
             let mut builder = SceneBuilder::new();
-            let material = builder.add_material(Material::default_grey()).unwrap();
+            let material = builder.add_material(Material::default_grey());
             let corners = [[-5.0, -5.0, 0.0], [5.0, -5.0, 0.0], [5.0, 5.0, 0.0], [-5.0, 5.0, 0.0]];
             let quad = MeshDescription {
                 name: "ceiling".into(),

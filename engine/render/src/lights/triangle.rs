@@ -113,12 +113,7 @@ impl LitTriangle {
         }
         let slot = mesh_of(scene, self.instance).slot(self.triangle);
         let material = &scene.materials[scene.instances[self.instance as usize].material(slot) as usize];
-        let emitted = nodes::emission(material, scene.into(), [self.instance, self.triangle], barycentric, view);
-        // The weights of layers hold what their transparency leaves.
-        if material.is_layered() {
-            return emitted;
-        }
-        emitted * nodes::alpha(scene, self.instance, self.triangle, barycentric)
+        nodes::emission(material, scene.into(), [self.instance, self.triangle], barycentric, view)
     }
 
     /// Light at `from`.

@@ -18,7 +18,7 @@ use std::sync::Arc;
 /// to be left out is said.
 pub fn displace(scene: &mut Scene) -> Vec<String> {
     let mut warnings = Vec::new();
-    if !scene.materials.iter().filter_map(|material| material.graph.as_deref()).any(Graph::moves_vertices) {
+    if !scene.materials.iter().any(|material| material.graph.moves_vertices()) {
         return warnings;
     }
     let mut first = vec![None; scene.meshes.len()];
@@ -29,11 +29,11 @@ pub fn displace(scene: &mut Scene) -> Vec<String> {
         let Some(instance) = instance else { continue };
         let Some(offsets) = offsets(scene, instance) else { continue };
         let owner = &scene.instances[instance];
-        let graphs = owner.materials.iter().filter_map(|&i| scene.materials[i as usize].graph.as_deref());
-        let bends = graphs.map(|graph| graph.displacement).any(|one| one == Displacement::Both);
+        let graphs = owner.materials.iter().map(|&i| &*scene.materials[i as usize].graph);
+        let bends = graphs.filter(|graph| graph.moves_vertices()).any(|graph| graph.displacement == Displacement::Both);
         let by_vertices = |slot: u32| {
-            let graph = scene.materials[owner.material(slot) as usize].graph.as_deref();
-            graph.is_some_and(|graph| graph.displacement == Displacement::Vertices)
+            let graph = &scene.materials[owner.material(slot) as usize].graph;
+            graph.moves_vertices() && graph.displacement == Displacement::Vertices
         };
         match Mesh::new(moved(&scene.meshes[mesh], &offsets, by_vertices, bends)) {
             Ok((moved, warning)) => {
@@ -56,7 +56,7 @@ fn offsets(scene: &Scene, instance: usize) -> Option<Vec<Vec3>> {
         return None;
     }
     let graph_of = |slot: u32| -> Option<&Graph> {
-        scene.materials[owner.material(slot) as usize].graph.as_deref().filter(|graph| graph.moves_vertices())
+        Some(&*scene.materials[owner.material(slot) as usize].graph).filter(|graph| graph.moves_vertices())
     };
     let slots = mesh.material_slots.as_ref().map_or(1, |slots| slots.iter().max().map_or(1, |most| most + 1));
     if !(0..slots).any(|slot| graph_of(slot).is_some()) {

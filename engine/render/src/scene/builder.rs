@@ -71,22 +71,10 @@ impl SceneBuilder {
         }
     }
 
-    /// Adds a material; gives its index. Values out of range are brought into range.
-    ///
-    /// # Errors
-    /// [`SceneError::NoSuchPiece`] where it names an image that was not added.
-    pub fn add_material(&mut self, mut material: Material) -> Result<usize, SceneError> {
-        let missing = material.textures().find(|&t| t as usize >= self.textures.all().len());
-        if let Some(index) = missing {
-            return Err(SceneError::NoSuchPiece {
-                object: material.name,
-                kind: "image",
-                index: index as usize,
-                count: self.textures.all().len(),
-            });
-        }
-        material.sanitise();
-        Ok(self.materials.add(material))
+    /// Adds a material; gives its index.
+    pub fn add_material(&mut self, mut material: Material) -> usize {
+        material.prepare();
+        self.materials.add(material)
     }
 
     /// Adds a mesh; gives its index. Triangles with a corner that is not finite, or without area, are left out

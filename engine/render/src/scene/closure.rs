@@ -2,6 +2,8 @@
 //!
 //! A closure is generic over how its inputs are given: `C` colours, `N` numbers.
 
+use crate::Rgb;
+
 /// How the facets of a rough surface are tilted.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
 pub enum Distribution {
@@ -310,6 +312,42 @@ pub struct Principled<C, N> {
     pub film: ThinFilm<N>,
     /// Whether light goes on from facet to facet.
     pub multiscatter: bool,
+}
+
+impl Default for Principled<Rgb, f32> {
+    /// Blender's Principled BSDF as a new node has it.
+    fn default() -> Self {
+        Self {
+            base_color: Rgb::splat(0.8),
+            metallic: 0.0,
+            roughness: 0.5,
+            ior: 1.5,
+            alpha: 1.0,
+            diffuse_roughness: 0.0,
+            subsurface_weight: 0.0,
+            subsurface_radius: Rgb::new(1.0, 0.2, 0.1),
+            subsurface_scale: 0.05,
+            subsurface_ior: 1.4,
+            subsurface_anisotropy: 0.0,
+            subsurface_method: SubsurfaceMethod::RandomWalk,
+            specular_ior_level: 0.5,
+            specular_tint: Rgb::ONE,
+            anisotropic: 0.0,
+            anisotropic_rotation: 0.0,
+            transmission: 0.0,
+            coat_weight: 0.0,
+            coat_roughness: 0.03,
+            coat_ior: 1.5,
+            coat_tint: Rgb::ONE,
+            sheen_weight: 0.0,
+            sheen_roughness: 0.5,
+            sheen_tint: Rgb::ONE,
+            emission_color: Rgb::ONE,
+            emission_strength: 0.0,
+            film: ThinFilm { thickness_nm: 0.0, ior: 1.33 },
+            multiscatter: true,
+        }
+    }
 }
 
 impl<N> ThinFilm<N> {

@@ -3,11 +3,14 @@
 use super::closure::{
     Closure, Distribution, MetalKind, Pigment, Principled, PrincipledHair, SubsurfaceMethod, ThinFilm,
 };
-use super::layer::MOST_LAYERS;
+use super::plain::Plain;
 use super::volume::Volume;
-use crate::luminance;
+use crate::{Rgb, luminance};
 use glam::Vec3A;
 use petzval_nodes::{Field, Graph as Shaders, Layer, LayerKind, Operand, Program, Registers, Slice, compile};
+
+/// Closures that a material may have; further ones are left out.
+pub const MOST_LAYERS: usize = 32;
 
 /// What the engine can tell of a point.
 const KNOWN: [Field; 51] = [
@@ -142,7 +145,7 @@ impl GraphLayer {
         std::iter::once(self.weight).chain(directions).chain(colors).chain(numbers).collect()
     }
 
-    /// The same layer without what it emits; `None` of a closure that does not scatter.
+    /// This layer without emission; `None` of a closure that does not scatter.
     fn scattering(&self) -> Option<Self> {
         let closure = match self.closure {
             Closure::Emission { .. } | Closure::Transparent { .. } | Closure::Holdout => return None,
@@ -155,7 +158,7 @@ impl GraphLayer {
         Some(Self { closure, ..self.clone() })
     }
 
-    /// The same layer, its inputs known by their values where they are the same everywhere.
+    /// This layer with values for the inputs that are the same everywhere.
     fn settled(&self, program: &Program) -> Self {
         let settle = |source: &Source| source.settled(program);
         Self {
@@ -179,6 +182,8 @@ pub struct Graph {
     pub layers: Vec<GraphLayer>,
     /// Those of them that scatter light, without what they emit.
     pub scattering: Vec<GraphLayer>,
+    /// These as a plain surface, if they are one.
+    pub plain: Option<Plain>,
     /// Of the material.
     pub pass_index: i32,
     /// What its displacement does.
@@ -315,10 +320,30 @@ impl Graph {
         for field in program.reads().filter(|field| !KNOWN.contains(field)) {
             report(&format!("{} is not supported yet, it is 0", in_words(field)));
         }
+        (Self::assembled(program, layers, pass_index), reports)
+    }
+
+    /// A graph of closures with weights, the same everywhere.
+    pub fn even(closures: impl IntoIterator<Item = (f32, Closure<Rgb, f32>)>) -> Self {
+        let color = |color: &Rgb| Source::Always(Vec3A::from(*color));
+        let number = |number: &f32| Source::Always(Vec3A::splat(*number));
+        let layers = closures.into_iter().map(|(weight, closure)| GraphLayer {
+            weight: number(&weight),
+            closure: closure.map(color, number),
+            normal: None,
+            coat_normal: None,
+            tangent: None,
+        });
+        Self::assembled(Program::default(), layers.collect(), 0)
+    }
+
+    fn assembled(program: Program, layers: Vec<GraphLayer>, pass_index: i32) -> Self {
         let scattering: Vec<GraphLayer> = layers.iter().filter_map(GraphLayer::scattering).collect();
         let slices = Slices::new(&program, &layers, &scattering);
+        // A displacement may bend the normal.
+        let plain = program.displacement.is_none().then(|| Plain::of(&scattering, &program)).flatten();
         let displacement = Displacement::default();
-        (Self { program, slices, layers, scattering, pass_index, displacement, volume: None }, reports)
+        Self { program, slices, layers, scattering, plain, pass_index, displacement, volume: None }
     }
 
     /// Of all that shaders say: surface and volume become programs of their own, since they are asked at different places.
@@ -372,7 +397,7 @@ impl Graph {
         self.program.reads().any(|field| fields.contains(&field))
     }
 
-    /// Whether any of its surface may shine.
+    /// Whether any of its surface may emit.
     pub fn emits(&self) -> bool {
         let shines = |color: Source, strength: Source| {
             [color, strength].iter().all(|source| source.constant(&self.program) != Some(Vec3A::ZERO))
@@ -384,7 +409,7 @@ impl Graph {
         })
     }
 
-    /// About what it emits, where it varies as if it were white: for choosing between lights.
+    /// Luminance of the emitted radiance, inputs that vary taken as white: for choosing between lights.
     pub fn brightness(&self) -> f32 {
         let about = |source: Source| source.constant(&self.program).unwrap_or(Vec3A::ONE);
         let of = |layer: &GraphLayer| {

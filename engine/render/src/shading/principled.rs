@@ -6,9 +6,8 @@ use super::energy;
 use super::fresnel::{self, F82Tint};
 use super::microfacet::{Ggx, reflect, refract};
 use super::{BsdfSample, Caustics, Features, LobeShares, Parted, Scattering, normal};
-use crate::nodes::MaterialValues;
 use crate::sampler::warp;
-use crate::scene::material::{Input, Material};
+use crate::scene::plain::{Plain, PlainValues};
 use crate::scene::visibility::Rays;
 use crate::surface::SurfacePoint;
 use crate::{Rgb, luminance};
@@ -16,7 +15,7 @@ use glam::{Vec3A, Vec4};
 use std::f32::consts::FRAC_1_PI;
 use std::sync::Arc;
 
-/// What of a material depends on its constants alone: made once for each index of refraction in a scene.
+/// Tables of a plain surface, which depend on its index of refraction alone: made once for each index in a scene.
 #[derive(Clone, Debug)]
 pub struct PrincipledTables {
     /// Relative index of the specular coat, after the specular level.
@@ -24,6 +23,8 @@ pub struct PrincipledTables {
     /// Its reflectance at normal incidence, before the tint.
     coat_f0: f32,
     ior: f32,
+    /// As in [`Plain`].
+    is_coated: bool,
     reflection: Arc<AlbedoTable>,
     coat: AlbedoTable,
     // Entering and leaving; `None` where nothing is transmitted.
@@ -32,12 +33,12 @@ pub struct PrincipledTables {
 
 impl PrincipledTables {
     /// `reflection` is [`AlbedoTable::reflection`], shared by all.
-    pub fn new(material: &Material, reflection: Arc<AlbedoTable>) -> Self {
-        let ior = material.ior;
+    pub fn new(plain: &Plain, reflection: Arc<AlbedoTable>) -> Self {
+        let ior = plain.ior;
         let mut coat_f0 = fresnel::f0_from_ior(ior);
         let mut coat_eta = ior;
-        if material.specular_ior_level != 0.5 {
-            coat_f0 = (coat_f0 * 2.0 * material.specular_ior_level).min(0.99);
+        if plain.specular_ior_level != 0.5 {
+            coat_f0 = (coat_f0 * 2.0 * plain.specular_ior_level).min(0.99);
             let eta = fresnel::ior_from_f0(coat_f0);
             coat_eta = if ior < 1.0 { 1.0 / eta } else { eta };
         }
@@ -45,21 +46,17 @@ impl PrincipledTables {
             coat_eta,
             coat_f0,
             ior,
+            is_coated: plain.is_coated,
             reflection,
             coat: AlbedoTable::dielectric_reflection(coat_eta),
-            boundary: transmits(material).then(|| [ior, 1.0 / ior].map(AlbedoTable::dielectric_boundary)),
+            boundary: plain.may_transmit.then(|| [ior, 1.0 / ior].map(AlbedoTable::dielectric_boundary)),
         }
     }
 
-    /// What tells one set of tables from another.
-    pub fn key(material: &Material) -> (u32, u32, bool) {
-        (material.ior.to_bits(), material.specular_ior_level.to_bits(), transmits(material))
+    /// A key that is the same for plain surfaces with the same tables.
+    pub fn key(plain: &Plain) -> (u32, u32, bool, bool) {
+        (plain.ior.to_bits(), plain.specular_ior_level.to_bits(), plain.may_transmit, plain.is_coated)
     }
-}
-
-/// Whether any of a material's surface may be glass.
-fn transmits(material: &Material) -> bool {
-    material.transmission != Input::Constant(0.0)
 }
 
 /// The BSDF of one point seen from one direction.
@@ -99,29 +96,22 @@ struct Facets {
 }
 
 impl Bsdf {
-    /// At a point whose inputs have been evaluated; `wo` is the unit direction to where the path came from.
+    /// The BSDF at a point; `wo` is the unit direction to where the path came from. `values.weight` is not in it: [`Self::scale`].
     #[inline]
-    pub fn new(
-        material: &Material,
-        values: &MaterialValues,
-        tables: &PrincipledTables,
-        point: &SurfacePoint,
-        wo: Vec3A,
-    ) -> Self {
-        Self::with_caustics(material, values, tables, point, wo, Caustics::ALL)
+    pub fn new(tables: &PrincipledTables, values: &PlainValues, point: &SurfacePoint, wo: Vec3A) -> Self {
+        Self::with_caustics(tables, values, point, wo, Caustics::ALL)
     }
 
-    /// The same; what mirrors or bends light may be left out.
+    /// The BSDF without those lobes that mirror or refract light, where caustics are left out.
     #[inline]
     pub fn with_caustics(
-        material: &Material,
-        values: &MaterialValues,
         tables: &PrincipledTables,
+        values: &PlainValues,
         point: &SurfacePoint,
         wo: Vec3A,
         caustics: Caustics,
     ) -> Self {
-        let has_facets = values.metallic > 0.0 || values.transmission > 0.0 || material.specular;
+        let has_facets = values.metallic > 0.0 || values.transmission > 0.0 || tables.is_coated;
         let normal = if has_facets {
             normal::reflecting(point.geometric_normal, point.shading_normal, wo)
         } else {
@@ -140,7 +130,7 @@ impl Bsdf {
             facets: None,
         };
         if has_facets {
-            bsdf.add_facets(material, values, tables, point.backfacing, warp::to_local(&frame, wo), caustics);
+            bsdf.add_facets(tables, values, point.backfacing, warp::to_local(&frame, wo), caustics);
         } else if luminance(bsdf.diffuse) <= 0.0 {
             bsdf.chance = [0.0; 4];
         }
@@ -150,9 +140,8 @@ impl Bsdf {
     /// Metal, glass and coat, and what they leave to the diffuse base.
     fn add_facets(
         &mut self,
-        material: &Material,
-        values: &MaterialValues,
         tables: &PrincipledTables,
+        values: &PlainValues,
         backfacing: bool,
         wo: Vec3A,
         Caustics { reflective, refractive }: Caustics,
@@ -162,7 +151,7 @@ impl Bsdf {
         let r = values.roughness;
         let dielectric = 1.0 - values.metallic;
         let opaque = dielectric * (1.0 - values.transmission);
-        let has_coat = material.specular && opaque > 0.0 && reflective;
+        let has_coat = tables.is_coated && opaque > 0.0 && reflective;
         // What single scattering loses is given back in proportion.
         let (single, average) = if values.metallic > 0.0 || has_coat {
             (tables.reflection.at(r, cos), tables.reflection.average(r))
@@ -173,7 +162,7 @@ impl Bsdf {
 
         let (mut metal, mut metal_weight, mut metal_chance) = (F82Tint::default(), Rgb::ZERO, 0.0);
         if values.metallic > 0.0 && reflective {
-            metal = F82Tint::new(values.base_color, material.specular_tint);
+            metal = F82Tint::new(values.base_color, Rgb::ONE);
             metal_weight = restored(metal.average()) * values.metallic;
             metal_chance = luminance(metal.at(cos)) * values.metallic;
         }
@@ -197,8 +186,7 @@ impl Bsdf {
         if has_coat {
             let give_back = restored(Rgb::splat(fresnel::dielectric_average(tables.coat_eta))).x;
             coat_weight = opaque * give_back;
-            let f0_tinted = luminance(material.specular_tint).min(1.0);
-            coat_albedo = (tables.coat.at(r, cos) * give_back).min(1.0) * f0_tinted.max(0.0);
+            coat_albedo = (tables.coat.at(r, cos) * give_back).min(1.0);
         }
         self.diffuse = values.base_color * (opaque * (1.0 - coat_albedo));
         let chance = Vec4::new(metal_chance, glass_chance, coat_albedo * opaque, luminance(self.diffuse));
@@ -212,11 +200,28 @@ impl Bsdf {
             metal_weight,
             glass_weight,
             glass_tint,
-            glass_reflection_tint: if reflective { material.specular_tint.min(Rgb::ONE) } else { Rgb::ZERO },
+            glass_reflection_tint: if reflective { Rgb::ONE } else { Rgb::ZERO },
             coat_weight,
-            coat_f0: (tables.coat_f0 * material.specular_tint).min(Rgb::ONE),
+            coat_f0: Rgb::splat(tables.coat_f0).min(Rgb::ONE),
             coat_eta: tables.coat_eta,
         });
+    }
+
+    /// Multiplies all that it scatters.
+    #[inline]
+    pub fn scale(&mut self, factor: f32) {
+        if factor == 1.0 {
+            return;
+        }
+        self.diffuse *= factor;
+        if factor <= 0.0 {
+            self.chance = [0.0; 4];
+        }
+        if let Some(f) = &mut self.facets {
+            f.metal_weight *= factor;
+            f.glass_weight *= factor;
+            f.coat_weight *= factor;
+        }
     }
 
     /// Makes facets at least so wide. What they scatter in all, and the chances of the lobes, stay those of their own width, as in

@@ -7,7 +7,7 @@ use petzval_render::camera::{Camera, CameraDescription, Model};
 use petzval_render::integrator::{Integrator, Stage};
 use petzval_render::job::{Job, Settings, Statistics};
 use petzval_render::pipeline::Pipeline;
-use petzval_render::scene::material::{Input, Material};
+use petzval_render::scene::material::Material;
 use petzval_render::scene::mesh::MeshDescription;
 use petzval_render::scene::{SceneBuilder, world::World};
 use std::path::Path;
@@ -46,13 +46,7 @@ fn settings(samples: u32, noise_threshold: f32, seed: u32) -> Settings {
 }
 
 fn glow(r: f32, g: f32, b: f32) -> Material {
-    Material {
-        emission_color: Input::Constant(Rgb::new(r, g, b)),
-        emission_strength: 1.0,
-        base_color: Input::Constant(Rgb::ZERO),
-        specular: false,
-        ..Material::default_grey()
-    }
+    Material::diffuse("glow", Rgb::ZERO, Rgb::new(r, g, b))
 }
 
 /// Triangles of one material: place, and how large.
@@ -66,7 +60,7 @@ fn stage(groups: &[(Material, Vec<(DVec3, f64)>)], world: f32) -> Arc<Stage> {
     };
     let mesh = builder.add_mesh(triangle).unwrap();
     for (material, places) in groups {
-        let material = builder.add_material(material.clone()).unwrap();
+        let material = builder.add_material(material.clone());
         for &(place, size) in places {
             let at = DMat4::from_translation(place) * DMat4::from_scale(DVec3::splat(size));
             builder.add_instance("triangle", mesh, at, &[material], true, true).unwrap();
@@ -94,7 +88,7 @@ fn bodies() -> Arc<Stage> {
         (DVec3::new(0.7 * (part(i, 0.618) - 0.5) * z, 0.5 * (part(i, 0.755) - 0.5) * z, -z), 0.04 * z)
     };
     let group = |material: Material, k: u32| (material, (0..10).map(|i| place(4 * i + k)).collect());
-    let wall = (Material { specular: false, ..Material::default_grey() }, vec![(DVec3::new(-1.5, 0.0, -7.0), 2.0)]);
+    let wall = (Material::diffuse("wall", Rgb::splat(0.8), Rgb::ZERO), vec![(DVec3::new(-1.5, 0.0, -7.0), 2.0)]);
     let colours = [glow(2.0, 2.0, 2.0), glow(9.0, 0.2, 0.1), glow(0.1, 6.0, 0.3), glow(0.2, 0.3, 12.0)];
     let mut groups: Vec<_> = colours.into_iter().zip(0..).map(|(m, k)| group(m, k)).collect();
     groups.push(wall);
@@ -311,7 +305,7 @@ fn small_pictures_and_few_samples() {
 
 /// A wall on the left that a lamp behind the camera lights, before an even sky.
 fn lit_wall() -> Arc<Stage> {
-    let grey = Material { specular: false, ..Material::default_grey() };
+    let grey = Material::diffuse("grey", Rgb::splat(0.8), Rgb::ZERO);
     let wall = (grey, vec![(DVec3::new(-1.5, 0.0, -3.0), 1.3)]);
     let lamp = (glow(20.0, 20.0, 20.0), vec![(DVec3::new(-1.0, 0.5, 1.0), 0.5)]);
     stage(&[wall, lamp], 0.2)

@@ -3,11 +3,13 @@
 use glam::{DMat4, DVec3, Vec2, Vec3};
 use petzval_render::Rgb;
 use petzval_render::integrator::Stage;
+use petzval_render::scene::closure::{Closure, Principled};
 use petzval_render::scene::corners::Corners;
+use petzval_render::scene::graph::Graph;
 use petzval_render::scene::lamp::{Lamp, LampKind};
-use petzval_render::scene::material::{Channel, ImageInput, Input, Material};
+use petzval_render::scene::material::Material;
 use petzval_render::scene::mesh::MeshDescription;
-use petzval_render::scene::texture::{Extension, Interpolation, Texture};
+use petzval_render::scene::texture::Texture;
 use petzval_render::scene::{SceneBuilder, visibility::Rays, world::World};
 use std::f64::consts::{FRAC_PI_2, PI};
 use std::sync::Arc;
@@ -18,17 +20,13 @@ pub(crate) struct Room {
 }
 
 pub(crate) fn plain(r: f32, g: f32, b: f32) -> Material {
-    Material { base_color: Input::Constant(Rgb::new(r, g, b)), specular: false, ..Material::default_grey() }
+    Material::diffuse("plain", Rgb::new(r, g, b), Rgb::ZERO)
 }
 
 pub(crate) fn glossy(metallic: f32, transmission: f32, roughness: f32) -> Material {
-    Material {
-        base_color: Input::Constant(Rgb::new(0.9, 0.8, 0.7)),
-        metallic: Input::Constant(metallic),
-        transmission: Input::Constant(transmission),
-        roughness: Input::Constant(roughness),
-        ..Material::default_grey()
-    }
+    let base_color = Rgb::new(0.9, 0.8, 0.7);
+    let principled = Principled { base_color, metallic, transmission, roughness, ..Principled::default() };
+    Material::principled("glossy", principled)
 }
 
 /// A square of side 2 in the xy plane that faces +z, with UVs.
@@ -101,7 +99,7 @@ impl Room {
     }
 
     pub(crate) fn put(&mut self, mesh: MeshDescription, material: Material, place: DMat4) {
-        let m = self.builder.add_material(material).unwrap();
+        let m = self.builder.add_material(material);
         let mesh = self.builder.add_mesh(mesh).unwrap();
         self.builder.add_instance("object", mesh, place, &[m], true, true).unwrap();
     }
@@ -151,11 +149,7 @@ pub(crate) fn rough_caustic() -> Arc<Stage> {
 /// Glowing meshes: an open one and a closed one.
 pub(crate) fn emissive() -> Arc<Stage> {
     let mut room = Room::new();
-    let glowing = |strength: f32| Material {
-        emission_color: Input::Constant(Rgb::new(1.0, 0.6, 0.3)),
-        emission_strength: strength,
-        ..plain(0.5, 0.5, 0.5)
-    };
+    let glowing = |strength: f32| Material::diffuse("glowing", Rgb::splat(0.5), Rgb::new(1.0, 0.6, 0.3) * strength);
     room.put(square(), glowing(6.0), place([0.6, 0.2, -4.0], [0.3, 0.5, 0.1], 0.3));
     room.put(ball(8), glowing(3.0), place([-0.5, -0.3, -3.6], [0.0; 3], 0.2));
     room.put(ball(16), glossy(0.0, 0.0, 0.1), place([0.1, -0.35, -3.0], [0.0; 3], 0.2));
@@ -193,22 +187,22 @@ pub(crate) fn leaves() -> Arc<Stage> {
     let alpha = |i: usize| if (i % w + i / w).is_multiple_of(3) { 0.2 } else { 0.9 };
     let pixels: Vec<f32> = (0..w * h).flat_map(|i| [0.2, 0.7, 0.2, alpha(i)]).collect();
     let t = room.builder.add_texture(Texture::from_floats("leaf", w, h, &pixels, false).unwrap()) as u32;
-    let image = |channel| ImageInput {
-        texture: t,
-        uv_map: None,
-        mapping: [[1.0, 0.0, 0.0], [0.0, 1.0, 0.0]],
-        interpolation: Interpolation::Linear,
-        extension: Extension::Repeat,
-        channel,
-    };
-    let leaf = Material {
-        base_color: Input::Image(image(Channel::Color)),
-        alpha: Input::Image(image(Channel::Alpha)),
-        ..plain(0.0, 0.0, 0.0)
-    };
+    let nodes = format!(
+        r#"{{"nodes": [
+            {{"type": "ShaderNodeMixShader", "inputs": {{"Fac": {{"node": 3, "socket": "Alpha"}},
+                "Shader": {{"node": 1, "socket": "BSDF"}}, "Shader_001": {{"node": 2, "socket": "BSDF"}}}}}},
+            {{"type": "ShaderNodeBsdfTransparent", "inputs": {{"Color": [1, 1, 1]}}}},
+            {{"type": "ShaderNodeBsdfDiffuse", "inputs": {{"Color": {{"node": 3, "socket": "Color"}}, "Roughness": 0}}}},
+            {{"type": "ShaderNodeTexImage", "options": {{"image": {t}}}}}
+        ], "surface": {{"node": 0, "socket": "Shader"}}}}"#
+    );
+    let (graph, reports) = Graph::of(&petzval_nodes::Graph::from_json(&nodes).unwrap(), 0);
+    assert_eq!(reports, Vec::<String>::new());
+    let leaf = Material::new("leaf", Arc::new(graph));
     room.put(square(), leaf.clone(), place([0.3, 0.2, -3.4], [-1.2, 0.2, 0.0], 0.5));
     room.put(square(), leaf, place([-0.4, 0.0, -2.8], [0.1, 0.3, 0.2], 0.3));
-    let sheet = Material { alpha: Input::Constant(0.4), ..plain(0.8, 0.3, 0.3) };
+    let red = Closure::Diffuse { color: Rgb::new(0.8, 0.3, 0.3), roughness: 0.0 };
+    let sheet = Material::even("sheet", [(0.4, red), (0.6, Closure::Transparent { color: Rgb::ONE })]);
     room.put(square(), sheet, place([0.0, 0.6, -3.6], DOWN, 0.6));
     room.light(lamp(area(0.4, 1.5), 30.0), place([0.2, 1.2, -3.5], DOWN, 1.0));
     room.finish()
@@ -265,11 +259,7 @@ pub(crate) fn triangles() -> Arc<Stage> {
         let part = |factor: f64| (f64::from(i) * factor).fract();
         let depth = 1.0 + 5.0 * part(0.57);
         let at = [2.0 * (part(0.618) - 0.5) * depth, 1.5 * (part(0.755) - 0.5) * depth, -depth];
-        let glow = Material {
-            emission_color: Input::Constant(Rgb::from(colours[i as usize % 4])),
-            emission_strength: 1.0,
-            ..plain(0.0, 0.0, 0.0)
-        };
+        let glow = Material::diffuse("glow", Rgb::ZERO, Rgb::from(colours[i as usize % 4]));
         room.put(triangle.clone(), glow, place(at, [0.0; 3], 0.25));
     }
     room.builder.set_world(World { color: Rgb::splat(0.5), ..Default::default() }).unwrap();

@@ -4,8 +4,9 @@ use super::weights::Partial;
 use crate::accel::{Hit, Ray, offset_origin};
 use crate::integrator::Stage;
 use crate::integrator::path::{MOST_STEPS, leave, mix, opening};
-use crate::nodes::{self, Layers, MaterialValues, View, Way};
+use crate::nodes::{self, Layers, View, Way};
 use crate::sampler::PathSampler;
+use crate::scene::plain::PlainValues;
 use crate::scene::visibility::Rays;
 use crate::shading::mixture::Mixture;
 use crate::shading::principled::Bsdf;
@@ -21,7 +22,8 @@ const SETS_PER_STEP: u32 = 3;
 pub(super) struct Vertex {
     /// Seen from the side that made it.
     pub(super) point: SurfacePoint,
-    values: MaterialValues,
+    /// Inputs of a plain surface.
+    values: Option<PlainValues>,
     /// What it counts, over the chance that it was not passed.
     kept: f32,
     /// Seen from there.
@@ -36,14 +38,18 @@ pub(super) struct Vertex {
 impl Vertex {
     pub(super) fn new(stage: &Stage, met: (SurfacePoint, f32), back: Vec3A, carried: Rgb, partial: Partial) -> Self {
         let (point, kept) = met;
-        let values = nodes::evaluate(material(stage, &point), &stage.scene, &point);
-        let bsdf = Surface::new(stage, &values, kept, &point, back);
+        let material = material(stage, &point);
+        let values = material.graph.plain.as_ref().map(|plain| {
+            let at_point = || nodes::plain_values(material, plain, stage.around(), &point, &bounced(&point, back));
+            plain.constants.unwrap_or_else(at_point)
+        });
+        let bsdf = Surface::new(stage, values.as_ref(), kept, &point, back);
         Self { point, values, kept, bsdf, back, carried, partial }
     }
 
     /// The scattering there, seen from the other end of `d`.
     pub(super) fn seen_from(&self, stage: &Stage, d: Vec3A) -> Surface {
-        Surface::new(stage, &self.values, self.kept, &self.point.seen_from(d), d)
+        Surface::new(stage, self.values.as_ref(), self.kept, &self.point.seen_from(d), d)
     }
 
     /// Cosine to the triangle's own normal.
@@ -71,31 +77,35 @@ impl Vertex {
 // Vertices are kept one after the other, and most materials of a scene are of the small kind.
 #[allow(clippy::large_enum_variant)]
 pub(super) enum Surface {
-    /// A material without layers.
-    One(Bsdf),
+    Plain(Bsdf),
     Layers(Mixture),
 }
 
+/// The view of a point along a ray that bounced before, `wo` towards its origin.
+fn bounced(point: &SurfacePoint, wo: Vec3A) -> View {
+    View { direction: -wo, distance: 1.0, way: Way::BOUNCE, moment: point.moment }
+}
+
 impl Surface {
-    fn new(stage: &Stage, values: &MaterialValues, kept: f32, point: &SurfacePoint, wo: Vec3A) -> Self {
-        let material = material(stage, point);
-        if material.is_layered() {
-            let mut layers = Layers::default();
-            let view = View { direction: -wo, distance: 1.0, way: Way::BOUNCE, moment: point.moment };
-            nodes::layers(material, stage.around(), point, &view, &mut layers);
-            let mut mixture = Mixture::empty();
-            mix(&mut mixture, stage, &layers, point, wo, kept, None);
-            return Self::Layers(mixture);
+    fn new(stage: &Stage, values: Option<&PlainValues>, kept: f32, point: &SurfacePoint, wo: Vec3A) -> Self {
+        if let Some((values, tables)) = values.zip(stage.plain_tables[point.material as usize].as_deref()) {
+            let mut bsdf = Bsdf::new(tables, values, point, wo);
+            bsdf.scale(values.weight * kept);
+            return Self::Plain(bsdf);
         }
-        Self::One(Bsdf::new(material, values, &stage.tables[point.material as usize], point, wo))
+        let mut layers = Layers::default();
+        nodes::layers(material(stage, point), stage.around(), point, &bounced(point, wo), &mut layers);
+        let mut mixture = Mixture::empty();
+        mix(&mut mixture, stage, &layers, point, wo, kept, None);
+        Self::Layers(mixture)
     }
 }
 
-/// The same question to either.
+/// Calls a method of the BSDF of either kind.
 macro_rules! ask {
     ($surface:expr, $bsdf:ident => $answer:expr) => {
         match $surface {
-            Surface::One($bsdf) => $answer,
+            Surface::Plain($bsdf) => $answer,
             Surface::Layers($bsdf) => $answer,
         }
     };

@@ -46,7 +46,7 @@ fn volume(kind: &str, inputs: &str, more: &str) -> Material {
     );
     let (graph, reports) = Graph::of(&Shaders::from_json(&text).unwrap(), 0);
     assert_eq!(reports, Vec::<String>::new());
-    Material { name: kind.into(), graph: Some(Arc::new(graph)), ..Material::default_grey() }
+    Material::new(kind, Arc::new(graph))
 }
 
 /// Nodes that give the place's z in the object, as node 1's density times `slope` plus `base`.
@@ -64,7 +64,7 @@ const FROM_RISING: &str = r#""Density": {"node": 1, "socket": "Value"}"#;
 
 fn stage(material: Material, world: f32, sun: f32) -> Stage {
     let mut builder = SceneBuilder::new();
-    let m = builder.add_material(material).unwrap();
+    let m = builder.add_material(material);
     let mesh = builder.add_mesh(cube()).unwrap();
     builder.add_instance("cube", mesh, DMat4::IDENTITY, &[m], true, true).unwrap();
     builder.set_world(World { color: Rgb::splat(world), ..Default::default() }).unwrap();

@@ -2,8 +2,9 @@
 
 use super::*;
 use crate::sampler::warp;
+use crate::scene::closure::{Closure, Principled};
 use crate::scene::lamp::{Lamp, LampKind};
-use crate::scene::material::{Input, Material};
+use crate::scene::material::Material;
 use crate::scene::mesh::MeshDescription;
 use crate::scene::{SceneBuilder, world::World};
 use glam::{DMat4, DVec3, Vec3, Vec3A};
@@ -32,7 +33,7 @@ fn cube() -> MeshDescription {
 
 fn stage(material: Material, world: Rgb, size: f64) -> Stage {
     let mut builder = SceneBuilder::new();
-    let m = builder.add_material(material).unwrap();
+    let m = builder.add_material(material);
     let mesh = builder.add_mesh(cube()).unwrap();
     builder.add_instance("cube", mesh, DMat4::from_scale(DVec3::splat(size)), &[m], true, true).unwrap();
     builder.set_world(World { color: world, ..Default::default() }).unwrap();
@@ -51,12 +52,7 @@ fn mean(stage: &Stage, origin: Vec3A, max_bounces: u32, n: u32) -> Rgb {
 }
 
 fn plain(albedo: f32, emission: f32) -> Material {
-    Material {
-        base_color: Input::Constant(Rgb::splat(albedo)),
-        emission_strength: emission,
-        specular: false,
-        ..Material::default_grey()
-    }
+    Material::diffuse("plain", Rgb::splat(albedo), Rgb::splat(emission))
 }
 
 /// A closed box that glows with radiance 1 and reflects half: 1 + 1/2 + 1/4 ... = 2, seen from anywhere inside.
@@ -90,7 +86,7 @@ fn what_glows_nearby_lights_fully() {
     let expected = 4.0 / PI * 0.5f64.sqrt() * 0.5f64.sqrt().atan();
     for distance in [3e-3, 0.03, 1.0] {
         let mut builder = SceneBuilder::new();
-        let [floor, glow] = [plain(1.0, 0.0), plain(0.0, 1.0)].map(|m| builder.add_material(m).unwrap());
+        let [floor, glow] = [plain(1.0, 0.0), plain(0.0, 1.0)].map(|m| builder.add_material(m));
         let place = DMat4::from_translation(DVec3::new(3.1, -2.3, 1.7));
         for (half, z, material) in [(9.0, 0.0, floor), (distance, distance, glow)] {
             let mesh = builder.add_mesh(square(half, z)).unwrap();
@@ -112,12 +108,9 @@ fn what_glows_nearby_lights_fully() {
 /// In a uniform white world a white object cannot be seen: matte exactly, mixtures within their tables.
 #[test]
 fn white_furnace() {
-    let glossy = |metallic: f32, transmission: f32, roughness: f32| Material {
-        base_color: Input::Constant(Rgb::ONE),
-        metallic: Input::Constant(metallic),
-        transmission: Input::Constant(transmission),
-        roughness: Input::Constant(roughness),
-        ..Material::default_grey()
+    let glossy = |metallic: f32, transmission: f32, roughness: f32| {
+        let white = Principled { base_color: Rgb::ONE, metallic, transmission, roughness, ..Principled::default() };
+        Material::principled("glossy", white)
     };
     let cases = [
         (plain(1.0, 0.0), 0.005),
@@ -138,15 +131,16 @@ fn white_furnace() {
 /// Half-transparent walls around a point: the world shines through with their alpha, lamps too.
 #[test]
 fn alpha_lets_light_through() {
-    let material = Material { alpha: Input::Constant(0.25), ..plain(0.0, 0.0) };
+    let black = Closure::Diffuse { color: Rgb::ZERO, roughness: 0.0 };
+    let material = Material::even("sheet", [(0.25, black), (0.75, Closure::Transparent { color: Rgb::ONE })]);
     let see_through = stage(material.clone(), Rgb::ONE, 1.0);
     let found = mean(&see_through, Vec3A::ZERO, 10, 8192);
     assert!((found - Rgb::splat(0.75)).abs().max_element() < 0.01, "{found}");
 
     // A floor lit by a lamp through a sheet of that: the lamp's irradiance times 3/4 over pi.
     let mut builder = SceneBuilder::new();
-    let sheet = builder.add_material(material).unwrap();
-    let floor = builder.add_material(plain(1.0, 0.0)).unwrap();
+    let sheet = builder.add_material(material);
+    let floor = builder.add_material(plain(1.0, 0.0));
     let square = MeshDescription {
         name: "square".into(),
         positions: vec![

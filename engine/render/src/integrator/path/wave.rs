@@ -17,7 +17,6 @@ use crate::integrator::Stage;
 use crate::integrator::subsurface::leave;
 use crate::nodes::{self, Layers, View, Way};
 use crate::sampler::PathSampler;
-use crate::scene::layer::Layer;
 use crate::scene::visibility::Rays;
 use crate::shading::Past;
 use crate::shading::mixture::Mixture;
@@ -346,10 +345,9 @@ impl<N: Notes, const VOLUMES: bool> Wave<N, VOLUMES> {
             return;
         }
         let mut material = &stage.scene.materials[0];
-        let mut tables = &stage.tables[0];
         // What is the same for all meetings on a material, which come one after the other.
         let mut current = u32::MAX;
-        let mut constants = None;
+        let mut plain = None;
         let mut is_even = false;
         let mut mixture = Mixture::empty();
         for number in 0..self.order.len() {
@@ -358,12 +356,8 @@ impl<N: Notes, const VOLUMES: bool> Wave<N, VOLUMES> {
             if point.material != current {
                 current = point.material;
                 material = &stage.scene.materials[current as usize];
-                tables = &stage.tables[current as usize];
-                constants = nodes::constants(material);
-                is_even = match &material.graph {
-                    Some(graph) => graph.is_even(),
-                    None => material.layers.iter().all(Layer::is_constant),
-                };
+                plain = material.graph.plain.as_ref().zip(stage.plain_tables[current as usize].as_deref());
+                is_even = plain.is_none() && material.graph.is_even();
                 if is_even {
                     nodes::layers(material, stage.around(), point, view, &mut self.layers);
                 }
@@ -371,7 +365,16 @@ impl<N: Notes, const VOLUMES: bool> Wave<N, VOLUMES> {
             let Path { ray, way, least_pdf, .. } = &self.paths[*path as usize];
             let (wo, past) = (-ray.direction, Past { caustics: limits.caustics(*way), is_blurred: way.diffuse > 0 });
             let least_alpha = limits.approximations.least_alpha(*least_pdf);
-            if material.is_layered() {
+            if let Some((plain, tables)) = plain {
+                let at_point = || nodes::plain_values(material, plain, stage.around(), point, view);
+                let values = plain.constants.unwrap_or_else(at_point);
+                let mut bsdf = Bsdf::with_caustics(tables, &values, point, wo, past.caustics);
+                bsdf.scale(values.weight * kept);
+                if least_alpha > 0.0 {
+                    bsdf.widen(least_alpha);
+                }
+                self.go_on(stage, limits, meeting, None, &bsdf);
+            } else {
                 if !is_even {
                     nodes::layers(material, stage.around(), point, view, &mut self.layers);
                 }
@@ -380,13 +383,6 @@ impl<N: Notes, const VOLUMES: bool> Wave<N, VOLUMES> {
                     mixture.widen(least_alpha);
                 }
                 self.go_on(stage, limits, meeting, self.layers.bent_normal, &mixture);
-            } else {
-                let values = constants.unwrap_or_else(|| nodes::evaluate(material, &stage.scene, point));
-                let mut bsdf = Bsdf::with_caustics(material, &values, tables, point, wo, past.caustics);
-                if least_alpha > 0.0 {
-                    bsdf.widen(least_alpha);
-                }
-                self.go_on(stage, limits, meeting, None, &bsdf);
             }
         }
     }

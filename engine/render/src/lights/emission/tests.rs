@@ -3,7 +3,7 @@
 use super::*;
 use crate::lights::Line;
 use crate::scene::lamp::{Lamp, LampKind};
-use crate::scene::material::{Input, Material};
+use crate::scene::material::Material;
 use crate::scene::mesh::MeshDescription;
 use crate::scene::texture::Texture;
 use crate::scene::{SceneBuilder, world::World};
@@ -49,9 +49,7 @@ fn with_lamp(kind: LampKind) -> Lit {
 
 fn with_triangles(closed: bool) -> Lit {
     let mut builder = SceneBuilder::new();
-    let glowing =
-        Material { emission_color: Input::Constant(WATTS), emission_strength: 0.1, ..Material::default_grey() };
-    let m = builder.add_material(glowing).unwrap();
+    let m = builder.add_material(Material::diffuse("glow", Rgb::ONE, WATTS * 0.1));
     let mut triangles = vec![[0, 2, 1]];
     if closed {
         triangles.extend([[0, 1, 3], [1, 2, 3], [2, 0, 3]]);

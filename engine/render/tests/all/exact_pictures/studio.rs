@@ -8,7 +8,7 @@ use petzval_render::integrator::Stage;
 use petzval_render::job::{Job, Settings};
 use petzval_render::pipeline::Pipeline;
 use petzval_render::sampler::warp::Filter;
-use petzval_render::scene::material::{Input, Material};
+use petzval_render::scene::material::Material;
 use petzval_render::scene::{SceneBuilder, mesh::MeshDescription, world::World};
 use std::path::Path;
 use std::sync::Arc;
@@ -53,15 +53,10 @@ pub(crate) fn lamps(list: &[Lamp]) -> Arc<Stage> {
         triangles: vec![[0, 1, 2], [0, 2, 3]],
         ..Default::default()
     };
-    let glow = Material {
-        base_color: Input::Constant(Rgb::ZERO),
-        specular: false,
-        emission_strength: 1.0,
-        ..Material::default_grey()
-    };
+    let glow = Material::diffuse("glow", Rgb::ZERO, Rgb::ONE);
     let mut builder = SceneBuilder::new();
     let mesh = builder.add_mesh(square).unwrap();
-    let material = builder.add_material(glow).unwrap();
+    let material = builder.add_material(glow);
     for lamp in list {
         let place = DMat4::from_translation(lamp.at) * DMat4::from_scale(DVec3::splat(lamp.half_side));
         builder.add_instance("lamp", mesh, place, &[material], true, true).unwrap();

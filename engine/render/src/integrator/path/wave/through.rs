@@ -47,7 +47,7 @@ pub(super) enum Brought {
 
 /// Whether there is nothing at a point but the border of a volume.
 pub(super) fn is_only_volume(stage: &Stage, point: &SurfacePoint) -> bool {
-    stage.scene.materials[point.material as usize].graph.as_ref().is_some_and(|graph| graph.is_only_volume())
+    stage.scene.materials[point.material as usize].graph.is_only_volume()
 }
 
 impl Inside {
