@@ -38,11 +38,12 @@ test: ## everything: Rust, Python, bpy 5.2 and 4.5, the real Blender; sets up wh
 test-all: ## the same, and bpy 5.0 and 4.2 too
 	@tools/test.sh --all
 
-lint: .venv-tools ## formatting and lints of Rust and Python
+lint: .venv-tools setup build ## formatting and lints of Rust and Python, and types
 	cargo fmt --all --check
 	PYO3_PYTHON=$(CURDIR)/.venv-tools/bin/python cargo clippy --all-targets --workspace --locked -- -D warnings
 	.venv-tools/bin/ruff check
 	.venv-tools/bin/ruff format --check
+	$(dir $(PETZVAL))python -m pytest -q tests/test_types.py
 
 wheels: setup ## the wheel that is shipped, dist/petzval-*.whl, with every optimisation; docs/packaging.md has other machines
 	@tools/build-wheel.sh --release

@@ -52,6 +52,7 @@ fn _native(m: &Bound<'_, PyModule>) -> PyResult<()> {
     error::register(m)?;
     m.add_class::<lens::Lens>()?;
     m.add_class::<scene::SceneBuilder>()?;
+    m.add_class::<scene::SceneDraft>()?;
     m.add_class::<scene::Scene>()?;
     m.add_class::<job::Job>()?;
     m.add_class::<plan::Plan>()?;

@@ -59,7 +59,7 @@ def ladder(camera: Any, info: dict[str, Any], available: list[str], wishes: dict
     one = {"wavelength_nm": ONE_NM}
     full = {"wavelength_nm": None, "spectrum": "VISIBLE"}
 
-    def exact(key: str, name: str, changes: dict, effects: dict, pipeline: str = "AUTO") -> Rung:
+    def exact(key: str, name: str, changes: dict[str, Any], effects: dict[str, str], pipeline: str = "AUTO") -> Rung:
         return Rung(key, name, "camera", changes, {"pipeline": pipeline}, effects, FINEST)
 
     simple = _simple(camera, info)
