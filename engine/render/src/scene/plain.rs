@@ -34,7 +34,7 @@ pub struct Plain {
 pub struct PlainValues {
     /// Weight of the closure times its alpha, at least 0.
     pub weight: f32,
-    /// Albedo of the diffuse base and of metal, 0 to 1; its square root tints transmission.
+    /// Albedo of the diffuse base, at least 0. Limited to 1, the albedo of metal, and its square root tints transmission.
     pub base_color: Rgb,
     /// 0 dielectric to 1 metal.
     pub metallic: f32,
@@ -115,7 +115,7 @@ impl Plain {
         let number = |source: Source| finite(source).x.clamp(0.0, 1.0);
         PlainValues {
             weight: finite(self.weight).x.max(0.0) * number(self.alpha),
-            base_color: finite(self.base_color).clamp(Vec3A::ZERO, Vec3A::ONE).into(),
+            base_color: finite(self.base_color).max(Vec3A::ZERO).into(),
             metallic: number(self.metallic),
             roughness: number(self.roughness),
             transmission: number(self.transmission),

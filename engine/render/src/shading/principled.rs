@@ -149,6 +149,8 @@ impl Bsdf {
         let cos = wo.z.max(1e-4);
         let ggx = Ggx::from_roughness(values.roughness);
         let r = values.roughness;
+        // A diffuse base alone may be brighter than white, as in Cycles.
+        let base = values.base_color.min(Rgb::ONE);
         let dielectric = 1.0 - values.metallic;
         let opaque = dielectric * (1.0 - values.transmission);
         let has_coat = tables.is_coated && opaque > 0.0 && reflective;
@@ -162,7 +164,7 @@ impl Bsdf {
 
         let (mut metal, mut metal_weight, mut metal_chance) = (F82Tint::default(), Rgb::ZERO, 0.0);
         if values.metallic > 0.0 && reflective {
-            metal = F82Tint::new(values.base_color, Rgb::ONE);
+            metal = F82Tint::new(base, Rgb::ONE);
             metal_weight = restored(metal.average()) * values.metallic;
             metal_chance = luminance(metal.at(cos)) * values.metallic;
         }
@@ -170,7 +172,7 @@ impl Bsdf {
         let glass_chance = if reflective || refractive { dielectric * values.transmission } else { 0.0 };
         let (mut glass_weight, mut glass_tint) = (Rgb::ZERO, Rgb::ZERO);
         if glass_chance > 0.0 {
-            glass_tint = Rgb::from(values.base_color.to_array().map(f32::sqrt));
+            glass_tint = Rgb::from(base.to_array().map(f32::sqrt));
             // What passes is most of it.
             let restored = tables.boundary.as_ref().map_or(Rgb::ONE, |b| {
                 let table = &b[usize::from(backfacing)];
