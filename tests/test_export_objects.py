@@ -198,6 +198,7 @@ def test_a_lights_nodes_are_read_once(parts, blender, monkeypatch):
     light = blender.data.lights.new("Lamp", "POINT")
     light.use_nodes = True
     tree = parts.with_nodes(light)
+    tree.name = "Of the lamp"
     t = Tree(tree, tree.nodes.new("ShaderNodeOutputLight").inputs["Surface"])
     t.shows(t.node("Emission", Color=t.ramp(t.node("TexNoise").outputs[0])).outputs[0])
     for index in range(5):
