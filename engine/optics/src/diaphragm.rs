@@ -157,6 +157,21 @@ impl Diaphragm {
         self.curvature
     }
 
+    /// From the axis to the chord between two corners, in mm; of a round opening its radius.
+    pub fn apothem_mm(&self) -> f64 {
+        self.apothem_mm
+    }
+
+    /// Half of the inverse distance from the centre of a blade's arc to its chord, in 1/mm; 0 if the blades are straight.
+    pub fn bulge(&self) -> f64 {
+        self.bulge
+    }
+
+    /// Unit vectors from the centre to the middle of each blade's edge; empty if round.
+    pub fn sides(&self) -> &[[f64; 2]] {
+        &self.sides
+    }
+
     /// Of one curved blade: radius of its arc and signed place of its centre towards the side (mm), and half of the
     /// angle it spans (rad).
     fn arc(&self) -> (f64, f64, f64) {

@@ -18,12 +18,13 @@ use crate::system::{Element, System};
 use crate::vector::Vector;
 
 use gradient::{Gap, Gradients};
-use step::{Action, Passage, Step, is_far};
+use step::{Passage, is_far};
 
 pub use crate::surface::Failure;
 pub use bundle::{Bundle, Traced};
 pub use reflected::{Encounter, Incidence, Meeting, ReflectedTracer, Wanderer};
 pub use spectral::{LINES, Leaving, SpectralBundle, SpectralTracer};
+pub use step::{Action, Step};
 
 /// A ray in lens space, mm.
 #[derive(Clone, Copy, Debug, PartialEq)]
@@ -213,6 +214,29 @@ impl<R: Real> Tracer<R> {
         self.from_scene.steps.len()
     }
 
+    /// The surfaces in the order in which rays that go `travel` come to them. With [`Self::enter`], [`Self::leave`] and
+    /// [`System::diaphragm`] this is all that a tracer on another processor needs of a lens without gradients.
+    pub fn steps(&self, travel: Travel) -> &[Step<R>] {
+        &self.way(travel).steps
+    }
+
+    /// True if the index of some medium changes from place to place.
+    pub fn has_gradients(&self) -> bool {
+        !self.from_scene.gradients.is_empty()
+    }
+
+    /// The point of `ray` nearest to the vertex of the first surface on the way, seen from there, in mm, and its direction: what
+    /// enters the first of [`Self::steps`].
+    pub fn enter(&self, travel: Travel, ray: Ray) -> (DVec3, DVec3) {
+        (self.way(travel).nearest(ray), ray.direction)
+    }
+
+    /// The ray in lens space whose point and direction, the one seen from the vertex of the last surface on the way, in mm, are
+    /// what the last of [`Self::steps`] left.
+    pub fn leave(&self, travel: Travel, point: DVec3, direction: DVec3) -> Ray {
+        self.way(travel).leave(point, direction)
+    }
+
     /// From the scene to the film: the ray that leaves the last surface, its origin on that surface.
     #[inline(never)]
     pub fn from_scene(&self, ray: Ray) -> Result<Ray, Lost> {
@@ -316,10 +340,15 @@ impl<R: Real> Way<R> {
     /// so that a source far away keeps its digits.
     #[inline(always)]
     fn enter(&self, ray: Ray) -> (Vector<R>, Vector<R>) {
+        (Vector::from_f64(self.nearest(ray)), Vector::from_f64(ray.direction))
+    }
+
+    /// The point of the ray nearest to the first vertex on the way, seen from there.
+    #[inline(always)]
+    fn nearest(&self, ray: Ray) -> DVec3 {
         let mut origin = ray.origin;
         origin.z -= self.start_z;
-        let near = origin - ray.direction * origin.dot(ray.direction);
-        (Vector::from_f64(near), Vector::from_f64(ray.direction))
+        origin - ray.direction * origin.dot(ray.direction)
     }
 
     /// The ray in lens space that leaves the last surface on the way at `p` of its vertex.

@@ -1,0 +1,107 @@
+// SPDX-License-Identifier: GPL-3.0-or-later
+// The tracer of any lens: surfaces are read from memory. A shader that is written for one lens has this part in other words.
+
+fn form_any(s: u32) -> Form {
+    return Form(steps[s].curvature, steps[s].conic, steps[s].across, steps[s].shape == 2u);
+}
+
+/// Beyond the rim of the conicoid the sag goes on as c u, so that an iteration may look there and come back.
+fn profile_any(s: u32, u: real) -> Profile {
+    let c = steps[s].curvature;
+    let k = steps[s].conic;
+    let even = steps[s].terms;
+    let odd = even + steps[s].even;
+    let end = odd + steps[s].odd;
+    let weight = sqrt(max(-(u * ((1.0 + k) * c * c) - 1.0), real(0.0)));
+    let base = u * c / (weight + 1.0);
+    var value: real = 0.0;
+    var change: real = 0.0;
+    for (var i = odd; i > even; i = i - 1u) {
+        change = change * u + value;
+        value = value * u + numbers[i - 1u];
+    }
+    var polynomial = value * u;
+    var slope = value + change * u;
+    if (end > odd) {
+        value = real(0.0);
+        change = real(0.0);
+        for (var i = end; i > odd; i = i - 1u) {
+            change = change * u + value;
+            value = value * u + numbers[i - 1u];
+        }
+        let radius = sqrt(u);
+        polynomial = polynomial + radius * u * value;
+        slope = slope + radius * (value * 1.5 + change * u);
+    }
+    return Profile(base + polynomial, weight, (slope + slope) * weight + c);
+}
+
+/// True if the point lies in the diaphragm's opening. Of `numbers` 0 to 5 are the square of its radius, the square of the
+/// apothem, the apothem, the bulge of its blades, and slope and bound of curved blades; the blades follow from 6 on.
+fn is_open(x: real, y: real, squared: real) -> bool {
+    var open = squared <= numbers[0];
+    if (job.blades == 0u || squared <= numbers[1]) {
+        return open;
+    }
+    for (var i = 0u; i < job.blades; i = i + 1u) {
+        let along = x * numbers[6u + 2u * i] + y * numbers[7u + 2u * i];
+        if (job.is_curved != 0u) {
+            open = open && squared * numbers[3] + along * numbers[4] <= numbers[5];
+        } else {
+            open = open && along <= numbers[2];
+        }
+    }
+    return open;
+}
+
+fn axis(s: u32, i: u32) -> vec3<real> {
+    let at = steps[s].pose + 3u * i;
+    return vec3<real>(numbers[at], numbers[at + 1u], numbers[at + 2u]);
+}
+
+fn trace_lens(start: vec3<real>, along: vec3<real>, wavelength: u32) -> Flight {
+    var p = start;
+    var d = along;
+    for (var s = 0u; s < job.steps; s = s + 1u) {
+        p.z = p.z + steps[s].to_here;
+        let flags = steps[s].flags;
+        let is_posed = (flags & IS_POSED) != 0u;
+        if (is_posed) {
+            let q = p - axis(s, 3u);
+            p = vec3<real>(dot(q, axis(s, 0u)), dot(q, axis(s, 1u)), dot(q, axis(s, 2u)));
+            d = vec3<real>(dot(d, axis(s, 0u)), dot(d, axis(s, 1u)), dot(d, axis(s, 2u)));
+        }
+        if ((flags & IS_FAR) != 0u) {
+            p = carried(p, d);
+        }
+        let side = steps[s].side;
+        var at: Crossing;
+        if (steps[s].shape == 0u) {
+            at = meet_conic(steps[s].curvature, steps[s].conic, p, d, side);
+        } else {
+            at = meet_iterated_any(s, p, d, side);
+        }
+        let i = 2u * (s * job.wavelengths + wavelength);
+        let passage = act(
+            d,
+            at,
+            side,
+            steps[s].clear_squared,
+            steps[s].obstruction_squared,
+            (flags & IS_STOP) != 0u,
+            steps[s].action,
+            interfaces[i],
+            interfaces[i + 1u],
+        );
+        p = passage.point;
+        d = passage.direction;
+        if (passage.reason != THROUGH) {
+            return Flight(p, d, (steps[s].surface << 3u) | passage.reason);
+        }
+        if (is_posed) {
+            p = axis(s, 0u) * p.x + axis(s, 1u) * p.y + axis(s, 2u) * p.z + axis(s, 3u);
+            d = axis(s, 0u) * d.x + axis(s, 1u) * d.y + axis(s, 2u) * d.z;
+        }
+    }
+    return Flight(p, d, 0u);
+}
