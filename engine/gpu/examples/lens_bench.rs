@@ -36,14 +36,8 @@ struct Options {
 
 fn options() -> Result<Options, String> {
     let folder = Path::new(env!("CARGO_MANIFEST_DIR")).join("../../lenses");
-    let mut found = Options {
-        device: Choice::Any,
-        lenses: Vec::new(),
-        seconds: 0.3,
-        is_quick: false,
-        if_any: false,
-        out: None,
-    };
+    let mut found =
+        Options { device: Choice::Any, lenses: Vec::new(), seconds: 0.3, is_quick: false, if_any: false, out: None };
     let mut words = std::env::args().skip(1);
     while let Some(word) = words.next() {
         let mut value = || words.next().ok_or(format!("{word} needs a value"));

@@ -169,7 +169,7 @@ impl Gpu {
             .map_err(|error| GpuError::Refused { device: info.name.clone(), why: one_line(&error.to_string()) })?;
         let faults = Arc::new(Faults::default());
         let noted = faults.clone();
-        device.on_uncaptured_error(Arc::new(move |error| {
+        device.on_uncaptured_error(Arc::new(move |error: wgpu::Error| {
             noted.note(match error {
                 wgpu::Error::OutOfMemory { .. } => Fault::OutOfMemory,
                 other => Fault::Rejected(one_line(&other.to_string())),

@@ -12,7 +12,9 @@ pub enum GpuError {
     )]
     NoDevice,
     /// Only drivers that run on the processor were found.
-    #[error("no graphics device: {known} runs on the processor; install the driver of the graphics card, or choose cpu")]
+    #[error(
+        "no graphics device: {known} runs on the processor; install the driver of the graphics card, or choose cpu"
+    )]
     OnlySoftware {
         /// The drivers that were found.
         known: String,

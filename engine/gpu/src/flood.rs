@@ -160,8 +160,7 @@ impl<N: Number> Flood<N> {
         self.gpu.queue.submit([]);
         self.gpu.wait()?;
         let clock = self.gpu.has_timestamps().then(|| {
-            let description =
-                wgpu::QuerySetDescriptor { label: None, ty: wgpu::QueryType::Timestamp, count: 2 };
+            let description = wgpu::QuerySetDescriptor { label: None, ty: wgpu::QueryType::Timestamp, count: 2 };
             device.create_query_set(&description)
         });
         let times = self.gpu.buffer("times", 256, wgpu::BufferUsages::QUERY_RESOLVE | wgpu::BufferUsages::COPY_SRC)?;

@@ -114,9 +114,7 @@ impl Loaded {
     ) -> Result<wgpu::BindGroup, GpuError> {
         let job = gpu.filled("a job", bytemuck::bytes_of(job), wgpu::BufferUsages::UNIFORM)?;
         let all = self.buffers.iter().chain([&job, rays]).chain(sums);
-        let entry = |(binding, buffer): (usize, &wgpu::Buffer)| {
-            (binding as u32, buffer.clone())
-        };
+        let entry = |(binding, buffer): (usize, &wgpu::Buffer)| (binding as u32, buffer.clone());
         let bound: Vec<(u32, wgpu::Buffer)> = all.enumerate().map(entry).collect();
         let entries: Vec<_> = bound
             .iter()
@@ -213,7 +211,8 @@ impl<N: Number> LensKernel<N> {
 
     /// What the bytes of a traced ray say.
     fn result(&self, ray: &[u8], is_number: bool) -> Result<Ray, Lost> {
-        let number = |i: usize| bytemuck::pod_read_unaligned::<N>(&ray[i * size_of::<N>()..][..size_of::<N>()]).to_f64();
+        let number =
+            |i: usize| bytemuck::pod_read_unaligned::<N>(&ray[i * size_of::<N>()..][..size_of::<N>()]).to_f64();
         let word = bytemuck::pod_read_unaligned::<u32>(&ray[6 * size_of::<N>()..][..4]);
         if !is_number {
             let surface = if self.lens.travel == Travel::FromScene { 0 } else { self.lens.stages.len() - 1 };

@@ -74,7 +74,8 @@ fn written<N: Number>(lens: &LensTable) -> String {
         let fate = stage.surface << 3;
         writeln!(text, "    at = pass_{s}(at.point, at.direction, wavelength);").unwrap_or_default();
         text += "    if (at.reason != THROUGH) {\n";
-        writeln!(text, "        return Flight(at.point, at.direction, {fate}u | at.reason);\n    }}").unwrap_or_default();
+        writeln!(text, "        return Flight(at.point, at.direction, {fate}u | at.reason);\n    }}")
+            .unwrap_or_default();
     }
     text + "    return Flight(at.point, at.direction, 0u);\n}\n"
 }
@@ -105,8 +106,7 @@ fn profile<N: Number>(s: usize, stage: &Stage) -> String {
     let number = |x: f64| exact::<N>(x);
     let (c, k, across) = (number(stage.curvature), number(stage.conic), number(stage.across));
     let is_toroid = stage.form == Form::Toroid;
-    let mut text =
-        format!("fn form_{s}(s: u32) -> Form {{\n    return Form({c}, {k}, {across}, {is_toroid});\n}}\n");
+    let mut text = format!("fn form_{s}(s: u32) -> Form {{\n    return Form({c}, {k}, {across}, {is_toroid});\n}}\n");
     text += &format!("fn profile_{s}(s: u32, u: real) -> Profile {{\n");
     text += &format!("    let c: real = {c};\n    let k: real = {k};\n");
     text += "    let weight = sqrt(max(-(u * ((1.0 + k) * c * c) - 1.0), real(0.0)));\n";
@@ -165,7 +165,8 @@ fn pass<N: Number>(s: usize, stage: &Stage, wavelengths: usize) -> String {
     };
     let (clear, obstruction) = (number(stage.clear_squared), number(stage.obstruction_squared));
     let is_stop = stage.is_stop;
-    text += &format!("    var passage = act(d, at, {side}, {clear}, {obstruction}, {is_stop}, {action}, {interface});\n");
+    text +=
+        &format!("    var passage = act(d, at, {side}, {clear}, {obstruction}, {is_stop}, {action}, {interface});\n");
     if let Some([x, y, z, vertex]) = stage.pose {
         let (x, y, z, vertex) = (vector(x), vector(y), vector(z), vector(vertex));
         for (v, moved) in [("point", format!(" + {vertex}")), ("direction", String::new())] {

@@ -130,10 +130,7 @@ fn compare<N: Number>(system: &System, travel: Travel, rays: &[LineRay], results
         let allowed = sensitivity::<N>(tracer, travel, ray, truth);
         let allowed = [allowed[0] + epsilon * size, allowed[1] + epsilon];
         let errors = |out: &Ray| {
-            [
-                (out.origin - truth.origin).length() / allowed[0],
-                (out.direction - truth.direction).length() / allowed[1],
-            ]
+            [(out.origin - truth.origin).length() / allowed[0], (out.direction - truth.direction).length() / allowed[1]]
         };
         for (which, error) in errors(result).into_iter().enumerate() {
             report.device[which] = report.device[which].max(error);
@@ -213,7 +210,14 @@ fn every_lens<N: Number>(styles: &[Style], least: f64) {
                 let mean = [report.device_squares, report.cpu_squares].map(|sum| Report::mean(sum, report.passed));
                 println!(
                     "{:34} {travel:?} {style:?}: {} of {} pass, {} other fates; worst {:.1?} beside {:.1?}, mean {:.2?} beside {:.2?}",
-                    name(path), report.passed, report.rays, report.other_fate, report.device, report.cpu, mean[0], mean[1]
+                    name(path),
+                    report.passed,
+                    report.rays,
+                    report.other_fate,
+                    report.device,
+                    report.cpu,
+                    mean[0],
+                    mean[1]
                 );
                 if let Some(fault) = fault(&report, least) {
                     faults.push(format!("{} {travel:?} {style:?}: {fault}", name(path)));

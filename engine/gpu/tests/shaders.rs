@@ -13,7 +13,8 @@ use petzval_optics::system::SystemSettings;
 use petzval_optics::trace::Travel;
 
 fn validate(what: &str, text: &str, capabilities: Capabilities) {
-    let module = naga::front::wgsl::parse_str(text).unwrap_or_else(|error| panic!("{what}: {}", error.emit_to_string(text)));
+    let module =
+        naga::front::wgsl::parse_str(text).unwrap_or_else(|error| panic!("{what}: {}", error.emit_to_string(text)));
     let mut validator = Validator::new(ValidationFlags::all(), capabilities);
     validator.validate(&module).unwrap_or_else(|error| panic!("{what}: {}", error.emit_to_string(text)));
 }
