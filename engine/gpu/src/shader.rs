@@ -131,8 +131,8 @@ fn pass<N: Number>(s: usize, stage: &Stage, wavelengths: usize) -> String {
     let number = |x: f64| exact::<N>(x);
     let vector = |[x, y, z]: [f64; 3]| format!("vec3<real>({}, {}, {})", number(x), number(y), number(z));
     let side = number(stage.side);
-    let mut text = format!("fn pass_{s}(from: vec3<real>, along: vec3<real>, wavelength: u32) -> Passage {{\n");
-    text += "    var p = from;\n    var d = along;\n";
+    let mut text = format!("fn pass_{s}(start: vec3<real>, along: vec3<real>, wavelength: u32) -> Passage {{\n");
+    text += "    var p = start;\n    var d = along;\n";
     text += &format!("    p.z = p.z + {};\n", number(stage.to_here));
     if let Some([x, y, z, vertex]) = stage.pose {
         let (x, y, z) = (vector(x), vector(y), vector(z));

@@ -1,9 +1,7 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
 //! Every shader is valid WGSL, in both kinds of numbers, for every lens of the library. No device is needed.
 
-mod common;
-
-use common::{lens_paths, system};
+use crate::common::{lens_paths, system};
 use naga::valid::{Capabilities, ValidationFlags, Validator};
 use petzval_gpu::error::CpuOnly;
 use petzval_gpu::lens::LensTable;

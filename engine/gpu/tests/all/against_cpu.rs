@@ -5,11 +5,9 @@
 //! the ray that enters moves by a unit in its last place. The device may be off by twice what the CPU's f32 is off. A ray that is lost
 //! otherwise than in f64 must be so near to an edge that some roundings of the ray that enters decide.
 
-mod common;
-
 use std::path::Path;
 
-use common::{gpu, lens_paths, random, rays, shipped, system};
+use crate::common::{gpu, lens_paths, random, rays, shipped, system};
 use glam::DVec3;
 use petzval_gpu::device::Gpu;
 use petzval_gpu::error::CpuOnly;

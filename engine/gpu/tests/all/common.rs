@@ -1,8 +1,6 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
 //! The lens library and rays for it.
 
-#![allow(dead_code)]
-
 use std::path::{Path, PathBuf};
 
 use glam::DVec3;
@@ -14,12 +12,12 @@ use petzval_optics::system::{System, SystemSettings};
 use petzval_optics::trace::{Ray, Travel};
 
 /// The folder of the library: that of the repository, or where this program runs without one, what PETZVAL_LENSES says.
-pub fn lens_folder() -> PathBuf {
+pub(crate) fn lens_folder() -> PathBuf {
     std::env::var_os("PETZVAL_LENSES")
         .map_or_else(|| Path::new(env!("CARGO_MANIFEST_DIR")).join("../../lenses"), PathBuf::from)
 }
 
-pub fn lens_paths() -> Vec<PathBuf> {
+pub(crate) fn lens_paths() -> Vec<PathBuf> {
     let files = std::fs::read_dir(lens_folder()).expect("the lens library is there");
     let mut paths: Vec<PathBuf> = files.filter_map(|file| Some(file.ok()?.path())).collect();
     paths.retain(|path| path.extension().is_some_and(|end| end == "lens"));
@@ -27,17 +25,17 @@ pub fn lens_paths() -> Vec<PathBuf> {
     paths
 }
 
-pub fn system(path: &Path, settings: &SystemSettings) -> System {
+pub(crate) fn system(path: &Path, settings: &SystemSettings) -> System {
     let prescription = lens::read(path, Catalogue::shipped()).unwrap_or_else(|error| panic!("{error}"));
     System::new(&prescription, settings).unwrap_or_else(|error| panic!("{}: {error}", path.display()))
 }
 
-pub fn shipped(name: &str) -> System {
+pub(crate) fn shipped(name: &str) -> System {
     system(&lens_folder().join(format!("{name}.lens")), &SystemSettings::default())
 }
 
 /// The device that PETZVAL_GPU names, or any; `None`, and a line, where there is none.
-pub fn gpu() -> Option<Gpu> {
+pub(crate) fn gpu() -> Option<Gpu> {
     let asked = std::env::var("PETZVAL_GPU").unwrap_or_else(|_| "any".to_owned());
     let choice: Choice = asked.parse().expect("every word is a choice");
     match Gpu::open(&choice) {
@@ -51,7 +49,7 @@ pub fn gpu() -> Option<Gpu> {
 }
 
 /// A number in [0, 1), one for each pair of numbers.
-pub fn random(i: u32, axis: u32) -> f64 {
+pub(crate) fn random(i: u32, axis: u32) -> f64 {
     let mut state = (u64::from(i) << 32 | u64::from(axis)).wrapping_add(0x9E37_79B9_7F4A_7C15);
     for factor in [0xBF58_476D_1CE4_E5B9u64, 0x94D0_49BB_1331_11EB] {
         state = (state ^ (state >> 30)).wrapping_mul(factor);
@@ -68,7 +66,7 @@ fn in_disc(i: u32, axis: u32) -> [f64; 2] {
 }
 
 /// Rays over the aperture of the surface that they meet first, a twentieth beyond its rim, and over the field.
-pub fn rays(system: &System, travel: Travel, count: u32) -> Vec<Ray> {
+pub(crate) fn rays(system: &System, travel: Travel, count: u32) -> Vec<Ray> {
     let surfaces = system.surfaces();
     let field = system.half_field_deg().unwrap_or(15.0).min(50.0).to_radians().tan();
     let efl = Paraxial::new(system, line_nm::D).efl_mm.map_or(50.0, f64::abs);
