@@ -65,27 +65,35 @@ fn in_disc(i: u32, axis: u32) -> [f64; 2] {
     [out * cos, out * sin]
 }
 
-/// Rays over the aperture of the surface that they meet first, a twentieth beyond its rim, and over the field.
+/// Rays over the field, and over the aperture: every other one over that of the surface that it meets first, the rest over the pupil as
+/// it is seen from the axis, a twentieth beyond the rims.
 pub(crate) fn rays(system: &System, travel: Travel, count: u32) -> Vec<Ray> {
-    let surfaces = system.surfaces();
+    let info = Paraxial::new(system, line_nm::D);
     let field = system.half_field_deg().unwrap_or(15.0).min(50.0).to_radians().tan();
-    let efl = Paraxial::new(system, line_nm::D).efl_mm.map_or(50.0, f64::abs);
+    let efl = info.efl_mm.map_or(50.0, f64::abs);
+    let (pupil, z, semi) = match travel {
+        Travel::FromScene => (info.entrance_pupil, 0.0, system.surfaces()[0].semi_diameter_mm),
+        Travel::FromFilm => (info.exit_pupil, system.last_vertex_z_mm(), system.rear_radius_mm()),
+    };
     let ray = |i: u32| {
-        let [[x, y], [u, v]] = [in_disc(i, 0), in_disc(i, 2)];
+        let [[x, y], [u, v]] = [in_disc(i, 0), in_disc(i, 2)].map(|point| point.map(|x| 1.05 * x));
+        let target = match (i % 2, pupil.z_mm, pupil.diameter_mm) {
+            (0, Some(z), Some(diameter)) => DVec3::new(0.5 * x * diameter, 0.5 * y * diameter, z),
+            _ => DVec3::new(x * semi, y * semi, z),
+        };
+        // More of them near the axis.
+        let field = field * random(i, 4);
         match travel {
             Travel::FromScene => {
-                let semi = 1.05 * surfaces[0].semi_diameter_mm;
                 let direction = DVec3::new(u * field, v * field, 1.0).normalize();
-                let at = DVec3::new(x * semi, y * semi, 0.0);
-                Ray { origin: at - direction * (500.0 + 10.0 * efl), direction }
+                Ray { origin: target - direction * (500.0 + 10.0 * efl), direction }
             }
             Travel::FromFilm => {
-                let semi = 1.05 * system.rear_radius_mm();
-                let last_z = system.last_vertex_z_mm();
                 let half = efl * field;
                 let origin = DVec3::new(u * half, v * half, system.film_z_published_mm());
-                let target = DVec3::new(x * semi, y * semi, last_z);
-                Ray { origin, direction: (target - origin).normalize() }
+                let direction = (target - origin).normalize();
+                // The pupil may lie behind the film.
+                Ray { origin, direction: direction * (direction.z * (z - origin.z)).signum() }
             }
         }
     };
