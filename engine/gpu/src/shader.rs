@@ -109,8 +109,8 @@ fn profile<N: Number>(s: usize, stage: &Stage) -> String {
     let mut text = format!("fn form_{s}(s: u32) -> Form {{\n    return Form({c}, {k}, {across}, {is_toroid});\n}}\n");
     text += &format!("fn profile_{s}(s: u32, u: real) -> Profile {{\n");
     text += &format!("    let c: real = {c};\n    let k: real = {k};\n");
-    text += "    let weight = sqrt(max(-(u * ((1.0 + k) * c * c) - 1.0), real(0.0)));\n";
-    text += "    let base = u * c / (weight + 1.0);\n    var value: real = 0.0;\n    var change: real = 0.0;\n";
+    text += "    let weight = root(max(-(u * ((1.0 + k) * c * c) - 1.0), real(0.0)));\n";
+    text += "    let base = quotient(u * c, weight + 1.0);\n    var value: real = 0.0;\n    var change: real = 0.0;\n";
     let horner = |terms: &[f64]| -> String {
         let step = |a: &f64| format!("    change = change * u + value;\n    value = value * u + {};\n", number(*a));
         terms.iter().rev().map(step).collect()
@@ -120,7 +120,7 @@ fn profile<N: Number>(s: usize, stage: &Stage) -> String {
     if !stage.odd.is_empty() {
         text += "    value = real(0.0);\n    change = real(0.0);\n";
         text += &horner(&stage.odd);
-        text += "    let radius = sqrt(u);\n    polynomial = polynomial + radius * u * value;\n";
+        text += "    let radius = root(u);\n    polynomial = polynomial + radius * u * value;\n";
         text += "    slope = slope + radius * (value * 1.5 + change * u);\n";
     }
     text + "    return Profile(base + polynomial, weight, (slope + slope) * weight + c);\n}\n"

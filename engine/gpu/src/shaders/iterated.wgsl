@@ -70,11 +70,11 @@ fn hit_of_quadric_any(s: u32, p: vec3<real>, d: vec3<real>, side: real) -> real 
     if (!(q >= 0.0)) {
         return real(0.0);
     }
-    let under = sqrt(q) * side - b;
+    let under = root(q) * side - b;
     if (!(abs(c) < abs(under) * (LARGEST * EPSILON))) {
         return real(0.0);
     }
-    return c / under;
+    return quotient(c, under);
 }
 
 /// Where a ray meets an asphere, a cylinder or a toroid.
@@ -91,7 +91,7 @@ fn meet_iterated_any(s: u32, p: vec3<real>, d: vec3<real>, side: real) -> Crossi
         }
         is_base_wrong_sheet = base.reason == WRONG_SHEET;
     }
-    let half_size = sqrt(dot(p, p)) + abs(start);
+    let half_size = root(dot(p, p)) + abs(start);
     let size = half_size + half_size;
     var low = -LARGEST;
     var high = LARGEST;
@@ -111,7 +111,7 @@ fn meet_iterated_any(s: u32, p: vec3<real>, d: vec3<real>, side: real) -> Crossi
         // A slope of 0 takes the longest step.
         var newton = select(-LARGEST, LARGEST, is_below);
         if (abs(value) < steepness * (LARGEST * EPSILON)) {
-            newton = -value / steepness;
+            newton = quotient(-value, steepness);
         }
         let bounded = select(select(-longest, longest, is_below), newton, abs(newton) < longest);
         longest = longest + longest;

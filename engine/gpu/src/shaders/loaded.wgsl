@@ -12,8 +12,8 @@ fn profile_any(s: u32, u: real) -> Profile {
     let even = steps[s].terms;
     let odd = even + steps[s].even;
     let end = odd + steps[s].odd;
-    let weight = sqrt(max(-(u * ((1.0 + k) * c * c) - 1.0), real(0.0)));
-    let base = u * c / (weight + 1.0);
+    let weight = root(max(-(u * ((1.0 + k) * c * c) - 1.0), real(0.0)));
+    let base = quotient(u * c, weight + 1.0);
     var value: real = 0.0;
     var change: real = 0.0;
     for (var i = odd; i > even; i = i - 1u) {
@@ -29,7 +29,7 @@ fn profile_any(s: u32, u: real) -> Profile {
             change = change * u + value;
             value = value * u + numbers[i - 1u];
         }
-        let radius = sqrt(u);
+        let radius = root(u);
         polynomial = polynomial + radius * u * value;
         slope = slope + radius * (value * 1.5 + change * u);
     }

@@ -12,3 +12,11 @@ const LARGEST: real = 3.4028234663852886e38;
 fn leading(x: real) -> real {
     return bitcast<f32>(bitcast<u32>(x) & 0xfffff000u);
 }
+
+fn root(x: real) -> real {
+    return sqrt(x);
+}
+
+fn quotient(a: real, b: real) -> real {
+    return a / b;
+}

@@ -12,3 +12,11 @@ const LARGEST: real = 1.7976931348623157e308;
 fn leading(x: real) -> real {
     return f64(f32(x));
 }
+
+fn root(x: real) -> real {
+    return sqrt(x);
+}
+
+fn quotient(a: real, b: real) -> real {
+    return a / b;
+}

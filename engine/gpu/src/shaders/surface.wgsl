@@ -90,7 +90,7 @@ fn meet_conic(c: real, k: real, p: vec3<real>, d: vec3<real>, side: real) -> Cro
     var under: real = 1.0;
     var cosine: real = 0.0;
     if (q > b_squared * CANCELLED && b * side < 0.0) {
-        cosine = sqrt(q);
+        cosine = root(q);
         under = cosine * side - b;
     } else {
         // Products or terms may cancel.
@@ -100,7 +100,7 @@ fn meet_conic(c: real, k: real, p: vec3<real>, d: vec3<real>, side: real) -> Cro
         if (!(q >= 0.0)) {
             return no_crossing(p, d, MISSED);
         }
-        cosine = sqrt(q);
+        cosine = root(q);
         let root = cosine * side;
         // Where q is 0, perhaps because it is too small a number, C and B may be rounding alone: B / A is not.
         if (b * side < 0.0 && q > 0.0) {
@@ -114,7 +114,7 @@ fn meet_conic(c: real, k: real, p: vec3<real>, d: vec3<real>, side: real) -> Cro
     if (!(abs(over) < abs(under) * (LARGEST * EPSILON))) {
         return no_crossing(p, d, MISSED);
     }
-    let t = over / under;
+    let t = quotient(over, under);
     let point = p + d * t;
     let normal = vec3<real>(point.x * -c, point.y * -c, -(point.z * (c + k * c) - 1.0));
     var normal_squared: real = 1.0;
@@ -139,17 +139,17 @@ fn polished(c: real, k: real, at: Crossing, p: vec3<real>, d: vec3<real>, side: 
     if (at.reason != THROUGH || !(w_squared > FAR_FROM_THE_END)) {
         return at;
     }
-    let w = sqrt(w_squared);
+    let w = root(w_squared);
     let normal = vec3<real>(at.point.x * -c, at.point.y * -c, w);
     let slope = dot(normal, d);
     if (!(slope * slope > dot(normal, normal) * GRAZING)) {
         return at;
     }
-    let sag = (at.point.x * at.point.x + at.point.y * at.point.y) * c / (w + 1.0);
-    let t = at.t - (at.point.z - sag) * w / slope;
+    let sag = quotient((at.point.x * at.point.x + at.point.y * at.point.y) * c, w + 1.0);
+    let t = at.t - quotient((at.point.z - sag) * w, slope);
     let on_ray = p + d * t;
-    let new_w = sqrt(max(end_squared(c, k, on_ray), real(0.0)));
-    let new_sag = (on_ray.x * on_ray.x + on_ray.y * on_ray.y) * c / (new_w + 1.0);
+    let new_w = root(max(end_squared(c, k, on_ray), real(0.0)));
+    let new_sag = quotient((on_ray.x * on_ray.x + on_ray.y * on_ray.y) * c, new_w + 1.0);
     let point = vec3<real>(on_ray.x, on_ray.y, new_sag);
     let new_normal = vec3<real>(point.x * -c, point.y * -c, new_w);
     let cosine = dot(new_normal, d) * side;
@@ -194,17 +194,17 @@ fn act(
         var radicand = incident_squared - at.normal_squared * excess;
         // Into the denser medium nothing is critical.
         if (excess > 0.0 && radicand < incident_squared * NEAR_CRITICAL) {
-            let critical = sqrt(at.normal_squared * excess);
+            let critical = root(at.normal_squared * excess);
             radicand = (incident - critical) * (incident + critical);
         }
         if (!(radicand >= 0.0)) {
             return Passage(at.point, d, TOTAL_INTERNAL_REFLECTION);
         }
-        let bend = excess * side / max(sqrt(radicand) + incident, real(1e-30));
+        let bend = quotient(excess * side, max(root(radicand) + incident, real(1e-30)));
         return Passage(at.point, d * ratio - at.normal * bend, THROUGH);
     }
     if (action == REFLECT) {
-        let twice = at.cosine * (side + side) / at.normal_squared;
+        let twice = quotient(at.cosine * (side + side), at.normal_squared);
         return Passage(at.point, d - at.normal * twice, THROUGH);
     }
     return Passage(at.point, d, THROUGH);

@@ -345,7 +345,7 @@ fn a_broken_shader_is_seen() {
         ("an odd power", 3, "value * 1.5", "value * 1.4"),
         ("a toroid", 4, "let half = 0.5 * c;", "let half = 0.5001 * c;"),
         ("the critical angle", 5, "radicand = (incident - critical) * (incident + critical);", "radicand = -1.0;"),
-        ("a mirror", 5, "let twice = at.cosine * (side + side)", "let twice = at.cosine * side"),
+        ("a mirror", 5, "quotient(at.cosine * (side + side)", "quotient(at.cosine * side"),
     ];
     let travel = Travel::FromScene;
     for (what, lens, good, bad) in broken {
