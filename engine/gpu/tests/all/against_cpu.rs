@@ -157,24 +157,47 @@ fn report_of<N: Number>(gpu: &Gpu, system: &System, travel: Travel, style: Style
     let rays = line_rays(system, travel, RAYS);
     let kernel = LensKernel::<N>::new(gpu, &lens, style).unwrap_or_else(|error| panic!("{error}"));
     let results = kernel.trace(&rays).unwrap_or_else(|error| panic!("{error}"));
-    compare::<N>(system, travel, &rays, &results)
+    let report = compare::<N>(system, travel, &rays, &results);
+    if N::NAME == "f32" {
+        return report;
+    }
+    // The CPU's f64 is the truth here, so its own errors are 0: those of its f32 stand for them.
+    let Report { cpu, cpu_squares, .. } = compare::<f32>(system, travel, &rays, &results);
+    Report { cpu, cpu_squares, ..report }
 }
 
+/// How many times the CPU's error a device may be off.
+#[derive(Clone, Copy)]
+struct Allowed {
+    worst: f64,
+    mean: f64,
+}
+
+/// What the device's f32 is allowed beside the CPU's.
+const SINGLE: Allowed = Allowed { worst: 2.0, mean: 2.0 };
+/// What the difference of the device's f64 from the CPU's is allowed beside the CPU's f32, each in its own units. There is no truth
+/// beyond f64 here: both have errors, and their worst are not of the same rays.
+const DOUBLE: Allowed = Allowed { worst: 6.0, mean: 3.0 };
+/// Errors below this many units are as good as rounded arithmetic gets, whichever of two is smaller.
+const LEAST: f64 = 2.0;
+
 /// Why the device is not as good as it must be.
-fn fault(report: &Report, least: f64) -> Option<String> {
+fn fault(report: &Report, allowed: Allowed) -> Option<String> {
     let Report { rays, passed, device, cpu, other_fate, unexplained, .. } = *report;
     let [device_mean, cpu_mean] = [report.device_squares, report.cpu_squares].map(|sum| Report::mean(sum, passed));
-    let is_off = |device: [f64; 2], cpu: [f64; 2]| device.iter().zip(cpu).any(|(d, c)| !(*d <= 2.0 * c.max(least)));
+    let is_off = |device: [f64; 2], cpu: [f64; 2], times: f64, least: f64| {
+        device.iter().zip(cpu).any(|(d, c)| d.is_nan() || *d > times * c.max(least))
+    };
     if unexplained > 0 {
         return Some(format!("{unexplained} of {rays} rays have a fate that no rounding explains"));
     }
     if other_fate * 100 > rays {
         return Some(format!("{other_fate} of {rays} rays have another fate"));
     }
-    if is_off(device, cpu) {
+    if is_off(device, cpu, allowed.worst, LEAST) {
         return Some(format!("worst errors {device:.1?} beside {cpu:.1?}"));
     }
-    if is_off(device_mean, cpu_mean) {
+    if is_off(device_mean, cpu_mean, allowed.mean, 0.25 * LEAST) {
         return Some(format!("mean errors {device_mean:.2?} beside {cpu_mean:.2?}"));
     }
     None
@@ -190,7 +213,7 @@ fn name(path: &Path) -> String {
     path.file_stem().map_or_else(String::new, |name| name.to_string_lossy().into_owned())
 }
 
-fn every_lens<N: Number>(styles: &[Style], least: f64) {
+fn every_lens<N: Number>(styles: &[Style], allowed: Allowed) {
     let Some(gpu) = gpu() else { return };
     if !gpu.has::<N>() {
         println!("skipped: {} does not compute in {}", gpu.info().name, N::NAME);
@@ -220,7 +243,7 @@ fn every_lens<N: Number>(styles: &[Style], least: f64) {
                     mean[0],
                     mean[1]
                 );
-                if let Some(fault) = fault(&report, least) {
+                if let Some(fault) = fault(&report, allowed) {
                     faults.push(format!("{} {travel:?} {style:?}: {fault}", name(path)));
                 }
                 all.rays += report.rays;
@@ -239,18 +262,14 @@ fn every_lens<N: Number>(styles: &[Style], least: f64) {
     assert!(lenses > 50 && all.passed * 4 > all.rays, "{lenses} lenses, {} rays pass", all.passed);
 }
 
-/// Errors below this many units are as good as rounded arithmetic gets, whichever of two is smaller.
-const LEAST: f64 = 2.0;
-
 #[test]
 fn every_lens_in_single_precision() {
-    every_lens::<f32>(&[Style::Loaded, Style::Written], LEAST);
+    every_lens::<f32>(&[Style::Loaded, Style::Written], SINGLE);
 }
 
-/// The CPU's f64 is the truth here, so that its own error is 0: ten units are allowed for the difference of two tracers.
 #[test]
 fn every_lens_in_double_precision() {
-    every_lens::<f64>(&[Style::Loaded], 10.0);
+    every_lens::<f64>(&[Style::Loaded], DOUBLE);
 }
 
 /// Lenses that nobody makes, with what the library lacks or has little of.
@@ -320,7 +339,7 @@ fn hard_surfaces() {
                 reasons.extend(results.iter().filter_map(|result| Some(result.err()?.reason)));
                 let report = compare::<f32>(&system, travel, &rays, &results);
                 println!("{name} {travel:?} {style:?}: {report:?}");
-                faults.extend(fault(&report, LEAST).map(|fault| format!("{name} {travel:?} {style:?}: {fault}")));
+                faults.extend(fault(&report, SINGLE).map(|fault| format!("{name} {travel:?} {style:?}: {fault}")));
                 assert!(report.passed > 200, "{name} {travel:?}: {report:?}");
             }
         }
@@ -356,7 +375,7 @@ fn a_broken_shader_is_seen() {
         let faults = |text: String| {
             let kernel = LensKernel::<f32>::with_text(&gpu, &lens, text).unwrap_or_else(|error| panic!("{error}"));
             let results = kernel.trace(&rays).unwrap_or_else(|error| panic!("{error}"));
-            fault(&compare::<f32>(&system, travel, &rays, &results), LEAST)
+            fault(&compare::<f32>(&system, travel, &rays, &results), SINGLE)
         };
         let text = shader::trace::<f32>(&lens, Style::Loaded, GROUP);
         assert!(text.contains(good), "{what}");

@@ -28,7 +28,7 @@ fn the_cpu_is_no_device() {
 
 #[test]
 fn an_unknown_name_lists_the_devices() {
-    let error = Gpu::open(&Choice::Named("no such card".to_owned())).err().expect("no device has this name");
+    let error = Gpu::open(&Choice::Named("no such card".to_owned())).expect_err("no device has this name");
     match devices().first() {
         None => assert_eq!(error, GpuError::NoDevice),
         Some(device) => assert!(error.to_string().contains(&device.name), "{error}"),
