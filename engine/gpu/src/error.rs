@@ -96,9 +96,6 @@ pub enum CpuOnly {
     /// A medium whose index changes from place to place.
     #[error("this lens has a medium of gradient index, which is traced on the CPU only; choose cpu")]
     Gradient,
-    /// A mask in the diaphragm.
-    #[error("this lens has an aperture mask, which is traced on the CPU only; choose cpu")]
-    ApertureMask,
     /// No wavelength was given.
     #[error("a lens is laid out for 1 wavelength at least, and none was given")]
     NoWavelength,

@@ -27,7 +27,7 @@ pub(crate) struct Job {
     pub(crate) seed: u32,
     pub(crate) rays_each: u32,
     pub(crate) is_curved: u32,
-    pub(crate) spare: u32,
+    pub(crate) mask_side: u32,
     pub(crate) film: [f32; 4],
     pub(crate) pupil: [f32; 4],
 }
@@ -99,6 +99,7 @@ impl Loaded {
             wavelengths: lens.wavelengths as u32,
             blades: lens.opening.sides.len() as u32,
             is_curved: u32::from(lens.opening.bulge != 0.0),
+            mask_side: lens.opening.mask.as_ref().map_or(0, |mask| mask.side as u32),
             ..Job::default()
         };
         Ok(Self { pipeline, layout, buffers, job })

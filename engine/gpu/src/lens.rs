@@ -60,6 +60,19 @@ pub(crate) struct Opening {
     pub(crate) slope: f64,
     pub(crate) bound: f64,
     pub(crate) sides: Vec<[f64; 2]>,
+    pub(crate) mask: Option<Mask>,
+}
+
+/// A picture whose bright part is the opening.
+#[derive(Clone, Debug)]
+pub(crate) struct Mask {
+    /// Values a side.
+    pub(crate) side: usize,
+    /// Brightness less a half, rows from below.
+    pub(crate) values: Vec<f32>,
+    /// Of its turn, over the stop's radius in mm.
+    pub(crate) cos: f64,
+    pub(crate) sin: f64,
 }
 
 /// A lens for rays of one way of travel, at one wavelength or several: what a device needs of it.
@@ -83,7 +96,7 @@ pub(crate) struct Buffers {
 impl LensTable {
     /// The lens for rays that go `travel`, at vacuum wavelengths in nm. Rays name theirs by its number among these.
     ///
-    /// A gradient or an aperture mask is refused: the CPU traces it.
+    /// A gradient is refused: the CPU traces it.
     pub fn new(system: &System, wavelengths_nm: &[f64], travel: Travel) -> Result<Self, CpuOnly> {
         let tracers: Vec<Tracer> = wavelengths_nm.iter().map(|&nm| system.at_wavelength(nm)).collect();
         let tracer = tracers.first().ok_or(CpuOnly::NoWavelength)?.clone();
@@ -91,9 +104,6 @@ impl LensTable {
             return Err(CpuOnly::Gradient);
         }
         let diaphragm = system.diaphragm();
-        if diaphragm.is_masked() {
-            return Err(CpuOnly::ApertureMask);
-        }
         let count = tracer.surface_count();
         let stages = (0..count).map(|i| {
             let steps: Vec<&Step> = tracers.iter().map(|tracer| &tracer.steps(travel)[i]).collect();
@@ -101,6 +111,13 @@ impl LensTable {
             Stage::new(&steps, surface)
         });
         let (a, b, radius) = (diaphragm.apothem_mm(), diaphragm.bulge(), diaphragm.radius_mm());
+        let (sin, cos) = diaphragm.rotation_rad().sin_cos();
+        let mask = diaphragm.mask().map(|mask| Mask {
+            side: mask.side(),
+            values: mask.values().to_vec(),
+            cos: cos / radius,
+            sin: sin / radius,
+        });
         let opening = Opening {
             radius_squared: radius * radius,
             apothem: a,
@@ -108,6 +125,7 @@ impl LensTable {
             slope: 1.0 - 2.0 * a * b,
             bound: a + b * (radius * radius - 2.0 * a * a),
             sides: diaphragm.sides().to_vec(),
+            mask,
         };
         Ok(Self { stages: stages.collect(), opening, travel, wavelengths: wavelengths_nm.len(), tracer })
     }
@@ -129,9 +147,13 @@ impl LensTable {
 
     /// As the structs of bindings.wgsl have it.
     pub(crate) fn buffers<N: Number>(&self) -> Buffers {
-        let Opening { radius_squared, apothem, bulge, slope, bound, ref sides } = self.opening;
+        let Opening { radius_squared, apothem, bulge, slope, bound, ref sides, ref mask } = self.opening;
         let mut numbers = vec![radius_squared, apothem * apothem, apothem, bulge, slope, bound];
         numbers.extend(sides.iter().flatten());
+        if let Some(mask) = mask {
+            numbers.extend([mask.cos, mask.sin]);
+            numbers.extend(mask.values.iter().copied().map(f64::from));
+        }
         let mut steps = Vec::new();
         let mut interfaces = Vec::new();
         for stage in &self.stages {

@@ -84,6 +84,10 @@ fn opening<N: Number>(opening: &Opening) -> String {
     let number = |x: f64| exact::<N>(x);
     let mut text = "fn is_open(x: real, y: real, squared: real) -> bool {\n".to_owned();
     let radius_squared = number(opening.radius_squared);
+    if let Some(mask) = &opening.mask {
+        let (cos, sin) = (number(mask.cos), number(mask.sin));
+        return format!("{text}    return squared <= {radius_squared} && mask_value(x, y, {cos}, {sin}) > 0.0;\n}}\n");
+    }
     if opening.sides.is_empty() {
         return format!("{text}    return squared <= {radius_squared};\n}}\n");
     }

@@ -80,6 +80,11 @@ impl Diaphragm {
         Self { mask: None, ..self.clone() }
     }
 
+    /// The mask that shapes the opening, turned by [`Self::rotation_rad`], its width spanning the circle of [`Self::radius_mm`].
+    pub fn mask(&self) -> Option<&ApertureMask> {
+        self.mask.as_ref().map(|mask| &*mask.shape)
+    }
+
     /// True if a mask shapes the opening.
     pub fn is_masked(&self) -> bool {
         self.mask.is_some()

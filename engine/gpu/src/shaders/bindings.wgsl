@@ -57,7 +57,8 @@ struct Job {
     rays_each: u32,
     /// 1 if the blades are curved.
     is_curved: u32,
-    spare: u32,
+    /// Values a side of the mask in the diaphragm; 0 without one.
+    mask_side: u32,
     /// Of a timed run: half width and half height of the film, the film's z and the pupil's z from the first vertex on the way.
     film: vec4<f32>,
     /// Half of the side of the square on the pupil, and the wavelength's number.
@@ -65,12 +66,32 @@ struct Job {
 }
 
 @group(0) @binding(0) var<storage, read> steps: array<Step>;
-/// The diaphragm (see `is_open`), its blades, then terms and poses.
+/// The diaphragm (see `is_open`), its blades or mask, then terms and poses.
 @group(0) @binding(1) var<storage, read> numbers: array<real>;
 /// Ratio and excess by surface and wavelength.
 @group(0) @binding(2) var<storage, read> interfaces: array<real>;
 @group(0) @binding(3) var<uniform> job: Job;
 @group(0) @binding(4) var<storage, read_write> rays: array<Ray>;
+
+/// The value of the mask between the middles of its values, brightness less a half, at a point in mm.
+fn mask_value(x: real, y: real, cosine: real, sine: real) -> real {
+    let side = real(f32(job.mask_side));
+    let last = side - 1.0;
+    let across = clamp(0.5 * (cosine * x + sine * y + 1.0) * side - 0.5, real(0.0), last);
+    let up = clamp(0.5 * (cosine * y - sine * x + 1.0) * side - 0.5, real(0.0), last);
+    let left = min(u32(across), job.mask_side - 1u);
+    let below = min(u32(up), job.mask_side - 1u);
+    let right = min(left + 1u, job.mask_side - 1u);
+    let above = min(below + 1u, job.mask_side - 1u);
+    let u = across - real(left);
+    let v = up - real(below);
+    let low = numbers[MASK + below * job.mask_side + left] * (1.0 - u) + numbers[MASK + below * job.mask_side + right] * u;
+    let high = numbers[MASK + above * job.mask_side + left] * (1.0 - u) + numbers[MASK + above * job.mask_side + right] * u;
+    return low * (1.0 - v) + high * v;
+}
+
+/// Where in `numbers` the mask's values begin.
+const MASK = 8u;
 
 /// The profile of an asphere or toroid at the square of the distance from the axis.
 struct Profile {

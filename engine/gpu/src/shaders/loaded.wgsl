@@ -37,9 +37,13 @@ fn profile_any(s: u32, u: real) -> Profile {
 }
 
 /// True if the point lies in the diaphragm's opening. Of `numbers` 0 to 5 are the square of its radius, the square of the
-/// apothem, the apothem, the bulge of its blades, and slope and bound of curved blades; the blades follow from 6 on.
+/// apothem, the apothem, the bulge of its blades, and slope and bound of curved blades; the blades follow from 6 on, or cosine and
+/// sine of the mask's turn over the radius, and its values.
 fn is_open(x: real, y: real, squared: real) -> bool {
     var open = squared <= numbers[0];
+    if (job.mask_side != 0u) {
+        return open && mask_value(x, y, numbers[6], numbers[7]) > 0.0;
+    }
     if (job.blades == 0u || squared <= numbers[1]) {
         return open;
     }

@@ -7,8 +7,9 @@
 
 use std::collections::HashSet;
 use std::path::Path;
+use std::sync::Arc;
 
-use crate::common::{gpu, lens_paths, random, rays, system};
+use crate::common::{gpu, lens_paths, random, rays, shipped, system};
 use glam::DVec3;
 use petzval_gpu::device::Gpu;
 use petzval_gpu::error::CpuOnly;
@@ -16,6 +17,7 @@ use petzval_gpu::kernel::{LensKernel, LineRay};
 use petzval_gpu::lens::LensTable;
 use petzval_gpu::number::Number;
 use petzval_gpu::shader::{self, GROUP, Style};
+use petzval_optics::diaphragm::ApertureMask;
 use petzval_optics::formats::lens;
 use petzval_optics::glass::Catalogue;
 use petzval_optics::lane::Real;
@@ -347,6 +349,37 @@ fn hard_surfaces() {
     assert!(faults.is_empty(), "{}", faults.join("\n"));
     // All but that an iteration finds nothing, which no test has seen.
     assert_eq!(reasons.len(), 6, "{reasons:?}");
+}
+
+/// A ring with a hole of its own shape, grey at its edges.
+fn mask() -> ApertureMask {
+    const SIDE: usize = 64;
+    let at = |i: usize| (2.0 * i as f32 + 1.0) / SIDE as f32 - 1.0;
+    let value = |i: usize| {
+        let (x, y) = (at(i % SIDE), at(i / SIDE));
+        (1.2 - x * x - 2.0 * y * y).min(3.0 * (x + 0.3).abs() + y.abs() - 0.2).clamp(0.0, 1.0)
+    };
+    ApertureMask::new(SIDE, &(0..SIDE * SIDE).map(value).collect::<Vec<_>>()).expect("a square, bright in parts")
+}
+
+#[test]
+fn an_aperture_mask() {
+    let Some(gpu) = gpu() else { return };
+    let system = shipped("cooke-triplet-50mm").with_aperture_mask(Arc::new(mask()), 0.4).expect("a finite angle");
+    for travel in WAYS {
+        for style in [Style::Loaded, Style::Written] {
+            let report = report_of::<f32>(&gpu, &system, travel, style);
+            assert_eq!(fault(&report, SINGLE), None, "{travel:?} {style:?}");
+            // Some of what passes the lens's rims does not pass the mask.
+            let open = report_of::<f32>(&gpu, &shipped("cooke-triplet-50mm"), travel, style);
+            assert!(
+                report.passed * 10 < open.passed * 9 && report.passed > 200,
+                "{} of {}",
+                report.passed,
+                open.passed
+            );
+        }
+    }
 }
 
 /// The tests see what is wrong: shaders broken on purpose.

@@ -1,8 +1,6 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
 //! What goes wrong on a device comes back as an error of one line.
 
-use std::sync::Arc;
-
 use crate::common::{gpu, rays, shipped};
 use glam::DVec3;
 use petzval_gpu::device::{Choice, Gpu, devices};
@@ -11,7 +9,6 @@ use petzval_gpu::flood::{Beam, Cut, Flood};
 use petzval_gpu::kernel::LensKernel;
 use petzval_gpu::lens::LensTable;
 use petzval_gpu::shader::Style;
-use petzval_optics::diaphragm::ApertureMask;
 use petzval_optics::surface::Failure;
 use petzval_optics::system::System;
 use petzval_optics::trace::{Lost, Ray, Travel};
@@ -90,9 +87,7 @@ fn numbers_that_are_none_miss() {
 
 #[test]
 fn what_the_cpu_alone_traces_is_named() {
-    let masked = shipped("cooke-triplet-50mm").with_aperture_mask(Arc::new(ApertureMask::new(1, &[1.0]).unwrap()), 0.0);
     let refused = |system: &System, lines: &[f64]| LensTable::new(system, lines, Travel::FromFilm).err();
-    assert_eq!(refused(&masked.unwrap(), &[550.0]), Some(CpuOnly::ApertureMask));
     assert_eq!(refused(&shipped("eye-liou-brennan"), &[550.0]), Some(CpuOnly::Gradient));
     assert_eq!(refused(&shipped("cooke-triplet-50mm"), &[]), Some(CpuOnly::NoWavelength));
 }
