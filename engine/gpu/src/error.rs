@@ -85,18 +85,7 @@ pub enum GpuError {
         /// How many there are.
         known: u32,
     },
-    /// The lens has a part that only the CPU traces.
-    #[error(transparent)]
-    CpuOnly(#[from] CpuOnly),
-}
-
-/// A part of a lens that only the CPU traces.
-#[derive(Clone, Copy, Debug, PartialEq, Eq, Error)]
-pub enum CpuOnly {
-    /// A medium whose index changes from place to place.
-    #[error("this lens has a medium of gradient index, which is traced on the CPU only; choose cpu")]
-    Gradient,
-    /// No wavelength was given.
+    /// A lens was to be laid out for no wavelength.
     #[error("a lens is laid out for 1 wavelength at least, and none was given")]
     NoWavelength,
 }

@@ -16,7 +16,7 @@ use crate::shader::{self, GROUP, Style};
 /// Workgroups in a row of a dispatch: no device allows fewer.
 const ROW: u32 = 32_768;
 
-/// Numbers of a [`Job`](https://www.w3.org/TR/WGSL/#struct-types) of bindings.wgsl.
+/// `Job` of bindings.wgsl.
 #[repr(C)]
 #[derive(Clone, Copy, Debug, Default, bytemuck::Pod, bytemuck::Zeroable)]
 pub(crate) struct Job {

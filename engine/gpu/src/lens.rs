@@ -4,10 +4,10 @@
 use petzval_optics::interface::Interface;
 use petzval_optics::surface::{Asphere, LAST_POWER, Pose, Shape};
 use petzval_optics::system::System;
-use petzval_optics::trace::{Action, Step, Tracer, Travel};
+use petzval_optics::trace::{Action, GradientNumbers, Step, Tracer, Travel};
 use petzval_optics::vector::Vector;
 
-use crate::error::CpuOnly;
+use crate::error::GpuError;
 use crate::number::Number;
 
 /// What a surface does to the direction, by the numbers of surface.wgsl.
@@ -46,8 +46,10 @@ pub(crate) struct Stage {
     pub(crate) is_far: bool,
     /// Its number, counted from the scene.
     pub(crate) surface: usize,
-    /// Ratio and excess of the interface by wavelength.
+    /// Ratio and excess of the interface by wavelength; beside a gradient the indices before and behind without it.
     pub(crate) interfaces: Vec<[f64; 2]>,
+    /// The media before and behind the surface, where they are gradients.
+    pub(crate) gradients: [Option<GradientNumbers>; 2],
 }
 
 /// The diaphragm's opening.
@@ -86,6 +88,19 @@ pub struct LensTable {
     pub(crate) tracer: Tracer,
 }
 
+/// What lies in `numbers` of bindings.wgsl.
+struct Numbers {
+    all: Vec<f64>,
+    places: Vec<Places>,
+}
+
+/// Where in them the numbers of a stage begin.
+struct Places {
+    terms: u32,
+    pose: u32,
+    fields: [u32; 2],
+}
+
 /// The buffers of a lens.
 pub(crate) struct Buffers {
     pub(crate) steps: Vec<u8>,
@@ -94,21 +109,22 @@ pub(crate) struct Buffers {
 }
 
 impl LensTable {
-    /// The lens for rays that go `travel`, at vacuum wavelengths in nm. Rays name theirs by its number among these.
-    ///
-    /// A gradient is refused: the CPU traces it.
-    pub fn new(system: &System, wavelengths_nm: &[f64], travel: Travel) -> Result<Self, CpuOnly> {
+    /// The lens for rays that go `travel`, at vacuum wavelengths in nm, at least one. Rays name theirs by its number among these.
+    pub fn new(system: &System, wavelengths_nm: &[f64], travel: Travel) -> Result<Self, GpuError> {
         let tracers: Vec<Tracer> = wavelengths_nm.iter().map(|&nm| system.at_wavelength(nm)).collect();
-        let tracer = tracers.first().ok_or(CpuOnly::NoWavelength)?.clone();
-        if tracer.has_gradients() {
-            return Err(CpuOnly::Gradient);
-        }
+        let tracer = tracers.first().ok_or(GpuError::NoWavelength)?.clone();
         let diaphragm = system.diaphragm();
         let count = tracer.surface_count();
         let stages = (0..count).map(|i| {
             let steps: Vec<&Step> = tracers.iter().map(|tracer| &tracer.steps(travel)[i]).collect();
             let surface = if travel == Travel::FromScene { i } else { count - 1 - i };
-            Stage::new(&steps, surface)
+            let mut stage = Stage::new(&steps, surface);
+            let beside: Vec<_> = tracers.iter().filter_map(|tracer| tracer.gradients(travel, i)).collect();
+            if let Some(first) = beside.first() {
+                stage.interfaces = beside.iter().map(|beside| beside.indices).collect();
+                stage.gradients = [first.before.clone(), first.behind.clone()];
+            }
+            stage
         });
         let (a, b, radius) = (diaphragm.apothem_mm(), diaphragm.bulge(), diaphragm.radius_mm());
         let (sin, cos) = diaphragm.rotation_rad().sin_cos();
@@ -140,27 +156,54 @@ impl LensTable {
         self.wavelengths
     }
 
+    /// True if the index of some medium changes from place to place.
+    pub fn has_gradients(&self) -> bool {
+        self.stages.iter().any(Stage::is_beside_gradient)
+    }
+
     /// Which way the rays go.
     pub fn travel(&self) -> Travel {
         self.travel
     }
 
+    /// The numbers of the lens, and where in them the fields before and behind each stage begin; 0 where they are none.
+    fn numbers(&self) -> Numbers {
+        let Opening { radius_squared, apothem, bulge, slope, bound, ref sides, ref mask } = self.opening;
+        let mut all = vec![radius_squared, apothem * apothem, apothem, bulge, slope, bound];
+        all.extend(sides.iter().flatten());
+        if let Some(mask) = mask {
+            all.extend([mask.cos, mask.sin]);
+            all.extend(mask.values.iter().copied().map(f64::from));
+        }
+        let mut places = Vec::with_capacity(self.stages.len());
+        for stage in &self.stages {
+            let terms = all.len() as u32;
+            all.extend(stage.even.iter().chain(&stage.odd));
+            let pose = all.len() as u32;
+            all.extend(stage.pose.iter().flatten().flatten());
+            let fields = stage.gradients.each_ref().map(|gradient| {
+                let Some(gradient) = gradient else { return 0 };
+                let at = all.len() as u32;
+                all.extend(field(gradient));
+                at
+            });
+            places.push(Places { terms, pose, fields });
+        }
+        Numbers { all, places }
+    }
+
+    /// Where the fields of the gradients before and behind each stage begin.
+    pub(crate) fn field_places(&self) -> Vec<[u32; 2]> {
+        self.numbers().places.iter().map(|places| places.fields).collect()
+    }
+
     /// As the structs of bindings.wgsl have it.
     pub(crate) fn buffers<N: Number>(&self) -> Buffers {
-        let Opening { radius_squared, apothem, bulge, slope, bound, ref sides, ref mask } = self.opening;
-        let mut numbers = vec![radius_squared, apothem * apothem, apothem, bulge, slope, bound];
-        numbers.extend(sides.iter().flatten());
-        if let Some(mask) = mask {
-            numbers.extend([mask.cos, mask.sin]);
-            numbers.extend(mask.values.iter().copied().map(f64::from));
-        }
+        let Numbers { all, places } = self.numbers();
         let mut steps = Vec::new();
         let mut interfaces = Vec::new();
-        for stage in &self.stages {
-            let terms = numbers.len() as u32;
-            numbers.extend(stage.even.iter().chain(&stage.odd));
-            let pose = numbers.len() as u32;
-            numbers.extend(stage.pose.iter().flatten().flatten());
+        for (stage, places) in self.stages.iter().zip(places) {
+            let Places { terms, pose, fields } = places;
             interfaces.extend(stage.interfaces.iter().flatten().copied());
             let reals = [
                 stage.curvature,
@@ -171,7 +214,8 @@ impl LensTable {
                 stage.obstruction_squared,
                 stage.across,
             ];
-            let flags = u32::from(stage.is_stop) | u32::from(stage.is_far) << 1 | u32::from(stage.pose.is_some()) << 2;
+            let flags = [stage.is_stop, stage.is_far, stage.pose.is_some(), stage.is_beside_gradient()];
+            let flags = flags.iter().enumerate().fold(0, |bits, (i, &flag)| bits | u32::from(flag) << i);
             let words = [
                 stage.form as u32,
                 stage.bend as u32,
@@ -181,14 +225,15 @@ impl LensTable {
                 stage.even.len() as u32,
                 stage.odd.len() as u32,
                 pose,
-                0,
+                fields[0],
+                fields[1],
             ];
             steps.extend(bytes::<N>(&reals));
             steps.extend_from_slice(bytemuck::cast_slice(&words));
             // Structs are as long as a multiple of their widest number.
             steps.resize(steps.len().next_multiple_of(size_of::<N>()), 0);
         }
-        Buffers { steps, numbers: bytes::<N>(&numbers), interfaces: bytes::<N>(&interfaces) }
+        Buffers { steps, numbers: bytes::<N>(&all), interfaces: bytes::<N>(&interfaces) }
     }
 }
 
@@ -230,8 +275,26 @@ impl Stage {
             is_far: step.is_far,
             surface,
             interfaces: interfaces.collect(),
+            gradients: [None, None],
         }
     }
+
+    pub(crate) fn is_beside_gradient(&self) -> bool {
+        self.gradients.iter().any(Option::is_some)
+    }
+}
+
+/// A gradient as field.wgsl reads it.
+fn field(gradient: &GradientNumbers) -> Vec<f64> {
+    let length = gradient.rows.iter().map(Vec::len).max().unwrap_or(0);
+    let pose = gradient.pose.unwrap_or_else(Pose::identity);
+    let mut numbers = vec![gradient.rows.len() as f64, length as f64, gradient.vertex_z, gradient.from];
+    numbers.extend(axes(&pose).iter().flatten());
+    numbers.extend([gradient.step, f64::from(gradient.most_steps)]);
+    for row in &gradient.rows {
+        numbers.extend((0..length).map(|i| row.get(i).copied().unwrap_or(0.0)));
+    }
+    numbers
 }
 
 /// The coefficients of even powers from 2 and of odd powers from 3, each to its last that is not 0.

@@ -22,6 +22,7 @@ use step::{Passage, is_far};
 
 pub use crate::surface::Failure;
 pub use bundle::{Bundle, Traced};
+pub use gradient::{GradientNumbers, GradientsBeside};
 pub use reflected::{Encounter, Incidence, Meeting, ReflectedTracer, Wanderer};
 pub use spectral::{LINES, Leaving, SpectralBundle, SpectralTracer};
 pub use step::{Action, Step};
@@ -196,6 +197,12 @@ impl Tracer {
 }
 
 impl Tracer {
+    /// The media beside a surface, by its place in [`Self::steps`], where one is a gradient. What the step's action says of indices
+    /// then does not count.
+    pub fn gradients(&self, travel: Travel, step: usize) -> Option<GradientsBeside> {
+        self.way(travel).gradients(step).map(Gradients::numbers)
+    }
+
     /// As [`Self::from_scene`], with the places in lens space that the ray comes by: its hits, and between them some more in
     /// media in which it bends.
     pub fn path_from_scene(&self, ray: Ray) -> Result<(Ray, Vec<DVec3>), Lost> {
@@ -215,14 +222,9 @@ impl<R: Real> Tracer<R> {
     }
 
     /// The surfaces in the order in which rays that go `travel` come to them. With [`Self::enter`], [`Self::leave`] and
-    /// [`System::diaphragm`] this is all that a tracer on another processor needs of a lens without gradients.
+    /// [`System::diaphragm`] this is all that a tracer on another processor needs of a lens without gradients ([`Tracer::gradients`]).
     pub fn steps(&self, travel: Travel) -> &[Step<R>] {
         &self.way(travel).steps
-    }
-
-    /// True if the index of some medium changes from place to place.
-    pub fn has_gradients(&self) -> bool {
-        !self.from_scene.gradients.is_empty()
     }
 
     /// The point of `ray` nearest to the vertex of the first surface on the way, seen from there, in mm, and its direction: what

@@ -16,7 +16,7 @@ struct Step {
     /// 0: conicoid, 1: asphere, 2: toroid.
     shape: u32,
     action: u32,
-    /// IS_STOP, IS_FAR, IS_POSED.
+    /// IS_STOP, IS_FAR, IS_POSED, IS_BENT.
     flags: u32,
     /// Its number from the scene.
     surface: u32,
@@ -26,12 +26,16 @@ struct Step {
     odd: u32,
     /// Where in `numbers` its pose begins: axes x, y, z, then the vertex.
     pose: u32,
-    spare: u32,
+    /// Where in `numbers` the gradients before and behind it begin (field.wgsl); 0 where they are none.
+    before: u32,
+    behind: u32,
 }
 
 const IS_STOP = 1u;
 const IS_FAR = 2u;
 const IS_POSED = 4u;
+/// A medium beside it is a gradient.
+const IS_BENT = 8u;
 
 /// A ray: before, seen from the first vertex on its way; after, from the last.
 struct Ray {
@@ -68,7 +72,7 @@ struct Job {
 @group(0) @binding(0) var<storage, read> steps: array<Step>;
 /// The diaphragm (see `is_open`), its blades or mask, then terms and poses.
 @group(0) @binding(1) var<storage, read> numbers: array<real>;
-/// Ratio and excess by surface and wavelength.
+/// Ratio and excess by surface and wavelength; beside a gradient the indices before and behind without it.
 @group(0) @binding(2) var<storage, read> interfaces: array<real>;
 @group(0) @binding(3) var<uniform> job: Job;
 @group(0) @binding(4) var<storage, read_write> rays: array<Ray>;

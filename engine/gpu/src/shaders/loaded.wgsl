@@ -63,6 +63,50 @@ fn axis(s: u32, i: u32) -> vec3<real> {
     return vec3<real>(numbers[at], numbers[at + 1u], numbers[at + 2u]);
 }
 
+/// A place of the surface, or a direction (`moved` 0), in the coordinates of its place on the axis.
+fn turned_out(s: u32, v: vec3<real>, moved: real) -> vec3<real> {
+    return axis(s, 0u) * v.x + axis(s, 1u) * v.y + axis(s, 2u) * v.z + axis(s, 3u) * moved;
+}
+
+/// The same way back.
+fn turned_in(s: u32, v: vec3<real>, moved: real) -> vec3<real> {
+    let q = v - axis(s, 3u) * moved;
+    return vec3<real>(dot(q, axis(s, 0u)), dot(q, axis(s, 1u)), dot(q, axis(s, 2u)));
+}
+
+/// Where a ray meets surface s, in its own coordinates, as are the ray's.
+fn meet_own(s: u32, p: vec3<real>, d: vec3<real>) -> Crossing {
+    if (steps[s].shape == 0u) {
+        return meet_conic(steps[s].curvature, steps[s].conic, p, d, steps[s].side);
+    }
+    return meet_iterated_any(s, p, d, steps[s].side);
+}
+
+/// The same of a ray in the coordinates of the surface's place on the axis.
+fn meet_any(s: u32, p: vec3<real>, d: vec3<real>) -> Crossing {
+    var q = p;
+    var e = d;
+    if ((steps[s].flags & IS_POSED) != 0u) {
+        q = turned_in(s, p, real(1.0));
+        e = turned_in(s, d, real(0.0));
+    }
+    var along: real = 0.0;
+    if ((steps[s].flags & IS_FAR) != 0u) {
+        along = -dot(q, e);
+        q = q + e * along;
+    }
+    var at = meet_own(s, q, e);
+    at.t = at.t + along;
+    return at;
+}
+
+fn outside_any(s: u32, place: vec3<real>) -> vec3<real> {
+    if ((steps[s].flags & IS_POSED) != 0u) {
+        return turned_out(s, place, real(1.0));
+    }
+    return place;
+}
+
 fn trace_lens(start: vec3<real>, along: vec3<real>, wavelength: u32) -> Flight {
     var p = start;
     var d = along;
@@ -70,32 +114,39 @@ fn trace_lens(start: vec3<real>, along: vec3<real>, wavelength: u32) -> Flight {
         p.z = p.z + steps[s].to_here;
         let flags = steps[s].flags;
         let is_posed = (flags & IS_POSED) != 0u;
-        if (is_posed) {
-            let q = p - axis(s, 3u);
-            p = vec3<real>(dot(q, axis(s, 0u)), dot(q, axis(s, 1u)), dot(q, axis(s, 2u)));
-            d = vec3<real>(dot(d, axis(s, 0u)), dot(d, axis(s, 1u)), dot(d, axis(s, 2u)));
-        }
-        if ((flags & IS_FAR) != 0u) {
-            p = carried(p, d);
-        }
-        let side = steps[s].side;
-        var at: Crossing;
-        if (steps[s].shape == 0u) {
-            at = meet_conic(steps[s].curvature, steps[s].conic, p, d, side);
-        } else {
-            at = meet_iterated_any(s, p, d, side);
-        }
         let i = 2u * (s * job.wavelengths + wavelength);
+        var ratio = interfaces[i];
+        var excess = interfaces[i + 1u];
+        var at: Crossing;
+        if ((flags & IS_BENT) != 0u) {
+            let beside = beside_any(s, steps[s].before, steps[s].behind, vec2<real>(ratio, excess), p, d);
+            at = beside.at;
+            d = beside.direction;
+            if (is_posed) {
+                d = turned_in(s, d, real(0.0));
+            }
+            ratio = beside.ratio;
+            excess = beside.excess;
+        } else {
+            if (is_posed) {
+                p = turned_in(s, p, real(1.0));
+                d = turned_in(s, d, real(0.0));
+            }
+            if ((flags & IS_FAR) != 0u) {
+                p = carried(p, d);
+            }
+            at = meet_own(s, p, d);
+        }
         let passage = act(
             d,
             at,
-            side,
+            steps[s].side,
             steps[s].clear_squared,
             steps[s].obstruction_squared,
             (flags & IS_STOP) != 0u,
             steps[s].action,
-            interfaces[i],
-            interfaces[i + 1u],
+            ratio,
+            excess,
         );
         p = passage.point;
         d = passage.direction;
@@ -103,8 +154,8 @@ fn trace_lens(start: vec3<real>, along: vec3<real>, wavelength: u32) -> Flight {
             return Flight(p, d, (steps[s].surface << 3u) | passage.reason);
         }
         if (is_posed) {
-            p = axis(s, 0u) * p.x + axis(s, 1u) * p.y + axis(s, 2u) * p.z + axis(s, 3u);
-            d = axis(s, 0u) * d.x + axis(s, 1u) * d.y + axis(s, 2u) * d.z;
+            p = turned_out(s, p, real(1.0));
+            d = turned_out(s, d, real(0.0));
         }
     }
     return Flight(p, d, 0u);

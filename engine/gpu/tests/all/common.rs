@@ -1,7 +1,9 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
 //! The lens library and rays for it.
 
+use std::io::Write;
 use std::path::{Path, PathBuf};
+use std::sync::Once;
 
 use glam::DVec3;
 use petzval_gpu::device::{Choice, Gpu};
@@ -42,7 +44,11 @@ pub(crate) fn gpu() -> Option<Gpu> {
         Ok(Some(gpu)) => Some(gpu),
         Ok(None) => None,
         Err(error) => {
-            println!("skipped: {error}");
+            static SAID: Once = Once::new();
+            // Not by println, which tests that pass keep to themselves.
+            SAID.call_once(|| {
+                let _ = writeln!(std::io::stderr(), "tests of devices are skipped: {error}");
+            });
             None
         }
     }

@@ -4,13 +4,12 @@
 use crate::common::{gpu, rays, shipped};
 use glam::DVec3;
 use petzval_gpu::device::{Choice, Gpu, devices};
-use petzval_gpu::error::{CpuOnly, GpuError};
+use petzval_gpu::error::GpuError;
 use petzval_gpu::flood::{Beam, Cut, Flood};
 use petzval_gpu::kernel::LensKernel;
 use petzval_gpu::lens::LensTable;
 use petzval_gpu::shader::Style;
 use petzval_optics::surface::Failure;
-use petzval_optics::system::System;
 use petzval_optics::trace::{Lost, Ray, Travel};
 
 fn kernel(gpu: &Gpu) -> LensKernel<f32> {
@@ -86,10 +85,9 @@ fn numbers_that_are_none_miss() {
 }
 
 #[test]
-fn what_the_cpu_alone_traces_is_named() {
-    let refused = |system: &System, lines: &[f64]| LensTable::new(system, lines, Travel::FromFilm).err();
-    assert_eq!(refused(&shipped("eye-liou-brennan"), &[550.0]), Some(CpuOnly::Gradient));
-    assert_eq!(refused(&shipped("cooke-triplet-50mm"), &[]), Some(CpuOnly::NoWavelength));
+fn a_lens_of_no_wavelength_is_an_error() {
+    let lens = LensTable::new(&shipped("cooke-triplet-50mm"), &[], Travel::FromFilm);
+    assert_eq!(lens.err(), Some(GpuError::NoWavelength));
 }
 
 /// Rays made on the device are those made on the CPU: as many of them pass, but for some at rims.

@@ -3,5 +3,6 @@
 
 mod against_cpu;
 mod common;
+mod compare;
 mod devices;
 mod shaders;
