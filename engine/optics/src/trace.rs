@@ -3,6 +3,7 @@
 mod bundle;
 mod fate;
 mod gradient;
+mod layout;
 mod reflected;
 mod spectral;
 mod step;
@@ -197,12 +198,6 @@ impl Tracer {
 }
 
 impl Tracer {
-    /// The media beside a surface, by its place in [`Self::steps`], where one is a gradient. What the step's action says of indices
-    /// then does not count.
-    pub fn gradients(&self, travel: Travel, step: usize) -> Option<GradientsBeside> {
-        self.way(travel).gradients(step).map(Gradients::numbers)
-    }
-
     /// As [`Self::from_scene`], with the places in lens space that the ray comes by: its hits, and between them some more in
     /// media in which it bends.
     pub fn path_from_scene(&self, ray: Ray) -> Result<(Ray, Vec<DVec3>), Lost> {
@@ -219,24 +214,6 @@ impl<R: Real> Tracer<R> {
     /// Number of surfaces.
     pub fn surface_count(&self) -> usize {
         self.from_scene.steps.len()
-    }
-
-    /// The surfaces in the order in which rays that go `travel` come to them. With [`Self::enter`], [`Self::leave`] and
-    /// [`System::diaphragm`] this is all that a tracer on another processor needs of a lens without gradients ([`Tracer::gradients`]).
-    pub fn steps(&self, travel: Travel) -> &[Step<R>] {
-        &self.way(travel).steps
-    }
-
-    /// The point of `ray` nearest to the vertex of the first surface on the way, seen from there, in mm, and its direction: what
-    /// enters the first of [`Self::steps`].
-    pub fn enter(&self, travel: Travel, ray: Ray) -> (DVec3, DVec3) {
-        (self.way(travel).nearest(ray), ray.direction)
-    }
-
-    /// The ray in lens space whose point and direction, the one seen from the vertex of the last surface on the way, in mm, are
-    /// what the last of [`Self::steps`] left.
-    pub fn leave(&self, travel: Travel, point: DVec3, direction: DVec3) -> Ray {
-        self.way(travel).leave(point, direction)
     }
 
     /// From the scene to the film: the ray that leaves the last surface, its origin on that surface.
