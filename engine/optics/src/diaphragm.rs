@@ -80,6 +80,11 @@ impl Diaphragm {
         Self { mask: None, ..self.clone() }
     }
 
+    /// The mask that shapes the opening, turned by [`Self::rotation_rad`], its width spanning the circle of [`Self::radius_mm`].
+    pub fn mask(&self) -> Option<&ApertureMask> {
+        self.mask.as_ref().map(|mask| &*mask.shape)
+    }
+
     /// True if a mask shapes the opening.
     pub fn is_masked(&self) -> bool {
         self.mask.is_some()
@@ -155,6 +160,21 @@ impl Diaphragm {
     /// How far the blades are curved: 0 straight, and less than 1, which is round.
     pub fn curvature(&self) -> f64 {
         self.curvature
+    }
+
+    /// From the axis to the chord between two corners, in mm; of a round opening its radius.
+    pub fn apothem_mm(&self) -> f64 {
+        self.apothem_mm
+    }
+
+    /// Half of the inverse distance from the centre of a blade's arc to its chord, in 1/mm; 0 if the blades are straight.
+    pub fn bulge(&self) -> f64 {
+        self.bulge
+    }
+
+    /// Unit vectors from the centre to the middle of each blade's edge; empty if round.
+    pub fn sides(&self) -> &[[f64; 2]] {
+        &self.sides
     }
 
     /// Of one curved blade: radius of its arc and signed place of its centre towards the side (mm), and half of the

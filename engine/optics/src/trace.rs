@@ -3,6 +3,7 @@
 mod bundle;
 mod fate;
 mod gradient;
+mod layout;
 mod reflected;
 mod spectral;
 mod step;
@@ -18,12 +19,14 @@ use crate::system::{Element, System};
 use crate::vector::Vector;
 
 use gradient::{Gap, Gradients};
-use step::{Action, Passage, Step, is_far};
+use step::{Passage, is_far};
 
 pub use crate::surface::Failure;
 pub use bundle::{Bundle, Traced};
+pub use gradient::{GradientNumbers, GradientsBeside};
 pub use reflected::{Encounter, Incidence, Meeting, ReflectedTracer, Wanderer};
 pub use spectral::{LINES, Leaving, SpectralBundle, SpectralTracer};
+pub use step::{Action, Step};
 
 /// A ray in lens space, mm.
 #[derive(Clone, Copy, Debug, PartialEq)]
@@ -316,10 +319,15 @@ impl<R: Real> Way<R> {
     /// so that a source far away keeps its digits.
     #[inline(always)]
     fn enter(&self, ray: Ray) -> (Vector<R>, Vector<R>) {
+        (Vector::from_f64(self.nearest(ray)), Vector::from_f64(ray.direction))
+    }
+
+    /// The point of the ray nearest to the first vertex on the way, seen from there.
+    #[inline(always)]
+    fn nearest(&self, ray: Ray) -> DVec3 {
         let mut origin = ray.origin;
         origin.z -= self.start_z;
-        let near = origin - ray.direction * origin.dot(ray.direction);
-        (Vector::from_f64(near), Vector::from_f64(ray.direction))
+        origin - ray.direction * origin.dot(ray.direction)
     }
 
     /// The ray in lens space that leaves the last surface on the way at `p` of its vertex.

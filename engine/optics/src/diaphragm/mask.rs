@@ -84,6 +84,11 @@ impl ApertureMask {
         self.side
     }
 
+    /// The picture's brightness less a half, rows from below.
+    pub fn values(&self) -> &[f32] {
+        &self.values
+    }
+
     /// The open part of the square, within a hundredth of what the cells on its rim fill.
     pub(super) fn open_part(&self) -> f64 {
         self.open_part

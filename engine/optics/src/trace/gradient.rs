@@ -55,6 +55,35 @@ struct March<R> {
     most: u32,
 }
 
+/// A medium whose index changes from place to place, in numbers for a tracer on another processor. Lengths in mm, seen from the vertex
+/// of the surface that a ray comes to.
+#[derive(Clone, Debug, PartialEq)]
+pub struct GradientNumbers {
+    /// Coefficients by powers of r², each by powers of z.
+    pub rows: Vec<Vec<f64>>,
+    /// The vertex of the surface that the medium follows.
+    pub vertex_z: f64,
+    /// How that surface stands there; `None`: on the axis, upright.
+    pub pose: Option<Pose>,
+    /// From there to where z is 0.
+    pub from: f64,
+    /// How long a ray's steps are, in length over index, and how many it makes at most; 0 of a medium that it only enters.
+    pub step: f64,
+    /// See [`Self::step`].
+    pub most_steps: u32,
+}
+
+/// The media on both sides of a surface, one of which is a gradient at least, as rays on one way see them.
+#[derive(Clone, Debug, PartialEq)]
+pub struct GradientsBeside {
+    /// The medium before the surface, if it is a gradient.
+    pub before: Option<GradientNumbers>,
+    /// The medium behind it, if that is one.
+    pub behind: Option<GradientNumbers>,
+    /// The indices before and behind without what the gradients add.
+    pub indices: [f64; 2],
+}
+
 /// A gradient between two surfaces, in lens space.
 pub(super) struct Gap {
     field: Field<f64>,
@@ -102,6 +131,23 @@ impl Gradients<f64> {
                 .map(|(field, march)| (field.cast(), March { step: R::from_f64(march.step), most: march.most })),
             behind: self.behind.as_ref().map(Field::cast),
             indices: self.indices.map(R::from_f64),
+        }
+    }
+
+    /// In numbers for a tracer on another processor.
+    pub(super) fn numbers(&self) -> GradientsBeside {
+        let numbers = |field: &Field<f64>, march: Option<&March<f64>>| GradientNumbers {
+            rows: field.rows.iter().map(|row| row.to_vec()).collect(),
+            vertex_z: field.vertex_z,
+            pose: field.pose,
+            from: field.from,
+            step: march.map_or(0.0, |march| march.step),
+            most_steps: march.map_or(0, |march| march.most),
+        };
+        GradientsBeside {
+            before: self.before.as_ref().map(|(field, march)| numbers(field, Some(march))),
+            behind: self.behind.as_ref().map(|field| numbers(field, None)),
+            indices: self.indices,
         }
     }
 

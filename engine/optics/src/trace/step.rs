@@ -11,29 +11,36 @@ use super::gradient::Gradients;
 
 /// What a surface does to the direction.
 #[derive(Clone, Copy, Debug)]
-pub(super) enum Action<R> {
+pub enum Action<R> {
+    /// Refraction between two media.
     Refract(Interface<R>),
     /// The same medium on both sides.
     Pass,
+    /// Reflection.
     Reflect,
 }
 
-/// One surface, ready for rays of one wavelength in one direction of travel.
+/// One surface, ready for rays of one wavelength in one direction of travel. Lengths in mm.
 #[derive(Clone, Copy, Debug)]
-pub(super) struct Step<R = f64> {
-    pub(super) shape: Shape<R>,
+pub struct Step<R = f64> {
+    /// The shape of the surface.
+    pub shape: Shape<R>,
     /// `None`: the surface stands on the axis, upright.
-    pub(super) pose: Option<Pose<R>>,
+    pub pose: Option<Pose<R>>,
     /// Added to z when the ray leaves the surface before: from its vertex to this one.
-    pub(super) to_here: R,
+    pub to_here: R,
     /// sign(N · D) of the crossing that is meant.
-    pub(super) side: R,
-    pub(super) clear_squared: R,
-    pub(super) obstruction_squared: R,
-    pub(super) action: Action<R>,
-    pub(super) is_stop: bool,
+    pub side: R,
+    /// Square of the semi-diameter of the clear aperture, mm².
+    pub clear_squared: R,
+    /// Square of the radius of the central obstruction, mm²; 0 without one.
+    pub obstruction_squared: R,
+    /// What happens to the direction.
+    pub action: Action<R>,
+    /// True if the diaphragm is here.
+    pub is_stop: bool,
     /// True if a ray from the surface before may start so far away, in radii, that it must be carried first.
-    pub(super) is_far: bool,
+    pub is_far: bool,
 }
 
 /// Beyond so many radii of curvature between surfaces, a ray is carried to its point nearest the vertex: larger
