@@ -21,7 +21,7 @@ FINEST = 100.0
 #: Lens effects that are no colours: with one wavelength, these alone can be asked for.
 _COLOURS = ("lateral_colour", "axial_colour")
 
-#: Light that strays is found once a picture, whatever its samples, and laid over it: each kind is a rung by itself, and in no other.
+#: Stray light is found once a picture, whatever its samples, and laid over it: each kind is a rung by itself, and in no other.
 #: The cameras are held against the truth without it, and each kind of it against the truth with all of it.
 STRAYS = {"ghosts": "with ghosts", "glare": "with veiling glare", "diffraction": "with diffraction"}
 
