@@ -177,7 +177,7 @@ pub(crate) fn scene(n: u32) -> Scene {
     builder.build(EYE)
 }
 
-/// The same, ready to be rendered.
+/// The stage of [`scene`]`(n)`, ready to be rendered.
 pub(crate) fn stage(n: u32) -> Stage {
     Stage::new(scene(n))
 }

@@ -83,7 +83,7 @@ pub fn random_of(number: u32) -> f32 {
     unit(hash1(number))
 }
 
-/// The same of two numbers.
+/// The number from 0 to 1 that Blender gives things by two numbers.
 pub fn random_of_pair([first, second]: [u32; 2]) -> f32 {
     unit(hash2(first, second))
 }

@@ -9,9 +9,9 @@ use glam::{Affine3A, Vec3A, Vec4};
 pub struct Column {
     /// One value a point.
     pub values: Vec<Vec4>,
-    /// How it changes over the footprint in x, where it does.
+    /// The derivative over the footprint in x, one a point; empty where the column does not change.
     pub along_x: Vec<Vec4>,
-    /// The same in y.
+    /// The derivative over the footprint in y, one a point; empty where the column does not change.
     pub along_y: Vec<Vec4>,
 }
 

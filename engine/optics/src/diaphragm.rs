@@ -75,7 +75,7 @@ impl Diaphragm {
         Self { rotation_rad, mask, ..Self::round(radius_mm) }
     }
 
-    /// The same without its mask: the circle that holds it.
+    /// A copy of this diaphragm without its mask: the circle that holds the mask.
     pub(crate) fn without_mask(&self) -> Self {
         Self { mask: None, ..self.clone() }
     }
@@ -91,8 +91,9 @@ impl Diaphragm {
         Self::bladed(radius_mm, blades, 0.0, rotation_rad)
     }
 
-    /// The same of curved blades: `curvature` from 0 (straight, [`Self::polygon`]) to 1 (the full circle); it is taken
-    /// into that range. Fewer than three blades, or the full circle: round.
+    /// An opening of `blades` curved blades in the circle of `radius_mm`; one corner lies at `rotation_rad` from the x axis towards y.
+    /// `curvature` goes from 0 (straight, [`Self::polygon`]) to 1 (the full circle); it is taken into that range. Fewer than three blades,
+    /// or the full circle: round.
     pub fn bladed(radius_mm: f64, blades: u32, curvature: f64, rotation_rad: f64) -> Self {
         // Below a millionth an arc leaves its chord by less than f32 holds of the radius, and its centre is too far.
         let curvature = if curvature > 1e-6 { curvature } else { 0.0 };
@@ -226,7 +227,7 @@ impl Diaphragm {
         [out * nx - across * ny, out * ny + across * nx]
     }
 
-    /// The same in numbers of another kind.
+    /// This diaphragm in numbers of another kind.
     pub fn cast<R: Real>(&self) -> Diaphragm<R> {
         Diaphragm {
             radius_mm: R::from_f64(self.radius_mm),

@@ -32,7 +32,7 @@ impl Matrix {
         Self { b: thickness_mm / index, ..Self::IDENTITY }
     }
 
-    /// The same way back: light that comes from the other side, its indices and ways turned round.
+    /// The matrix of the way back: light comes from the other side, and the order of the surfaces is reversed.
     pub fn reversed(&self) -> Self {
         Self { a: self.d, d: self.a, ..*self }
     }

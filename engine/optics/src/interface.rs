@@ -26,7 +26,7 @@ impl Interface {
         Self { ratio: from / to, excess }
     }
 
-    /// The same in numbers of another kind.
+    /// This interface in numbers of another kind.
     pub fn cast<R: Real>(&self) -> Interface<R> {
         Interface { ratio: R::from_f64(self.ratio), excess: R::from_f64(self.excess) }
     }

@@ -233,7 +233,7 @@ impl Prescription {
         fixed
     }
 
-    /// The same lens, its surfaces as the first position of what moves has them.
+    /// This lens with its surfaces in the first position of its moving parts.
     pub fn in_first_position(self) -> Self {
         let published = self.moving.as_ref().map(|moving| moving.first_zoom_mm());
         let surfaces = published.map(|zoom_mm| self.at_position(zoom_mm, 0.0).surfaces);

@@ -87,9 +87,9 @@ struct Located<'a> {
     ellipse: Ellipse,
     /// Cosine and sine of the turn of the cell's axes.
     frame: DVec2,
-    /// The same of the film point's meridian in those axes.
+    /// Cosine and sine of the angle of the film point's meridian in the cell's axes.
     meridian: DVec2,
-    /// The same of the ellipse's axes.
+    /// Cosine and sine of the angle of the ellipse's axes in the cell's axes.
     axes: DVec2,
 }
 

@@ -216,7 +216,7 @@ impl System {
         })
     }
 
-    /// The same lens with a mask in its diaphragm instead of blades, turned by `rotation_rad` from x towards y.
+    /// This lens with a mask in its diaphragm instead of blades, turned by `rotation_rad` from x towards y.
     pub fn with_aperture_mask(mut self, mask: Arc<ApertureMask>, rotation_rad: f64) -> Result<Self, SystemError> {
         if !rotation_rad.is_finite() {
             return Err(DiaphragmError::Rotation(rotation_rad).into());
@@ -225,7 +225,7 @@ impl System {
         Ok(self)
     }
 
-    /// The same lens with another coating wherever glass meets air.
+    /// This lens with another coating wherever glass meets air.
     #[must_use]
     pub fn coated(mut self, coating: &Coating) -> Self {
         for surface in &mut self.surfaces {

@@ -154,18 +154,18 @@ impl Tracer {
         }
     }
 
-    /// The same lens without central obstructions.
+    /// A copy of this lens without central obstructions.
     pub(crate) fn without_obstructions(&self) -> Self {
         let clear = |step: &Step| Step { obstruction_squared: 0.0, ..*step };
         Self { from_scene: self.from_scene.map(clear), from_film: self.from_film.map(clear), ..self.clone() }
     }
 
-    /// The same lens without the mask in its diaphragm.
+    /// A copy of this lens without the mask in its diaphragm.
     pub(crate) fn without_mask(&self) -> Self {
         Self { diaphragm: Arc::new(self.diaphragm.without_mask()), ..self.clone() }
     }
 
-    /// The same lens with rims, stop and obstructions taken away: all rays that its surfaces can carry.
+    /// A copy of this lens without rims, stop and obstructions: it passes all rays that its surfaces can carry.
     pub fn without_rims(&self) -> Self {
         let open = |step: &Step| Step {
             clear_squared: f64::INFINITY,
@@ -183,7 +183,7 @@ impl Tracer {
         self.from_scene.steps.iter().any(|s| s.obstruction_squared > 0.0)
     }
 
-    /// The same lens traced in numbers of another kind.
+    /// This lens traced in numbers of another kind.
     pub fn cast<R: Real>(&self) -> Tracer<R> {
         Tracer {
             from_scene: self.from_scene.map(Step::cast),

@@ -117,7 +117,7 @@ impl<'a> Passages<'a> {
         0.5 * power * absorbed
     }
 
-    /// The same as if light were unpolarised before each surface.
+    /// The part of unpolarised light of a wavelength that passes if the light is taken as unpolarised before each surface.
     pub fn part_unpolarised(&self, passage: &Passage, wavelength_nm: f64) -> f64 {
         let one = |met: &Met| {
             let surface = &self.system.surfaces()[met.surface];

@@ -210,7 +210,7 @@ impl Accel {
         self.transmittance_of(ray, Rays::SHADOW, opacity)
     }
 
-    /// The same for rays that ask for another reason than a light's shadow.
+    /// [`Self::transmittance`] of a ray of any kind.
     pub fn transmittance_of(&self, ray: &Ray, kind: Rays, mut opacity: impl FnMut(&Hit) -> f32) -> f32 {
         let mut left = 1.0;
         self.each_between(ray, kind, |hit| {
@@ -220,7 +220,7 @@ impl Accel {
         left
     }
 
-    /// The same by colour; `through` says what each surface in between leaves.
+    /// The part of light, by channel, that gets from one end of the ray to the other; `through` says what each surface in between leaves.
     pub fn light_through(&self, ray: &Ray, kind: Rays, mut through: impl FnMut(&Hit) -> Rgb) -> Rgb {
         let mut left = Rgb::ONE;
         self.each_between(ray, kind, |hit| {

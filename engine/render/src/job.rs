@@ -135,8 +135,8 @@ impl Job {
         Self::start_moving(stage, vec![camera], settings)
     }
 
-    /// The same with a camera that changes while the shutter is open: as it is at times that lie evenly over it, each
-    /// the middle of an equal part. Every sample has one of them.
+    /// Starts rendering with a camera that changes while the shutter is open: `cameras` has its states at times that lie evenly over the
+    /// exposure, each the middle of an equal part. Every sample has one of them.
     ///
     /// # Errors
     /// [`SettingsError`], also if there is no camera.
@@ -144,7 +144,7 @@ impl Job {
         Self::start_with(stage, cameras, settings, Beside::default())
     }
 
-    /// The same with more to be found.
+    /// Starts rendering like [`Self::start_moving`], with more to be found: `beside`.
     ///
     /// # Errors
     /// [`SettingsError`].

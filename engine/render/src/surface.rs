@@ -182,7 +182,7 @@ impl SurfacePoint {
             && mesh_of(scene, hit.instance).curves.as_deref().map_or(hit.triangle, met) == self.strand
     }
 
-    /// The same point seen along another ray, which leaves it along `d`.
+    /// This point seen along another ray, which leaves it along `d`.
     pub fn seen_from(&self, d: Vec3A) -> Self {
         if self.geometric_normal.dot(d) >= 0.0 {
             return *self;

@@ -90,7 +90,8 @@ impl<'a> Beam<'a> {
         self.lattice(cell).0
     }
 
-    /// The same, and what lies on the pupil's edge is the mean over its cell: a pupil of steps would scatter light.
+    /// The waves on a lattice with this step of the direction cosines, those on the pupil's edge averaged over their cells: a pupil with
+    /// steps would scatter light.
     pub(super) fn waves_with_soft_edge(&self, cell: f64) -> Waves {
         let (lattice, mut found) = self.lattice(cell);
         let columns = lattice.columns;

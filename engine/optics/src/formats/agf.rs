@@ -45,7 +45,7 @@ pub fn parse_bytes(bytes: &[u8], file: &str) -> Result<(Vec<Medium>, Vec<Remark>
     parse(&text::any_encoding(bytes, file)?, file)
 }
 
-/// The same of a text.
+/// The glasses in the text of a catalogue, with remarks on those that could not be used and are left out.
 pub fn parse(text: &str, file: &str) -> Result<(Vec<Medium>, Vec<Remark>), LensFileError> {
     let mut remarks = Remarks::default();
     let mut media = Vec::new();

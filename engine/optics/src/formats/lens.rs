@@ -147,7 +147,8 @@ pub fn parse(text: &str, file_name: &str, catalogue: &Catalogue) -> Result<Presc
     parse_bytes(text.as_bytes(), file_name, catalogue)
 }
 
-/// The same, with what is said of glass files in `folder` that the lens file names.
+/// Parses a lens file like [`parse_bytes`] and returns the remarks, too, those on glass files in `folder` that the lens file names
+/// included.
 pub(super) fn reading(
     bytes: &[u8],
     file: &str,

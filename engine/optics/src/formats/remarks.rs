@@ -49,7 +49,7 @@ impl Remarks {
         }
     }
 
-    /// The same, but only once for each `kind`.
+    /// Adds a remark like [`Self::say`], but only once for each `kind`.
     pub(super) fn once(&mut self, kind: &str, place: Place, text: impl Into<String>) {
         if let Some((_, count)) = self.kinds.get_mut(kind) {
             *count += 1;

@@ -31,7 +31,7 @@ pub fn parse_bytes(bytes: &[u8], file: &str, name: &str) -> Result<Medium, LensF
     parse(&text::any_encoding(bytes, file)?, file, name)
 }
 
-/// The same of a text.
+/// The medium in the text of a file, by the name that it shall have.
 pub fn parse(text: &str, file: &str, name: &str) -> Result<Medium, LensFileError> {
     let mut medium: Option<Medium> = None;
     let mut transmittance = None;

@@ -3,7 +3,7 @@
 /// How the index follows from the wavelength `l` in micrometres.
 #[derive(Clone, Debug, PartialEq)]
 pub enum Dispersion {
-    /// The same at every wavelength.
+    /// An index that does not depend on the wavelength.
     Constant(f64),
     /// n² = 1 + a + Σ b l² / (l² − c), pairs (b, c).
     Sellmeier {

@@ -57,7 +57,7 @@ impl Gradient {
         self.from_mm
     }
 
-    /// The same medium in a lens `factor` times as large.
+    /// The gradient of this medium in a lens `factor` times as large.
     pub fn scaled(&self, factor: f64) -> Self {
         let smaller = |term: &GradientTerm| GradientTerm {
             coefficient: term.coefficient / factor.powi((term.z + term.r) as i32),
@@ -66,7 +66,7 @@ impl Gradient {
         Self { terms: self.terms.iter().map(smaller).collect(), from_mm: self.from_mm * factor }
     }
 
-    /// The same medium seen from a vertex `behind_mm` farther along the axis.
+    /// The gradient of this medium seen from a vertex `behind_mm` farther along the axis.
     pub fn seen_from(&self, behind_mm: f64) -> Self {
         Self { terms: self.terms.clone(), from_mm: self.from_mm - behind_mm }
     }

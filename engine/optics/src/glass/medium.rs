@@ -56,13 +56,13 @@ impl Medium {
         }
     }
 
-    /// The same medium, which lets through so much of the light.
+    /// This medium with an internal transmittance.
     pub fn with_transmittance(mut self, transmittance: InternalTransmittance) -> Self {
         self.transmittance = Some(Arc::new(transmittance));
         self
     }
 
-    /// The same medium with an index that changes from place to place.
+    /// This medium with an index that changes from place to place.
     pub fn with_gradient(mut self, gradient: Gradient) -> Self {
         self.gradient = Some(Arc::new(gradient));
         self
@@ -73,12 +73,12 @@ impl Medium {
         self.gradient.as_deref()
     }
 
-    /// The same medium in a lens `factor` times as large.
+    /// This medium in a lens `factor` times as large.
     pub fn scaled(&self, factor: f64) -> Self {
         Self { gradient: self.gradient.as_ref().map(|gradient| Arc::new(gradient.scaled(factor))), ..self.clone() }
     }
 
-    /// The same medium seen from a vertex `behind_mm` farther along the axis.
+    /// This medium seen from a vertex `behind_mm` farther along the axis.
     pub fn seen_from(&self, behind_mm: f64) -> Self {
         Self {
             gradient: self.gradient.as_ref().map(|gradient| Arc::new(gradient.seen_from(behind_mm))),
@@ -86,7 +86,7 @@ impl Medium {
         }
     }
 
-    /// The same medium with `shift` added to its index at every wavelength.
+    /// This medium with `shift` added to its index at every wavelength.
     pub fn with_index_shift(&self, shift: f64) -> Self {
         Self { shift, ..self.clone() }
     }

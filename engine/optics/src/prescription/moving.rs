@@ -139,7 +139,7 @@ pub enum MovingError {
     /// A zoom has no position at infinity.
     #[error("no position has focus=inf at this zoom; give one for each zoom, to count the others from")]
     NoInfinity,
-    /// The same position again.
+    /// A position is given twice.
     #[error("this zoom and focus were given before; take one out")]
     Twice,
     /// A position makes no lens.

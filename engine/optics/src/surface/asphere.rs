@@ -49,7 +49,7 @@ impl Asphere {
         Self { base, even, odd, even_count, odd_count }
     }
 
-    /// The same terms on another conicoid.
+    /// The polynomial terms of this surface on another conicoid.
     pub fn with_base(&self, base: Conic) -> Self {
         Self { base, ..*self }
     }

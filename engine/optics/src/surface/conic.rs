@@ -39,12 +39,12 @@ impl Conic {
         (inside >= 0.0).then(|| c * radius_mm * radius_mm / (1.0 + inside.sqrt()))
     }
 
-    /// The same shape, `factor` times as large.
+    /// This shape, `factor` times as large.
     pub(super) fn scaled(&self, factor: f64) -> Self {
         Self { curvature: self.curvature / factor, ..*self }
     }
 
-    /// The same in numbers of another kind.
+    /// This conicoid in numbers of another kind.
     pub(super) fn cast<R: Real>(&self) -> Conic<R> {
         Conic { curvature: R::from_f64(self.curvature), conic: R::from_f64(self.conic) }
     }

@@ -162,7 +162,7 @@ impl Shape {
         }
     }
 
-    /// The same shape on another conicoid.
+    /// This shape on another conicoid.
     pub fn with_base(&self, base: Conic) -> Self {
         match *self {
             Self::Conic(_) => Self::Conic(base),
@@ -223,7 +223,7 @@ impl Shape {
         !matches!(self, Self::Toroid(_))
     }
 
-    /// The same shape, `factor` times as large.
+    /// This shape, `factor` times as large.
     pub fn scaled(&self, factor: f64) -> Self {
         match self {
             Self::Conic(conic) => Self::Conic(conic.scaled(factor)),
@@ -232,7 +232,7 @@ impl Shape {
         }
     }
 
-    /// The same shape in numbers of another kind.
+    /// This shape in numbers of another kind.
     pub fn cast<R: Real>(&self) -> Shape<R> {
         match self {
             Self::Conic(conic) => Shape::Conic(conic.cast()),

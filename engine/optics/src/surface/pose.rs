@@ -69,7 +69,7 @@ impl Pose {
         self.moved.of(0).is_finite() && self.turn().is_finite()
     }
 
-    /// The same in numbers of another kind.
+    /// This pose in numbers of another kind.
     pub fn cast<R: Real>(&self) -> Pose<R> {
         Pose { axes: self.axes.map(|axis| Vector::from_f64(axis.of(0))), moved: Vector::from_f64(self.moved.of(0)) }
     }

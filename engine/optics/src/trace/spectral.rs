@@ -65,7 +65,7 @@ impl SpectralTracer {
         }
     }
 
-    /// The same lens traced in numbers of another kind.
+    /// This lens traced in numbers of another kind.
     pub fn cast<R: Real>(&self) -> SpectralTracer<R> {
         let number = |numbers: &[f64]| -> Box<[R]> { numbers.iter().map(|&n| R::from_f64(n)).collect() };
         let along = |(way, tables): &(Way<f64>, Tables<f64>)| {

@@ -13,7 +13,7 @@ use super::gradient::Gradients;
 #[derive(Clone, Copy, Debug)]
 pub(super) enum Action<R> {
     Refract(Interface<R>),
-    /// The same medium on both sides.
+    /// No change of direction: the medium is the same on both sides.
     Pass,
     Reflect,
 }

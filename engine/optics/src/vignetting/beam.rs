@@ -150,7 +150,7 @@ fn from_axis(s: &Surface, hit: DVec3) -> DVec2 {
     s.pose.point_in(Vector::<f64>::from_f64(hit.with_z(hit.z - s.z_mm))).of(0).truncate()
 }
 
-/// The same lens, every surface as large as its shape allows.
+/// A copy of the lens in which every surface is as large as its shape allows.
 fn without_rims(system: &System) -> Option<System> {
     let size: f64 = system.surfaces().iter().map(|s| s.thickness_mm.abs() + s.semi_diameter_mm).sum();
     let row = |s: &Surface| SurfaceRow {

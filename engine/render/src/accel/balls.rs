@@ -51,7 +51,7 @@ impl Balls {
         self.point[lane] = point;
     }
 
-    /// The same balls on their way to where another leaf has them, after a part of it.
+    /// These balls moved by a part of the way to where another leaf has them.
     #[inline(always)]
     pub(super) fn towards(&self, to: &Self, part: f32) -> Self {
         let mut now = self.clone();

@@ -32,7 +32,7 @@ impl Bounds {
         balls.iter().map(of).fold(Self::EMPTY, |all, one| all.union(&one)).grown()
     }
 
-    /// The same box, around what these two numbers name.
+    /// This box with two numbers in its fourth components.
     pub(super) fn naming(self, [a, b]: [u32; 2]) -> Self {
         let [a, b] = [a, b].map(f32::from_bits);
         Self { min: self.min.with_w(a), max: self.max.with_w(b) }

@@ -298,7 +298,7 @@ mod tests {
         scene
     }
 
-    /// The same as it stands at a moment, nothing of it moving.
+    /// The scene as it stands at a moment, without motion.
     fn at(scene: &Scene, moment: u16) -> Scene {
         let mut builder = SceneBuilder::new();
         let mut placed: Vec<u32> = (0..scene.placed().len() as u32).collect();

@@ -74,7 +74,7 @@ impl Node {
         }
     }
 
-    /// The same with its children where they are.
+    /// This node with the indices of its first inner child and its first leaf.
     pub(super) fn pointing_to(self, first_node: usize, first_leaf: usize) -> Self {
         Self { nodes: self.nodes | first_node as u32, leaves: self.leaves | first_leaf as u32, ..self }
     }

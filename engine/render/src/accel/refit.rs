@@ -64,7 +64,7 @@ impl Accel {
 }
 
 impl TriangleTree {
-    /// The same tree around the same triangles where they are now; `None` where a build is the better choice.
+    /// This tree around the present places of its triangles; `None` where a build is the better choice.
     pub(super) fn refitted(&self, source: &TriangleSource<'_>) -> Option<Self> {
         let count: usize = self.blocks.par_iter().map(Block::len).sum();
         if self.nodes.is_empty() || count != source.count() {
@@ -108,14 +108,14 @@ impl TriangleTree {
 }
 
 impl Block {
-    /// How many triangles it holds: those of the first lanes.
+    /// Number of triangles in the block: those of the first lanes.
     fn len(&self) -> usize {
         (0..LANES).take_while(|&lane| self.holds(lane)).count()
     }
 }
 
 impl Node {
-    /// The same children, their boxes now these.
+    /// A node with the children of this one and with these boxes.
     fn around(&self, boxes: &[Bounds]) -> Self {
         let (first_node, first_leaf) = self.first_children();
         Self::new(boxes, self.inner_count()).pointing_to(first_node, first_leaf)

@@ -44,7 +44,7 @@ impl Block {
         self.triangle[lane] = triangle;
     }
 
-    /// The same triangles on their way to where another block has them, after a part of it.
+    /// These triangles moved by a part of the way to where another block has them.
     #[inline(always)]
     pub(super) fn towards(&self, to: &Self, part: f32) -> Self {
         let mut now = self.clone();

@@ -230,7 +230,7 @@ impl Sight {
         (0..places.len()).map(mean).collect()
     }
 
-    /// The same by Gaussian optics.
+    /// The direction that a place sees by Gaussian optics.
     fn gaussian(&self, place: Vec2, lens: &GaussianLens) -> Option<DVec3> {
         let film = self.film_at(place);
         Some(self.seen(&lens.into_scene(film, lens.slopes(film, DVec2::ZERO))))

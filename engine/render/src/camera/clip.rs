@@ -19,7 +19,8 @@ impl Clip {
         Self::along(d, camera.axes().z_axis)
     }
 
-    /// The same of a camera that is not made yet; `backwards` is its axis from the scene to the film, render space.
+    /// The clip planes of a camera that is not made yet; `None` if they leave nothing out. `backwards` is its axis from
+    /// the scene to the film, render space.
     pub fn along(d: &CameraDescription, backwards: DVec3) -> Option<Self> {
         let [near, far] = d.clip;
         let leaves_out = near > 0.0 || far < f64::INFINITY;
@@ -39,8 +40,8 @@ impl Clip {
         Ray { origin: ray.origin + ray.direction * begin, t_max: (end - begin).max(0.0), ..ray }
     }
 
-    /// The same for light that goes to the camera: how far of its way things may stand in it; `None` if it comes from
-    /// beyond.
+    /// The distance along a ray of light towards the camera up to which surfaces may occlude it; `None` if the light
+    /// comes from beyond the clip planes.
     pub fn way_to_camera(&self, ray: &Ray) -> Option<f32> {
         let (along, depth) = (-self.forward.dot(ray.direction), self.forward.dot(ray.origin));
         if along <= 1e-6 {

@@ -24,7 +24,7 @@ pub enum Model {
     Thin,
     /// The lens's principal planes and pupils at one wavelength.
     Thick,
-    /// The same at every wavelength.
+    /// The lens's principal planes and pupils at every wavelength.
     Paraxial,
     /// A table of the lens's rays at one wavelength.
     ImageBased,

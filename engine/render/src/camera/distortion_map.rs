@@ -118,7 +118,8 @@ impl DistortionMap {
         self.pinhole.place(seen).filter(|p| p.is_finite())
     }
 
-    /// The same between the rays that were traced before, by cubics; where some of these are lost, by rays.
+    /// The place in the pinhole's picture of what the lens shows at a picture point, by cubics between the rays of the nodes; where some of
+    /// these are lost, by [`Self::look`]. `None` where no light comes, or from behind.
     pub fn at(&self, place: DVec2) -> Option<DVec2> {
         let within = |p: f64, cells: usize| {
             let at = (p + 0.5) * cells as f64 + BEYOND as f64;

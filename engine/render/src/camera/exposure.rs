@@ -34,8 +34,8 @@ impl CameraDescription {
         self.exposure.map_or(1.0, |exposure| exposure.value(throughput))
     }
 
-    /// The same through a lens that may have something in its middle: by the T-number that is made up for as what glass takes, by the
-    /// f-number it makes the picture darker.
+    /// The picture's value for radiance one in the middle of a film behind a lens that may have a central obstruction. Exposure by the
+    /// T-number makes up for the obstruction as for the absorption of glass; by the f-number the obstruction makes the picture darker.
     pub(super) fn brightness_through(&self, tracer: &Tracer, system: &System, film_z_mm: f64) -> f64 {
         let throughput = on_axis_throughput(tracer, system, film_z_mm);
         let clear = if self.exposes_by_f_number { 1.0 } else { unobstructed_part(tracer, system, film_z_mm) };

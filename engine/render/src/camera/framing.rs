@@ -18,11 +18,11 @@ pub enum Framed {
 pub struct Framing {
     /// `None`: as it was.
     pub focal_length_mm: Option<f64>,
-    /// The picture's.
+    /// Width of the picture, mm.
     pub film_width_mm: f64,
-    /// As before.
+    /// Height of the picture, mm.
     pub film_height_mm: f64,
-    /// Of the lens against the film.
+    /// Shift of the lens against the film, mm.
     pub shift_mm: [f64; 2],
     /// Angle along the larger side.
     pub angle_rad: f64,

@@ -75,7 +75,7 @@ impl Mount {
         (self.axes.transpose() * d).normalize()
     }
 
-    /// The same, back.
+    /// A direction of lens space, where all axes have one scale, in render space.
     pub(super) fn direction_to_render(&self, d: DVec3) -> DVec3 {
         (self.axes * d).normalize()
     }

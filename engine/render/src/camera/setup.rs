@@ -46,25 +46,25 @@ pub struct LensInfo {
     pub film_distance_mm: f64,
     /// From the entrance pupil to what is sharp, mm; `None` is infinity.
     pub focus_distance_mm: Option<f64>,
-    /// The same as the camera counts it: the focus distance that it would have to be set to.
+    /// The sharp distance as the camera counts it: the focus distance that it would have to be set to, mm; `None` is infinity.
     pub focus_scale_mm: Option<f64>,
     /// Image over object height; negative is upside down on the film.
     pub magnification: f64,
-    /// Whole angles that the picture sees, by exact rays; `None` where they are lost.
+    /// Whole horizontal angle that the picture sees, by exact rays; `None` where they are lost.
     pub fov_horizontal_rad: Option<f64>,
-    /// As before.
+    /// Whole vertical angle that the picture sees, by exact rays; `None` where they are lost.
     pub fov_vertical_rad: Option<f64>,
-    /// As before.
+    /// Whole diagonal angle that the picture sees, by exact rays; `None` where they are lost.
     pub fov_diagonal_rad: Option<f64>,
-    /// The part of the film that the picture takes, mm.
+    /// Width of the part of the film that the picture takes, mm.
     pub picture_width_mm: f64,
-    /// As before.
+    /// Height of the part of the film that the picture takes, mm.
     pub picture_height_mm: f64,
     /// A pinhole of this focal length over that width frames the same picture, mm.
     pub viewport_focal_length_mm: f64,
     /// Blender's shift of that pinhole, in units of the picture's larger side.
     pub viewport_shift: [f64; 2],
-    /// mm.
+    /// Diameter of the entrance pupil, mm.
     pub entrance_pupil_diameter_mm: Option<f64>,
     /// Focal lengths that a zoom lens is made for, mm.
     pub zoom_range_mm: Option<[f64; 2]>,

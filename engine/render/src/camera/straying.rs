@@ -34,7 +34,7 @@ pub struct StrayLens {
     spectrum: FilmSpectrum,
     /// The picture's value for the irradiance that radiance one makes.
     gain: f64,
-    /// The same for radiance one in the middle of the film.
+    /// The picture's value for radiance one in the middle of the film.
     brightness: f64,
     size_px: DVec2,
     /// The width of the entrance pupil as a part of the front glass's.

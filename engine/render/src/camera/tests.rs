@@ -157,7 +157,7 @@ fn a_white_world_is_one_on_axis() {
     assert!(seen > if petzval_testkit::is_thorough() { 60 } else { 25 }, "{seen}");
 }
 
-/// The same through the whole spectrum, in every channel.
+/// In the middle of the film a uniform white world is 1 in every channel through the whole spectrum.
 #[test]
 fn a_white_world_is_white() {
     let camera = Camera::new(&CameraDescription { wavelength_nm: None, ..description(Model::Lens) }, 300, 200).unwrap();

@@ -100,7 +100,7 @@ pub(super) struct Transmission {
     /// By the film's wavelength, then by term: what is to be multiplied, the middle's part and the exposure included. Where the film has
     /// one wavelength the middle's colour is not: that is [`Middle::tint`].
     lines: Vec<Vec<f32>>,
-    /// The same by set of wavelengths, then by term: a register for the set.
+    /// The coefficients of [`Self::lines`] by set of wavelengths, then by term: a register for the set.
     sets: Vec<Vec<f32x8>>,
     /// The largest error on rays that it was not fitted to, stops.
     error_stops: f64,
@@ -159,7 +159,7 @@ impl Transmission {
         self.shape.values(numbers, |term| f32x8::splat(self.lines[index][term])).to_array()[0]
     }
 
-    /// The same for as many rays as fill a register, by where they cross the plane and by their direction, each at a wavelength of its
+    /// [`Self::at`] for as many rays as fill a register, by where they cross the plane and by their direction, each at a wavelength of its
     /// own.
     #[inline]
     pub(super) fn at_each(&self, rays: [f32x8; 4], index: impl Fn(usize) -> usize) -> f32x8 {
@@ -168,7 +168,7 @@ impl Transmission {
         self.shape.values(rays, |term| f32x8::new(lines.map(|line| line[term])))
     }
 
-    /// The same at the wavelengths of a set.
+    /// [`Self::at_each`] at the wavelengths of a set.
     #[inline]
     pub(super) fn at_set(&self, set: usize, rays: [f32x8; 4]) -> f32x8 {
         let terms = &self.sets[set];

@@ -82,8 +82,8 @@ impl Film {
         sums.iter().map(|sum| sum.map(|s| (s / samples) as f32)).collect()
     }
 
-    /// The same in sums, and by what they are to be divided: the samples of the tile where all that give light to it have as
-    /// many, so that nothing is rounded before; else one.
+    /// The pixels of a part of the picture as sums, and their divisor: the sample count of the tile where all tiles that give light to it
+    /// have the same count, so that nothing is rounded before the division; else one.
     fn sums(&self, rect: TileRect, scattered: &Scattered) -> (Vec<[f64; 4]>, f64) {
         let mut out = vec![[0.0f64; 4]; (rect.width * rect.height) as usize];
         let columns = self.width.div_ceil(self.tile_size);

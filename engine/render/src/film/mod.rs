@@ -117,7 +117,7 @@ pub struct Patch {
     anywhere: Option<Vec<(u32, u32, Rgb)>>,
     /// By pixel, as the sums; empty if nobody asked.
     data: Vec<DataSums>,
-    /// The same.
+    /// Motion vectors by pixel; empty if nobody asked.
     vectors: Vec<VectorSums>,
     #[serde(skip)]
     mattes: Option<Box<MatteNotes>>,
@@ -166,7 +166,7 @@ impl Patch {
         self.add_wide(x, y, radiance.extend(0.0));
     }
 
-    /// The same for radiance with a 0 behind it.
+    /// Adds radiance, with a 0 as the fourth number, to a pixel of the picture.
     #[inline]
     pub fn add_wide(&mut self, x: u32, y: u32, radiance: Vec4) {
         match self.rect.index(x, y) {
@@ -246,7 +246,8 @@ impl Film {
         Self::keeping(width, height, spreads, Keep { surfaces: with_data, ..Keep::default() })
     }
 
-    /// The same, with all that it shall keep.
+    /// An empty film that keeps what `keep` names; tiles in order of their distance from the centre. `spreads` if samples give light to
+    /// other pixels than their own.
     pub fn keeping(width: u32, height: u32, spreads: bool, keep: Keep) -> Self {
         let tile_size = if keep.halves { BLOCK_SIZE } else { TILE_SIZE };
         let rects = cut(width, height, tile_size);
@@ -282,15 +283,15 @@ impl Film {
         Self { width, height, tile_size, tiles, places, far, anywhere, keep, exposure, gains, groups }
     }
 
-    /// The same, with all its light multiplied by a factor, that of groups too.
+    /// This film with all its light multiplied by a factor, that of groups too.
     #[must_use]
     pub fn exposed(self, exposure: f32) -> Self {
         let groups = self.groups.into_iter().map(|group| group.exposed(exposure)).collect();
         Self { exposure, groups, ..self }
     }
 
-    /// The same, with each pixel's light multiplied by a factor of its own, rows from below, that of groups too; with none, by
-    /// one.
+    /// This film with each pixel's light multiplied by a factor of its own, rows from below, that of groups too; an empty list multiplies
+    /// by one.
     #[must_use]
     pub fn shaded(self, gains: Arc<[f32]>) -> Self {
         let groups = self.groups.into_iter().map(|group| group.shaded(gains.clone())).collect();

@@ -24,7 +24,7 @@ use std::sync::atomic::{AtomicU64, Ordering};
 
 /// Tentative particles on one stretch of a ray; what is behind so many is taken as it is seen.
 const MOST_STEPS: u32 = 1024;
-/// The same on the way to infinity, which is empty as a rule.
+/// Tentative particles on a ray's way to infinity, which is empty as a rule.
 const MOST_STEPS_OUT: u32 = 256;
 /// Light fainter than this part goes on by chance.
 const FAINT: f32 = 0.02;

@@ -69,7 +69,7 @@ impl Stage {
         Self::after(None, scene)
     }
 
-    /// The same; what is left of the stage of another frame makes it quicker.
+    /// Builds a stage like [`Self::new`]; parts of the stage of another frame that are still valid are reused.
     pub fn after(previous: Option<&Self>, scene: Scene) -> Self {
         Self::with(previous, scene, |scene| match previous {
             Some(previous) => Accel::new_after(&previous.accel, scene),
@@ -77,7 +77,8 @@ impl Stage {
         })
     }
 
-    /// The same for a scene that is edited: what was not is taken from the stage before, at the price of slower rays.
+    /// Builds a stage of a scene that is edited: unedited parts are taken from the stage before, at the price of slower
+    /// rays.
     pub fn edited(previous: Option<&Self>, scene: Scene) -> Self {
         let before = previous.map(|previous| (&previous.accel, &previous.scene));
         Self::with(previous, scene, |scene| Accel::apart(before, scene))

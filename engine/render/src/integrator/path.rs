@@ -87,7 +87,7 @@ pub struct Limits {
     /// Most radiance, in the mean of its channels, that light may add which the camera sees, or which is scattered once: fewer bright
     /// specks for less light. Infinite takes all of it.
     pub clamp_direct: f32,
-    /// The same for light that is scattered more often.
+    /// Most radiance, in the mean of its channels, that light scattered more than once may add. Infinite takes all of it.
     pub clamp_indirect: f32,
     /// What is given up of indirect light.
     pub approximations: Approximations,
@@ -113,7 +113,7 @@ pub struct KindLimits {
     pub volume: u32,
     /// Surfaces passed unbent.
     pub transparent: u32,
-    /// The same for rays that ask whether light arrives, those of the path before them included.
+    /// Surfaces that a shadow ray may pass unbent, those of the path before it included.
     pub transparent_shadows: u32,
     /// What paths meet after a diffuse scattering mirrors and bends light.
     pub caustics: Caustics,

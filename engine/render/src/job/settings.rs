@@ -48,7 +48,7 @@ pub struct Settings {
     /// Most radiance, in the mean of its channels, that light may add to a sample which the camera sees, or which is scattered once; 0
     /// is no limit.
     pub clamp_direct: f32,
-    /// The same for light that is scattered more often.
+    /// Most radiance, in the mean of its channels, that light scattered more than once may add to a sample; 0 is no limit.
     pub clamp_indirect: f32,
     /// What is given up of indirect light; bidirectional paths do without.
     pub approximations: Approximations,

@@ -60,7 +60,7 @@ impl Lights {
         });
     }
 
-    /// The same of what shines from infinity: the world, and suns with extent.
+    /// Tells of each emitter at infinity along a ray: the world, and suns with extent. `to` is where a light sample would have been taken.
     pub fn sky_along(
         &self,
         scene: &Scene,

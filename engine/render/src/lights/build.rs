@@ -131,7 +131,7 @@ fn by_buckets(emitters: &[LightBounds], order: &[u32], low: Vec3A, extent: Vec3A
     best
 }
 
-/// The same among splits that leave on one side as many emitters as some full nodes hold, with the place of the split.
+/// The cost, axis and place of the cheapest split that leaves on one side as many emitters as some full nodes hold.
 fn into_full(emitters: &[LightBounds], order: &mut [u32], extent: Vec3A) -> Option<(f32, usize, usize)> {
     let full = if order.len() <= WIDTH * WIDTH { WIDTH } else { WIDTH * WIDTH };
     let mut best: Option<(f32, usize, usize)> = None;

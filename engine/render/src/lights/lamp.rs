@@ -212,7 +212,7 @@ impl PreparedLamp {
         Some(sample)
     }
 
-    /// The same before its nodes.
+    /// Light of the lamp at `from`, before the lamp's nodes.
     pub(super) fn sample(&self, from: Vec3A, u: [f32; 2]) -> Option<LightSample> {
         match self.kind {
             LampKind::Point { radius, soft: true } if radius > 0.0 => self.sample_facing_disk(from, radius, u),

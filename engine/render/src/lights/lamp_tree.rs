@@ -19,7 +19,7 @@ struct Node {
     inside: [u32; WIDTH],
     /// A bit for each lane that holds anything.
     used: u32,
-    /// The same for lamps.
+    /// A bit for each lane that holds a lamp.
     lamps: u32,
 }
 

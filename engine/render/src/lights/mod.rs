@@ -143,7 +143,7 @@ impl Lights {
         self.receiver_by(0, position, normal, openness)
     }
 
-    /// The same on an instance, which some lights may not light.
+    /// A place on an instance that light may reach; some lights may not light the instance. See [`Self::receiver`].
     #[inline]
     pub fn receiver_on(&self, instance: u32, position: Vec3A, normal: Option<Vec3A>, openness: f32) -> Receiver {
         let tree = if self.is_linked { self.tree_of[instance as usize] } else { 0 };

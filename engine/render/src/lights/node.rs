@@ -23,7 +23,7 @@ pub(super) enum Child {
     Emitter(u32),
 }
 
-/// The same in four bytes: an emitter's has the uppermost bit.
+/// A [`Child`] in four bytes: an emitter's has the uppermost bit.
 #[derive(Clone, Copy, Debug)]
 pub(super) struct PackedChild(u32);
 

@@ -66,7 +66,7 @@ impl LitTriangle {
         }
     }
 
-    /// The same as another instance has it: one that stands for a moment of its own.
+    /// This emitter on another instance, one that stands for a moment of its own.
     pub(super) fn standing(&self, scene: &Scene, instance: u32) -> Self {
         let [a, b, c] = placed_corners(scene, instance, self.triangle);
         let placed = &scene.instances[instance as usize];

@@ -97,7 +97,7 @@ thread_local! {
     static REGISTERS: RefCell<Registers> = RefCell::default();
 }
 
-/// What its nodes make of a lamp's own colour.
+/// The factor that a lamp's nodes put on its own colour.
 pub fn radiance(graph: &Graph, textures: &[Arc<Texture>], at: &LampPoint) -> Rgb {
     REGISTERS.with_borrow_mut(|registers| {
         graph.program.run(&Asked(at, &graph.program.attributes), &Images(textures), registers);
@@ -105,7 +105,7 @@ pub fn radiance(graph: &Graph, textures: &[Arc<Texture>], at: &LampPoint) -> Rgb
     })
 }
 
-/// The same where nothing that it depends on varies.
+/// The factor that a lamp's nodes put on its own colour, if it is constant; else `None`.
 pub fn even_radiance(graph: &Graph) -> Option<Rgb> {
     let nowhere = LampPoint {
         position: Vec3A::ZERO,

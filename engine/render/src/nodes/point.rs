@@ -107,12 +107,12 @@ impl<'a> Point<'a> {
         }
     }
 
-    /// The same point, but that programs look beside it.
+    /// This point with the place at which programs are evaluated shifted.
     pub(super) fn beside(&self, x: f32, y: f32) -> Self {
         Self { beside: Shift { x, y }, ..*self }
     }
 
-    /// The same point with a shading normal of another, unit, render space.
+    /// This point with another shading normal, unit, render space.
     pub(super) fn with_normal(mut self, normal: Vec3A) -> Self {
         self.surface.shading_normal = normal;
         self

@@ -39,7 +39,7 @@ impl Way {
     /// A light that is asked what it sends to the first surface.
     pub const LIGHT: Self = Self { depth: 1, ..Self::START };
 
-    /// The same after a scattering: without a peak or with one, of which one that has a single direction is the narrowest.
+    /// The path state after a scattering at a surface. `is_matte`: by a diffuse lobe; `is_mirror`: by a lobe of a single direction.
     #[inline]
     #[must_use]
     pub fn scattered(self, is_matte: bool, is_mirror: bool, is_transmitted: bool) -> Self {
@@ -60,20 +60,20 @@ impl Way {
         }
     }
 
-    /// The same after a scattering in a volume.
+    /// The path state after a scattering in a volume.
     #[inline]
     #[must_use]
     pub fn scattered_in_volume(self) -> Self {
         Self { is: IN_VOLUME, depth: self.depth + 1, ..self }
     }
 
-    /// The same after so many scatterings.
+    /// This path state with a depth of so many scatterings.
     #[must_use]
     pub fn at_depth(self, depth: u32) -> Self {
         Self { depth: depth as u16, ..self }
     }
 
-    /// The same behind a surface that it passed unbent.
+    /// The path state behind a surface that was passed unbent.
     #[inline]
     #[must_use]
     pub fn passed(self) -> Self {
@@ -120,7 +120,7 @@ impl Way {
         }
     }
 
-    /// The same where there are volumes, too.
+    /// The kind of ray that objects may hide from, scattering in volumes included; see [`Self::rays`].
     #[inline]
     pub fn rays_with_volumes(self) -> Rays {
         if self.is & IN_VOLUME != 0 { Rays::VOLUME_SCATTER } else { self.rays() }

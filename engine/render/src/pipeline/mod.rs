@@ -53,7 +53,8 @@ impl Pipeline {
         self.of_packets(camera.traced_lens().map(RealLens::packet_size))
     }
 
-    /// The same of a camera of which it is known into how many wavelengths its lens, if it traces one, parts a sample.
+    /// The pipeline for a camera by the number of wavelengths in a packet of its traced lens; `None` if it traces no lens. See
+    /// [`Self::with`].
     pub fn of_packets(self, size: Option<usize>) -> Self {
         match (self, size) {
             (Self::SceneFirst, Some(_)) => Self::SceneFirst,
@@ -172,7 +173,7 @@ pub fn render_tile(
     render_pixels(shot, pixels, [first, count], light, stopped)
 }
 
-/// The same of any pixels.
+/// Adds samples `first..first + count` of any pixels to `light`; `None` where `stopped` said so.
 pub fn render_pixels(
     shot: &Shot<'_>,
     pixels: impl Iterator<Item = [u32; 2]>,

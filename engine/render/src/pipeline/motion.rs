@@ -82,7 +82,8 @@ fn moved(scene: &Scene, surface: &FirstSurface, frame: usize) -> Option<DVec3> {
     Some(placed(instance, frame, a * (1.0 - u - v) + b * u + c * v))
 }
 
-/// The same of a point on hair: it goes with the line between the keys beside it, as in Cycles.
+/// The position of a point on hair at a neighbouring frame, render space; `None` where it stands still. The point goes with the line
+/// between the keys beside it, as in Cycles.
 fn moved_strand(instance: &Instance, curves: &Curves, surface: &FirstSurface, frame: usize) -> Option<DVec3> {
     if curves.moved_keys.is_none() && instance.moved.is_none() {
         return None;
@@ -95,7 +96,8 @@ fn moved_strand(instance: &Instance, curves: &Curves, surface: &FirstSurface, fr
     Some(surface.position.as_dvec3() + after - before)
 }
 
-/// The same of a place on a point: it goes with the middle, as in Cycles.
+/// The position of a place on a point at a neighbouring frame, render space; `None` where it stands still. The place goes with the middle
+/// of the point, as in Cycles.
 fn moved_ball(instance: &Instance, points: &Points, surface: &FirstSurface, frame: usize) -> Option<DVec3> {
     if points.moved_points.is_none() && instance.moved.is_none() {
         return None;

@@ -31,7 +31,7 @@ const GAUSSIAN_NS: f64 = 90.0;
 const AIM_NS: f64 = 14.0;
 /// A ray through a sphere or plane, in lanes of f32 and of f64.
 const SURFACE_NS: [f64; 2] = [1.1, 2.2];
-/// The same through an asphere: Newton's steps.
+/// A ray through an asphere, by Newton's steps, in lanes of f32 and of f64.
 const ASPHERE_NS: [f64; 2] = [9.0, 18.0];
 /// Where a wavelength that did not lead arrives, what density it would have led with, and its light on the film.
 const ARRIVAL_NS: f64 = 22.0;

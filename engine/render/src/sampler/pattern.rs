@@ -32,7 +32,7 @@ impl Pattern {
         Self { seed, bits }
     }
 
-    /// The same with other numbers.
+    /// This pattern with other numbers.
     pub fn apart(self, salt: u32) -> Self {
         Self { seed: self.seed ^ salt, ..self }
     }

@@ -32,9 +32,9 @@ const LEAST_BLUR: f32 = 1e-3;
 const HALVINGS: u32 = 26;
 
 impl PhaseLobe {
-    /// The same in all directions.
+    /// Isotropic scattering.
     pub const EVEN: Self = Self::HenyeyGreenstein(0.0);
-    /// Rayleigh's.
+    /// Rayleigh scattering.
     pub const RAYLEIGH: Self = Self::Draine { anisotropy: 0.0, alpha: 1.0 };
 
     /// Henyey and Greenstein's, its anisotropy kept within reach.

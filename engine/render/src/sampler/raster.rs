@@ -153,7 +153,7 @@ impl Raster {
         Some(((below + 1) as u32 + step, density))
     }
 
-    /// The same anywhere, for filters of any width.
+    /// [`Self::along`] at any place, for filters of any width.
     #[cold]
     fn along_the_edge(&self, at: f32, count: u32, u: f32) -> Option<(u32, f32)> {
         let reach = self.filter.reach();

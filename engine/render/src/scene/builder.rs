@@ -282,17 +282,20 @@ impl SceneBuilder {
         Ok(())
     }
 
-    /// Makes room for another image: its index is the next one's. Whatever named it must be forgotten, too, before the next scene.
+    /// Empties the slot of an image; the next image gets its index. Everything that names the index must be forgotten, too, before the next
+    /// scene.
     pub fn forget_texture(&mut self, index: usize) {
         self.textures.forget(index, Arc::new(Texture::empty()));
     }
 
-    /// The same of a material.
+    /// Empties the slot of a material; the next material gets its index. Everything that names the index must be forgotten, too, before the
+    /// next scene.
     pub fn forget_material(&mut self, index: usize) {
         self.materials.forget(index, Material::default_grey());
     }
 
-    /// The same of what [`Self::add_mesh`], [`Self::add_curves`] or [`Self::add_points`] added.
+    /// Empties the slot of a mesh that [`Self::add_mesh`], [`Self::add_curves`] or [`Self::add_points`] added; the next one gets its index.
+    /// Everything that names the index must be forgotten, too, before the next scene.
     pub fn forget_mesh(&mut self, index: usize) {
         self.meshes.forget(index, Arc::default());
     }
@@ -302,8 +305,8 @@ impl SceneBuilder {
         self.build_keeping(origin)
     }
 
-    /// The same; images, materials and meshes stay for the next scene, at their indices. Instances, lamps and the world go, and so
-    /// do the warnings.
+    /// The finished scene, with render space's origin at `origin` (world space); images, materials and meshes stay for the next scene, at
+    /// their indices. Instances, lamps and the world go, and so do the warnings.
     pub fn build_keeping(&mut self, origin: DVec3) -> Scene {
         let place = |m: DMat4| -> Affine3A {
             let moved = DMat4::from_translation(-origin) * m;

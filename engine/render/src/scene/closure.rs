@@ -379,7 +379,7 @@ impl<C, N> Closure<C, N> {
         }
     }
 
-    /// The same closure with its inputs given in another way.
+    /// This closure with its inputs converted: colours by `c`, numbers by `n`.
     pub fn map<D, M>(&self, mut c: impl FnMut(&C) -> D, mut n: impl FnMut(&N) -> M) -> Closure<D, M> {
         match self {
             Self::Diffuse { color, roughness } => Closure::Diffuse { color: c(color), roughness: n(roughness) },

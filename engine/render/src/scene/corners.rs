@@ -22,7 +22,7 @@ pub enum Corners<T> {
 pub struct Numbers<'a> {
     /// By triangle.
     pub triangles: &'a [[u32; 3]],
-    /// The same; empty where nothing is kept by corners of faces.
+    /// Corners of faces by triangle; empty where nothing is kept by corners of faces.
     pub loops: &'a [[u32; 3]],
 }
 
@@ -77,7 +77,7 @@ impl<T: Copy> Corners<T> {
         }
     }
 
-    /// The same for every corner by itself.
+    /// The values of the three corners of every triangle.
     pub fn each(&self, numbers: Numbers<'_>) -> Vec<[T; 3]> {
         (0..numbers.triangles.len() as u32).map(|triangle| self.at(numbers, triangle)).collect()
     }

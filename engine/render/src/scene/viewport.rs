@@ -22,12 +22,12 @@ impl Default for ViewportDescription {
     }
 }
 
-/// The same as shader graphs ask for it.
+/// A [`ViewportDescription`] in the form that shader graphs read.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Viewport {
-    /// Blender's world to the camera's space, in which z grows away from the camera.
+    /// The transform from Blender's world to the camera's space, in which z grows away from the camera.
     pub from_world: Affine3A,
-    /// Render space to the same.
+    /// The transform from render space to the camera's space, in which z grows away from the camera.
     pub from_render: Affine3A,
     focal: Vec2,
     center: Vec2,

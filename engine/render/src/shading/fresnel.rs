@@ -52,7 +52,7 @@ impl F82Tint {
         Self::new_unbounded(f0, tint.min(Rgb::ONE))
     }
 
-    /// The same for a tint that may be brighter than white.
+    /// From reflectance at normal incidence and a tint near grazing that may be brighter than white.
     pub fn new_unbounded(f0: Rgb, tint: Rgb) -> Self {
         // The dip term (1 - c) ^ 6 c is greatest at c = 1/7.
         const SIX_SEVENTHS: f32 = 6.0 / 7.0;

@@ -76,10 +76,10 @@ pub trait Scattering {
     /// BSDF times cosine, and the density with which [`Scattering::sample`] chooses `wi`. Mirror lobes count nothing.
     fn evaluate(&self, wi: Vec3A) -> (Rgb, f32);
 
-    /// The same of those closures alone that light of some kinds of ray reaches: `rays` says which.
+    /// [`Scattering::evaluate`] of only those closures that light of some kinds of ray reaches: `rays` says which.
     fn evaluate_some(&self, wi: Vec3A, rays: Rays) -> (Rgb, f32);
 
-    /// The same where the triangle counts as lying along its smooth normal: light that this sees comes from above.
+    /// [`Scattering::evaluate_some`] as if the triangle lay along its smooth normal: light on the side of that normal comes from above.
     fn evaluate_smooth(&self, wi: Vec3A, rays: Rays) -> (Rgb, f32);
 
     /// A direction chosen roughly in proportion to what it scatters; `None` where the light ends here.

@@ -355,7 +355,7 @@ impl Bsdf {
         })
     }
 
-    /// The same where the surface is diffuse and nothing else: density and value are one but for the colour.
+    /// The sample of a surface that is purely diffuse: value over density is the colour.
     fn finish_lambert(&self, wi: Vec3A) -> Option<BsdfSample> {
         let world = warp::to_world(&self.frame, wi).normalize();
         let seen = wi.z > 0.0 && self.geometric_normal.dot(world) > 0.0;

@@ -131,7 +131,8 @@ impl Film {
         }
     }
 
-    /// The same over a dielectric whose reflectance at normal incidence is tinted to `f0`.
+    /// Reflectance at the cosine `cos` over a dielectric whose reflectance at normal incidence, `real_f0`, is tinted to
+    /// `f0`.
     pub(super) fn tinted(&self, cos: f32, real_f0: f32, f0: Rgb) -> Rgb {
         let f = self.at(cos);
         if real_f0 <= 1e-5 || f == Rgb::ONE {

@@ -67,7 +67,8 @@ impl FilmSpectrum {
         Self::visible_in(SPECTRAL_COUNT)
     }
 
-    /// The same in that many bands, a multiple of [`SET_SIZE`]: fewer do where the lens disperses little.
+    /// The visible spectrum in `count` bands of equal importance to the film, a multiple of [`SET_SIZE`]: fewer do where the lens disperses
+    /// little.
     pub fn visible_in(count: usize) -> Self {
         // The chance of a wavelength is the size of the film's answer to white: no sample outweighs the others.
         let fine = 20;
@@ -96,7 +97,7 @@ impl FilmSpectrum {
         Self { wavelengths }
     }
 
-    /// The same behind something that makes `tint` of each scene colour.
+    /// This spectrum behind something that makes `tint` of each scene colour.
     pub fn tinted(mut self, tint: Mat3) -> Self {
         for line in &mut self.wavelengths {
             line.response = tint * line.response;

@@ -387,7 +387,7 @@ fn glare_is_the_lenss_part_of_the_light_on_the_front() {
     assert!(aside > 2.0 * none && (behind / none - 1.0).abs() < 0.02, "{none} {aside} {behind}");
 }
 
-/// The same plan, whatever the number of threads and however often.
+/// A plan does not depend on the number of threads and on how often it is made.
 #[test]
 fn plans_are_repeated_to_the_bit() {
     let shot = || Shot { stage: scenes::box_under_a_lamp(), d: triplet(), moving: Vec::new(), size: [640, 427] };

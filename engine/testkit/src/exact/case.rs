@@ -67,7 +67,7 @@ pub struct Case {
 }
 
 impl Case {
-    /// The same case with every number rounded to `f32`: what a tracer in single precision is given exactly.
+    /// This case with every number rounded to `f32`: the exact input of a tracer in single precision.
     pub fn as_f32(&self) -> Self {
         let mut case = self.clone();
         case.for_each_number(|x| *x = f64::from(*x as f32));

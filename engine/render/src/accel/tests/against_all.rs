@@ -3,7 +3,7 @@
 use super::*;
 use glam::{DQuat, Vec3};
 
-/// The same test as the tree's, a triangle alone: distances agree to the last bits.
+/// The tree's intersection test on one triangle by itself: distances agree to the last bits.
 fn meets(ray: &Ray, corners: [Vec3; 3], t_max: f32) -> Option<f32> {
     let d = ray.direction.to_array();
     let a = ray.direction.abs();

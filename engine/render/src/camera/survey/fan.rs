@@ -148,7 +148,7 @@ impl Fan {
         self.aside_of(&self.out, survey, subject, steps)
     }
 
-    /// The same of the rays of another wavelength, number `number` in their bundle.
+    /// Distance aside of the mean of each ray of another wavelength, number `number` in their bundle, px.
     pub(super) fn coloured_aside(
         &self,
         survey: &Survey,

@@ -20,7 +20,7 @@ pub(super) struct Polynomial {
     degree: usize,
     /// Of each term the powers of the numbers.
     powers: Vec<[u8; 4]>,
-    /// The same laid out for [`Self::values`].
+    /// The powers of the terms, laid out for [`Self::values`].
     runs: Vec<Run>,
     tails: Vec<[u8; 2]>,
 }

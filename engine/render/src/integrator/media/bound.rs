@@ -16,7 +16,7 @@ use std::sync::Arc;
 const SIDE: usize = 16;
 /// Points tried in a cell, along each side.
 const TRIED: usize = 3;
-/// The same where a try takes more than [`LONG`] instructions: else bounds alone took half a minute.
+/// Points tried in a cell, along each side, by a program of more than [`LONG`] instructions: else bounds alone took half a minute.
 const TRIED_IF_LONG: usize = 2;
 /// Instructions of a program that is long.
 const LONG: usize = 200;
@@ -90,7 +90,7 @@ impl Bound {
         Self::Cells { to_cells: to_box * scene.instances[entry.instance as usize].to_object, rates: Arc::new(rates) }
     }
 
-    /// The same where the instance stands elsewhere.
+    /// This bound for the instance at another place.
     pub(super) fn standing(&self, from: &Instance, to: &Instance) -> Self {
         match self {
             Self::Even => Self::Even,

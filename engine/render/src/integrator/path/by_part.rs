@@ -110,7 +110,7 @@ impl ByPart {
         self.scattered(path, way, first)
     }
 
-    /// The same in a volume.
+    /// Light that a volume scatters along the path.
     pub(super) fn sampled_in_volume(&self, path: u32, way: Way) -> Belongs {
         self.scattered(path, way, || First::Volume)
     }

@@ -27,7 +27,7 @@ pub trait Notes {
         number: impl FnOnce() -> u16,
     ) -> Self::Of;
 
-    /// The same in a volume.
+    /// Light that a volume scatters along a path.
     fn sampled_in_volume(&self, path: u32, way: Way, number: impl FnOnce() -> u16) -> Self::Of;
 
     /// Light that counts for the picture and in no group or part.
@@ -54,7 +54,7 @@ pub trait Notes {
     /// A path was scattered by a surface, with the shares of its lobes.
     fn turned(&mut self, path: u32, way: Way, shares: impl FnOnce() -> LobeShares);
 
-    /// The same in a volume.
+    /// A path was scattered in a volume.
     fn turned_in_volume(&mut self, path: u32, way: Way);
 
     /// What a path found: group by group, then part by part.

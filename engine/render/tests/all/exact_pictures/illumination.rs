@@ -162,7 +162,7 @@ fn vignetting_is_that_of_counted_rays() {
     }
 }
 
-/// The same in pictures, by every pipeline: middle, edge and corner of two lenses.
+/// Pictures of a white world by every pipeline fall off as counted rays do: middle, edge and corner of two lenses.
 #[test]
 fn pictures_of_a_white_world_fall_off_as_counted() {
     const PIXELS: [u32; 2] = [12, 8];

@@ -30,7 +30,7 @@ pub(crate) fn lens(name: &str) -> CameraDescription {
     }
 }
 
-/// The same in three wavelengths, one for each channel.
+/// The camera in three wavelengths, one for each channel.
 pub(crate) fn in_three(d: &CameraDescription) -> CameraDescription {
     CameraDescription { wavelength_nm: None, spectrum: Spectrum::Three, ..d.clone() }
 }
