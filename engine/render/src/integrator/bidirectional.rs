@@ -41,15 +41,15 @@ pub struct CameraEnd<'a> {
     pub way: Option<Affine3A>,
 }
 
-/// Where light paths end.
+/// The lens and film that light paths are connected to.
 pub struct FilmEnd<'a> {
     /// The lens that they aim at.
     pub lens: &'a RealLens,
     /// The picture behind it.
     pub raster: &'a Raster,
-    /// What of the scene it sees.
+    /// The clip planes of the camera; `None` if it has none.
     pub clip: Option<Clip>,
-    /// What else makes the same paths.
+    /// The techniques that are in use.
     pub techniques: Techniques,
     /// From where the lens is in the middle of the exposure to where it is now; `None`: it stands still.
     pub way: Option<Affine3A>,

@@ -17,7 +17,7 @@ use std::collections::HashMap;
 use std::sync::Arc;
 use std::time::Instant;
 
-/// How light is looked for.
+/// A light transport algorithm.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
 pub enum Integrator {
     /// [`path`]: from the camera.
@@ -28,7 +28,7 @@ pub enum Integrator {
 }
 
 impl Integrator {
-    /// What it is called in reports and on the command line.
+    /// Its name in reports and on the command line.
     pub fn name(self) -> &'static str {
         match self {
             Self::Path => "path",
@@ -40,26 +40,26 @@ impl Integrator {
 /// A scene with everything that is worked out once before light is followed through it. Cameras and settings
 /// change without it.
 pub struct Stage {
-    /// What there is.
+    /// The scene.
     pub scene: Scene,
     /// Its trees.
     pub accel: Accel,
     /// Its emitters.
     pub lights: Lights,
-    /// What leaves them.
+    /// Distributions from which light paths start.
     pub emission: Emission,
-    /// What fills space.
+    /// The participating media.
     pub media: Media,
     /// Tables of the plain surfaces, by material.
     pub plain_tables: Vec<Option<Arc<PrincipledTables>>>,
-    /// What had to be left out.
+    /// Warnings on parts of the scene that were left out.
     pub warnings: Vec<String>,
     /// Wall time that it took, s.
     pub build_seconds: f64,
 }
 
 impl Stage {
-    /// What surfaces may ask of what is around them.
+    /// The surroundings that shader graphs of surfaces may query.
     pub fn around(&self) -> nodes::Around<'_> {
         nodes::Around { scene: &self.scene, accel: Some(&self.accel) }
     }

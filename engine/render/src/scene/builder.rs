@@ -54,7 +54,7 @@ impl SceneBuilder {
         Self::default()
     }
 
-    /// What was left out or repaired so far, a line each.
+    /// Warnings on parts that were left out or repaired so far, a line each.
     pub fn warnings(&self) -> &[String] {
         &self.warnings
     }

@@ -4,7 +4,7 @@
 
 use crate::Rgb;
 
-/// How the facets of a rough surface are tilted.
+/// The distribution of the microfacets of a rough surface.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
 pub enum Distribution {
     /// GGX, each ray meeting one facet.
@@ -18,7 +18,7 @@ pub enum Distribution {
     AshikhminShirley,
 }
 
-/// What a metal's two colours mean.
+/// The meaning of a metal's two colours.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
 pub enum MetalKind {
     /// Reflectance at normal incidence, and its tint at 82 degrees.
@@ -28,7 +28,7 @@ pub enum MetalKind {
     Conductor,
 }
 
-/// How light goes through a body.
+/// The method of subsurface scattering.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
 pub enum SubsurfaceMethod {
     /// A random walk whose free path the radius gives.
@@ -130,7 +130,7 @@ pub enum Closure<C, N> {
     },
     /// Lets light through unbent.
     Transparent {
-        /// What of it.
+        /// The part of the light, by channel.
         color: C,
     },
     /// A hole in the picture.
@@ -162,7 +162,7 @@ pub enum Closure<C, N> {
         color: C,
         /// 0 to 1: of a right angle.
         size: N,
-        /// How much further it fades.
+        /// Width of the smooth transition behind `size`.
         smooth: N,
         /// About the mirrored ray.
         glossy: bool,
@@ -171,7 +171,7 @@ pub enum Closure<C, N> {
     Subsurface {
         /// Albedo.
         color: C,
-        /// How far it goes, by channel, times `scale`.
+        /// Mean distance by channel, times `scale`.
         radius: C,
         /// Blender units.
         scale: N,
@@ -203,10 +203,10 @@ pub enum Closure<C, N> {
     Principled(Principled<C, N>),
 }
 
-/// What gives hair its colour.
+/// The source of hair's colour.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
 pub enum Pigment {
-    /// How much of each channel is absorbed along a radius.
+    /// Absorption by channel along a radius.
     Absorption,
     /// Melanin, and a dye.
     Melanin,
@@ -222,7 +222,7 @@ pub struct PrincipledHair<C, N> {
     pub pigment: Pigment,
     /// The colour, the dye or the absorption.
     pub color: C,
-    /// How much, 0 to 1.
+    /// Amount of melanin, 0 to 1.
     pub melanin: N,
     /// The share of red, 0 to 1.
     pub melanin_redness: N,
@@ -236,9 +236,9 @@ pub struct PrincipledHair<C, N> {
     pub ior: N,
     /// Radians by which its scales are tilted.
     pub offset: N,
-    /// How much melanin varies from strand to strand.
+    /// Variation of melanin from strand to strand.
     pub random_color: N,
-    /// How much roughness does.
+    /// Variation of roughness from strand to strand.
     pub random_roughness: N,
     /// The strand's number, 0 to 1.
     pub random: N,
@@ -270,7 +270,7 @@ pub struct Principled<C, N> {
     pub diffuse_roughness: N,
     /// The part of the base whose light goes into the body.
     pub subsurface_weight: N,
-    /// How far, by channel, times the scale.
+    /// Distance of subsurface scattering by channel, times the scale.
     pub subsurface_radius: C,
     /// Blender units.
     pub subsurface_scale: N,
@@ -296,7 +296,7 @@ pub struct Principled<C, N> {
     pub coat_roughness: N,
     /// Index of refraction.
     pub coat_ior: N,
-    /// What the coat leaves of light that passes it.
+    /// Transmittance of the coat.
     pub coat_tint: C,
     /// Of the cloth over all.
     pub sheen_weight: N,
@@ -310,7 +310,7 @@ pub struct Principled<C, N> {
     pub emission_strength: N,
     /// Over metal, glass and the dielectric.
     pub film: ThinFilm<N>,
-    /// Whether light goes on from facet to facet.
+    /// True if light goes on from facet to facet.
     pub multiscatter: bool,
 }
 
@@ -458,12 +458,12 @@ impl<C, N> Closure<C, N> {
 }
 
 impl<C> Closure<C, f32> {
-    /// Whether it is of hair, and so asks for the strand.
+    /// True if the closure is one of hair, which needs the strand.
     pub fn is_hair(&self) -> bool {
         matches!(self, Self::Hair { .. } | Self::PrincipledHair(_))
     }
 
-    /// Whether its facets are stretched along the surface's tangent.
+    /// True if its facets are stretched along the surface's tangent.
     pub fn is_brushed(&self) -> bool {
         match self {
             Self::Glossy { anisotropy, .. } | Self::Metal { anisotropy, .. } => *anisotropy != 0.0,

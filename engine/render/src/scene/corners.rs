@@ -17,10 +17,10 @@ pub enum Corners<T> {
     Each(Vec<[T; 3]>),
 }
 
-/// What triangles are made of: their vertices, and the corners of faces that theirs are.
+/// The indices of triangles: those of their vertices, and those of the corners of faces.
 #[derive(Clone, Copy, Debug)]
 pub struct Numbers<'a> {
-    /// By triangle.
+    /// Vertices by triangle.
     pub triangles: &'a [[u32; 3]],
     /// Corners of faces by triangle; empty where nothing is kept by corners of faces.
     pub loops: &'a [[u32; 3]],

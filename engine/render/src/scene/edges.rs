@@ -1,5 +1,5 @@
-//! What a mesh's edges tell of its vertices: which hang together, and how pointed the surface is there. Both are Blender's
-//! own, step by step, for the numbers are facts of its files.
+//! Vertex data from a mesh's edges: islands of connected vertices, and pointiness. Both are Blender's own, step by step, for the numbers
+//! are facts of its files.
 
 use glam::Vec3;
 use petzval_nodes::random_of;

@@ -12,7 +12,7 @@ use petzval_nodes::{Field, Graph as Shaders, Layer, LayerKind, Operand, Program,
 /// Closures that a material may have; further ones are left out.
 pub const MOST_LAYERS: usize = 32;
 
-/// What the engine can tell of a point.
+/// The fields of a point that the engine knows.
 const KNOWN: [Field; 51] = [
     Field::Position,
     Field::Normal,
@@ -77,12 +77,12 @@ pub(super) fn in_words(field: Field) -> String {
     words.collect()
 }
 
-/// Where an input of a closure comes from.
+/// The source of a closure's input.
 #[derive(Clone, Copy, Debug)]
 pub enum Source {
-    /// What the program computes, or a constant of it.
+    /// A result of the program, or a constant of it.
     Of(Operand),
-    /// A finite value for all points: a constant, or what stands for a socket that this Blender does not have.
+    /// A finite value for all points: a constant, or the default of a socket that this Blender does not have.
     Always(Vec3A),
 }
 
@@ -124,9 +124,9 @@ impl Source {
 /// One closure.
 #[derive(Clone, Debug)]
 pub struct GraphLayer {
-    /// What it counts, 0 to 1.
+    /// Weight, 0 to 1.
     pub weight: Source,
-    /// What it does.
+    /// The closure.
     pub closure: Closure<Source, Source>,
     /// A normal of its own, world space.
     pub normal: Option<Source>,
@@ -186,9 +186,9 @@ pub struct Graph {
     pub plain: Option<Plain>,
     /// Of the material.
     pub pass_index: i32,
-    /// What its displacement does.
+    /// The method of displacement.
     pub displacement: Displacement,
-    /// What fills the space behind the surface; of the world, all space.
+    /// The medium behind the surface; of the world, in all space.
     pub volume: Option<Volume>,
 }
 
@@ -264,7 +264,7 @@ impl Principled<Source, Source> {
     }
 }
 
-/// What a material's displacement does.
+/// The effect of a material's displacement.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq, Hash)]
 pub enum Displacement {
     /// Bends normals.
@@ -277,12 +277,12 @@ pub enum Displacement {
 }
 
 impl Displacement {
-    /// Whether it bends normals.
+    /// True if it bends normals.
     pub fn bends(self) -> bool {
         self != Self::Vertices
     }
 
-    /// Whether it moves vertices.
+    /// True if it moves vertices.
     pub fn moves(self) -> bool {
         self != Self::Bump
     }
@@ -371,7 +371,7 @@ impl Graph {
         (graph, reports)
     }
 
-    /// Whether there is nothing but a volume: light passes its border as if it were not there.
+    /// True if there is nothing but a volume: light passes its border as if it were not there.
     #[inline]
     pub fn is_only_volume(&self) -> bool {
         self.volume.is_some() && self.program.surface.is_empty()
@@ -387,17 +387,17 @@ impl Graph {
         self.slices.scattering.is_empty() && !self.bends_normals()
     }
 
-    /// Whether it moves the vertices of meshes.
+    /// True if it moves the vertices of meshes.
     pub fn moves_vertices(&self) -> bool {
         self.displacement.moves() && self.program.displacement.is_some()
     }
 
-    /// Whether its program asks for any of these.
+    /// True if its program reads any of these fields.
     pub fn reads_any(&self, fields: &[Field]) -> bool {
         self.program.reads().any(|field| fields.contains(&field))
     }
 
-    /// Whether any of its surface may emit.
+    /// True if any of its surface may emit.
     pub fn emits(&self) -> bool {
         let shines = |color: Source, strength: Source| {
             [color, strength].iter().all(|source| source.constant(&self.program) != Some(Vec3A::ZERO))
@@ -423,7 +423,7 @@ impl Graph {
         self.layers.iter().map(of).sum::<f32>().max(1e-6)
     }
 
-    /// Whether what shines is the same everywhere.
+    /// True if its emission is spatially constant.
     pub fn emits_evenly(&self) -> bool {
         let stands = |source: &Source| source.constant(&self.program).is_some();
         self.layers.iter().all(|layer| match &layer.closure {
@@ -436,7 +436,7 @@ impl Graph {
         })
     }
 
-    /// Whether any of its surface may let light through unbent.
+    /// True if any of its surface may let light through unbent.
     pub fn may_be_transparent(&self) -> bool {
         self.layers.iter().any(|layer| match &layer.closure {
             Closure::Transparent { .. } | Closure::Holdout => true,

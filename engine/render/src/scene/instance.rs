@@ -1,4 +1,4 @@
-//! Where meshes stand, and what is told of each.
+//! Instances: the placement of meshes, and the properties of each.
 
 use super::mesh::Mesh;
 use super::motion::Pose;
@@ -31,19 +31,19 @@ pub struct Instance {
     pub mirrored: bool,
     /// Material of each slot; never empty.
     pub materials: Vec<u32>,
-    /// What it shows itself to.
+    /// The kinds of ray that see it.
     pub visible: Rays,
-    /// Which lights light it, and in which it throws shadows.
+    /// Its part in light linking.
     pub links: Links,
     /// The number of the light group of what it emits; 0 is none.
     pub light_group: u16,
-    /// How its smooth faces are helped at the edge of light.
+    /// Softening of the shadow terminator on its smooth faces.
     pub softening: Softening,
-    /// How far rays go from it that end a path with ambient occlusion; 0: as far as all others.
+    /// Length of the ambient occlusion rays that end a path and start on it; 0: that of all others.
     pub occlusion_distance: f32,
     /// Object space to render space a frame before and a frame after; `None` where it stands still.
     pub moved: Option<Box<[DAffine3; 2]>>,
-    /// What shader graphs may ask of the object.
+    /// Properties of the object that shader graphs may read.
     pub info: ObjectInfo,
     /// Which of its mesh's shapes it has, where that has several.
     pub pose: Pose,
@@ -51,7 +51,7 @@ pub struct Instance {
     pub is_catcher: bool,
 }
 
-/// What Blender's Object Info node tells.
+/// The values of Blender's Object Info node.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct ObjectInfo {
     /// In the viewport; with alpha.
@@ -69,7 +69,7 @@ impl Default for ObjectInfo {
 }
 
 impl Instance {
-    /// How far a ray goes from it that ends a path with ambient occlusion, where others go so far.
+    /// Length of a ray from it that ends a path with ambient occlusion, if those of other instances have this length.
     #[inline]
     pub fn last_ray_distance(&self, of_others: f32) -> f32 {
         if self.occlusion_distance == 0.0 { of_others } else { self.occlusion_distance }
@@ -88,7 +88,7 @@ impl Instance {
         self.mirrored = linear.determinant() < 0.0;
     }
 
-    /// Whether its matrix scales directions differently, so that angles change.
+    /// True if its matrix scales directions differently, so that angles change.
     pub(super) fn changes_angles(&self) -> bool {
         let Mat3A { x_axis: x, y_axis: y, z_axis: z } = self.to_render.matrix3;
         let most = x.length_squared().max(y.length_squared()).max(z.length_squared());

@@ -52,11 +52,11 @@ pub struct Lamp {
     pub kind: LampKind,
     /// Watts by channel; for a sun, watts per square metre.
     pub color: Rgb,
-    /// What its nodes make of the colour, where they do not leave it as it is.
+    /// The nodes that change the colour; `None` where they leave it as it is.
     pub graph: Option<Arc<Graph>>,
     /// The kinds of ray that find it: of those that a surface scatters, the closures that it lights.
     pub reaches: Rays,
-    /// What it lights, and what throws shadows in its light.
+    /// The objects that it lights, and those that throw shadows in its light.
     pub sets: Sets,
     /// The number of its light group; 0 is none.
     pub light_group: u16,

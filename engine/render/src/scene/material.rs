@@ -15,11 +15,11 @@ pub struct Material {
     pub graph: Arc<Graph>,
     /// For masks.
     pub pass_index: i32,
-    /// What its nodes give out beside the surface.
+    /// The values that its nodes give out beside the surface.
     pub aovs: Option<Aovs>,
     /// The camera sees a hole instead, all else the surface.
     pub holds_out: bool,
-    /// Whether its surface may emit, or be a hole to the camera: a scene's builder finds out.
+    /// True if its surface may emit, or be a hole to the camera: a scene's builder sets it.
     pub speaks: bool,
     /// Any of its closures may scatter light: a scene's builder finds out.
     pub scatters: bool,
@@ -28,7 +28,7 @@ pub struct Material {
 /// Values that nodes give out: a graph with a layer of emission for each, and their numbers.
 #[derive(Clone, Debug, PartialEq)]
 pub struct Aovs {
-    /// What computes them.
+    /// The graph that computes them.
     pub graph: Arc<Graph>,
     /// By layer.
     pub numbers: Vec<u16>,
@@ -62,17 +62,17 @@ impl Material {
         Self::principled("(default)", Principled::default())
     }
 
-    /// Whether any of its surface may emit.
+    /// True if any of its surface may emit.
     pub fn emits(&self) -> bool {
         self.graph.emits()
     }
 
-    /// Whether the camera may see a hole in its place.
+    /// True if the camera may see a hole in its place.
     pub fn may_hold_out(&self) -> bool {
         self.holds_out || self.graph.layers.iter().any(|layer| matches!(layer.closure, Closure::Holdout))
     }
 
-    /// Whether any of its surface may let light through unbent.
+    /// True if any of its surface may let light through unbent.
     pub fn may_be_transparent(&self) -> bool {
         self.graph.may_be_transparent()
     }
@@ -83,7 +83,7 @@ impl Material {
         self.graph.volume.as_ref()
     }
 
-    /// Whether what it emits is the same everywhere on the surface.
+    /// True if its emission is constant over the surface.
     pub fn emits_evenly(&self) -> bool {
         self.graph.emits_evenly()
     }

@@ -26,7 +26,7 @@ pub struct MeshDescription {
     pub corner_normals: Option<Corners<Vec3>>,
     /// UV maps by name, in Blender's order.
     pub uv_maps: Vec<Named<Vec2>>,
-    /// What else is known at the corners, by name: what shader graphs ask for.
+    /// Attributes at the corners, by name, for shader graphs.
     pub attributes: Vec<Named<Vec4>>,
     /// Material slot by triangle; `None` is slot 0.
     pub material_slots: Option<Vec<u32>>,
@@ -55,7 +55,7 @@ pub struct Mesh {
     pub corner_normals: Option<Corners<Vec3>>,
     /// UV maps by name.
     pub uv_maps: Vec<Named<Vec2>>,
-    /// What else is known at the corners, by name.
+    /// Attributes at the corners, by name.
     pub attributes: Vec<Named<Vec4>>,
     /// Material slot by triangle.
     pub material_slots: Option<Vec<u32>>,
@@ -178,7 +178,7 @@ impl Mesh {
         self.material_slots.as_ref().map_or(0, |s| s[triangle as usize])
     }
 
-    /// Whether it is neither hair nor a point cloud.
+    /// True if it is neither hair nor a point cloud.
     pub fn is_of_triangles(&self) -> bool {
         self.curves.is_none() && self.points.is_none()
     }
@@ -238,12 +238,12 @@ impl Mesh {
     }
 }
 
-/// Whether a point is finite, and near enough for products of coordinates to stay finite in single precision.
+/// True if a point is finite, and near enough for products of coordinates to stay finite in single precision.
 fn within_reach(p: &Vec3) -> bool {
     p.is_finite() && p.abs().max_element() <= 1e12
 }
 
-/// Whether a triangle has area in double precision, with single-precision corners.
+/// True if a triangle has area in double precision, with single-precision corners.
 fn has_area(a: Vec3, b: Vec3, c: Vec3) -> bool {
     let (a, b, c) = (a.as_dvec3(), b.as_dvec3(), c.as_dvec3());
     (b - a).cross(c - a).length_squared() > 0.0

@@ -1,5 +1,5 @@
-//! What moves while the shutter is open: where instances stand and which shapes meshes have at keys that lie evenly over that
-//! time, and what that comes to at each moment of it.
+//! Motion while the shutter is open: places of instances and shapes of meshes at keys that lie evenly over that time, interpolated at each
+//! moment of it.
 //!
 //! The shutter's time is cut into moments, and a moving instance stands once in the scene for each of its own: a ray of some
 //! moment meets one of these, and whatever asks for that instance afterwards finds it where the ray met it. How many moments an
@@ -66,7 +66,7 @@ impl Parts {
     }
 }
 
-/// Where something stands at keys that lie evenly over the time that the shutter is open.
+/// Transforms of an instance at keys that lie evenly over the time that the shutter is open.
 #[derive(Clone, Debug)]
 pub struct Way(Vec<Parts>);
 
@@ -78,7 +78,7 @@ impl Way {
             .then(|| Self(keys.iter().map(|m| Parts::of(&DAffine3::from_mat4(*m))).collect()))
     }
 
-    /// Where it stands after a part of that time, 0 to 1.
+    /// The transform after a part of the shutter's time, 0 to 1.
     pub fn at(&self, part: f64) -> DAffine3 {
         let (key, between) = key_at(self.0.len(), part);
         self.0[key].between(&self.0[key + 1], between)
@@ -110,12 +110,12 @@ pub struct Poses {
 pub struct Pose {
     /// The key before.
     pub key: u32,
-    /// How far it is to the next, 0 to 1.
+    /// The part of the way to the next key, 0 to 1.
     pub part: f32,
 }
 
 impl Poses {
-    /// How many keys there are.
+    /// Number of keys.
     pub fn key_count(&self) -> usize {
         self.positions.len()
     }
@@ -153,7 +153,7 @@ pub struct Moving {
     pub first: u32,
     /// By how many bits a ray's moment is more than the instance's.
     pub shift: u32,
-    /// Where it stands; `None` where it changes its shape alone.
+    /// Its transforms; `None` where it changes its shape alone.
     pub way: Option<Way>,
 }
 
@@ -164,7 +164,7 @@ impl Moving {
         self.first + (u32::from(moment) >> self.shift)
     }
 
-    /// How many moments it has.
+    /// Number of moments that it has.
     pub fn count(&self) -> u32 {
         1 << (16 - self.shift)
     }
@@ -208,15 +208,15 @@ impl Scene {
         now
     }
 
-    /// How many moments an instance is to have, as a power of two.
+    /// Number of moments for an instance, as a power of two.
     fn bits_for(&self, moving: &Moving) -> u32 {
         let pixels = self.pixels_moved(moving);
         let bits = (PER_PIXEL * pixels).max(1.0).log2().ceil();
         (bits as u32).clamp(FEWEST_BITS, MOST_BITS)
     }
 
-    /// How far the corners of an instance's box go over the picture, as seen from where the camera is, pixels: the longest of
-    /// their ways.
+    /// The length, in pixels, of the paths of the corners of an instance's box over the picture, as seen from the camera's place: that of
+    /// the longest.
     pub fn pixels_moved(&self, moving: &Moving) -> f64 {
         let instance = &self.instances[moving.instance as usize];
         let mesh = &self.meshes[instance.mesh as usize];

@@ -5,7 +5,7 @@ use crate::Rgb;
 use glam::{Vec2, Vec4, Vec4Swizzles};
 use std::sync::LazyLock;
 
-/// What an image repeats like outside of the unit square (Blender's Image Texture node).
+/// The continuation of an image outside of the unit square (Blender's Image Texture node).
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
 pub enum Extension {
     /// Tiles.
@@ -19,7 +19,7 @@ pub enum Extension {
     Mirror,
 }
 
-/// How the value between pixels is found.
+/// The interpolation between pixels.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
 pub enum Interpolation {
     /// Bilinear.

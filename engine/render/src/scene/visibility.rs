@@ -44,7 +44,7 @@ impl Rays {
         Self(self.0 | other.0)
     }
 
-    /// What is in both.
+    /// The kinds that are in both sets.
     #[inline(always)]
     #[must_use]
     pub const fn common(self, other: Self) -> Self {
@@ -58,13 +58,13 @@ impl Rays {
         Self(self.0 & !other.0)
     }
 
-    /// Whether any of the other is in it.
+    /// True if the sets have a kind in common.
     #[inline(always)]
     pub const fn any_of(self, other: Self) -> bool {
         self.0 & other.0 != 0
     }
 
-    /// Whether all of the other is in it.
+    /// True if all kinds of the other are in this set.
     #[inline(always)]
     pub const fn all_of(self, other: Self) -> bool {
         self.0 & other.0 == other.0
@@ -80,9 +80,9 @@ impl Default for Rays {
 /// Which of the scene's sets of objects an emitter lights, and which stand in its way. Set 0 is everything.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
 pub struct Sets {
-    /// What it lights; below 64.
+    /// The set of objects that it lights; below 64.
     pub receivers: u8,
-    /// What throws shadows in its light; below 64.
+    /// The set of objects that throw shadows in its light; below 64.
     pub blockers: u8,
 }
 
@@ -91,12 +91,12 @@ impl Sets {
     pub const EVERYTHING: Self = Self { receivers: 0, blockers: 0 };
 }
 
-/// How an object takes part in light linking.
+/// An object's part in light linking.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub struct Links {
     /// The sets of receivers that it is in, a bit each.
     pub receives: u64,
-    /// The sets of blockers that it is in.
+    /// The sets of blockers that it is in, a bit each.
     pub blocks: u64,
     /// Of what it shines itself.
     pub sets: Sets,
@@ -109,12 +109,12 @@ impl Default for Links {
 }
 
 impl Links {
-    /// Whether light of an emitter of these sets reaches it.
+    /// True if light of an emitter of these sets reaches the object.
     pub fn takes_light_of(&self, emitter: Sets) -> bool {
         self.receives >> emitter.receivers & 1 == 1
     }
 
-    /// Whether it throws shadows in that light.
+    /// True if the object throws shadows in the light of an emitter of these sets.
     pub fn blocks_light_of(&self, emitter: Sets) -> bool {
         self.blocks >> emitter.blockers & 1 == 1
     }

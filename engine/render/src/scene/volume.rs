@@ -1,10 +1,10 @@
-//! What fills space, as a compiled shader graph: closures whose inputs a program computes at each point.
+//! A participating medium as a compiled shader graph: closures whose inputs a program computes at each point.
 
 use super::graph::{MOST_LAYERS, Source, in_words};
 use glam::Vec3A;
 use petzval_nodes::{Field, Layer, LayerKind, Program};
 
-/// What of a point changes along a ray through a volume.
+/// The fields of a point that change along a ray through a volume.
 const VARYING: [Field; 14] = [
     Field::Position,
     Field::Generated,
@@ -22,7 +22,7 @@ const VARYING: [Field; 14] = [
     Field::RandomPerIsland,
 ];
 
-/// What Blender knows in volumes and this engine does not.
+/// The fields that Blender knows in volumes and this engine does not.
 const UNKNOWN: [Field; 10] = [
     Field::InstancerGenerated,
     Field::InstancerUv,
@@ -36,7 +36,7 @@ const UNKNOWN: [Field; 10] = [
     Field::ParticleAngularVelocity,
 ];
 
-/// How light that a volume scatters is spread over directions, as Blender's nodes name them.
+/// A phase function, by the names of Blender's nodes.
 #[derive(Clone, Copy, Debug)]
 pub enum Phase {
     /// Henyey and Greenstein 1941.
@@ -72,7 +72,7 @@ pub enum Phase {
 pub enum VolumeClosure {
     /// Absorbs what its colour lacks of white, times its density.
     Absorption {
-        /// What is left.
+        /// The colour that is not absorbed.
         color: Source,
         /// Per unit.
         density: Source,
@@ -83,7 +83,7 @@ pub enum VolumeClosure {
         color: Source,
         /// Per unit.
         density: Source,
-        /// Where to.
+        /// The phase function.
         phase: Phase,
     },
     /// Coefficients as they are.
@@ -94,7 +94,7 @@ pub enum VolumeClosure {
         scattering: Source,
         /// Emitted.
         emission: Source,
-        /// Where scattered light goes.
+        /// The phase function.
         phase: Phase,
     },
     /// Smoke and fire.
@@ -149,7 +149,7 @@ impl PrincipledVolume {
 pub struct VolumeLayer {
     /// 0 to 1.
     pub weight: Source,
-    /// What it does.
+    /// The closure.
     pub closure: VolumeClosure,
 }
 
@@ -198,7 +198,7 @@ impl Volume {
         principled.flat_map(|principled| principled.grids()).filter(|name| !name.is_empty())
     }
 
-    /// Whether any of it may emit.
+    /// True if any of it may emit.
     pub fn emits(&self) -> bool {
         let is_dark = |source: Source| source.constant(&self.program) == Some(Vec3A::ZERO);
         self.layers.iter().any(|layer| match &layer.closure {

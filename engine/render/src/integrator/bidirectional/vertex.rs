@@ -18,13 +18,13 @@ use glam::Vec3A;
 /// The sampler's sets of four numbers used at each surface.
 const SETS_PER_STEP: u32 = 3;
 
-/// Where a path scatters.
+/// A point where a path scatters.
 pub(super) struct Vertex {
     /// Seen from the side that made it.
     pub(super) point: SurfacePoint,
     /// Inputs of a plain surface.
     values: Option<PlainValues>,
-    /// What it counts, over the chance that it was not passed.
+    /// Weight of the surface over the probability that it was not passed.
     kept: f32,
     /// Seen from there.
     pub(super) bsdf: Surface,
@@ -73,7 +73,7 @@ impl Vertex {
     }
 }
 
-/// What scatters at a vertex.
+/// The BSDF at a vertex.
 // Vertices are kept one after the other, and most materials of a scene are of the small kind.
 #[allow(clippy::large_enum_variant)]
 pub(super) enum Surface {
@@ -155,13 +155,13 @@ pub(super) fn material<'a>(stage: &'a Stage, point: &SurfacePoint) -> &'a Materi
 
 /// A ray from one scattering to the next.
 pub(super) struct Stretch {
-    /// Where it ends, if anywhere.
+    /// The surface interaction at its end, if there is one.
     pub(super) end: Option<(SurfacePoint, Hit)>,
     /// From its start; infinite where it leaves the scene.
     pub(super) distance: f32,
-    /// What the surfaces that it passed left of its light, over the chance of passing them.
+    /// Transmittance of the surfaces that the ray passed, over the probability of passing them.
     pub(super) through: Rgb,
-    /// What the surface at its end counts, over the chance that it was not passed.
+    /// Weight of the surface at its end over the probability that it was not passed.
     pub(super) kept: f32,
     /// To choose a light at its end, and a place on it.
     pub(super) u_light: [f32; 3],

@@ -1,4 +1,4 @@
-//! How much each way of making a path counts: the power heuristic over all of them, from sums that grow with the path.
+//! MIS weights of bidirectional paths: the power heuristic over all techniques, from sums that grow with the path.
 //!
 //! A path has the scattering places v1 (seen by the camera) to vk (lit by the source), a direction from v1 to the lens
 //! and one from vk to the source. The camera's side makes v1 ... vj, the light's side the rest. Let a_i be the density,
@@ -14,7 +14,7 @@
 //! cannot be connected to: its terms drop out, its densities cancel. The chances of ending a path early, and of passing
 //! a transparent surface, are left out of all densities alike.
 
-/// What a side knows of the techniques that end in it.
+/// One side's sums over the techniques that end in it.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub(super) struct Partial {
     /// Of the technique that connects just before the last place.

@@ -20,14 +20,13 @@ const TRIED: usize = 3;
 const TRIED_IF_LONG: usize = 2;
 /// Instructions of a program that is long.
 const LONG: usize = 200;
-/// How much denser than what was found a medium may be before weights turn negative.
+/// Factor by which a medium may be denser than the samples found before weights turn negative.
 const MARGIN: f32 = 1.25;
-/// Of the densest cell's rate, what every cell has: no place is never looked at.
+/// Least rate of a cell, as a part of the densest cell's: every place is sampled.
 const LEAST: f32 = 0.01;
-/// Where a medium shines, so many points are looked at over its box, at least.
+/// Least number of points over its box at which an emitting medium is sampled.
 pub(super) const LOOKS: f32 = 8.0;
-/// The part of these points that are looked at where nothing that shines was found: what shines there, too, would be found so rarely
-/// that its light were specks.
+/// Part of [`LOOKS`] where no emission was found: emission that was missed would be found so rarely that its light were specks.
 const LOOKS_IN_THE_DARK: f32 = 0.25;
 /// The largest factor of the rate in the cells behind one whose bound was too low.
 const MOST_RAISE: f32 = 16.0;
@@ -36,9 +35,9 @@ const MOST_IN_CELL: f32 = 512.0;
 /// Points tried for all space.
 const TRIED_IN_WORLD: u32 = 8192;
 
-/// What is known of a medium before the render.
+/// A bound of a medium's density, found before the render.
 pub(super) enum Bound {
-    /// It is the same everywhere along a ray.
+    /// The medium is constant along a ray.
     Even,
     /// Cells over a box.
     Cells {
@@ -241,7 +240,7 @@ impl<'a> Bounded<'a> {
         self.raised = (self.raised * density / rate).min(MOST_RAISE);
     }
 
-    /// Where the next one is, and the rate there; `None` beyond the ray's end.
+    /// The distance of the next tentative particle, and the rate there; `None` beyond the ray's end.
     pub(super) fn next(&mut self, u: f32) -> Option<(f32, f32)> {
         let mut depth = -(1.0 - u).ln();
         while self.at < self.t_max {

@@ -24,7 +24,7 @@ pub(crate) struct Entry {
 }
 
 impl Entry {
-    /// What fills all space.
+    /// The entry of the medium that fills all space.
     pub(crate) const WORLD: Self = Self { instance: u32::MAX, material: u32::MAX };
 
     pub(super) fn volume(self, scene: &Scene) -> Option<&Volume> {
@@ -45,7 +45,7 @@ impl Entry {
 pub(crate) struct Stack(ArrayVec<Entry, MOST_MEDIA>);
 
 impl Stack {
-    /// Where a path begins with a ray, at a place of which nothing is known.
+    /// The media at the start of a path's ray, at a place of which nothing is known.
     pub(crate) fn around(stage: &Stage, ray: &Ray) -> Self {
         let (media, position) = (&stage.media, ray.origin);
         let mut stack = Self(media.world.into_iter().collect());

@@ -8,7 +8,7 @@ pub struct Approximations {
     /// Filter Glossy of Cycles: surfaces are rougher where a path looks that was scattered with less than this density per
     /// steradian. 0 is off.
     pub filter_glossy: f32,
-    /// What stands for indirect light, or is added to it.
+    /// A replacement of indirect light, or an addition to it.
     pub fast_gi: FastGi,
 }
 
@@ -23,32 +23,31 @@ pub enum FastGi {
         /// Number of the bounce with which a path ends; 0 is off. Bounces through a surface do not count, nor does the first that is
         /// glossy.
         bounces: u32,
-        /// How far these rays go.
+        /// Length of these rays.
         distance: f32,
-        /// What the world counts; 0 is off.
+        /// Factor of the world's light; 0 is off.
         factor: f32,
     },
     /// White light from wherever nothing is within `distance` falls on all that scatters diffusely.
     Add {
-        /// How far is looked.
+        /// Length of the occlusion rays.
         distance: f32,
         /// Radiance of that light.
         factor: f32,
     },
 }
 
-/// How a last ray of a path looks for light.
+/// The last ray of a path, by fast global illumination.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub(super) struct LastRay {
-    /// How far it goes.
+    /// Length of the ray.
     pub(super) distance: f32,
-    /// What the world counts.
+    /// Factor of the world's light.
     pub(super) factor: f32,
 }
 
 impl FastGi {
-    /// How a path goes on that came this way, if that is the last that it does. As `path_state_ao_bounce` in path_state.h of
-    /// Cycles.
+    /// The ray by which a path in this state goes on, if that is its last. As `path_state_ao_bounce` in path_state.h of Cycles.
     #[inline]
     pub(super) fn last_ray(self, way: Way) -> Option<LastRay> {
         let Self::Replace { bounces, distance, factor } = self else { return None };

@@ -1,5 +1,5 @@
-//! What of a path's light came by which lobe of the first surface, and what that surface looks like: what [`super::parts`] are
-//! of (what counts as which lobe is `Lobe::rays`).
+//! The shares of a path's light by lobe of the first surface, and the features of that surface: the values of [`super::parts`] (what counts
+//! as which lobe is `Lobe::rays`).
 //!
 //! Light that the camera sees itself is emission or environment. All other light is shared out by the first scattering: in a
 //! volume it is the volume's, at a surface each kind of lobe takes its share of what was scattered in that direction. It is
@@ -12,7 +12,7 @@ use crate::nodes::{View, Way};
 use crate::shading::{LobeShares, Parted};
 use crate::surface::SurfacePoint;
 
-/// How a path's light is shared out.
+/// The lobes of the first scattering, by which a path's light is shared out.
 #[derive(Clone, Copy, Debug)]
 enum First {
     /// The camera sees it.
@@ -25,7 +25,7 @@ enum First {
     Nowhere,
 }
 
-/// What light belongs to.
+/// The parts that light belongs to.
 #[derive(Clone, Copy, Debug)]
 pub struct Belongs {
     first: First,
@@ -46,7 +46,7 @@ impl Belongs {
 #[derive(Clone, Copy, Debug)]
 struct Path {
     first: First,
-    /// What mirrors before the surface of the denoiser's passes left; `None` behind it.
+    /// Reflectance of the mirrors before the surface of the denoiser's passes; `None` behind it.
     features: Option<Rgb>,
     is_caught: bool,
 }
@@ -70,7 +70,7 @@ impl ByPart {
         Self { parts, has_colours, has_features, has_aovs, paths: Vec::new() }
     }
 
-    /// How many numbers of three a path has.
+    /// Number of colours that a path has.
     pub(super) fn count(&self) -> usize {
         self.parts.list().len()
     }

@@ -1,4 +1,4 @@
-//! What is noted of a path beside its light as a whole: that of groups of emitters, and parts ([`super::parts`]).
+//! Notes on a path beside its light as a whole: the light of light groups, and parts ([`super::parts`]).
 //!
 //! A kind rather than a value: where nothing of it is asked for, nothing is left in the code that follows paths.
 
@@ -10,9 +10,9 @@ use crate::nodes::{View, Way};
 use crate::shading::{LobeShares, Parted};
 use crate::surface::SurfacePoint;
 
-/// Where paths note what they found beside their light as a whole.
+/// Notes on the light that paths found, beside its sum.
 pub trait Notes {
-    /// What is known of where light comes from.
+    /// The origin of light, as far as it is known.
     type Of: Copy;
 
     /// Light that a path's ray meets: of the sky, or of anything else; `number` is its emitter's group, 0 is none.
@@ -57,7 +57,7 @@ pub trait Notes {
     /// A path was scattered in a volume.
     fn turned_in_volume(&mut self, path: u32, way: Way);
 
-    /// What a path found: group by group, then part by part.
+    /// The light that a path found: group by group, then part by part.
     fn found(&self, path: usize) -> &[Rgb];
 }
 

@@ -1,5 +1,5 @@
-//! What is kept of a path's light beside the whole, and of the first surface: the passes of light and colour, as Cycles parts
-//! them (its manual, "Render Passes"). [`super::by_part`] says what goes where.
+//! The parts of a path's light that are kept beside the whole, and features of the first surface: the passes of light and colour, as Cycles
+//! parts them (its manual, "Render Passes"). [`super::by_part`] says what goes where.
 
 use glam::{DMat4, Mat3A, Vec3A};
 
@@ -14,7 +14,7 @@ pub enum Part {
     Emission,
     /// The sky that the camera sees.
     Environment,
-    /// How much of white light the lobes of the first surface scatter in all directions.
+    /// The part of white light that the lobes of the first surface scatter in all directions.
     Colour(LobeKind),
     /// 1 for every path: what colours are relative to.
     White,
@@ -74,7 +74,7 @@ impl Part {
         }
     }
 
-    /// Whether it counts as data do: each ray alike, for the pixel that it was started for. Else as light, where it lands.
+    /// True if the part counts as data do: each ray alike, for the pixel that it was started for. Else it counts as light, where it lands.
     pub fn is_data(self) -> bool {
         use Part::{Aov, AovAlpha, Catches, DenoisingAlbedo, DenoisingDepth, DenoisingNormal, Mist, Ray, Uv};
         matches!(
@@ -83,7 +83,7 @@ impl Part {
         )
     }
 
-    /// What it is divided by: light by the colour that scattered it, what is a mean by what it is of.
+    /// The divisor of a part: the colour for the light that it scattered, the number of rays for a mean.
     pub fn relative_to(self) -> Option<Self> {
         match self {
             Self::Light(lobe, _) => Some(Self::Colour(lobe)),
@@ -101,7 +101,7 @@ pub struct Seen {
     place: Vec3A,
     /// Depth along the axis counts, not the distance.
     is_flat: bool,
-    /// Where mist begins, one over how deep it is, and the power of its falloff.
+    /// Start of the mist, the reciprocal of its depth, and the power of its falloff.
     mist: [f32; 3],
 }
 
@@ -134,7 +134,7 @@ impl Seen {
     }
 }
 
-/// What is kept, and the numbers of its places.
+/// The parts that are kept, and their places in the list.
 #[derive(Clone, Debug, Default)]
 pub struct Parts {
     list: Vec<Part>,
@@ -170,7 +170,7 @@ impl Parts {
         &self.list
     }
 
-    /// Where a part stands among them.
+    /// The place of a part in the list.
     pub fn place(&self, part: Part) -> Option<usize> {
         self.places.get(part.number()).copied().flatten().map(usize::from)
     }
@@ -180,7 +180,7 @@ impl Parts {
         &self.seen
     }
 
-    /// Whether any of them is such.
+    /// True if any of the parts satisfies `which`.
     pub fn any(&self, which: impl Fn(&Part) -> bool) -> bool {
         self.list.iter().any(which)
     }
@@ -190,7 +190,7 @@ impl Parts {
 mod tests {
     use super::*;
 
-    /// What is asked for comes once, with all that it is divided by.
+    /// Each requested part is kept once, with all its divisors.
     #[test]
     fn what_parts_are_relative_to_is_kept() {
         let direct = Part::Light(LobeKind::Glossy, true);

@@ -1,4 +1,4 @@
-//! What a few hundred paths tell of a picture before it is rendered. Only noise and time depend on it, never the mean.
+//! Statistics of a few hundred paths before a picture is rendered. Only noise and time depend on it, never the mean.
 
 use super::{CAMERA_SETS, Limits, leave, trace_all};
 use crate::accel::Ray;

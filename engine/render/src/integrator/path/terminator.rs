@@ -1,4 +1,4 @@
-//! Where coarse smooth faces would show at the edge of light: shadows are asked for from a little above them.
+//! The shadow terminator of coarse smooth meshes: shadow rays start a little above the faces.
 //!
 //! A smooth normal sees light that the flat triangles of the mesh hide. As in Cycles, a ray to a light that grazes starts on a
 //! curved surface over the triangle (Hanika 2021, "Hacking the shadow terminator", Ray Tracing Gems II), and what is lit at a
@@ -28,7 +28,7 @@ fn dimmed_by_object(scene: &Scene, point: &SurfacePoint, normal: Vec3A, d: Vec3A
 pub(super) struct Grazing {
     /// 1 where it comes from the side of the point's normal.
     side: f32,
-    /// How much of the way to the curved surface.
+    /// The part of the way to the curved surface by which the ray's start is moved.
     amount: f32,
     /// The smooth normal and the triangle's see it on different sides.
     pub(super) is_beyond: bool,

@@ -63,9 +63,9 @@ struct Path {
     way: Way,
     /// Distance since the last scattering, over surfaces passed unbent: what densities by area need.
     travelled: f32,
-    /// Where the ray was scattered.
+    /// The point where the ray was scattered.
     start: Vec3A,
-    /// By which instance.
+    /// The instance that scattered the ray.
     from: u32,
     /// Least density of the directions that it was scattered in so far; infinite before the first.
     least_pdf: f32,
@@ -78,7 +78,7 @@ struct Path {
 struct Meeting {
     path: u32,
     point: SurfacePoint,
-    /// What it counts, over the chance that it was not passed.
+    /// Weight of the surface over the probability that it was not passed.
     kept: f32,
     view: View,
     /// To choose a light and a place on it: of one set, so that the places on each light are stratified, too.
@@ -187,12 +187,12 @@ impl<N: Notes, const VOLUMES: bool> Wave<N, VOLUMES> {
         });
     }
 
-    /// What a path found, once all were followed.
+    /// The result of a path after all were followed.
     pub fn found(&self, path: usize) -> PathResult {
         self.results[path]
     }
 
-    /// What is noted of it besides.
+    /// The notes on a path beside its result.
     #[inline]
     pub fn found_beside(&self, path: usize) -> &[Rgb] {
         self.notes.found(path)

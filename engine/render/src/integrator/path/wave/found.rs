@@ -11,7 +11,7 @@ use crate::nodes::{self, View};
 use crate::scene::visibility::Sets;
 use crate::surface::SurfacePoint;
 
-/// What a path has found.
+/// The result and the notes of one path, to add light to.
 pub(super) struct Found<'a, N> {
     /// Its number.
     pub(super) path: u32,
@@ -29,13 +29,13 @@ impl<N: Notes> Found<'_, N> {
 }
 
 impl Path {
-    /// How what it meets is looked at.
+    /// The view along the path's ray at the hit at this distance.
     pub(super) fn view(&self, distance: f32) -> View {
         View::along(&self.ray, distance, self.way)
     }
 
-    /// Whether light that the ray found counts: not where its emitter does not light the object that it comes from, nor
-    /// where it has shadows of its own, which the ray knows nothing of.
+    /// True if light that the ray found counts: not where light linking excludes the object that the ray comes from
+    /// from its emitter's receivers, nor where the emitter has blockers of its own, of which the ray knows nothing.
     #[inline(always)]
     pub(super) fn finds(&self, stage: &Stage, sets: impl FnOnce() -> Sets) -> bool {
         if !stage.lights.is_linked() || self.way.is_camera() {

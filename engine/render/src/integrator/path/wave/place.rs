@@ -1,4 +1,4 @@
-//! What happens where a path scatters: a sample of the lights, and a direction to go on in.
+//! The light sample and the next direction at a place where a path scatters.
 
 use super::super::choice::{Chosen, power_heuristic};
 use super::super::notes::Notes;
@@ -26,7 +26,7 @@ pub(super) struct Shadow<Of> {
     pub(super) of: Of,
 }
 
-/// Where a path scatters.
+/// A place where a path scatters.
 #[derive(Clone, Copy)]
 pub(super) struct Place<'a> {
     pub(super) stage: &'a Stage,

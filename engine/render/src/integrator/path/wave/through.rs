@@ -22,20 +22,20 @@ use crate::surface::SurfacePoint;
 use glam::Vec3A;
 use std::f32::consts::TAU;
 
-/// What a path is in.
+/// The media that a path is in.
 pub(super) struct Inside {
     pub(super) stack: Stack,
     /// Scatterings in volumes so far.
     bounces: u32,
 }
 
-/// What a shadow ray goes through, by where it begins; and where its random numbers begin.
+/// The media that a shadow ray starts in, and the seed of its random numbers.
 pub(super) struct Veil {
     stack: Stack,
     seed: u64,
 }
 
-/// Where volumes bring a path.
+/// The result of a path's way through volumes.
 pub(super) enum Brought {
     /// To what its ray meets.
     ToTheEnd,
@@ -45,18 +45,18 @@ pub(super) enum Brought {
     Nowhere,
 }
 
-/// Whether there is nothing at a point but the border of a volume.
+/// True if the surface at a point is only the border of a volume.
 pub(super) fn is_only_volume(stage: &Stage, point: &SurfacePoint) -> bool {
     stage.scene.materials[point.material as usize].graph.is_only_volume()
 }
 
 impl Inside {
-    /// Where a path begins.
+    /// The media at the start of a path.
     pub(super) fn new(stage: &Stage, path: &Path) -> Self {
         Self { stack: Stack::around(stage, &path.ray), bounces: 0 }
     }
 
-    /// Whether scattering in volumes has left a scattering to the path.
+    /// True if the limit of scatterings in volumes allows another.
     pub(super) fn may_scatter(&self, limits: &Limits) -> bool {
         self.bounces <= limits.kinds.volume
     }
@@ -266,7 +266,7 @@ impl Inside {
         }
     }
 
-    /// Whether light of an emitter of these sets lights what the path is in.
+    /// True if light of an emitter of these sets lights the object whose medium the path is in.
     fn takes(&self, stage: &Stage, sets: crate::scene::visibility::Sets) -> bool {
         let links = |instance: u32| &stage.scene.instances[instance as usize].links;
         !stage.lights.is_linked() || self.stack.innermost().is_none_or(|instance| links(instance).takes_light_of(sets))
@@ -333,7 +333,7 @@ impl Inside {
     }
 }
 
-/// Where light is scattered.
+/// A place in a volume where light is scattered.
 #[derive(Clone, Copy)]
 struct Place<'a> {
     stage: &'a Stage,
@@ -344,7 +344,7 @@ struct Place<'a> {
     share: f32,
 }
 
-/// How the place of a light sample beside a path was chosen.
+/// The choice of a place for a light sample beside a path.
 #[derive(Clone, Copy)]
 enum Beside {
     /// About a light. Where the path is scattered there is a light sample, too: both share by their densities along the ray.
@@ -393,7 +393,7 @@ fn seed(u: [f32; 3]) -> u64 {
 }
 
 impl Veil {
-    /// What of a light sample comes through surfaces and volumes.
+    /// The part of a light sample's light that surfaces and volumes let through.
     pub(super) fn light_through<Of>(&self, stage: &Stage, limits: &Limits, shadow: &Shadow<Of>) -> Rgb {
         let Shadow { ray, way, sets, .. } = shadow;
         let scene = &stage.scene;
