@@ -29,8 +29,8 @@ mod warp;
 
 use warp::Warp;
 
-/// How much larger than the picture the film is on which rays may start, at most: for places that a lens with distortion shows
-/// outside of it.
+/// Largest size of the film on which rays may start, as a multiple of the picture's: for places that a lens with distortion shows outside
+/// of it.
 const MOST_BEYOND: f64 = 1.5;
 /// Rays whose mean is a chief ray.
 const RAYS: usize = 32;
@@ -40,7 +40,7 @@ const MIDDLE: [f32; 2] = [0.5, 1e-4];
 const NODES: usize = 49;
 /// Of the small difference between two wavelengths.
 const COLOUR_NODES: usize = 17;
-/// What infinity is where something is to be seen at a distance, mm.
+/// The distance that stands for infinity, mm.
 const FAR_MM: f64 = 1e9;
 
 /// The camera.
@@ -54,9 +54,9 @@ pub struct Adapted {
     is_sharp: bool,
     /// The part of the maker's picture that this one is, in width and height.
     part: f32,
-    /// Where the maker sees what a place is to see; `None`: there.
+    /// The map from each place to the place at which the maker sees what is to be seen there; `None`: the identity.
     warp: Option<Warp>,
-    /// By wavelength of the film: the same again, seen from there. Empty where all colours take one way.
+    /// By wavelength of the film: the map to the place of that wavelength, applied after `warp`. Empty where all colours take one way.
     by_colour: Vec<Warp>,
 }
 
@@ -107,7 +107,7 @@ impl Adapted {
         Ok(Self { maker, mount, spectrum, is_grey, is_sharp, part: (1.0 / beyond) as f32, warp, by_colour })
     }
 
-    /// What the lens does in this camera.
+    /// Data of the lens in this camera.
     pub fn info(&self) -> &LensInfo {
         &self.mount.info
     }
@@ -152,12 +152,12 @@ impl Adapted {
         }));
     }
 
-    /// What chooses the point of the pupil.
+    /// The numbers that choose the point of the pupil.
     fn aim(&self, u_lens: [f32; 2]) -> [f32; 2] {
         if self.is_sharp { MIDDLE } else { u_lens }
     }
 
-    /// Where in the maker's picture the ray of a place starts.
+    /// The place in the maker's picture where the ray of a place starts.
     fn place(&self, p: Vec2, u_wavelength: f32) -> Option<Vec2> {
         let mut place = p;
         if let Some(warp) = &self.warp {
@@ -179,12 +179,12 @@ impl Adapted {
     }
 }
 
-/// What places see through a lens: directions from the middle of the entrance pupil, at the distance of the focus.
+/// The directions that places see through a lens, from the middle of the entrance pupil, at the distance of the focus.
 struct Sight {
     mount: Mount,
     system: System,
     map: PupilMap,
-    /// How much larger its film is than the picture; places are those of the picture.
+    /// The size of its film as a multiple of the picture's; places are those of the picture.
     beyond: f64,
     pupil: DVec3,
     distance_mm: f64,
@@ -215,7 +215,7 @@ impl Sight {
         (ray.origin + ray.direction * self.distance_mm - self.pupil).normalize_or(ray.direction)
     }
 
-    /// What places see by exact rays of one wavelength; `None` where no light arrives.
+    /// The directions that places see by exact rays of one wavelength; `None` where no light arrives.
     fn exact(&self, places: &[Vec2], tracer: &Tracer) -> Vec<Option<DVec3>> {
         let mut bundle = tracer.bundle(Travel::FromFilm);
         for &place in places {
@@ -236,7 +236,7 @@ impl Sight {
         Some(self.seen(&lens.into_scene(film, lens.slopes(film, DVec2::ZERO))))
     }
 
-    /// What each place is to see, and where the maker of the rays sees it; `None` where that is the same place.
+    /// The map from each place to the place at which the maker of the rays sees what is to be seen there; `None` if both are the same.
     fn warp(&self, shown: Shown, line_nm: f64) -> Option<Warp> {
         // What makes the rays has distortion itself, or none.
         if shown.distortion == shown.aberration {

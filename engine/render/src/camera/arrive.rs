@@ -14,7 +14,7 @@ use wide::f32x8;
 // A register for a packet.
 const _: () = assert!(LINES == 8);
 
-/// What rays that leave the lens need to know of the film, and of their lines.
+/// The film and its lines, in single precision, for rays that leave the lens.
 pub(super) struct ShortFilm {
     /// Right, up, and away from the scene, with where the picture's middle lies along them, mm from the last vertex.
     axes: [([f32; 3], f32); 3],
@@ -26,7 +26,7 @@ pub(super) struct ShortFilm {
     sets: Vec<Set>,
 }
 
-/// What is different between the lines of a set.
+/// The data of each line of a set.
 struct Set {
     /// One over the index squared of the medium before the film.
     per_etendue: [f32; LINES],
@@ -76,8 +76,8 @@ fn dot(axis: &[f32; 3], [x, y, z]: [f32x8; 3]) -> f32x8 {
 }
 
 impl RealLens {
-    /// What becomes of a ray that one wavelength led to, when all of its set have left the lens on their way back; as
-    /// [`Self::joined`] has it.
+    /// The result of a ray that one wavelength led to, when all wavelengths of its set have left the lens on their way
+    /// back; as [`Self::joined`] has it.
     pub(super) fn joined_in_short(
         &self,
         film: &ShortFilm,

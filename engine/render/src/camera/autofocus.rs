@@ -14,8 +14,8 @@ use petzval_optics::trace::{Ray as LensRay, Tracer};
 
 /// Rays whose mean is what a picture point looks along.
 const RAYS: u32 = 256;
-/// How often is looked again from the film that was found. Then the subject stays, lest the look jump between two things
-/// at an edge.
+/// Number of times that the subject is looked up again from the film that was found. Then it stays, lest it jump between two things at an
+/// edge.
 const LOOKS: usize = 4;
 /// Steps for the film to settle.
 const MOST_STEPS: usize = 100;
@@ -42,7 +42,7 @@ pub struct Focused {
     pub moves_groups: bool,
     /// Root mean square radius of the spot on the film, the largest of three.
     pub rms_spot_mm: f64,
-    /// What is sharp; `None` if it is infinitely far.
+    /// The sharp point, world space; `None` if it is infinitely far.
     pub subject_world: Option<DVec3>,
 }
 
@@ -117,7 +117,7 @@ pub fn on_three_points(
     Err(wrong(SharpPlaneError::Unsettled))
 }
 
-/// What a picture point sees.
+/// The subject at a picture point.
 #[derive(Clone, Copy, Debug)]
 enum Seen {
     /// Render space.
@@ -157,7 +157,7 @@ impl<'a> Finder<'a> {
         }
     }
 
-    /// What a picture point sees from the present film, by the mean of its rays.
+    /// The subject that a picture point sees from the present film, by the mean of its rays.
     fn look(
         &self,
         p: Vec2,

@@ -87,7 +87,7 @@ impl RealLens {
         }));
     }
 
-    /// What becomes of one request at the wavelength that it chooses.
+    /// The ray of one request at the wavelength that it chooses.
     pub(super) fn lead(&self, request: &Request) -> Option<Lead> {
         let mut batch = self.batch();
         on_the_way_out!(self, &mut batch.out, |out, memory| out.trace(self, std::slice::from_ref(request), memory));
@@ -96,7 +96,7 @@ impl RealLens {
 }
 
 impl LensBatch {
-    /// What became of request `i`.
+    /// The ray of request `i`.
     #[inline]
     fn lead(&self, i: usize) -> Option<Lead> {
         match &self.out {

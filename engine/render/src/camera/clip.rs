@@ -1,4 +1,4 @@
-//! What of the scene camera rays see, by its depth: Blender's clipping.
+//! Clipping of camera rays by depth, as in Blender.
 
 use super::{Camera, CameraDescription};
 use crate::accel::Ray;
@@ -27,7 +27,7 @@ impl Clip {
         leaves_out.then_some(Self { forward: -backwards.as_vec3a(), near: near as f32, far: far as f32 })
     }
 
-    /// What of a camera ray lies between the planes.
+    /// The part of a camera ray between the planes.
     #[inline]
     pub fn cut(&self, ray: Ray) -> Ray {
         let (along, depth) = (self.forward.dot(ray.direction), self.forward.dot(ray.origin));

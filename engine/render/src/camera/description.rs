@@ -45,7 +45,7 @@ pub enum Spectrum {
 }
 
 impl Spectrum {
-    /// How many wavelengths that is.
+    /// Number of wavelengths.
     pub fn count(self) -> usize {
         match self {
             Self::Visible => SPECTRAL_COUNT,
@@ -55,7 +55,7 @@ impl Spectrum {
     }
 }
 
-/// What of a lens that is traced is to be seen in the picture; all of it, but where somebody takes something out.
+/// The effects of a traced lens that the picture shows; by default all.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub struct Shown {
     /// Blur of what is out of focus; else everything is seen through the middle of the pupil.
@@ -123,13 +123,13 @@ pub struct CameraDescription {
     pub blades: u32,
     /// Turn of the diaphragm.
     pub blade_rotation_rad: f64,
-    /// How far the blades are curved: 0 straight, 1 round.
+    /// Curvature of the blades: 0 straight, 1 round.
     pub blade_curvature: f64,
     /// The opening's shape instead of blades; turned like them.
     pub aperture_mask: Option<Arc<ApertureMask>>,
     /// Along the axis from what `focusing` says, Blender units; `None` is infinity.
     pub focus_distance: Option<f64>,
-    /// What the focus distance is counted from, and what of a lens stands at the camera's origin.
+    /// The reference point of the focus distance, and the part of the lens that stands at the camera's origin.
     pub focusing: Focusing,
     /// A point whose depth is focused on, world space; wins over the distance.
     pub focus_point_world: Option<DVec3>,
@@ -143,7 +143,7 @@ pub struct CameraDescription {
     pub tilt_rad: f64,
     /// Turn of the film about its vertical axis.
     pub swing_rad: f64,
-    /// How far the lens is moved right and up against the film: the picture moves the same way over the scene.
+    /// Shift of the lens to the right and up against the film: the picture moves the same way over the scene.
     pub shift_mm: [f64; 2],
     /// Millimetres in the lens's space for a Blender unit along the camera's axes.
     pub scale_mm_per_unit: DVec3,
@@ -151,15 +151,16 @@ pub struct CameraDescription {
     pub wavelength_nm: Option<f64>,
     /// For lenses that treat wavelengths differently.
     pub spectrum: Spectrum,
-    /// What of the real lens is left out.
+    /// The effects of the real lens that are shown.
     pub shown: Shown,
-    /// How the lens scatters.
+    /// Scattering in the lens.
     pub scattering: Scattering,
     /// Thin films wherever glass meets air; `None`: as the lens file has them.
     pub coating: Option<Coating>,
-    /// What surfaces and glasses take of the light is taken.
+    /// True if light is lost by reflection and absorption at surfaces and in glasses.
     pub transmission: bool,
-    /// What they take makes the picture darker; else it is exposed by the T-number, its middle as bright as if nothing were lost.
+    /// True if the losses of `transmission` make the picture darker; else it is exposed by the T-number, its middle as bright as if nothing
+    /// were lost.
     pub exposes_by_f_number: bool,
     /// Of the numbers in which rays are traced from the film through the lens.
     pub precision: Precision,
@@ -167,8 +168,8 @@ pub struct CameraDescription {
     pub exposure: Option<PhysicalExposure>,
     /// Width of an orthographic picture, Blender units.
     pub orthographic_width: f64,
-    /// What is nearer along the camera's axis than the first, or farther than the second, is not seen by camera rays, Blender
-    /// units.
+    /// Clipping range, Blender units: camera rays do not see what is nearer along the camera's axis than the first or farther than the
+    /// second.
     pub clip: [f64; 2],
 }
 

@@ -37,7 +37,8 @@ pub enum Direction {
     Undistort,
 }
 
-/// Where the pinhole has what the lens shows, over the lens's picture. Picture points as everywhere: from the middle, -1/2 to 1/2.
+/// The map, over the lens's picture, from each point to the point at which the pinhole shows what the lens shows there. Picture points as
+/// everywhere: from the middle, -1/2 to 1/2.
 pub struct DistortionMap {
     mount: Mount,
     pinhole: Pinhole,
@@ -97,7 +98,7 @@ impl DistortionMap {
         DVec2::new(at(column, self.cells[0]), at(row, self.cells[1]))
     }
 
-    /// Where the pinhole has what the lens shows at a picture point, by rays; `None` where no light comes, or from behind.
+    /// The place in the pinhole's picture of what the lens shows at a picture point, by rays; `None` where no light comes, or from behind.
     pub fn look(&self, place: DVec2) -> Option<DVec2> {
         let film = &self.mount.film;
         let (u, v) = (-place.x * self.mount.info.picture_width_mm, -place.y * self.mount.info.picture_height_mm);
@@ -144,7 +145,8 @@ impl DistortionMap {
         Some(sum)
     }
 
-    /// Where the lens shows what the pinhole has at a picture point; `None` where it does not, or far outside of its picture.
+    /// The place in the lens's picture of what the pinhole shows at a picture point; `None` where the lens does not show it, or far outside
+    /// of its picture.
     pub fn back(&self, wanted: DVec2) -> Option<DVec2> {
         // From the middle outwards: the far side of a fold would be found else.
         let mut place = DVec2::ZERO;

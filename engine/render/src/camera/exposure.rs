@@ -5,15 +5,15 @@ use petzval_optics::pupil_map::{on_axis_throughput, unobstructed_part};
 use petzval_optics::system::System;
 use petzval_optics::trace::Tracer;
 
-/// What a digital camera's saturation is rated by, lux seconds times ISO: ISO 12232:2019, saturation-based speed.
+/// Saturation exposure of a digital camera, lux seconds times ISO: ISO 12232:2019, saturation-based speed.
 const SATURATION_LX_S: f64 = 78.0;
 
 /// A shutter and a film.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct PhysicalExposure {
-    /// How long it is open.
+    /// Exposure time.
     pub shutter_s: f64,
-    /// Speed.
+    /// Film speed.
     pub iso: f64,
     /// Luminous flux of one watt of the scene's white light, lm/W. Blender's own exchange formats count 683.
     pub lumens_per_watt: f64,

@@ -18,9 +18,9 @@ use petzval_optics::trace::Tracer;
 const NODES: usize = 96;
 /// Rays whose mean is a chief ray.
 const RAYS: u32 = 48;
-/// How far beyond the picture the map is known, as a part of its half diagonal.
+/// Radius of the map, as a multiple of the picture's half diagonal.
 const BEYOND: f64 = 1.4;
-/// Where a lens is focused at infinity, the surface lies this many focal lengths away.
+/// Distance of the surface of a lens that is focused at infinity, focal lengths.
 const FAR: f64 = 1e4;
 /// The plane ends where the cosine of the angle from the axis falls below this.
 const PLANE_ENDS: f64 = 0.3;
@@ -32,7 +32,7 @@ pub(super) struct FocalSurface {
     /// The exit pupil's middle; `None` if it is at infinity.
     exit: Option<DVec3>,
     film_z: f64,
-    /// What the film's x is multiplied by, so that the lens sees all azimuths alike: not 1 for anamorphic lenses.
+    /// Factor of the film's x, so that the lens sees all azimuths alike: not 1 for anamorphic lenses.
     squeeze: f64,
     /// Distance between the nodes, mm on the film.
     step: f64,

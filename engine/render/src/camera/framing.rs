@@ -4,7 +4,7 @@
 use super::setup::Setup;
 use super::{CameraDescription, CameraError, Model};
 
-/// What may be changed for it.
+/// The settings that may be changed for it.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub enum Framed {
     /// The lens is scaled, a zoom lens zoomed; the film becomes Blender's sensor.
@@ -104,7 +104,8 @@ impl<'a> Search<'a> {
         }
     }
 
-    /// What it frames then; infinite where no ray of the picture's edge comes through the surfaces, or the film is too large to be.
+    /// The angle that is framed with this value; infinite where no ray of the picture's edge comes through the surfaces, or the film is too
+    /// large to be.
     fn angle(&self, value: f64) -> Result<f64, CameraError> {
         let [width, height] = self.size;
         let d = self.described(value);

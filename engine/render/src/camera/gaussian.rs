@@ -17,7 +17,7 @@ use petzval_optics::gaussian::GaussianLens;
 use petzval_optics::glass::line_nm;
 use petzval_optics::transmission::Passages;
 
-/// How much a model keeps of a lens.
+/// The part of a lens that a model keeps.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub(super) enum Order {
     /// Principal planes and pupils at the d line (Kolb, Mitchell and Hanrahan 1995, §3.4).
@@ -76,7 +76,7 @@ impl Gaussian {
         self.mount.axes()
     }
 
-    /// What the lens does in this camera.
+    /// Data of the lens in this camera.
     pub fn info(&self) -> &LensInfo {
         &self.mount.info
     }

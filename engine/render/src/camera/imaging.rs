@@ -19,17 +19,17 @@ use petzval_optics::gaussian::GaussianLens;
 use petzval_optics::paraxial::Paraxial;
 use petzval_optics::trace::{Ray as LensRay, Tracer};
 
-/// What a camera looks at.
+/// A subject of a camera.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub enum Seen {
     /// A point, render space.
     Point(DVec3),
-    /// What lies infinitely far in a direction.
+    /// A subject infinitely far in a direction.
     Direction(DVec3),
 }
 
 impl Seen {
-    /// What lies a part of the way from this to another of its kind.
+    /// The subject a part of the way from this one to another of its kind.
     pub fn towards(self, other: Self, part: f64) -> Self {
         match (self, other) {
             (Self::Point(a), Self::Point(b)) => Self::Point(a.lerp(b, part)),
@@ -67,7 +67,7 @@ struct LensEye {
     /// The entrance pupil's middle near the axis and its radius, lens space, mm.
     pupil_middle: DVec3,
     pupil_radius: f64,
-    /// How the pupil moves with the direction, where rays are traced.
+    /// The pupil by direction, where rays are traced.
     entrance: Option<EntranceMap>,
 }
 

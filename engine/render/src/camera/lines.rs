@@ -16,7 +16,7 @@ pub(super) struct FilmLines {
     pub(super) back_in_short: SpectralTracer<f32>,
     /// Wavelengths of a set.
     pub(super) size: usize,
-    /// How many sets there are.
+    /// Number of sets.
     pub(super) sets: usize,
     /// By wavelength of the film: columns of what it makes of a scene colour, the fourth number of each 0.
     pub(super) responses: Vec<[Vec4; 3]>,

@@ -83,7 +83,7 @@ pub enum CameraError {
         /// Why.
         source: FocusError,
     },
-    /// What is to be sharp cannot be.
+    /// The autofocus point cannot be made sharp.
     #[error("camera '{camera}': the autofocus point: {source}")]
     Autofocus {
         /// The camera's object.
@@ -119,7 +119,7 @@ pub struct CameraRay {
 }
 
 impl CameraRay {
-    /// What a white world of radiance one adds.
+    /// The light of a white world of radiance one.
     pub fn white(&self) -> Rgb {
         self.weight * Rgb::ONE
     }
@@ -220,7 +220,7 @@ impl Camera {
         }
     }
 
-    /// What it is called in reports.
+    /// Its name in reports.
     pub fn name(&self) -> &str {
         match self {
             Self::Pinhole(_) => "pinhole",
@@ -234,7 +234,7 @@ impl Camera {
     }
 }
 
-/// What a real lens does in this camera, without preparing to render; quick enough for a panel.
+/// Data of a real lens in this camera, without preparing to render; quick enough for a panel.
 ///
 /// # Errors
 /// As [`Camera::new`].

@@ -100,9 +100,9 @@ struct Script<'a> {
 /// Boxes about the pupil, and the light in the middle of the film.
 struct Tables {
     bounds: Vec<f64>,
-    /// As if nothing stood in the middle of the lens, over the square of the opening.
+    /// The light in the middle of the film without the central obstruction, over the square of the opening.
     light: Vec<f64>,
-    /// What stands there takes as much from every opening; by wavelength.
+    /// The light that the central obstruction takes, equal for all openings; by wavelength.
     hidden: Vec<f64>,
     cells_per_mm: f64,
 }

@@ -247,7 +247,7 @@ impl<R: Traced> Outward<R> {
 }
 
 impl<R: Traced> OutwardBatch<R> {
-    /// What became of request `i`.
+    /// The ray of request `i`.
     #[inline]
     pub(super) fn lead(&self, i: usize) -> Option<Lead> {
         self.rays.result(i).ok().map(|out| Lead {

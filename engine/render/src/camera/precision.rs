@@ -38,7 +38,7 @@ impl Precision {
 /// Which numbers a camera has, and why.
 #[derive(Clone, Copy, Debug)]
 pub struct Chosen {
-    /// What was asked for.
+    /// The precision that was asked for.
     pub asked: Precision,
     /// f32, or else f64.
     pub is_single: bool,

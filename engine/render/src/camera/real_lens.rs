@@ -78,7 +78,7 @@ pub(super) struct Lead {
     pub(super) out: LensRay,
     /// The density of its choice, for each mm² sr of projected solid angle at the film point.
     pub(super) density: f64,
-    /// What the lens lets through along it.
+    /// The part of the light that the lens lets through along it.
     pub(super) part: f32,
 }
 
@@ -146,7 +146,7 @@ impl RealLens {
         Ok(lens)
     }
 
-    /// What the lens does in this camera.
+    /// Data of the lens in this camera.
     pub fn info(&self) -> &LensInfo {
         &self.mount.info
     }
@@ -179,7 +179,7 @@ impl RealLens {
         ray.pop().flatten()
     }
 
-    /// What a ray at the film's wavelength number `index` counts.
+    /// The camera ray of a lead at the film's wavelength number `index`, with its weight.
     #[inline]
     pub(super) fn weighted(&self, index: usize, lead: &Lead) -> CameraRay {
         CameraRay { ray: self.mount.to_render(&lead.out), weight: self.weight(index, lead.density) * lead.part }
@@ -222,7 +222,7 @@ impl RealLens {
         })
     }
 
-    /// Where to aim at from the scene, for all wavelengths; made when first asked for.
+    /// The entrance pupil at which rays from the scene aim, for all wavelengths; made when first asked for.
     pub(super) fn entrance(&self) -> &EntranceMap {
         self.entrance.get_or_init(|| {
             let middle = self.lines.len() / 2;

@@ -1,6 +1,6 @@
-//! How much a lens scatters, as a camera's description has it; [`crate::stray::glare`] says what comes of it.
+//! Scattering in a lens, as a camera's description has it; [`crate::stray::glare`] computes the glare.
 
-/// How a lens scatters.
+/// The amount of scattering in a lens.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Scattering {
     /// Of every surface, root mean square, nm.
@@ -22,7 +22,7 @@ impl Scattering {
     /// Nothing is scattered.
     pub const NONE: Self = Self { roughness_nm: 0.0, cleanliness: 0.0, veiling_index: 0.0 };
 
-    /// What is wrong with it, and what to do.
+    /// Checks the numbers; the error says what is wrong and what to do.
     pub(super) fn check(&self) -> Result<(), String> {
         let within = |value: f64, most: f64, name: &str| {
             let is_good = (0.0..=most).contains(&value);

@@ -14,7 +14,7 @@ use petzval_optics::trace::{Ray as LensRay, Tracer};
 /// Yellow helium line, where lenses are focused and measured, nm.
 pub const D_LINE_NM: f64 = 587.5618;
 
-/// What a lens does in a camera: for panels, reports, and a viewport that frames the same picture.
+/// Data of a lens in a camera: for panels, reports, and a viewport that frames the same picture.
 #[derive(Clone, Debug)]
 pub struct LensInfo {
     /// From the lens file.
@@ -25,11 +25,11 @@ pub struct LensInfo {
     pub efl_mm: Option<f64>,
     /// Last vertex to image focal point, mm.
     pub bfd_mm: Option<f64>,
-    /// In force.
+    /// The f-number after clamping.
     pub f_number: f64,
-    /// What the clear apertures allow.
+    /// The f-number that the clear apertures allow.
     pub widest_f_number: f64,
-    /// The f-number asked for is wider than that.
+    /// True if the f-number asked for is wider than [`Self::widest_f_number`].
     pub f_number_was_clamped: bool,
     /// The f-number of a lens that loses nothing and is as bright: for white light in the film's middle, by reflection and absorption;
     /// `None` where that is dark.
@@ -70,7 +70,7 @@ pub struct LensInfo {
     pub zoom_range_mm: Option<[f64; 2]>,
     /// Groups inside of the lens move to focus it, not the film.
     pub focuses_inside: bool,
-    /// What its file says that could not be used, line by line.
+    /// Remarks on parts of its file that could not be used, line by line.
     pub remarks: Vec<String>,
     /// Glasses whose index is not known for all of the light: of the camera's wavelength, or if it has none, all visible.
     pub beyond_range: Vec<String>,
@@ -220,7 +220,7 @@ fn focused(
     Ok((system, film_z_mm))
 }
 
-/// Where the film's middle is to stand, lens space.
+/// The z of the film's middle, lens space, mm.
 fn film_z(d: &CameraDescription, system: &System, line_nm: f64) -> Result<f64, CameraError> {
     let wrong = |source: FocusError| CameraError::Focus { camera: d.object_name.clone(), source };
     if let Some(distance) = d.film_distance_mm {
@@ -234,7 +234,7 @@ fn film_z(d: &CameraDescription, system: &System, line_nm: f64) -> Result<f64, C
 }
 
 impl CameraDescription {
-    /// What distance is to be sharp, mm, and how it is meant.
+    /// The distance that is to be sharp, mm, and the meaning of that distance.
     fn focus_request(&self) -> Result<(Focusing, f64), CameraError> {
         let distance_mm = self.focus_depth()?.map_or(f64::INFINITY, |units| units * self.scale_mm_per_unit.z);
         // A point of the world is to be sharp, whichever relation numbers follow.

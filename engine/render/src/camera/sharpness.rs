@@ -1,4 +1,4 @@
-//! Where a camera is sharp: over the picture, the distance at which the light of a film point comes together in the scene, and from
+//! The sharp distances of a camera: over the picture, the distance at which the light of a film point comes together in the scene, and from
 //! where to where it stays within a circle of confusion.
 //!
 //! By the rays themselves: those of a film point through all of the pupil, followed into the scene. Across their mean ray each is a
@@ -18,24 +18,24 @@ use petzval_optics::trace::{Ray, Tracer};
 const RAYS: u32 = 192;
 /// Rays of its neighbours, for the scale of the picture.
 const NEIGHBOUR_RAYS: u32 = 48;
-/// How far the neighbours are, parts of the picture's diagonal.
+/// Distance of the neighbours, parts of the picture's diagonal.
 const BESIDE: f64 = 1e-3;
 
-/// What a point of the picture looks at. World space, Blender units.
+/// The sharp range along the mean ray of a picture point. World space, Blender units.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct SharpPoint {
     /// Of the picture, from -0.5 to 0.5, x to the right and y up.
     pub place: Vec2,
-    /// Where its mean ray leaves the lens.
+    /// The point where the mean ray leaves the lens.
     pub from: DVec3,
-    /// Unit, of that ray.
+    /// Direction of the mean ray, unit.
     pub towards: DVec3,
-    /// Where it is sharpest, from there; `None` is infinity.
+    /// The sharpest distance along the mean ray; `None` is infinity.
     pub sharp: Option<f64>,
-    /// From where on it is sharp enough: its blur on the film, squared, is no more than that of the circle of confusion and of where
-    /// it is sharpest together. `None` where all of that lies behind the camera.
+    /// Distance along the mean ray from which on it is sharp enough: its blur on the film, squared, is at most the sum of the squares of
+    /// the circle of confusion and of the blur at the sharpest distance. `None` where all of that lies behind the camera.
     pub near: Option<f64>,
-    /// To where; infinite where all behind is.
+    /// Distance along the mean ray up to which it is sharp enough; infinite if everything behind is.
     pub far: Option<f64>,
 }
 
@@ -149,7 +149,7 @@ impl Look<'_> {
     }
 }
 
-/// Where the spread is least, and where it begins and ends to be below the limit: distances along the mean ray; a far end that is
+/// The distances along the mean ray at which the spread is least, and at which it begins and ends to be below the limit; a far end that is
 /// infinite is infinity, and what lies behind the camera is beyond infinity.
 fn distances(spread: Quadratic, limit: Quadratic) -> [Option<f64>; 3] {
     let least = spread.least();
@@ -182,7 +182,7 @@ impl Across {
         Self { origin: mean.origin, along: mean.direction, axes: [x, y] }
     }
 
-    /// Where a ray meets them: at distance 0, and how that changes with the distance.
+    /// The point of a ray on these axes at distance 0, and its derivative by the distance.
     fn line(&self, ray: &Ray) -> (DVec2, DVec2) {
         let flat = |v: DVec3| DVec2::new(v.dot(self.axes[0]), v.dot(self.axes[1]));
         let from = ray.origin - self.origin;
@@ -224,7 +224,7 @@ impl Quadratic {
         (self.a > 0.0).then(|| -0.5 * self.b / self.a).filter(|t| t.is_finite())
     }
 
-    /// Where it is 0, rising; without cancellation. `None` where it nowhere is.
+    /// The roots, in ascending order, without cancellation. `None` where there are none.
     fn roots(self) -> Option<[f64; 2]> {
         let q = -0.5 * (self.b + (self.b * self.b - 4.0 * self.a * self.c).sqrt().copysign(self.b));
         let roots = [q / self.a, self.c / q];
@@ -322,7 +322,7 @@ mod tests {
         assert!((0.2..0.8).contains(&upright), "{upright}");
     }
 
-    /// Where no part of a camera is a number, or a lens: the error says so.
+    /// Cameras without a traced lens are refused with an error that says so.
     #[test]
     fn cameras_without_a_lens_are_refused() {
         let d = CameraDescription { model: Model::Pinhole, ..CameraDescription::default() };

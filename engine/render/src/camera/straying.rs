@@ -22,7 +22,7 @@ const LEAST_PX: f64 = 2.0;
 pub struct Band {
     /// Its middle, nm.
     pub nm: f64,
-    /// What light of a scene colour adds to the picture's, its part of all light included: the bands' responses add up to the
+    /// The contribution of light of a scene colour to the picture, its part of all light included: the bands' responses add up to the
     /// identity.
     pub response: Mat3,
 }
@@ -94,8 +94,8 @@ impl StrayLens {
         self.brightness
     }
 
-    /// How bright the brightest ghost of a far source on the axis is, to first order, as a radiance, where the irradiance of its
-    /// light before the lens is one.
+    /// The radiance of the brightest ghost of a far source on the axis, to first order, for an irradiance of its light before the lens of
+    /// one.
     pub fn brightest_ghost(&self) -> f64 {
         let least_mm = LEAST_PX / self.px2_per_mm2().sqrt();
         let ghosts = ghosts::all(&self.system, GREEN_NM, self.mount.film.z_mm, least_mm);
@@ -122,7 +122,7 @@ impl StrayLens {
         self.pupil_part
     }
 
-    /// Where a point (u, v) of the film, mm, lies in the picture: pixels from its lower left corner.
+    /// The place in the picture of a point (u, v) of the film, mm: pixels from its lower left corner.
     #[inline]
     pub fn pixel(&self, film: DVec2) -> DVec2 {
         film * self.per_mm() + 0.5 * self.size_px

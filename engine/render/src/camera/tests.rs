@@ -191,8 +191,8 @@ fn the_lens_looks_where_the_picture_says() {
     assert!((viewport - paraxial).abs() < 1e-9);
 }
 
-/// What is at the focus distance from the camera's origin is sharp, whatever of the lens stands there; and a pinhole there
-/// frames it as the viewport is told.
+/// Objects at the focus distance from the camera's origin are sharp, whichever point of the lens stands there; and a pinhole there frames
+/// it as the viewport is told.
 #[test]
 fn what_is_at_the_distance_is_sharp_from_each_anchor() {
     use petzval_optics::focus::{Anchor, Relation};

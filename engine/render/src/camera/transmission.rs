@@ -1,5 +1,5 @@
-//! What a lens takes of the light along each ray, ready for rays by the million: surfaces and glasses as they are
-//! ([`petzval_optics::transmission`]), fitted once for a camera.
+//! Transmission of a lens along each ray, fast enough for millions of rays: exact surfaces and glasses ([`petzval_optics::transmission`]),
+//! fitted once for a camera.
 //!
 //! Light that passes depends smoothly on the ray: on where it crosses the plane at the last vertex and on its direction there, whatever
 //! the film's place, turn and curvature. A lens that is symmetric about its axis knows only three numbers of both. A polynomial
@@ -31,12 +31,12 @@ const BEYOND: f32 = 1.04;
 /// Wavelengths by which white light is known where the film has but one.
 const BANDS: usize = 24;
 
-/// What the lens makes of white light in the film's middle.
+/// The lens's transmission of white light in the film's middle.
 #[derive(Clone, Debug)]
 pub(super) struct Middle {
     /// The part that passes, by the film's wavelength.
     pub(super) parts: Vec<f64>,
-    /// What a scene colour becomes in the picture, before exposure.
+    /// The transform of a scene colour in the picture, before exposure.
     pub(super) colour: Mat3,
     /// By what the picture is multiplied, so that it is exposed as it should be.
     pub(super) gain: f64,
@@ -62,7 +62,7 @@ impl Middle {
         (passed > 0.0).then_some(Self { parts, colour, gain })
     }
 
-    /// What a scene colour becomes in the middle of the picture, where the film has one wavelength: what it does at all of them.
+    /// The transform of a scene colour in the middle of the picture, where the film has one wavelength: that of all wavelengths together.
     pub(super) fn tint(&self) -> Mat3 {
         self.colour * self.gain as f32
     }
@@ -84,17 +84,17 @@ fn lines(spectrum: &FilmSpectrum) -> Vec<f64> {
     spectrum.wavelengths().iter().map(|w| w.nm).collect()
 }
 
-/// What becomes of a scene colour whose light passes in these parts.
+/// The transform of a scene colour whose light passes in these parts.
 pub(super) fn colour(spectrum: &FilmSpectrum, parts: impl Fn(&[f64]) -> Option<Vec<f64>>) -> Option<Mat3> {
     let parts = parts(&lines(spectrum))?;
     let sum = spectrum.wavelengths().iter().zip(&parts).fold(Mat3::ZERO, |sum, (w, p)| sum + w.response * *p as f32);
     Some(sum * (parts.len() as f32).recip())
 }
 
-/// What the lens lets through, for rays.
+/// The transmission of the lens along rays.
 pub(super) struct Transmission {
     pub(super) middle: Middle,
-    /// Where rays cross, lens space.
+    /// The plane whose crossing points describe rays, lens space.
     plane_z_mm: f64,
     shape: Polynomial,
     /// By the film's wavelength, then by term: what is to be multiplied, the middle's part and the exposure included. Where the film has
@@ -152,7 +152,7 @@ impl Transmission {
         self.error_stops
     }
 
-    /// What the light of the film's wavelength of that number counts that comes along a ray, which may go either way.
+    /// The weight of light of the film's wavelength of that number along a ray, which may go either way.
     #[inline]
     pub(super) fn at(&self, index: usize, ray: &LensRay) -> f32 {
         let numbers = crossing(ray, self.plane_z_mm).map(|n| f32x8::splat(n as f32));
@@ -176,7 +176,7 @@ impl Transmission {
     }
 }
 
-/// Where a ray crosses a plane across the axis, mm, and the cosines of its direction towards the scene.
+/// The point at which a ray crosses a plane across the axis, mm, and the cosines of its direction towards the scene.
 fn crossing(ray: &LensRay, plane_z_mm: f64) -> [f64; 4] {
     let (p, d) = (ray.origin, ray.direction);
     let at = p + d * ((plane_z_mm - p.z) / d.z);
@@ -203,7 +203,7 @@ fn rays(mount: &Mount, map: &PupilMap, passages: &Passages<'_>) -> Vec<(LensRay,
     (0..4 * (RAYS + JUDGES) as u32).filter_map(ray).take(RAYS + JUDGES).collect()
 }
 
-/// What a uniform white world of radiance one becomes at a place of the picture, over its brightness there: by some rays of its beam.
+/// The colour of a uniform white world of radiance one at a place of the picture, over its brightness there: by some rays of its beam.
 pub(super) fn colour_at(mount: &Mount, map: &PupilMap, passages: &Passages<'_>, place: DVec2) -> Option<Rgb> {
     const BEAM: u32 = 16;
     let film = mount.film_at(place.as_vec2());

@@ -11,10 +11,10 @@ use std::collections::BTreeMap;
 /// Names kept for a pixel beyond those that are asked for: where there are more still, the weakest are forgotten, and
 /// one that comes back begins anew.
 const SPARE: usize = 10;
-/// What Blender calls the material of an empty slot.
+/// Blender's name for the material of an empty slot.
 const NO_MATERIAL: &str = "default_surface";
 
-/// What a matte tells apart.
+/// The kind of name that a matte tells apart.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub enum MatteLayer {
     /// Objects by name.
@@ -120,12 +120,12 @@ fn murmur3(bytes: &[u8]) -> u32 {
     h ^ h >> 16
 }
 
-/// What the rays of a part of the picture met, while one thread notes it.
+/// The first hits of the rays of a part of the picture, while one thread notes them.
 #[derive(Clone, Debug, Default)]
 pub(super) struct MatteNotes {
     /// Rays that got through the lens, by pixel.
     rays: Vec<u32>,
-    /// Pixel, instance, material of those that met something.
+    /// Pixel, instance and material of the rays that hit a surface.
     met: Vec<[u32; 3]>,
 }
 
@@ -144,7 +144,7 @@ impl MatteNotes {
     }
 }
 
-/// How many rays of a pixel met a name.
+/// Number of rays of a pixel that hit a name.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, Serialize, Deserialize)]
 struct Count {
     pixel: u32,

@@ -1,4 +1,4 @@
-//! What the first surfaces are that a pixel sees through the lens: where they lie, how far, how they are turned.
+//! The first surfaces that a pixel sees through the lens: position, depth and normal.
 //!
 //! Through a lens a pixel sees many places. Each ray that gets through the lens counts alike, with the first surface that
 //! it does not pass; the pass is their mean. In focus that is the surface; out of focus it is blurred as the picture is,
@@ -90,7 +90,7 @@ pub enum DataPass {
     Samples,
 }
 
-/// What stands for the background's depth.
+/// The depth of the background.
 pub const FARTHEST: f32 = 1e10;
 
 #[cfg(test)]

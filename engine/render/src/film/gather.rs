@@ -8,7 +8,7 @@ use std::collections::HashSet;
 struct Scattered {
     /// By pixel of the picture, if there is any.
     far: Vec<[f32; 3]>,
-    /// What each half's sums of light from anywhere are to be multiplied by.
+    /// Factor of each half's sums of light from anywhere.
     scales: [f64; 2],
 }
 
@@ -49,7 +49,7 @@ impl Film {
         out
     }
 
-    /// What no tile keeps, where counts differ.
+    /// The light that no tile keeps, where sample counts differ.
     fn scattered(&self) -> Scattered {
         let mut out = Scattered::default();
         if !self.keep.halves {
@@ -138,10 +138,9 @@ impl Film {
         (out, divisor)
     }
 
-    /// What the picture's numbers leave out of the sums of its samples: rows from below, by pixel what one and then a second
-    /// number of single precision can say of it for each channel. With c the picture's number, n the samples and r, s these two,
-    /// the sum is c n + r + s, exactly; so ranges of samples that are joined ([`Film::picture`] of each) make the whole to the
-    /// last bit. Nothing where counts differ.
+    /// The rounding of the picture's numbers: the rest of the sums of its samples, rows from below, by pixel as two numbers of single
+    /// precision for each channel. With c the picture's number, n the samples and r, s these two, the sum is c n + r + s, exactly; so
+    /// ranges of samples that are joined ([`Film::picture`] of each) make the whole to the last bit. Nothing where counts differ.
     pub fn remainders(&self) -> Vec<[[f32; 4]; 2]> {
         let mut out = vec![[[0.0; 4]; 2]; self.width as usize * self.height as usize];
         if self.keep.halves {

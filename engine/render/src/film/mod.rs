@@ -1,4 +1,4 @@
-//! What has reached the film: sums by pixel, in tiles that are filled by one thread at a time.
+//! The light that has reached the film: sums by pixel, in tiles that are filled by one thread at a time.
 //!
 //! A tile keeps the light of its own samples, also what fell beyond its edge: each pixel is the sum of what the tiles
 //! about it gave, each divided by its own count of samples. So the picture is right at any moment, however far the
@@ -28,8 +28,8 @@ use std::sync::{Arc, Mutex, MutexGuard, PoisonError};
 
 /// Side of a tile in pixels. Larger tiles leave threads idle at the end of a pass; smaller ones cost messages.
 pub const TILE_SIZE: u32 = 32;
-/// How far beyond its edge, in pixels, a tile keeps its own light, where light spreads at all: more costs memory, less
-/// sends more to the sums by pixel, which are slower. Less than a tile.
+/// Distance beyond its edge, in pixels, within which a tile keeps its own light, where light spreads at all: a larger one costs memory, a
+/// smaller one sends more to the sums by pixel, which are slower. Less than a tile.
 pub const SPREAD: u32 = 8;
 
 /// A part of the picture: lower left corner and size, pixels.
@@ -61,12 +61,12 @@ impl TileRect {
         pixels.filter(move |&(x, y)| half_of(x, y) == half)
     }
 
-    /// How many these are.
+    /// Number of pixels of a half.
     pub fn count_of(self, half: usize) -> u64 {
         self.pixels_of(half).count() as u64
     }
 
-    /// Where a pixel lies in a list of the rows from below; `None` outside.
+    /// The index of a pixel in a list of the rows from below; `None` outside.
     #[inline]
     fn index(&self, x: u32, y: u32) -> Option<usize> {
         // A pixel to the left is far to the right of everything.
@@ -75,12 +75,12 @@ impl TileRect {
     }
 }
 
-/// What a film keeps beside light.
+/// The data that a film keeps beside light.
 #[derive(Clone, Debug, Default)]
 pub struct Keep {
-    /// What surfaces the pixels see.
+    /// The surfaces that the pixels see.
     pub surfaces: bool,
-    /// How these move over the picture.
+    /// Motion vectors of these surfaces over the picture.
     pub vectors: bool,
     /// Which objects or materials they are.
     pub mattes: Mattes,
@@ -111,9 +111,9 @@ pub struct Patch {
     /// Radiance and alpha by pixel, rows from below. In double precision sums of samples are exact, but for ranges of brightness
     /// beyond 2^29 in one pixel: so they do not depend on how the samples are parted.
     sums: Vec<[f64; 4]>,
-    /// What fell outside.
+    /// Light that fell outside.
     far: Vec<(u32, u32, Rgb)>,
-    /// What may fall anywhere, wherever it was started, if that is kept for itself.
+    /// Light that may fall anywhere, independent of the pixel that started it, if it is kept apart.
     anywhere: Option<Vec<(u32, u32, Rgb)>>,
     /// By pixel, as the sums; empty if nobody asked.
     data: Vec<DataSums>,
@@ -212,7 +212,7 @@ pub struct TileSums {
 /// A finished part of the picture.
 #[derive(Clone, Debug)]
 pub struct TilePixels {
-    /// Where.
+    /// The rectangle of the pixels.
     pub rect: TileRect,
     /// Scene-linear RGBA, rows from below.
     pub pixels: Vec<[f32; 4]>,
@@ -231,9 +231,9 @@ pub struct Film {
     /// Of each half's samples.
     anywhere: [SplatSums; 2],
     keep: Keep,
-    /// What the light is multiplied by when it is asked for.
+    /// Factor of the light when it is read.
     exposure: f32,
-    /// By pixel, rows from below, what it is multiplied by, too; empty where that is one.
+    /// A further factor for each pixel, rows from below; empty where that is one.
     gains: Arc<[f32]>,
     groups: Vec<Film>,
 }
@@ -308,7 +308,7 @@ impl Film {
         (self.width, self.height)
     }
 
-    /// How many tiles there are.
+    /// Number of tiles.
     pub fn tile_count(&self) -> usize {
         self.tiles.len()
     }
@@ -328,7 +328,7 @@ impl Film {
         if near.is_empty() { vec![0] } else { near }
     }
 
-    /// Where a tile lies.
+    /// The rectangle of a tile.
     pub fn rect(&self, tile: usize) -> TileRect {
         self.tiles[tile].0
     }
@@ -404,7 +404,7 @@ impl Film {
         sums.halves.as_ref().and_then(|halves| halves[half].squared_error(half, self.rect(tile), sums.light.rect))
     }
 
-    /// How many samples each pixel has, rows from below.
+    /// Number of samples of each pixel, rows from below.
     pub fn sample_counts(&self) -> Vec<u32> {
         let mut out = vec![0; self.width as usize * self.height as usize];
         for (i, &(rect, _)) in self.tiles.iter().enumerate() {
@@ -422,7 +422,7 @@ impl Film {
         (0..self.tiles.len()).map(|i| self.tile(i).samples).min().unwrap_or(0)
     }
 
-    /// What each pixel sees, rows from below; nothing if the film was not to keep it.
+    /// The data of the surfaces that each pixel sees, rows from below; zeros if the film was not to keep them.
     pub fn data(&self) -> Vec<DataSums> {
         let mut out = vec![DataSums::default(); self.width as usize * self.height as usize];
         self.each_pixel(|tile, at, pixel| {
@@ -433,7 +433,7 @@ impl Film {
         out
     }
 
-    /// How what each pixel sees moves over the picture, rows from below.
+    /// The motion vectors of each pixel, rows from below; zeros if the film was not to keep them.
     pub fn vectors(&self) -> Vec<VectorSums> {
         let mut out = vec![VectorSums::default(); self.width as usize * self.height as usize];
         self.each_pixel(|tile, at, pixel| {

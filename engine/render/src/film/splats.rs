@@ -13,7 +13,7 @@ const FINE: f64 = (1u64 << 36) as f64;
 const COARSE: f64 = (1u64 << 12) as f64;
 /// Values are large from here on: 2^17 of them overflow no sum, and a coarse quantum is at most 2^-22 of them.
 const LARGE: f64 = 1024.0;
-/// What a brighter value counts as: a million of these overflow no sum.
+/// The value that brighter ones are clamped to: a million of these overflow no sum.
 const BRIGHTEST: f64 = (1u64 << 31) as f64;
 
 /// Sums of colours by pixel.
@@ -48,7 +48,7 @@ impl SplatSums {
         }
     }
 
-    /// What is there now, while nobody adds.
+    /// The present sums, while nobody adds.
     pub fn state(&self) -> SplatState {
         let read = |sums: &OnceLock<Box<[AtomicI64]>>| {
             sums.get().map(|sums| sums.iter().map(|sum| sum.load(Ordering::Relaxed)).collect())

@@ -1,4 +1,4 @@
-//! What shines along a ray, and how likely a light sample would have found it.
+//! Emitters that a ray hits, and the densities with which a light sample would have found them.
 
 use super::receiver::Receiver;
 use super::{Lights, Source};
@@ -10,9 +10,9 @@ use glam::Vec3A;
 /// A stretch of a ray.
 #[derive(Clone, Copy, Debug)]
 pub struct Line {
-    /// Where it begins, render space.
+    /// Its origin, render space.
     pub from: Vec3A,
-    /// Unit.
+    /// Its direction, unit.
     pub towards: Vec3A,
     /// Its length, Blender units.
     pub t_max: f32,
@@ -21,13 +21,13 @@ pub struct Line {
 /// Light that a ray meets.
 #[derive(Clone, Copy, Debug)]
 pub struct Shining {
-    /// Where it comes from.
+    /// The source of the light.
     pub source: Source,
-    /// Along the ray.
+    /// Radiance along the ray.
     pub radiance: Rgb,
     /// The density per steradian with which a light sample would have found it.
     pub pdf: f32,
-    /// How far away, Blender units; infinite for suns and the world.
+    /// Distance of the source, Blender units; infinite for suns and the world.
     pub distance: f32,
 }
 

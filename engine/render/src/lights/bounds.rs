@@ -1,4 +1,4 @@
-//! What is known of an emitter, or of several together: where it is, how much it emits and where to.
+//! Bounds of an emitter, or of several together: position, power and directions of emission.
 
 use glam::Vec3A;
 use std::f32::consts::{FRAC_PI_2, PI};
@@ -6,7 +6,7 @@ use std::f32::consts::{FRAC_PI_2, PI};
 /// A cone is widened by this rather than turned: turns of no more than rounding add up.
 const LEAST_TURN_RAD: f32 = 1e-5;
 
-/// What is known of an emitter, or of all emitters under a node.
+/// Bounds of an emitter, or of all emitters under a node.
 #[derive(Clone, Copy, Debug)]
 pub struct LightBounds {
     /// Least corner of the box.
@@ -94,7 +94,7 @@ mod tests {
         LightBounds { min, max, power: 1.0, axis, normal_spread_rad, emission_spread_rad: 1.0, two_sided: false }
     }
 
-    /// What faces one way does so together, however many there are and whatever rounding does to each.
+    /// The union of equal normals keeps a narrow cone, however many there are and whatever rounding does to each.
     #[test]
     fn equal_normals_keep_a_narrow_cone() {
         let tilted = Vec3A::new(0.3, -0.5, 0.8).normalize();

@@ -16,7 +16,7 @@ const FULL: usize = 512;
 /// Such a cut may be that much costlier than the best.
 const WORTH_FULL: f32 = 1.3;
 
-/// How nodes of eight are made of halves.
+/// The method by which nodes of eight are made of halves.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub(super) enum Filling {
     /// Each is opened as far as it goes: the best estimates.
@@ -29,7 +29,7 @@ pub(super) enum Filling {
 pub(super) enum Half {
     /// An emitter.
     Leaf(u32),
-    /// How many emitters there are in two parts, and these, with the bounds of each.
+    /// The number of emitters in two parts, and these, with the bounds of each.
     Inner(usize, Box<[(LightBounds, Half); 2]>),
 }
 
@@ -76,7 +76,7 @@ impl Half {
         parts
     }
 
-    /// How many emitters there are in it.
+    /// Number of emitters in it.
     fn count(&self) -> usize {
         match self {
             Self::Leaf(_) => 1,

@@ -1,9 +1,9 @@
 //! Light as it leaves its sources: rays chosen by power, for paths that begin at the light.
 //!
-//! Where a ray arrives, three numbers say all that a path needs to know of its source: the radiance, the density with
-//! which a light sample taken there would have chosen it, and the density with which light paths choose it, per unit of
-//! etendue (Blender units squared times steradians, at right angles to the ray). Of a source without extent both
-//! densities leave out the same delta, so that their ratio is right (Veach 1997, section 10.3.5).
+//! Three numbers tell a path all about the source of an arriving ray: the radiance, the density with which a light
+//! sample taken there would have chosen it, and the density with which light paths choose it, per unit of etendue
+//! (Blender units squared times steradians, at right angles to the ray). Of a source without extent both densities
+//! leave out the same delta, so that their ratio is right (Veach 1997, section 10.3.5).
 
 use super::lamp::emission::on_disk;
 use super::triangle::LitTriangle;
@@ -39,7 +39,7 @@ pub struct EmittedRay {
     cos: f32,
 }
 
-/// What a ray from a source brings to the place where it arrives.
+/// The light that a ray from a source brings to the place where it arrives.
 #[derive(Clone, Copy, Debug)]
 pub struct ArrivedLight {
     /// Radiance; for a source without extent, radiance times the solid angle that it has not.
@@ -117,7 +117,8 @@ impl Emission {
         Some(EmittedRay { ray: Ray::new(origin, -towards), source, strength, cos: 1.0 })
     }
 
-    /// What a ray brings to a place that it reaches after `distance`; `None` if its source, seen from there, is dark.
+    /// The light that a ray brings to a place that it reaches after `distance`; `None` if its source, seen from there,
+    /// is dark.
     pub fn arrive(
         &self,
         scene: &Scene,

@@ -31,7 +31,7 @@ pub struct PreparedLamp {
     graph: Option<Arc<Graph>>,
     /// Of render space, in Blender's world.
     origin: Vec3A,
-    /// How far rounding may put a surface beside the lamp that stands in the lamp's plane, Blender units.
+    /// Bound of the rounding error of a surface beside the lamp that stands in the lamp's plane, Blender units.
     rounding: f32,
 }
 
@@ -98,12 +98,12 @@ impl PreparedLamp {
         Some((self.axes.z_axis, half_angle_rad))
     }
 
-    /// Whether a ray that came this way may find it. How many bounces it had is not asked, as in Cycles.
+    /// True if a ray of a path in this state may find it. How many bounces it had is not asked, as in Cycles.
     pub(super) fn is_found_by(&self, way: Way) -> bool {
         self.reaches.all_of(way.finds())
     }
 
-    /// What it lights, and what throws shadows in its light.
+    /// The objects that it lights, and those that throw shadows in its light.
     pub(super) fn sets(&self) -> Sets {
         self.sets
     }
@@ -118,7 +118,7 @@ impl PreparedLamp {
         luminance(self.color.abs()) * self.graph.as_ref().map_or(1.0, |graph| graph.brightness())
     }
 
-    /// What its nodes make of its light that arrives at `from` along a ray towards it.
+    /// The factor of its nodes on its light that arrives at `from` along a ray towards it.
     pub(super) fn shine(&self, scene: &Scene, from: Vec3A, wi: Vec3A, distance: f32, way: Way) -> Rgb {
         let Some(graph) = &self.graph else { return Rgb::ONE };
         let is_sun = matches!(self.kind, LampKind::Sun { .. });
@@ -169,7 +169,7 @@ impl PreparedLamp {
         }
     }
 
-    /// Where the lamp is, and where it shines to; not for suns.
+    /// The lamp's position and directions of emission; not for suns.
     pub(super) fn bounds(&self) -> LightBounds {
         // Pi times the intensity in the brightest direction, which for a surface that emits is its power.
         let power = match self.kind {
@@ -416,7 +416,7 @@ impl PreparedLamp {
         (ahead && inside).then(|| (self.strength, t * t / (cos * PI * radius * radius), t))
     }
 
-    /// How much of a spot's light goes along `d` (away from the lamp).
+    /// The part of a spot's light along `d` (away from the lamp).
     fn cone(&self, d: Vec3A, half_angle_rad: f32, blend: f32) -> f32 {
         let cos = -d.dot(self.axes.z_axis);
         let limit = half_angle_rad.cos();
@@ -433,7 +433,7 @@ fn one_minus_cos(half_angle_rad: f32) -> f32 {
     2.0 * (0.5 * half_angle_rad).sin().powi(2)
 }
 
-/// How an area lamp's spread dims what leaves it at `cos` to its normal, brighter on axis for less spread.
+/// The factor of an area lamp's spread on light that leaves it at `cos` to its normal, brighter on axis for less spread.
 fn spread(cos: f32, half_spread_rad: f32) -> f32 {
     if half_spread_rad >= FRAC_PI_2 - 1e-4 {
         return 1.0;

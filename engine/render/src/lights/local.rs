@@ -220,7 +220,7 @@ fn look_at(scene: &Scene, material: usize, [instance, triangle]: [u32; 2], look:
     if radiance.is_finite() { radiance } else { Rgb::ZERO }
 }
 
-/// Whether every edge of a mesh is walked once each way by its triangles, corners told apart by position.
+/// True if every edge of a mesh is walked once each way by its triangles, corners told apart by position.
 fn is_closed(mesh: &Mesh) -> bool {
     let mut open: HashSet<([u32; 3], [u32; 3])> = HashSet::new();
     // Plus zero makes -0 and 0 one place.

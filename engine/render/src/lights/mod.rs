@@ -81,18 +81,18 @@ impl Lights {
         Self { local, trees, tree_of, emitter_of, lamps, met, sky, is_linked }
     }
 
-    /// Whether any light lights some objects alone, or has shadows of some alone.
+    /// True if any light lights only some objects, or has shadows of only some.
     #[inline]
     pub fn is_linked(&self) -> bool {
         self.is_linked
     }
 
-    /// Whether anything shines from within the scene.
+    /// True if anything within the scene emits.
     pub fn has_local(&self) -> bool {
         self.local.len() > 0
     }
 
-    /// Whether anything is found by light samples: a world of one colour is not.
+    /// True if light samples find anything: a world of one colour is not sampled.
     pub fn any_is_sampled(&self) -> bool {
         self.has_local() || self.sky.irradiance(None) > 0.0
     }
@@ -109,7 +109,7 @@ impl Lights {
         })
     }
 
-    /// What a source lights, and what throws shadows in its light.
+    /// The objects that a source lights, and those that throw shadows in its light.
     pub fn sets(&self, source: Source) -> Sets {
         match self.local.get(source.0) {
             Some(Emitter::Triangle(triangle) | Emitter::Moving(triangle, _)) => triangle.sets(),
@@ -132,7 +132,7 @@ impl Lights {
         }
     }
 
-    /// Whether a source is the sky, as far as it is no sun.
+    /// True if a source is the sky, apart from suns.
     pub fn is_world(&self, source: Source) -> bool {
         source.0 == self.local.len()
     }

@@ -6,7 +6,7 @@ use glam::Vec3A;
 use std::f32::consts::SQRT_2;
 use wide::f32x8;
 
-/// What is smaller, or nearer, is taken to be so small and near: Blender units.
+/// Least size and distance, Blender units: smaller ones are raised to it.
 const LEAST_SIZE: f32 = 1e-8;
 
 /// Times the square of its radius: how near is near.

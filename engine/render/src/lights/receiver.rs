@@ -1,4 +1,4 @@
-//! Where light is wanted, and what the lights' tree says of it at its root: asked once a place.
+//! A place to be lit, and the importances at the root of the light tree for it: computed once a place.
 
 use glam::Vec3A;
 
@@ -12,17 +12,17 @@ pub struct Receiver {
     pub position: Vec3A,
     /// The normal of a surface that light from behind does not matter to; `None` takes light from all sides.
     pub normal: Option<Vec3A>,
-    /// Which of the lights' trees is asked.
+    /// The number of its light tree.
     pub(super) tree: u32,
-    /// What each part under the tree's root may send here.
+    /// The light that each part under the tree's root may send here.
     pub(super) weights: [f32; WIDTH],
-    /// Their sum.
+    /// The sum of the weights.
     pub(super) total: f32,
-    /// What the sky may send here, in brightness.
+    /// The light that the sky may send here, in brightness.
     pub(super) sky: f32,
-    /// Chance of choosing the sky rather than something within the scene.
+    /// Probability of choosing the sky rather than something within the scene.
     pub(crate) sky_chance: f32,
-    /// When light is wanted, as in [`crate::accel::Ray::moment`].
+    /// The moment at which it is lit, as in [`crate::accel::Ray::moment`].
     pub moment: u16,
 }
 

@@ -176,7 +176,7 @@ impl Sky {
         &self.suns
     }
 
-    /// Whether the world has an image to be sampled by.
+    /// True if the world has an image to be sampled by.
     pub(super) fn has_image(&self) -> bool {
         self.image.is_some()
     }

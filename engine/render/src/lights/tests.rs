@@ -265,7 +265,7 @@ fn crowd(count: u32, unequal: bool, with_lamps: bool) -> (Scene, Lights) {
     (scene, lights)
 }
 
-/// What each emitter of a crowd brings to a floor that faces up, by closed forms; of the tiny triangles as if all were in their
+/// The light of each emitter of a crowd on a floor that faces up, by closed forms; that of the tiny triangles as if all were in their
 /// middles.
 fn brought(scene: &Scene, lights: &Lights, from: Vec3A) -> Vec<f64> {
     let of = |emitter: Emitter<'_>| {

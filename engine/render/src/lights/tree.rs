@@ -70,8 +70,8 @@ impl LightTree {
         Receiver { position, normal, tree: 0, total: sum(&weights), weights, sky: 0.0, sky_chance: 0.0, moment: MIDDLE }
     }
 
-    /// What the root's children may send somewhere, by what is in them where they are near: of many emitters nearly all of what
-    /// is not known is there.
+    /// The light that the root's children may send somewhere, by their own children where they are near: with many emitters nearly all of
+    /// the uncertainty is there.
     #[inline]
     fn ahead(&self, position: Vec3A, normal: Option<Vec3A>) -> [f32; WIDTH] {
         let root = &self.nodes[0];

@@ -34,9 +34,9 @@ pub(super) struct LitTriangle {
     normal: Vec3,
     corner: Vec3,
     edges: [Vec3; 2],
-    /// How far rounding may put it from where it is, Blender units.
+    /// Bound of the rounding error of its position, Blender units.
     error: f32,
-    /// Where it is the same everywhere.
+    /// Its radiance, if that is spatially constant.
     radiance: Option<Vec3>,
 }
 
@@ -82,7 +82,7 @@ impl LitTriangle {
         }
     }
 
-    /// What it lights, and what throws shadows in its light.
+    /// The objects that it lights, and those that throw shadows in its light.
     pub(super) fn sets(&self) -> Sets {
         self.sets
     }
@@ -92,7 +92,7 @@ impl LitTriangle {
         self.normal.into()
     }
 
-    /// Where it is, and where it shines to.
+    /// Its position and directions of emission.
     pub(super) fn bounds(&self) -> LightBounds {
         let corners = [self.corner, self.corner + self.edges[0], self.corner + self.edges[1]].map(Vec3A::from);
         LightBounds {
@@ -106,7 +106,7 @@ impl LitTriangle {
         }
     }
 
-    /// What leaves a point of it towards either side, seen that way.
+    /// The radiance that leaves a point of it towards either side, for a view along that way.
     pub(super) fn radiance(&self, scene: &Scene, barycentric: [f32; 2], view: &View) -> Rgb {
         if let Some(radiance) = self.radiance {
             return radiance;

@@ -1,4 +1,4 @@
-//! What is around a point that is shaded, and how much of it lies open.
+//! The surroundings of a shaded point, and the part of them that is open.
 
 use crate::accel::{Accel, Ray, offset_origin};
 use crate::sampler::warp::{frame, sample_cosine_hemisphere, to_world};
@@ -11,9 +11,9 @@ use petzval_nodes::{Occlusion, random_of};
 /// nothing, as in Cycles on the way to a light.
 #[derive(Clone, Copy)]
 pub struct Around<'a> {
-    /// What there is.
+    /// The scene.
     pub scene: &'a Scene,
-    /// Its trees.
+    /// The scene's BVHs.
     pub accel: Option<&'a Accel>,
 }
 
@@ -23,7 +23,7 @@ impl<'a> From<&'a Scene> for Around<'a> {
     }
 }
 
-/// How far apart neighbours of an even sequence lie (Roberts' R2).
+/// The steps of an even sequence (Roberts' R2).
 const STEPS: [f32; 2] = [0.754_877_7, 0.569_840_3];
 
 impl Around<'_> {

@@ -26,11 +26,11 @@ pub struct LampPoint {
     pub uv: Vec2,
     /// The lamp's axes, and where it is, in Blender's world.
     pub to_world: Affine3A,
-    /// What happened to the path that looks.
+    /// The state of the path that looks.
     pub way: Way,
 }
 
-/// What a lamp's nodes can be told.
+/// The fields that a lamp's nodes can read.
 pub(super) const KNOWN: [Field; 18] = [
     Field::Position,
     Field::Normal,
@@ -52,7 +52,7 @@ pub(super) const KNOWN: [Field; 18] = [
     Field::TransmissionDepth,
 ];
 
-/// What a program asks for that no lamp has.
+/// The fields that a program reads and no lamp has.
 pub fn unknown(graph: &Graph) -> Vec<Field> {
     graph.program.reads().filter(|field| !KNOWN.contains(field)).collect()
 }

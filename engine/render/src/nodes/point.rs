@@ -22,14 +22,14 @@ const RANDOM_PER_ISLAND: &str = ".random_per_island";
 /// The name by which a mesh whose vertices were moved keeps the normals that it had.
 pub(super) const UNDISPLACED_NORMAL: &str = ".undisplaced_normal";
 
-/// How a point is looked at.
+/// The view of a point along a ray.
 #[derive(Clone, Copy, Debug)]
 pub struct View {
     /// The direction of the ray that came to the point, unit.
     pub direction: Vec3A,
-    /// How far it came, Blender units.
+    /// Length of the ray, Blender units.
     pub distance: f32,
-    /// What happened to the path before.
+    /// The path state before the point.
     pub way: Way,
     /// When, as in [`Ray::moment`].
     pub moment: u16,
@@ -126,7 +126,7 @@ impl<'a> Point<'a> {
         Some(if normal.dot(self.surface.geometric_normal) < 0.0 { -normal } else { normal })
     }
 
-    /// How far a vector of the world lifts the surface.
+    /// The height by which a vector of the world lifts the surface.
     pub(super) fn along_normal(&self, vector: Vec3A) -> f32 {
         vector.dot(self.surface.shading_normal)
     }
@@ -409,7 +409,7 @@ fn perpendicular(n: Vec3A) -> [Vec3A; 2] {
     [first, n.cross(first)]
 }
 
-/// How a triangle's weights change along two vectors of its plane, render space.
+/// The derivatives of a triangle's barycentric weights along two vectors of its plane, render space.
 fn weights_along(instance: &Instance, corners: [Vec3; 3], vectors: &[Vec3A; 2]) -> [Vec2; 2] {
     let [a, b, c] = corners.map(|p| instance.to_render.transform_point3a(p.into()));
     let (e, f) = (b - a, c - a);

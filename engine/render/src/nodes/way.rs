@@ -1,4 +1,4 @@
-//! How a path came to where it is: what Blender's Light Path node tells, and what bounces are counted by.
+//! The path state: the fields of Blender's Light Path node, and the counts of bounces.
 
 use crate::scene::visibility::Rays;
 use petzval_nodes::Field;
@@ -94,13 +94,13 @@ impl Way {
         Self { is: 0, depth: self.depth + 1, ..self }
     }
 
-    /// Whether nothing scattered it yet.
+    /// True if nothing scattered the path yet.
     #[inline]
     pub fn is_camera(self) -> bool {
         self.is & CAMERA != 0
     }
 
-    /// Whether its last scattering had no peak.
+    /// True if its last scattering was diffuse.
     #[inline]
     pub fn is_diffuse(self) -> bool {
         self.is & DIFFUSE != 0
@@ -137,7 +137,7 @@ impl Way {
             .and(of(IN_VOLUME, Rays::VOLUME_SCATTER))
     }
 
-    /// What a node program reads of it.
+    /// The value of a Light Path field for node programs.
     pub(super) fn read(self, field: Field) -> Option<f32> {
         let is = |bit: u8| f32::from(u8::from(self.is & bit != 0));
         Some(match field {
@@ -159,7 +159,7 @@ impl Way {
     }
 }
 
-/// What tells of kinds of bounces: a world that asks for any of these is another one for each.
+/// The fields that tell kinds of bounces apart: a world that reads any of these differs for each kind.
 pub const OF_BOUNCES: [Field; 11] = [
     Field::IsDiffuseRay,
     Field::IsGlossyRay,

@@ -160,7 +160,7 @@ pub fn bake(scene: &mut Scene, previous: Option<&Scene>) {
     scene.textures.push(Arc::new(texture));
 }
 
-/// Whether the sky of a scene that is not baked yet is that of one that is: its nodes, and all that these may ask.
+/// True if the sky of a scene that is not baked yet equals that of a baked one: its nodes, and all that these may read.
 fn is_same(scene: &Scene, baked: &Scene) -> bool {
     let is_one = |a: &Option<Arc<Graph>>, b: &Option<Arc<Graph>>| match (a, b) {
         (Some(a), Some(b)) => Arc::ptr_eq(a, b),

@@ -15,7 +15,7 @@ const MARGIN: f32 = 0.02;
 /// By an even grid of nodes; between them linear.
 pub(super) struct Warp {
     nodes: usize,
-    /// How far each node's place is moved; NaN where nothing sees what it is to see.
+    /// The displacement of each node's place; NaN where no place sees what the node is to see.
     moved: Vec<Vec2>,
 }
 

@@ -7,7 +7,7 @@ use wide::f32x8;
 const LARGEST: [usize; 2] = [4, 6];
 /// Rays must be so many times the terms.
 const RAYS_PER_TERM: usize = 4;
-/// What is wrong by less needs no more terms.
+/// The error below which no more terms are needed.
 const GOOD: f64 = 2e-3;
 
 /// Of which numbers of a ray, and to which powers.
@@ -94,7 +94,7 @@ impl Polynomial {
         self.powers.iter().map(power).collect()
     }
 
-    /// What the terms are powers of.
+    /// The numbers whose powers the terms are.
     #[inline(always)]
     fn numbers(&self, [x, y, dx, dy]: [f32x8; 4]) -> [f32x8; 4] {
         let [at, along] = self.scale;

@@ -21,7 +21,7 @@ impl PreparedLamp {
         self.cast_shadow
     }
 
-    /// Whether no ray meets the lamp by chance.
+    /// True if no ray can hit the lamp: it has no extent.
     pub(in crate::lights) fn is_point_like(&self) -> bool {
         match self.kind {
             LampKind::Point { radius, .. } | LampKind::Spot { radius, .. } => radius <= 0.0,
