@@ -1,4 +1,4 @@
-//! What adaptive sampling saves: the bench scene with as many samples everywhere, and with as many as are needed.
+//! Savings by adaptive sampling: the bench scene with as many samples everywhere, and with as many as are needed.
 //!
 //! `cargo run --release -p petzval-render --example adaptive -- [pinhole|one|exact] [WIDTH] [REFERENCE SAMPLES] [COUNTS.pgm]`
 //!

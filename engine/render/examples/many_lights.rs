@@ -1,4 +1,4 @@
-//! What many emitters cost: `cargo run --release -p petzval-render --example many_lights`.
+//! The cost of many emitters: `cargo run --release -p petzval-render --example many_lights`.
 //!
 //! A floor of 10 x 10 under lamps or emitting triangles that hang at random over it and send as much light all together,
 //! however many they are. Prints the time of a sample, and its noise: relative mean squared error times samples; the least time of

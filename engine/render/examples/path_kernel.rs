@@ -17,7 +17,7 @@ use std::error::Error;
 use std::sync::Arc;
 use std::time::Duration;
 
-/// What is asked for.
+/// The options of a run.
 struct Wish {
     model: Model,
     wavelength_nm: Option<f64>,
@@ -26,7 +26,7 @@ struct Wish {
     bodies: u32,
     with_noise: bool,
     blue_noise: bool,
-    /// What surfaces and glasses take is taken.
+    /// True if light is lost at surfaces and in glasses.
     transmission: bool,
 }
 

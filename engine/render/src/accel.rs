@@ -92,7 +92,7 @@ const FROM_WITHIN: f32 = 3.0;
 /// See [`Hit::v`].
 const LEANS_AWAY: f32 = 6.0;
 
-/// Where a ray met a triangle, a segment of a curve, or a point of a cloud.
+/// A hit of a ray on a triangle, a segment of a curve, or a point of a cloud.
 #[derive(Clone, Copy, Debug)]
 pub struct Hit {
     /// Distance, Blender units.
@@ -111,14 +111,14 @@ pub struct Hit {
     pub moment: u16,
 }
 
-/// What [`Hit::v`] says on a strand.
+/// The meaning of [`Hit::v`] on a strand.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Across {
     /// The sine of the angle between the outward normal and the view, -1 to 1.
     pub sine: f32,
     /// A round strand is met from within.
     pub is_within: bool,
-    /// What of the outward normal is neither across nor along the strand leans away from the view.
+    /// True if the part of the outward normal that is neither across nor along the strand leans away from the view.
     pub leans_away: bool,
 }
 
@@ -185,7 +185,7 @@ impl Accel {
         Self { level, common, meshes, places, placed, beside, visible, all_visible, bounds, topology, refitted }
     }
 
-    /// How many of its trees were there before, see [`Self::new_after`].
+    /// Number of its trees that were there before, see [`Self::new_after`].
     pub fn refitted(&self) -> usize {
         self.refitted
     }

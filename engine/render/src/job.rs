@@ -38,7 +38,7 @@ use std::time::{Duration, Instant};
 /// The most samples a pixel gets in one pass. More cost less overhead; fewer show a picture and stop sooner.
 const MOST_PER_PASS: u32 = 16;
 
-/// What a render shall find beside the picture and [`Settings::with_data`].
+/// The results of a render beside the picture and [`Settings::with_data`].
 #[derive(Default)]
 pub struct Beside {
     /// For [`Job::matte`].
@@ -47,7 +47,7 @@ pub struct Beside {
     pub matte_levels: u32,
     /// For [`DataPass::Vector`].
     pub motion: Option<Motion>,
-    /// What of the scene the camera's rays see; `None`: all of it.
+    /// The clip planes of the camera's rays; `None`: none.
     pub clip: Option<Clip>,
     /// By what each pixel's light is multiplied, rows from below; `None`: by one ([`crate::camera::shade`]).
     pub gains: Option<Vec<f32>>,
@@ -55,14 +55,14 @@ pub struct Beside {
     pub light_groups: u16,
     /// For [`Job::part`]; black as well.
     pub parts: Parts,
-    /// Where the render is kept while it goes on, and taken up again.
+    /// The file in which the render is kept while it goes on, and from which it is resumed; `None`: none.
     pub checkpoints: Option<Checkpoints>,
     /// When samples are taken and where the camera is then; `None`: all in the middle of the exposure, but for what the lens
     /// does meanwhile.
     pub exposure: Option<Exposure>,
 }
 
-/// What a render did.
+/// Statistics of a render.
 #[derive(Clone, Debug)]
 pub struct Statistics {
     /// Wall time from the start to now or to the end, s.
@@ -79,7 +79,7 @@ pub struct Statistics {
     pub threads: usize,
     /// A thread failed; the picture is what was done until then.
     pub failure: Option<String>,
-    /// What was kept of the render, and had again; `None` where nobody asked.
+    /// Statistics of keeping and resuming the render; `None` where nobody asked.
     pub kept: Option<Kept>,
 }
 
@@ -264,7 +264,7 @@ impl Job {
         &self.shared.stage
     }
 
-    /// What was done so far.
+    /// Statistics so far.
     pub fn statistics(&self) -> Statistics {
         let ended = *lock(&self.shared.ended_at);
         let counts = self.shared.film.sample_counts();
@@ -401,7 +401,7 @@ impl Shared {
         Limits { roulette: path::roulette(&self.stage, &limits, &rays), ..limits }
     }
 
-    /// What is the same for every sample.
+    /// The data that all samples share.
     fn shot(&self) -> Shot<'_> {
         let s = &self.settings;
         if self.pipeline == Pipeline::SceneFirst {

@@ -12,9 +12,9 @@ use glam::{Vec2, Vec3, Vec3A, Vec4};
 /// A point on a surface in render space.
 #[derive(Clone, Copy, Debug)]
 pub struct SurfacePoint {
-    /// Where.
+    /// The position.
     pub position: Vec3A,
-    /// How far rounding may have put `position` from the surface, Blender units.
+    /// Bound of the rounding error of `position` from the surface, Blender units.
     pub position_error: f32,
     /// The triangle's own unit normal, on the side that the ray came from.
     pub geometric_normal: Vec3A,
@@ -174,7 +174,7 @@ impl SurfacePoint {
         Ray { origin, direction, t_max: f32::INFINITY, skip, moment: self.moment }
     }
 
-    /// Whether it is on hair or a point, and a ray met the same strand or point.
+    /// True if it is on hair or a point, and a ray hit the same strand or point.
     pub fn is_on_strand_of(&self, scene: &Scene, hit: &Hit) -> bool {
         let met = |curves: &Curves| curves.strand_of(hit.triangle);
         self.strand != NO_STRAND
@@ -210,8 +210,8 @@ fn evened(instance: &Instance, normals: &[Vec3; 3], weights: [f32; 3]) -> [f32; 
     })
 }
 
-/// Where the facets of a brushed surface lie along, if nothing else is said: around the z axis of the object's generated
-/// coordinates, as in Blender; of a mesh that does not bring them they go by its bounds.
+/// The direction of the facets of a brushed surface by default: around the z axis of the object's generated coordinates, as in Blender; of
+/// a mesh that does not bring them they go by its bounds.
 pub fn tangent_about_z(scene: &Scene, point: &SurfacePoint) -> Vec3A {
     let instance = &scene.instances[point.instance as usize];
     let mesh = mesh_of(scene, point.instance);
@@ -237,14 +237,14 @@ pub fn tangent_about_z(scene: &Scene, point: &SurfacePoint) -> Vec3A {
     point.shading_normal.cross(outward.cross(point.shading_normal).normalize_or_zero())
 }
 
-/// What hair at a point is: how it runs, and where it is met.
+/// Data of hair at a point: its direction, and the place across it.
 #[derive(Clone, Copy, Debug)]
 pub struct Strand {
     /// Along it, unit. A mesh with a hair shader has its triangles' first edges.
     pub along: Vec3A,
-    /// What the older Hair shader takes instead: a triangle's other edge; `None` of real hair.
+    /// The direction that the older Hair shader takes instead: a triangle's other edge; `None` of real hair.
     pub edge: Option<Vec3A>,
-    /// Where across its width it is met, -1 to 1; `None` where the surface's normal says so.
+    /// Place of the hit across its width, -1 to 1; `None` where the surface's normal tells it.
     pub offset: Option<f32>,
 }
 
@@ -283,7 +283,7 @@ pub fn tangent_of_strand(instance: &Instance, curves: &Curves, point: &SurfacePo
     along_strand(instance, slope, -point.geometric_normal)
 }
 
-/// How place and radius change along the segment at a point of hair, object space.
+/// The derivative of place and radius along the segment at a point of hair, object space.
 pub fn strand_slope(curves: &Curves, point: &SurfacePoint) -> Vec4 {
     curves.controls(point.strand, point.triangle).slope(point.barycentric[0].clamp(0.0, 1.0))
 }

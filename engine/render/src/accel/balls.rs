@@ -22,7 +22,7 @@ pub(super) struct Beam {
     pub(super) direction: Vec3A,
 }
 
-/// What the lanes of a leaf found.
+/// The hits of a ray in the lanes of a leaf.
 pub(super) struct Met {
     /// Lanes that the ray meets, as bits.
     pub(super) lanes: u32,

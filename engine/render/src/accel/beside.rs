@@ -1,4 +1,5 @@
-//! What most scenes have none of: hair, point clouds, and what moves. Scenes without it pay one question a ray.
+//! Trees that most scenes do not need: hair, point clouds, and moving instances. Scenes without these pay one test a
+//! ray.
 
 use super::bounds::Bounds;
 use super::curves::CurveForest;

@@ -13,7 +13,7 @@ impl Bounds {
     /// Around nothing.
     pub(super) const EMPTY: Self = Self { min: Vec4::INFINITY, max: Vec4::NEG_INFINITY };
 
-    /// How far rounding moves a ray against a triangle, as a share of their distances from the origin: six half
+    /// Bound of the rounding error of a ray against a triangle, as a share of their distances from the origin: six half
     /// units in the triangle test's shear, three in the box test, four where the node is coarse; rounded up.
     pub(super) const SLACK: f32 = 8.0 * f32::EPSILON;
 
@@ -38,7 +38,7 @@ impl Bounds {
         Self { min: self.min.with_w(a), max: self.max.with_w(b) }
     }
 
-    /// What it is around.
+    /// The two numbers in its fourth components.
     pub(super) fn name(&self) -> [u32; 2] {
         [self.min.w, self.max.w].map(f32::to_bits)
     }

@@ -15,8 +15,8 @@ const DEEP: usize = super::traverse::DEEPEST - 32;
 /// Fewer boxes are not worth another thread.
 const PARALLEL: usize = 4096;
 
-/// What would fit into one leaf gets two if their areas come to less than this share of its: one large triangle apart
-/// from small ones. Above 0.9 leaves are half empty and take more memory than rays save.
+/// The contents of one leaf are parted into two if the areas of these come to less than this share of the leaf's: one
+/// large triangle apart from small ones. Above 0.9 leaves are half empty and take more memory than rays save.
 const WORTH_PARTING: f32 = 0.8;
 
 /// A tree's nodes, and which of the boxes, in their new order, each leaf holds.

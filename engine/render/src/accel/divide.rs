@@ -9,7 +9,7 @@ use crate::scene::curves::Controls;
 use glam::Vec4;
 use std::ops::Range;
 
-/// How often a segment is halved at most.
+/// Number of times that a segment is halved at most.
 const HALVINGS: u32 = 2;
 /// A part is halved where the boxes of its halves have less than this share of its box's surface.
 const WORTH_HALVING: f32 = 0.7;

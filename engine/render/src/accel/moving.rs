@@ -1,4 +1,4 @@
-//! What moves while the shutter is open, beside what stands still: who has nothing that moves pays nothing.
+//! The trees of instances that move while the shutter is open, beside those of still ones: scenes without motion pay nothing.
 //!
 //! The shutter's time is parted into slices, each with a tree over what its instances sweep meanwhile; a ray asks the tree of its
 //! moment's slice, and an instance where it stands at that moment.
@@ -49,7 +49,7 @@ struct Item {
     stand: u32,
 }
 
-/// Where it is at one moment.
+/// The placement of an instance at one moment.
 #[derive(Clone, Copy)]
 struct Stand {
     to_object: Affine3A,
@@ -98,7 +98,7 @@ impl MovingPlaces {
         &self.slice(moment).nodes
     }
 
-    /// What is in a leaf of that, where it stands then, in which pose.
+    /// The mesh in a leaf of the moment's slice, placed at that moment, and its pose.
     #[inline(always)]
     pub(super) fn placed(&self, leaf: usize, moment: u16) -> (PlacedMesh, Pose) {
         let item = &self.items[self.slice(moment).items[leaf] as usize];

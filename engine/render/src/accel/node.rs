@@ -31,7 +31,7 @@ pub(super) struct Node {
     planes: [[[u8; WIDTH]; 2]; 3],
 }
 
-/// What a node points to.
+/// A reference of a node to a child.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub(super) struct Child(pub(super) u32);
 
@@ -84,18 +84,18 @@ impl Node {
         self.boxes().fold(Bounds::EMPTY, |all, one| all.union(&one))
     }
 
-    /// How many children there are.
+    /// Number of children.
     #[inline(always)]
     fn count(&self) -> u32 {
         self.leaves >> INDEX_BITS
     }
 
-    /// How many children are inner nodes: the first.
+    /// Number of children that are inner nodes: the first.
     pub(super) fn inner_count(&self) -> usize {
         (self.nodes >> INDEX_BITS) as usize
     }
 
-    /// Where the inner ones and the leaves among its children begin.
+    /// Indices of the first inner node and of the first leaf among its children.
     pub(super) fn first_children(&self) -> (usize, usize) {
         let index = |packed: u32| (packed & (MOST as u32 - 1)) as usize;
         (index(self.nodes), index(self.leaves))

@@ -8,7 +8,7 @@ use crate::scene::{Instance, Scene};
 use glam::{Affine3A, Vec3A};
 use std::ops::Range;
 
-/// What traversal needs of an instance.
+/// The data of an instance that traversal needs.
 #[derive(Clone, Copy)]
 pub(super) struct PlacedMesh {
     pub(super) to_object: Affine3A,
@@ -21,7 +21,7 @@ pub(super) struct Within {
     pub(super) origin: Vec3A,
     /// Unit.
     pub(super) direction: Vec3A,
-    /// How much longer distances are there.
+    /// Factor of distances there.
     pub(super) scale: f32,
 }
 

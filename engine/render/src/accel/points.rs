@@ -44,7 +44,7 @@ pub(super) struct PointForest {
 struct PointTree {
     nodes: Vec<Node>,
     leaves: Vec<Balls>,
-    /// Where they go while the shutter is open, leaf by leaf; empty where they stay.
+    /// Positions at the next key while the shutter is open, leaf by leaf; empty where the points stay.
     to: Vec<Balls>,
 }
 

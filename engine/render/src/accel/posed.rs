@@ -11,10 +11,10 @@ use fearless_simd::Simd;
 use rayon::prelude::*;
 use std::ops::{ControlFlow, Range};
 
-/// Triangles on their way between two keys. The blocks of the tree are where they come from.
+/// The triangles of a mesh between two keys. The blocks of the tree are those of the first key.
 pub(super) struct PosedTree {
     pub(super) tree: TriangleTree,
-    /// Where they go.
+    /// The blocks at the next key.
     to: Vec<Block>,
 }
 

@@ -16,7 +16,7 @@ use std::sync::Arc;
 /// boxes in proportion to their surface (MacDonald and Booth 1990).
 const WORSE: f32 = 1.25;
 
-/// What must be the same for trees to be kept.
+/// The properties of a scene that must be equal for trees to be kept.
 #[derive(Clone, Debug, PartialEq)]
 pub(super) struct Topology {
     /// By instance.

@@ -1,4 +1,4 @@
-//! Where a ray meets one segment of a curve.
+//! Intersection of a ray with one segment of a curve.
 //!
 //! The segment is looked at along the ray and taken in pieces, eight at a time, a lane each. A piece lies between the planes
 //! through its two joints at right angles to the curve; neighbours share a plane to the last bit, so that nothing passes between
@@ -66,7 +66,7 @@ impl Gaze {
     }
 }
 
-/// Where a segment is met.
+/// A hit on a segment.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub(super) struct CurveMet {
     pub(super) t: f32,
@@ -77,10 +77,10 @@ pub(super) struct CurveMet {
     pub(super) v: f32,
 }
 
-/// What a segment has of a ray: on the way in, and on the way out.
+/// The hits of a ray on a segment: on the way in, and on the way out.
 pub(super) type BothMet = [Option<CurveMet>; 2];
 
-/// How a segment is taken apart.
+/// The division of a segment into pieces.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub(super) enum Cut {
     Ribbon(u16),
@@ -160,7 +160,7 @@ pub(super) fn meet<S: Simd>(
     }
 }
 
-/// Whether the ray is too far from the line between the segment's ends, as it is seen along the ray, for what bends about that.
+/// True if the ray is farther from the line between the segment's ends, as seen along the ray, than the curve bends away from that line.
 #[inline(always)]
 fn passes_by(seen: &Controls) -> bool {
     let [start, first, second, end] = seen.hull();
@@ -217,7 +217,7 @@ fn on_curve([a, b, c, d]: &[Vec4; 4], met: CurveMet) -> CurveMet {
     if (u + v).is_finite() { CurveMet { u, v: v.clamp(-1.0, 1.0), ..met } } else { met }
 }
 
-/// What the lanes found.
+/// The hits in the lanes.
 struct Lanes<S: Simd> {
     hit: u32,
     t: f32x8<S>,
@@ -354,8 +354,8 @@ fn round<S: Simd>(
     }
 }
 
-/// What a ball sweeps that goes from one key to the other, its radius changing evenly: a cone that touches two balls, and what of
-/// them is outside of it.
+/// The hits on the body that a ball sweeps from one key to the other, its radius changing evenly: a cone that touches two balls, and the
+/// parts of them outside of it.
 fn straight(Controls([before, start, end, behind]): &Controls, t_max: f32) -> BothMet {
     let (start, end) = (*start, *end);
     let axis = (end - start).truncate();

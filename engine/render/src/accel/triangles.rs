@@ -18,7 +18,7 @@ pub(super) struct Block {
     pub(super) triangle: [u32; LANES],
 }
 
-/// What the lanes of a block found.
+/// The hits of a ray in the lanes of a block.
 pub(super) struct Met {
     /// Lanes that the ray meets, as bits.
     pub(super) lanes: u32,

@@ -26,9 +26,9 @@ const ROUND: u32 = 4;
 pub(super) struct Pass {
     /// Number of the first.
     pub first: u32,
-    /// How many.
+    /// Number of samples.
     pub count: u32,
-    /// Whether the error is looked at afterwards, and at how many samples it will be looked at next.
+    /// The number of samples at the next look at the error, if it is looked at after this pass.
     pub next_look: Option<u32>,
 }
 
@@ -37,13 +37,13 @@ pub(super) struct Pass {
 struct Plan {
     /// Samples of each half's pixels, as far as is known.
     ends: [u32; 2],
-    /// Whether the error will be looked at again for a half.
+    /// True for a half whose error will be looked at again.
     open: [bool; 2],
     /// Samples of the next look.
     look: u32,
 }
 
-/// What was decided so far.
+/// The decisions so far.
 #[derive(Debug, Serialize, Deserialize)]
 pub(super) struct AdaptiveState {
     plans: Vec<Plan>,
@@ -82,7 +82,7 @@ impl Adaptive {
         }
     }
 
-    /// What a half of a tile takes in a pass, first sample and count: for the picture, and for the error alone.
+    /// The samples of a half of a tile in a pass, first and count: for the picture, and for the error alone.
     pub(super) fn batch(&self, tile: usize, half: usize, pass: Pass) -> [Option<[u32; 2]>; 2] {
         let plan = *lock(&self.plans[tile]);
         let end = plan.ends[half];
@@ -119,7 +119,7 @@ impl Adaptive {
         plan.look = next;
     }
 
-    /// What is decided now, while nobody decides.
+    /// The present decisions, while nobody decides.
     pub(super) fn state(&self) -> AdaptiveState {
         AdaptiveState {
             plans: self.plans.iter().map(|plan| *lock(plan)).collect(),

@@ -7,10 +7,10 @@ use super::Job;
 use crate::Rgb;
 use crate::integrator::path::parts::Part;
 
-/// What is kept of the render of everything, for [`Job::shadow`] and [`Job::over_photograph`].
+/// The parts that are kept of the render of everything, for [`Job::shadow`] and [`Job::over_photograph`].
 pub const PARTS: [Part; 2] = [Part::Caught, Part::Catches];
 
-/// How the picture is to be laid over a photograph.
+/// Settings for laying the picture over a photograph.
 #[derive(Clone, Copy, Debug)]
 pub struct Laying {
     /// The film is opaque.
@@ -34,7 +34,7 @@ struct Pixel {
 }
 
 impl Pixel {
-    /// What is left of the light.
+    /// The part of the light that is left in the shadow.
     fn shadow(&self) -> Rgb {
         let left = Rgb::select(self.lit.cmpne(Rgb::ZERO), self.caught / self.lit, Rgb::ONE);
         (1.0 - self.alpha) + self.alpha * left
@@ -68,7 +68,7 @@ impl Job {
         }))
     }
 
-    /// What is left of the light on what catches shadows, rows from below; 1 where nothing is seen. `None` as above.
+    /// The part of the light that is left on shadow catchers, rows from below; 1 where none is seen. `None` as above.
     pub fn shadow(&self, alone: &Self) -> Option<Vec<[f32; 3]>> {
         Some(self.pixels_beside(alone)?.map(|pixel| pixel.shadow().into()).collect())
     }
@@ -114,7 +114,7 @@ mod tests {
         assert_eq!((light, alpha), (Rgb::splat(1.5), 0.5));
     }
 
-    /// Where nothing is seen nothing is in shadow, nor where no light comes to.
+    /// Pixels without a catcher or without light have no shadow.
     #[test]
     fn nothing_throws_no_shadow() {
         let sky = Pixel { caught: Rgb::ZERO, lit: Rgb::ZERO, light: Rgb::ZERO, alpha: 0.0, catches: 0.0, finds: 0.0 };

@@ -30,7 +30,7 @@ const TAIL_BYTES: u64 = 12;
 /// Besides the fingerprint, the engine and whether products and sums are rounded together decide the bits of a picture.
 const MADE_BY: (&str, bool) = (env!("CARGO_PKG_VERSION"), cfg!(target_feature = "fma"));
 
-/// Where and how often a render is kept.
+/// The file in which a render is kept, and the interval.
 #[derive(Clone, Debug)]
 pub struct Checkpoints {
     /// Replaced each time.
@@ -41,7 +41,7 @@ pub struct Checkpoints {
     pub every: Duration,
 }
 
-/// What became of it.
+/// The results of keeping and resuming a render.
 #[derive(Clone, Debug, Default, PartialEq)]
 pub struct Kept {
     /// Mean samples a pixel that were there at the start.

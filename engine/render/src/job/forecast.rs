@@ -1,4 +1,4 @@
-//! What a render will take, from rendering a little of it: tiles all over the picture, on as many threads.
+//! A forecast of a render's time, from rendering a little of it: tiles all over the picture, on as many threads.
 
 use super::{Beside, Settings, SettingsError, Shared};
 use crate::camera::Camera;
@@ -19,7 +19,7 @@ const LEAST: Duration = Duration::from_millis(40);
 /// But not longer, on scenes where a path takes very long.
 const MOST: Duration = Duration::from_millis(120);
 
-/// What a render will take.
+/// The forecast time of a render.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Forecast {
     /// Wall time of its samples, s.
@@ -30,7 +30,7 @@ pub struct Forecast {
     pub threads: usize,
     /// Of a thread's time, the part in the camera.
     pub camera_part: f64,
-    /// How light is followed.
+    /// The pipeline.
     pub pipeline: Pipeline,
 }
 

@@ -1,4 +1,4 @@
-//! What a render keeps beside its light, as passes: divided by what it is relative to.
+//! Parts of a render's light as passes, each divided by its reference.
 
 use super::Job;
 use crate::integrator::path::parts::Part;

@@ -10,7 +10,7 @@ use crate::sampler::{pattern::Pattern, warp::Filter};
 
 /// The largest picture side, so that sizes fit in memory arithmetic.
 const MOST_PIXELS: u32 = 65_536;
-/// Where nobody said how many: blocks of 64 pixels then know their error to about a tenth.
+/// Default of the least samples: blocks of 64 pixels then know their error to about a tenth.
 pub const MIN_SAMPLES: u32 = 16;
 
 /// Settings as they arrive.
@@ -31,7 +31,7 @@ pub struct Settings {
     /// The errors of neighbouring pixels cancel once all samples are there. Not where pixels get as many as they need:
     /// what stops them must not know of their neighbours. Ranges of samples make the whole picture only without.
     pub blue_noise: bool,
-    /// What the finished light is multiplied by.
+    /// Factor of the finished light.
     pub film_exposure: f32,
     /// Left, bottom, width and height, in pixels, of the part of the picture that is wanted; `None` is all. What lies outside may stay
     /// black, and near its edge what light a lens spreads farther than [`crate::film::SPREAD`] pixels may be missing; pixels that get
@@ -50,21 +50,21 @@ pub struct Settings {
     pub clamp_direct: f32,
     /// Most radiance, in the mean of its channels, that light scattered more than once may add to a sample; 0 is no limit.
     pub clamp_indirect: f32,
-    /// What is given up of indirect light; bidirectional paths do without.
+    /// Approximations of indirect light; bidirectional paths make none.
     pub approximations: Approximations,
-    /// What a pixel sees of the picture about its centre.
+    /// The pixel filter.
     pub filter: Filter,
     /// The world is not seen by the camera; its pixels are transparent.
     pub transparent_film: bool,
-    /// Which way light is followed.
+    /// The pipeline: the direction in which camera rays are made.
     pub pipeline: Pipeline,
     /// Keep what surfaces the pixels see, for [`Job::data`].
     pub with_data: bool,
-    /// How it is looked for. Light paths carry a set of wavelengths, whatever the pipeline.
+    /// The integrator. Light paths carry a set of wavelengths, whatever the pipeline.
     pub integrator: Integrator,
 }
 
-/// What the add-on starts from, for a picture of 1920 x 1080.
+/// The defaults of the add-on, for a picture of 1920 x 1080.
 impl Default for Settings {
     fn default() -> Self {
         Self {
@@ -107,9 +107,9 @@ pub enum SettingsError {
     /// No samples, or more than can be counted.
     #[error("{samples} samples from number {offset}: set at least one, and less than 2^31 in all")]
     Samples {
-        /// How many.
+        /// Number of samples.
         samples: u32,
-        /// From which.
+        /// Number of the first sample.
         offset: u32,
     },
     /// The error that is good enough.
@@ -124,9 +124,9 @@ pub enum SettingsError {
     /// Ambient occlusion.
     #[error("fast GI of distance {distance} and factor {factor}: set numbers of zero or more")]
     FastGi {
-        /// How far it looks.
+        /// Length of the occlusion rays.
         distance: f32,
-        /// What it counts.
+        /// Factor of the light.
         factor: f32,
     },
     /// None given.

@@ -9,11 +9,10 @@ const TIMES: usize = 256;
 /// Places of a camera that moves, as bits of the exposure's moments.
 const WAY_BITS: u32 = 12;
 
-/// How the shutter opens and closes.
+/// The opening and closing of the shutter.
 #[derive(Clone, Debug, Default, PartialEq)]
 pub struct Shutter {
-    /// How open it is at times that lie evenly over the exposure, the first and the last at its ends; fewer than two: fully, all
-    /// the time.
+    /// Openness at times that lie evenly over the exposure, the first and the last at its ends; fewer than two: fully, all the time.
     pub openness: Vec<f32>,
     /// The picture is taken from the top to the bottom over the exposure, each row for this part of it; `None`: all rows at once.
     pub rolling: Option<f32>,
@@ -97,13 +96,13 @@ impl Exposure {
         self.way.as_ref().map(|way| way[usize::from(moment >> (16 - WAY_BITS)).min(way.len() - 1)])
     }
 
-    /// Whether the camera moves.
+    /// True if the camera moves.
     pub fn has_way(&self) -> bool {
         self.way.is_some()
     }
 
-    /// Where a point that the camera sees in the middle of the exposure would be seen at a moment: as if it, not the camera, had
-    /// moved. Render space.
+    /// The position at which a point that the camera sees in the middle of the exposure would be seen at a moment: as if the point, not the
+    /// camera, had moved. Render space.
     pub fn seen(&self, point: DVec3, moment: u16) -> DVec3 {
         let Some(place) = self.way(moment) else { return point };
         place.inverse().transform_point3a(point.as_vec3a()).as_dvec3()

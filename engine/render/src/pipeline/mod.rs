@@ -29,7 +29,7 @@ use scene_first::SceneFirst;
 use serde::{Deserialize, Serialize};
 use std::time::{Duration, Instant};
 
-/// Where samples go one by one, one in this many is timed, to know the lens' share of the time without spending any.
+/// One in this many samples that are taken one by one is timed, to know the lens' share of the time without spending any.
 const TIMED_EVERY: u64 = 61;
 
 /// Which way.
@@ -47,8 +47,8 @@ pub enum Pipeline {
 }
 
 impl Pipeline {
-    /// What a camera can do of what was asked for: hero with one wavelength is film-first, and only a lens that is traced
-    /// can be entered from the scene.
+    /// The pipeline that a camera can run instead of the one that was asked for: hero with one wavelength is film-first, and only a lens
+    /// that is traced can be entered from the scene.
     pub fn with(self, camera: &Camera) -> Self {
         self.of_packets(camera.traced_lens().map(RealLens::packet_size))
     }
@@ -63,7 +63,7 @@ impl Pipeline {
         }
     }
 
-    /// What it is called in reports and on the command line.
+    /// Its name in reports and on the command line.
     pub fn name(self) -> &'static str {
         match self {
             Self::Auto => "auto",
@@ -74,34 +74,34 @@ impl Pipeline {
     }
 }
 
-/// What a render does the same for every sample.
+/// The data that all samples of a render share.
 pub struct Shot<'a> {
     /// The scene.
     pub stage: &'a Stage,
     /// The camera, at times that lie evenly over the time that the shutter is open; one, if nothing of it moves.
     pub cameras: &'a [Camera],
-    /// What of the scene their rays see.
+    /// The clip planes of their rays; `None`: none.
     pub clip: Option<Clip>,
     /// One that the camera can.
     pub pipeline: Pipeline,
-    /// Where light paths take part: with the real lens alone.
+    /// The techniques of light paths, if these are traced: with the real lens alone.
     pub light_paths: Option<Techniques>,
     /// The picture's pixels.
     pub raster: &'a Raster,
-    /// How far light is followed.
+    /// Limits of light transport.
     pub limits: Limits,
-    /// Where all random choices come from.
+    /// The source of all random numbers.
     pub pattern: Pattern,
-    /// Where it is asked how things move over the picture.
+    /// The motion of surfaces over the picture, if it is asked for.
     pub motion: Option<&'a Motion>,
     /// When samples are taken, where anything but the lens moves, or the shutter is not simply open.
     pub exposure: Option<&'a Exposure>,
-    /// What is kept of paths beside light as a whole and by groups.
+    /// The parts of the paths' light that are kept beside the whole and the groups.
     pub parts: &'a Parts,
 }
 
 impl Shot<'_> {
-    /// What of a camera's ray lies in the part of the scene that the camera sees.
+    /// The part of a camera's ray within the clip planes.
     #[inline]
     fn seen(&self, ray: Ray) -> Ray {
         self.clip.map_or(ray, |clip| clip.cut(ray))
@@ -122,7 +122,7 @@ impl Shot<'_> {
         ((time * self.cameras.len() as f32) as usize).min(self.cameras.len() - 1)
     }
 
-    /// Whether samples have times.
+    /// True if samples have times.
     fn is_timed(&self) -> bool {
         self.cameras.len() > 1 || self.exposure.is_some()
     }
@@ -250,7 +250,7 @@ impl Sample<'_> {
         is_finite
     }
 
-    /// What the sample's ray, of the wavelength that `u_wavelength` chose, is for the pixel that it belongs to.
+    /// Notes alpha and surface of the sample's ray, of the wavelength that `u_wavelength` chose, for the pixel that it belongs to.
     fn note(&mut self, found: &PathResult, ray: &Ray, u_wavelength: f32) {
         self.note_alpha(found);
         self.note_surface(found, ray, u_wavelength);
@@ -262,7 +262,7 @@ impl Sample<'_> {
         self.light.add_alpha(self.x, self.y, alpha);
     }
 
-    /// What surface the sample's ray found for the pixel that it belongs to.
+    /// Notes the surface that the sample's ray found for the pixel that it belongs to.
     fn note_surface(&mut self, found: &PathResult, ray: &Ray, u_wavelength: f32) {
         self.light.add_data(self.x, self.y, found.first);
         if let Some(motion) = self.shot.motion {

@@ -15,7 +15,7 @@ const STRETCH: usize = 512;
 /// Samples that a camera is asked for at a time.
 const ASKED: usize = 64;
 
-/// How a pipeline asks a camera for rays, and what it does with the light along them.
+/// A pipeline's requests of camera rays, and its use of the light along them.
 pub(super) trait Leads {
     /// A ray, and where its light counts.
     type Lead: Clone;
@@ -31,7 +31,7 @@ pub(super) trait Leads {
         0
     }
 
-    /// Whether the surface that the ray meets is one that its pixel sees.
+    /// True if the surface that the ray hits is one that its pixel sees.
     fn sees_its_pixel(&self, _: &Request) -> bool {
         true
     }

@@ -1,4 +1,4 @@
-//! What holds of each pipeline alone; that all take the same picture is tested in `tests/light_paths` and
+//! Tests of each pipeline alone; that all take the same picture is tested in `tests/light_paths` and
 //! `tests/exact_pictures`.
 
 use super::*;

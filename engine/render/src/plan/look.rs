@@ -19,7 +19,7 @@ const BOUNCES: u32 = 3;
 /// The part of the paths that is brightest does not count: a source in the picture is not its exposure.
 const TRIMMED: f32 = 0.02;
 
-/// What a camera sees.
+/// The view of a camera.
 #[derive(Clone, Debug)]
 pub struct Look {
     /// The nearest and the farthest that it sees along its axis, Blender units; `None` if it sees nothing.
@@ -31,7 +31,7 @@ pub struct Look {
     /// Irradiance on the lens's front, as if all of the front half of the world reached it: luminance times steradians. `None`
     /// where it was not asked for.
     pub front_irradiance: Option<f32>,
-    /// What sends most light to the camera, the strongest first.
+    /// The sources that send most light to the camera, the strongest first.
     pub brightest: Vec<Brightest>,
 }
 

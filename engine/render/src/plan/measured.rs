@@ -1,4 +1,4 @@
-//! How large each effect is in this picture, and what is said of it.
+//! The measure of each effect in this picture, and its text.
 
 use super::motion::SceneMotion;
 use super::words::{size, worst};
@@ -6,7 +6,7 @@ use super::{Effect, GhostLook, Unit};
 use crate::camera::CameraDescription;
 use crate::camera::survey::{LensMeasures, Survey, Worst};
 
-/// What is known when it is decided.
+/// The data on which decisions are based.
 pub(super) struct Known<'a> {
     pub(super) d: &'a CameraDescription,
     pub(super) survey: &'a Survey,
@@ -21,7 +21,7 @@ pub(super) struct Known<'a> {
     pub(super) front_light: Option<f64>,
     /// The part of the light that the lens scatters.
     pub(super) glare: f64,
-    /// How far from the edge of the brightest source diffraction's light is seen, px.
+    /// Distance from the edge of the brightest source up to which diffraction's light is seen, px.
     pub(super) seen_px: f64,
     /// Of the picture.
     pub(super) pixels: f64,

@@ -1,4 +1,4 @@
-//! How far things go over the picture while the shutter is open.
+//! Motion of the scene over the picture while the shutter is open.
 
 use super::Unit;
 use super::words::size;
@@ -11,16 +11,16 @@ use glam::DVec3;
 /// Moments at which it is asked where the camera is.
 const LOOKS: u32 = 16;
 
-/// What moves before the lens or with it.
+/// The motion before the lens or of the camera.
 pub(super) struct SceneMotion {
     /// The farthest way, px.
     pub(super) px: f64,
-    /// That, and what goes it.
+    /// The text of that length, and of the object that moves so.
     pub(super) text: String,
 }
 
-/// What goes farthest over the picture: of what moves, seen or not, since its shadow or its mirror image may be; and, where the
-/// camera moves, of what it sees along `rays`, which meet `seen`. `None` where everything stands still.
+/// The farthest motion over the picture: of moving objects, seen or not, since their shadows or mirror images may be; and, where the camera
+/// moves, of what it sees along `rays`, which hit `seen`. `None` where everything stands still.
 pub(super) fn scene_motion(
     scene: &Scene,
     exposure: Option<&Exposure>,

@@ -1,5 +1,5 @@
-//! What a sample of a camera costs, by kind of camera and by lens: so that of two ways to the same picture the cheaper is
-//! taken, and the price of an effect is known before it is paid.
+//! The cost of a sample of a camera, by kind of camera and by lens: so that of two ways to the same picture the cheaper is taken, and the
+//! price of an effect is known before it is paid.
 //!
 //! Times are nanoseconds on the machine of docs/accuracy-cost.md, one thread; their ratios hold elsewhere. They are constants,
 //! so that the same scene has the same plan on every machine and at every load.
@@ -8,7 +8,7 @@ use super::Effect;
 use crate::camera::survey::LensShape;
 use crate::stray::ghosts::Glimpse;
 
-/// How a camera makes its rays.
+/// The way in which a camera makes its rays.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub(super) enum Price {
     /// Every ray through one point.
@@ -33,7 +33,7 @@ const AIM_NS: f64 = 14.0;
 const SURFACE_NS: [f64; 2] = [1.1, 2.2];
 /// A ray through an asphere, by Newton's steps, in lanes of f32 and of f64.
 const ASPHERE_NS: [f64; 2] = [9.0, 18.0];
-/// Where a wavelength that did not lead arrives, what density it would have led with, and its light on the film.
+/// The arrival of a wavelength that did not lead, the density with which it would have led, and its light on the film.
 const ARRIVAL_NS: f64 = 22.0;
 
 /// Looking for a path's ghost of a source.
@@ -63,7 +63,7 @@ pub(super) fn picture_s(effect: Effect, pixels: f64) -> f64 {
     1e-9 * ns * pixels
 }
 
-/// What the lens takes along a ray, and the same for each wavelength that a path carries: a polynomial of some ten terms.
+/// The lens's transmission along a ray, and for each wavelength that a path carries: a polynomial of some ten terms.
 const TRANSMISSION_NS: [f64; 2] = [25.0, 14.0];
 
 /// Nanoseconds more where surfaces and glasses take their part.

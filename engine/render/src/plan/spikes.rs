@@ -1,10 +1,10 @@
-//! How far from a bright source in the picture the light is seen that diffraction throws aside.
+//! The distance from a bright source in the picture up to which light spread by diffraction is seen.
 
 use super::look::Look;
 use crate::camera::survey::Survey;
 use std::f64::consts::PI;
 
-/// What is seen: this part of the exposure.
+/// The least light that is seen, as a part of the exposure.
 const SEEN: f64 = 1.0 / 255.0;
 /// J₁'s first zero, of the first dark ring.
 const DARK_RING: f64 = 3.831_706;

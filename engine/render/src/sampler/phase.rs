@@ -259,7 +259,7 @@ mod tests {
         }
     }
 
-    /// What their inventors say of them: the mean cosine, the part that goes back.
+    /// The properties of phase functions as published: the mean cosine, the part that goes back.
     #[test]
     fn their_parameters_mean_what_they_say() {
         for g in [-0.5, 0.0, 0.3, 0.8] {

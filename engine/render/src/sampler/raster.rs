@@ -18,7 +18,7 @@ pub struct Raster {
     columns: Columns,
 }
 
-/// Where light falls.
+/// The pixel that light falls on.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Landing {
     /// Column of the pixel that gets it.
@@ -29,7 +29,7 @@ pub struct Landing {
     pub density: f32,
 }
 
-/// Where several rays fall: as [`Landing`], with density 0 where no pixel's filter reaches.
+/// The pixels that several rays fall on: as [`Landing`], with density 0 where no pixel's filter reaches.
 pub struct Landings<const N: usize> {
     /// Columns.
     pub x: [u32; N],
@@ -207,7 +207,7 @@ impl Columns {
         Self { sums: (0..=Self::STEPS).map(sums).collect(), span }
     }
 
-    /// How many pixels behind the first is the one that `u` chooses, and the density, at a distance of the first.
+    /// Number of pixels behind the first of the one that `u` chooses, and its density, at a distance of the first.
     #[inline]
     fn chosen(&self, distance: f32, u: f32) -> (u32, f32) {
         let at = distance * Self::STEPS as f32;

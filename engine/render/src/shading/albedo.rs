@@ -1,5 +1,5 @@
-//! How much light a rough boundary sends back in all, by roughness and angle: tables that let one layer know
-//! what another leaves, and give back what single scattering between facets loses.
+//! Albedo of a rough boundary, by roughness and angle: tables that tell one layer what another leaves, and restore the
+//! energy that single scattering between facets loses.
 
 use super::fresnel;
 use super::microfacet::{Ggx, reflect, refract};

@@ -1,4 +1,4 @@
-//! How much light a smooth boundary reflects.
+//! Reflectance of smooth boundaries.
 
 use crate::Rgb;
 
@@ -30,8 +30,8 @@ pub fn ior_from_f0(f0: f32) -> f32 {
     (1.0 + root) / (1.0 - root)
 }
 
-/// How far the dielectric curve has risen from its value at normal incidence (0) to 1 at grazing: what Principled
-/// interpolates between a tinted `f0` and white.
+/// The rise of the dielectric curve from its value at normal incidence (0) to 1 at grazing: the weight by which
+/// Principled interpolates between a tinted `f0` and white.
 #[inline]
 pub fn dielectric_rise(cos_i: f32, eta: f32) -> f32 {
     let f0 = f0_from_ior(eta);

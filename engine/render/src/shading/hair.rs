@@ -6,7 +6,7 @@ use crate::Rgb;
 use crate::scene::closure::{Pigment, PrincipledHair};
 use glam::Vec3A;
 
-/// What a radius of hair with nothing but dark or red melanin absorbs (d'Eon et al. 2011, "An energy-conserving hair reflectance
+/// Absorption along a radius of hair with nothing but dark or red melanin (d'Eon et al. 2011, "An energy-conserving hair reflectance
 /// model", section 6.1).
 const EUMELANIN: Rgb = Rgb::new(0.506, 0.841, 1.653);
 const PHEOMELANIN: Rgb = Rgb::new(0.343, 0.733, 1.924);
@@ -52,7 +52,7 @@ fn frame(along: Vec3A, wo: Vec3A) -> [Vec3A; 3] {
     [y.cross(along), y, along]
 }
 
-/// What a radius absorbs.
+/// Absorption along a radius.
 fn absorption(hair: &PrincipledHair<Rgb, f32>, radial_roughness: f32) -> Rgb {
     match hair.pigment {
         Pigment::Absorption => hair.color.max(Rgb::ZERO),

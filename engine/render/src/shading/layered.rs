@@ -144,12 +144,12 @@ fn specular_index(p: &Principled<Rgb, f32>) -> (f32, f32) {
     (f0, if ior < 1.0 { 1.0 / eta } else { eta })
 }
 
-/// What facets that reflect everything keep without the light that goes on between them.
+/// The part of the light that single scattering between perfectly reflecting facets keeps.
 fn single_kept(alpha: [f32; 2], cos: f32) -> f32 {
     energy::reflection().at(mean_roughness(alpha), cos)
 }
 
-/// What a layer of that albedo leaves below it: its brightest channel takes from all alike.
+/// The weight below a layer of an albedo: the layer's brightest channel takes from all alike.
 fn beneath(weight: Rgb, albedo: Rgb) -> Rgb {
     let part = |a: f32, w: f32| if w > 0.0 { a / w } else { 0.0 };
     let taken = part(albedo.x, weight.x).max(part(albedo.y, weight.y)).max(part(albedo.z, weight.z));

@@ -23,15 +23,15 @@ const LEAST: f32 = 1e-5;
 /// The BSDF of one point seen from one direction.
 pub struct Mixture {
     lobes: ArrayVec<Lobe, MOST_LOBES>,
-    /// Whether light may go into bodies; else they are diffuse.
+    /// True if light may go into bodies; else they are diffuse.
     pub(super) walks: bool,
-    /// Whether a diffuse scattering lies between the camera and here: profiles of bodies are not told from diffuse then.
+    /// True if a diffuse scattering lies between the camera and here: profiles of bodies are not told from diffuse then.
     is_blurred: bool,
     pub(super) here: Here,
     strand: Option<(Strand, Option<Vec3A>)>,
 }
 
-/// Where a mixture is, and how it is looked at.
+/// The point of a mixture, and its view.
 #[derive(Clone, Copy)]
 pub(super) struct Here {
     pub(super) wo: Vec3A,
@@ -40,9 +40,9 @@ pub(super) struct Here {
     /// Interpolated, on the triangle's side.
     pub(super) smooth_normal: Vec3A,
     pub(super) backfacing: bool,
-    /// Where stretched facets lie along.
+    /// The direction along which facets are stretched.
     tangent: Vec3A,
-    /// What coats lie about.
+    /// The normal of coats.
     pub(super) coat_normal: Vec3A,
     pub(super) caustics: Caustics,
 }
@@ -85,7 +85,7 @@ impl Mixture {
         mixture
     }
 
-    /// What the path that comes here has been through, for closures that are added from now on.
+    /// Sets the path's past, for closures that are added from now on.
     pub fn set_past(&mut self, past: Past) {
         (self.here.caustics, self.is_blurred) = (past.caustics, past.is_blurred);
     }
@@ -95,7 +95,7 @@ impl Mixture {
         (self.here.coat_normal, self.here.tangent) = (coat_normal, tangent);
     }
 
-    /// What hair there is, for closures of hair that are added from now on, and what their own tangent is if they have one.
+    /// Sets the strand, for closures of hair that are added from now on, and their own tangent if they have one.
     pub fn set_strand(&mut self, strand: Strand, tangent: Option<Vec3A>) {
         self.strand = Some((strand, tangent));
     }
@@ -204,14 +204,14 @@ impl Mixture {
         }
     }
 
-    /// What scatters where light comes out of a body.
+    /// The BSDF at a point where light comes out of a body.
     pub fn exit(point: &SurfacePoint) -> Self {
         let mut mixture = Self::new(point, point.geometric_normal, Vec3A::ZERO, false);
         mixture.push(Lobe::lambert(Rgb::ONE, point.shading_normal, point.geometric_normal));
         mixture
     }
 
-    /// What the lobes that some kinds of ray reach scatter on one side.
+    /// Value and density on one side of the lobes that some kinds of ray reach.
     fn evaluate_on(&self, above: bool, wi: Vec3A, rays: Rays) -> (Rgb, f32) {
         self.lobes.iter().filter(|lobe| rays.any_of(lobe.rays())).fold((Rgb::ZERO, 0.0), |(value, pdf), lobe| {
             let (of_lobe, own) = lobe.evaluate(wi, above, self.here.smooth_normal);
@@ -291,7 +291,7 @@ impl Here {
         if self.backfacing { 1.0 / ior } else { ior }
     }
 
-    /// What the light that goes on from facet to facet adds, over what meets one; `average` is the mean reflectance.
+    /// Factor on single scattering that adds the light that goes on from facet to facet; `average` is the mean reflectance.
     pub(super) fn restored(
         &self,
         alpha: [f32; 2],

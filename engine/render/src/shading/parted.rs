@@ -1,10 +1,10 @@
-//! What scatters light, by kinds of lobe: for passes of light and colour, and for what a denoiser is told.
+//! Scattering by kinds of lobe: for passes of light and colour, and for the denoiser's features.
 
 use crate::Rgb;
 use crate::scene::visibility::Rays;
 use glam::Vec3A;
 
-/// What the lobes of each kind scatter in one direction.
+/// The light that the lobes of each kind scatter in one direction.
 #[derive(Clone, Copy, Debug, Default, PartialEq)]
 pub struct LobeShares {
     /// Without a peak, on either side.
@@ -41,12 +41,12 @@ impl LobeShares {
     }
 }
 
-/// What a denoiser is told of a surface.
+/// The features of a surface for a denoiser.
 #[derive(Clone, Copy, Debug, Default)]
 pub struct Features {
-    /// What its lobes scatter that are no mirrors, or nearly.
+    /// Albedo of the lobes that are no mirrors, or nearly mirrors.
     pub albedo: Rgb,
-    /// What its mirrors do.
+    /// Albedo of the mirrors.
     pub mirrored: Rgb,
     /// The mean of their normals.
     pub normal: Vec3A,
@@ -76,17 +76,17 @@ impl Features {
     }
 }
 
-/// What can tell its lobes apart.
+/// A BSDF that can tell its lobes apart.
 pub trait Parted {
-    /// What they scatter from `wi`, as [`super::Scattering::evaluate_some`] does, or if it `is_beyond` the triangle's horizon
+    /// Light of the lobes from `wi`, as [`super::Scattering::evaluate_some`] does, or if it `is_beyond` the triangle's horizon
     /// [`super::Scattering::evaluate_smooth`]. Mirrors count nothing.
     fn shares(&self, wi: Vec3A, reaches: Rays, is_beyond: bool) -> LobeShares;
 
-    /// What they scatter of white light from everywhere: diffuse, glossy, transmission. As a surface without roughness
-    /// where no table says better, as Cycles has it.
+    /// Albedos of the lobes for white light from everywhere: diffuse, glossy, transmission. As a surface without roughness where no table
+    /// says better, as Cycles has it.
     fn albedos(&self) -> [Rgb; 3];
 
-    /// What a denoiser is told.
+    /// The features for a denoiser.
     fn features(&self) -> Features;
 
     /// Of the diffuse lobes that scatter here and not elsewhere: their colours together, and the mean of their normals by these.

@@ -77,7 +77,7 @@ pub struct Bsdf {
     facets: Option<Facets>,
 }
 
-/// What lobes of facets need.
+/// The data of lobes of facets.
 #[derive(Clone)]
 struct Facets {
     ggx: Ggx,
@@ -250,7 +250,7 @@ impl Bsdf {
         }
     }
 
-    /// What metal, glass, glass on its far side, and coat scatter in all.
+    /// Albedos of metal, glass, glass on its far side, and coat.
     fn facet_albedos(&self) -> [Rgb; 4] {
         let Some(f) = &self.facets else { return [Rgb::ZERO; 4] };
         let (roughness, cos) = (f.ggx.width().sqrt(), f.wo.z.max(0.0));
@@ -316,8 +316,7 @@ impl Bsdf {
         self.facets.as_ref().filter(|f| !f.ggx.is_mirror() && self.cos_o > 0.0)
     }
 
-    /// What a facet met at that cosine reflects in all lobes, and the chance of reflecting there. A material seldom has
-    /// all lobes.
+    /// The light that a facet at a cosine reflects in all lobes, and the probability of reflecting there. A material seldom has all lobes.
     #[inline]
     fn reflected(&self, f: &Facets, cos: f32) -> (Rgb, f32) {
         let mut value = Rgb::ZERO;

@@ -7,7 +7,7 @@ use crate::scene::closure::SubsurfaceMethod;
 use glam::Vec3A;
 use std::f32::consts::FRAC_1_PI;
 
-/// What is in a body, by channel.
+/// The medium in a body, by channel.
 #[derive(Clone, Copy, Debug)]
 pub struct Medium {
     /// Per Blender unit.
@@ -34,23 +34,23 @@ pub enum Entry {
     Walk {
         /// Unit.
         direction: Vec3A,
-        /// What it carries.
+        /// Light that the path carries.
         light: Rgb,
-        /// What it meets.
+        /// The medium of the walk.
         medium: Medium,
     },
     /// It comes out beside, by a profile.
     Beside {
-        /// What it carries.
+        /// Light that the path carries.
         light: Rgb,
-        /// How far, by channel.
+        /// The distribution of distances, by channel.
         profile: Profile,
-        /// Numbers for how far and where to.
+        /// Random numbers for distance and direction.
         u: [f32; 2],
     },
 }
 
-/// How a body takes light in.
+/// A body that light enters.
 #[derive(Clone, Copy, Debug)]
 pub(super) struct Body {
     inside: Inside,
@@ -58,12 +58,12 @@ pub(super) struct Body {
     pub(super) channels: Rgb,
 }
 
-/// What light does in a body.
+/// The transport of light in a body.
 #[derive(Clone, Copy, Debug)]
 enum Inside {
     Walk {
         medium: Medium,
-        /// What makes up for channels whose albedo is too low for the walk, over the surface's albedo.
+        /// Factor that makes up for channels whose albedo is too low for the walk, over the surface's albedo.
         scale: Rgb,
         ior: f32,
         alpha: f32,
@@ -121,7 +121,7 @@ impl Body {
         Some(Self { inside: Inside::Walk { medium, scale, ior, alpha, is_skin }, channels })
     }
 
-    /// Whether light comes out beside the place where it goes in.
+    /// True if light comes out beside the place where it goes in, by a profile.
     pub(super) fn is_profile(&self) -> bool {
         matches!(self.inside, Inside::Profile(_))
     }

@@ -43,7 +43,7 @@ impl Complex {
     }
 }
 
-/// What is below a film.
+/// The material below a film.
 #[derive(Clone, Copy, Debug)]
 enum Below {
     /// Of that relative index.
@@ -187,7 +187,7 @@ fn polarised(n1: f32, c1: f32, normal: Complex, n2: Complex) -> [(f32, Complex);
     [perpendicular, parallel]
 }
 
-/// What the three channels see of a wave that is shifted by an optical path: cosine and sine parts.
+/// The response of the three channels to a wave that is shifted by an optical path: cosine and sine parts.
 fn sensitivity(path_nm: f32) -> [Vec3; 2] {
     static TABLE: LazyLock<Vec<[Vec3; 2]>> = LazyLock::new(|| {
         let mut table = vec![[Vec3::ZERO; 2]; STEPS];

@@ -19,15 +19,14 @@ const REC_709_FROM_XYZ: [[f64; 3]; 3] = [
     [0.055_643_4, -0.204_025_9, 1.057_225_2],
 ];
 
-/// How many wavelengths a spectral film tells apart. More makes set-up slower (one lens, one set of indices
-/// each); fewer shows as separate images of a bright point where the lens disperses by more pixels than this.
+/// Number of wavelengths that a spectral film tells apart. More makes set-up slower (one lens, one set of indices each); fewer shows as
+/// separate images of a bright point where the lens disperses by more pixels than this.
 pub const SPECTRAL_COUNT: usize = 48;
 
-/// How many wavelengths a path can carry at a time: a [`FilmSpectrum`] falls into sets of so many. Divides
-/// [`SPECTRAL_COUNT`].
+/// Number of wavelengths that a path can carry at a time: a [`FilmSpectrum`] falls into sets of so many. Divides [`SPECTRAL_COUNT`].
 pub const SET_SIZE: usize = 8;
 
-/// Where three indices stand for the whole spectrum: the dominant wavelengths of the Rec.709 primaries, nm.
+/// Wavelengths of three indices that stand for the whole spectrum: the dominant wavelengths of the Rec.709 primaries, nm.
 const PRIMARIES_NM: [f64; 3] = [464.2, 549.1, 611.4];
 
 /// One wavelength that the film samples.
@@ -35,7 +34,7 @@ const PRIMARIES_NM: [f64; 3] = [464.2, 549.1, 611.4];
 pub struct FilmWavelength {
     /// In air, as glass catalogues count it, nm.
     pub nm: f64,
-    /// What radiance of a scene colour adds to the picture's; averages to the identity over all wavelengths.
+    /// Contribution of radiance of a scene colour to the picture's; averages to the identity over all wavelengths.
     pub response: Mat3,
 }
 
@@ -116,13 +115,12 @@ impl FilmSpectrum {
         ((u * self.wavelengths.len() as f32) as usize).min(self.wavelengths.len() - 1)
     }
 
-    /// How many sets of wavelengths, each spread evenly over the spectrum, there are: set s holds the numbers s,
-    /// s + sets, s + 2 sets, ...
+    /// Number of sets of wavelengths, each spread evenly over the spectrum: set s holds the numbers s, s + sets, s + 2 sets, ...
     pub fn sets(&self) -> usize {
         self.wavelengths.len().div_ceil(SET_SIZE)
     }
 
-    /// How many wavelengths are in each set: at most [`SET_SIZE`].
+    /// Number of wavelengths in each set: at most [`SET_SIZE`].
     pub fn set_size(&self) -> usize {
         self.wavelengths.len() / self.sets()
     }

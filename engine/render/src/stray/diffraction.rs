@@ -1,4 +1,4 @@
-//! What diffraction does to a picture: softness at small openings, and the spikes of bright points.
+//! Diffraction in a picture: softness at small openings, and the spikes of bright points.
 //!
 //! The picture has the lens's aberrations and its defocus already, by rays. Diffraction multiplies its contrast at the frequency ν by the
 //! overlap of the pupil with itself for the shift λν ([`petzval_optics::diffraction`]); docs/diffraction.md holds that product against
@@ -25,7 +25,7 @@ use table::Table;
 const ALIKE: f64 = 0.1;
 /// Directions in which they are compared.
 const COMPARED: usize = 16;
-/// Where kernels are made of a picture whose pupil changes, fractions of its width or height.
+/// Places of the kernels of a picture whose pupil changes, fractions of its width or height.
 const PLACES: [f32; 3] = [-0.5, 0.0, 0.5];
 
 /// The diffraction of a lens in a picture.
@@ -70,12 +70,12 @@ impl Diffraction {
         Self { size, pixel: pixel_mm, spectrum, pupils }
     }
 
-    /// How many kernels the picture takes.
+    /// Number of kernels of the picture.
     pub fn zones(&self) -> usize {
         self.pupils.len()
     }
 
-    /// What it changes in a picture, rows from below: the picture spread, less the picture.
+    /// The change of a picture by diffraction, rows from below: the picture spread, less the picture.
     pub fn change(&self, picture: &[Rgb]) -> Vec<Rgb> {
         let [width, height] = self.size;
         let mut spreading = Spreading::new(picture, self.size);
@@ -98,7 +98,7 @@ fn share(at: f32, place: usize) -> f32 {
     (1.0 - (at - PLACES[place]).abs() / step).max(0.0)
 }
 
-/// Whether two pupils throw light aside alike.
+/// True if two pupils diffract light alike.
 fn is_alike(one: &Outline, other: &Outline) -> bool {
     let shifts = |outline: &Outline| Shifts { first: 1e-4 * outline.width(), per_octave: 1.0, count: 8 };
     (0..COMPARED).all(|i| {

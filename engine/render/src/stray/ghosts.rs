@@ -30,7 +30,7 @@ const BLUR_PX: f64 = 1.5;
 /// So many ghosts are traced before their pieces are laid: memory.
 const AT_ONCE: usize = 16;
 
-/// What was done.
+/// A report on the simulation of ghosts.
 #[derive(Clone, Debug, Default, PartialEq)]
 pub struct Report {
     /// Sources looked at.
@@ -39,7 +39,7 @@ pub struct Report {
     pub found: usize,
     /// Of those, simulated.
     pub simulated: usize,
-    /// What the others could add to a pixel at most, in the picture's units.
+    /// Bound of the light that the others could add to a pixel, in the picture's units.
     pub left_out: f32,
 }
 
@@ -144,7 +144,7 @@ fn triangles(lens: &StrayLens, source: &Source, one: &Candidate, paths: &Paths) 
     found
 }
 
-/// What a look at some of the sources tells.
+/// The results of a look at some of the sources.
 #[derive(Clone, Copy, Debug, Default, PartialEq)]
 pub struct Glimpse {
     /// The value that the brightest ghost has in the picture, luminance; 0 where none reaches the film.

@@ -14,7 +14,7 @@
 //!   everywhere that comes from elsewhere, laid evenly over the picture, in the light that falls on the lens's front from inside
 //!   and outside of the picture. Reflections between surfaces of the glass are not in it: they are ghosts.
 //!
-//! What is scattered is taken from the direct light.
+//! Scattered light is taken from the direct light.
 
 use super::sampled::Sampled;
 use super::spread;
@@ -51,7 +51,7 @@ pub struct Glare {
     colours: [Halo; 3],
 }
 
-/// What surfaces scatter of one wavelength.
+/// The light of one wavelength that surfaces scatter.
 struct Halo {
     /// All of it, as a part of the light.
     part: f64,
@@ -92,8 +92,8 @@ impl Glare {
         self.colours[1].part + self.scattering.veiling_index
     }
 
-    /// What it changes in a picture, rows from below. `front_light` is the irradiance on the lens's front over that of a world as bright all over
-    /// as the picture is without its brightest places (as the plan measures it); `None`: the picture's own light.
+    /// The change of a picture by glare, rows from below. `front_light` is the irradiance on the lens's front over that of a world as
+    /// bright all over as the picture is without its brightest places (as the plan measures it); `None`: the picture's own light.
     pub fn change(&self, picture: &[Rgb], front_light: Option<f64>) -> Vec<Rgb> {
         let taken = Rgb::from([0, 1, 2].map(|c| self.colours[c].part as f32));
         let mut change = if taken.max_element() > 0.0 {

@@ -30,7 +30,7 @@ pub struct Picture {
     pub light: Vec<Rgb>,
 }
 
-/// What strays is looked for.
+/// The kinds of stray light that are computed.
 #[derive(Default)]
 pub struct Strays {
     /// Reflections between surfaces.
@@ -43,8 +43,8 @@ pub struct Strays {
     pub front_light: Option<f64>,
 }
 
-/// How many reflections a ghost's path has at most. Paths of four are a hundred times as many as those of two, and each takes
-/// from its light twice what a surface reflects.
+/// Number of reflections of a ghost's path at most. Paths of four are a hundred times as many as those of two, and each takes from its
+/// light twice what a surface reflects.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
 pub enum Reflections {
     /// As most ghosts that are seen have.
@@ -69,13 +69,13 @@ impl Reflections {
     }
 }
 
-/// What of reflections is looked for.
+/// Settings of the simulation of ghosts.
 pub struct Ghosts {
     /// The lens, whatever camera made the picture.
     pub lens: StrayLens,
     /// Light that may be left out, as a radiance of the scene.
     pub tolerance: f32,
-    /// How many a path has at most.
+    /// Number of reflections of a path at most.
     pub reflections: Reflections,
 }
 
@@ -104,7 +104,7 @@ impl StrayPass {
     }
 }
 
-/// What was found.
+/// The stray light that was found.
 #[derive(Clone, Debug, Default)]
 pub struct Strayed {
     parts: Vec<Part>,
@@ -121,7 +121,7 @@ struct Part {
 }
 
 impl Strayed {
-    /// What was looked for, and the wall time that each took, s.
+    /// The kinds of stray light that were computed, and the wall time that each took, s.
     pub fn times(&self) -> impl Iterator<Item = (StrayPass, f64)> {
         self.parts.iter().map(|part| (part.pass, part.seconds))
     }
@@ -147,7 +147,7 @@ pub struct Straight<'a> {
     pub stage: &'a Stage,
     /// The camera in the middle of the exposure.
     pub camera: &'a Camera,
-    /// What it took.
+    /// The picture that the camera took.
     pub picture: &'a Picture,
     /// By what the camera's light is multiplied in the picture, and by pixel as well; without these, by one.
     pub exposure: f32,

@@ -1,5 +1,5 @@
-//! Where light comes from that is bright enough to stray: what the picture shows brightly (lamps, sky, surfaces that shine or mirror
-//! something), and what it does not show, beside it or because Blender hides lamps from cameras.
+//! Sources of light that is bright enough to stray: those that the picture shows brightly (lamps, sky, surfaces that emit or reflect), and
+//! those that it does not show, beside it or because Blender hides lamps from cameras.
 
 use super::Straight;
 use crate::accel::Ray;
@@ -41,7 +41,7 @@ pub struct Source {
     pub radius_rad: f32,
     /// Render space, unit.
     pub towards: DVec3,
-    /// Where the picture shows it, pixels from its lower left corner; `None` where it does not.
+    /// Its place in the picture, pixels from the lower left corner; `None` if the picture does not show it.
     pub pixel: Option<Vec2>,
 }
 
@@ -200,13 +200,13 @@ struct Spot {
     light: Rgb,
 }
 
-/// What a pixel looks along.
+/// The ray that a pixel looks along.
 struct View {
     /// About the middle of the rays that come to it.
     ray: Ray,
     /// Of a pixel, seen from the lens.
     solid_angle_sr: f32,
-    /// What the camera gets there of a white world of radiance one.
+    /// The camera's light there of a white world of radiance one.
     white: f32,
 }
 

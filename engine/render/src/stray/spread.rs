@@ -1,9 +1,9 @@
 //! Light of every pixel spread over the picture, by a kernel that is given as a transfer function: a convolution by FFT.
 //!
-//! What comes out is the *change* of the picture, so that the bits of a pixel which gives and gets nothing stay as they are, and a
-//! compositor can weigh it. The transform has zeros beyond the picture, as wide and high as it: what is thrown out on one side does not
-//! come in on the other. What is beyond the picture's edge is not known; for each pixel it counts as what the pixel itself is, so that an
-//! even picture stays even up to its edges.
+//! The result is the *change* of the picture, so that the bits of a pixel which gives and gets nothing stay as they are, and a compositor
+//! can weigh it. The transform has zeros beyond the picture, as wide and high as it: what is thrown out on one side does not come in on the
+//! other. What is beyond the picture's edge is not known; for each pixel it counts as what the pixel itself is, so that an even picture
+//! stays even up to its edges.
 //!
 //! Rows and columns are shared out among threads, each is summed in one order: the bits do not depend on how many there are.
 
@@ -20,7 +20,7 @@ const CHANNELS: usize = 4;
 /// Of the change: three colours of the picture's, and three of an even white one's.
 const CHANGES: usize = 6;
 
-/// What a kernel does to each frequency.
+/// The transfer function of a kernel.
 pub trait Transfer: Sync {
     /// The change of the frequencies `across`, in cycles a pixel (0 to 1/2), and `up` (-1/2 to 1/2): the matrix by which the spectrum of
     /// red, green and blue is multiplied, less the identity. One for each of `up`. The kernel is real and looks alike after half a
@@ -34,7 +34,7 @@ pub struct Zone<'a> {
     pub columns: Vec<f32>,
     /// By row.
     pub rows: Vec<f32>,
-    /// How it is spread.
+    /// The transfer function.
     pub transfer: &'a dyn Transfer,
 }
 
@@ -61,13 +61,13 @@ impl<'a> Spreading<'a> {
         }
     }
 
-    /// What that changed.
+    /// The change of the picture by all zones.
     pub fn finish(self) -> Vec<Rgb> {
         self.fft.map_or_else(|| vec![Rgb::ZERO; self.picture.len()], |fft| fft.back(&self.changes, self.picture))
     }
 }
 
-/// What one kernel for the whole of it changes in a picture.
+/// The change of a picture by one kernel for the whole of it.
 pub fn change(picture: &[Rgb], [width, height]: [usize; 2], transfer: &dyn Transfer) -> Vec<Rgb> {
     let mut spreading = Spreading::new(picture, [width, height]);
     spreading.add(&Zone { columns: vec![1.0; width], rows: vec![1.0; height], transfer });

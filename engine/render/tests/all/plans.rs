@@ -139,8 +139,7 @@ fn growing(effect: Effect, x: f64) -> Shot {
     }
 }
 
-/// What is a little too small is left out or only comes along, what is a little larger is called for, and the measure says
-/// which is which.
+/// An effect a little too small is left out or only comes along, one a little larger is called for, and the measure tells them apart.
 #[test]
 fn each_effect_is_called_for_where_it_begins_to_matter() {
     for effect in Effect::ALL.into_iter().filter(|effect| effect.is_available()) {
@@ -168,7 +167,7 @@ fn each_effect_is_called_for_where_it_begins_to_matter() {
     }
 }
 
-/// What is left out of a picture is not prepared, either: the plan's camera is the smaller one.
+/// Effects that are left out of a picture are not prepared, either: the plan's camera is the smaller one.
 #[test]
 fn what_is_left_out_is_not_made() {
     let limit = |effect: Effect, x: f64| {
@@ -279,7 +278,7 @@ fn picture(stage: &Arc<Stage>, d: &CameraDescription, size: [u32; 2], samples: u
     job.film().picture()
 }
 
-/// Where nothing of a lens can be seen a pinhole stands for it: the same picture, shifted film and all.
+/// A pinhole stands for a lens of which nothing can be seen: the same picture, shifted film and all.
 #[test]
 fn a_pinhole_stands_for_a_lens_of_which_nothing_is_seen() {
     let d = CameraDescription {
@@ -326,7 +325,7 @@ fn no_pinhole_stands_for_a_lens_that_squeezes() {
     );
 }
 
-/// Where a lamp is seen, and that one behind the camera is not.
+/// Lamps in the picture are found at their places, and those behind the camera are not.
 #[test]
 fn sources_are_found_in_the_picture() {
     let lamp = |z: f64, power: f32| {

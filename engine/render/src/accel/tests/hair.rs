@@ -63,7 +63,7 @@ fn ray_at(target: Vec3A, u: [f32; 4], distance: f32) -> Ray {
     Ray::new(target - d * distance, d)
 }
 
-/// How far outside of the round body of a curve, points and radii, a place is.
+/// Distance of a place outside of the round body of a curve, points and radii.
 fn outside_of(curve: &[(DVec3, f64)], place: DVec3) -> f64 {
     curve.iter().map(|(p, r)| (place - *p).length() - r).fold(f64::INFINITY, f64::min)
 }
@@ -350,7 +350,7 @@ fn instances_of_hair_are_hair() {
     }
 }
 
-/// What leaves a strand does not come back to it, but meets others.
+/// A ray that leaves a strand does not hit that strand, but hits others.
 #[test]
 fn a_strand_that_is_left_is_not_met() {
     let keys = bent(5, 5, 0.1);

@@ -30,7 +30,7 @@ fn balls(seed: u32, count: u32, radius: f32) -> Vec<Vec4> {
     (0..count).map(ball).collect()
 }
 
-/// Where a ray enters a placed ball, in double precision.
+/// The distance at which a ray enters a placed ball, in double precision.
 fn entered(ray: &Ray, ball: Vec4, place: &DMat4) -> Option<f64> {
     let to = place.inverse();
     let origin = to.transform_point3(ray.origin.as_dvec3());

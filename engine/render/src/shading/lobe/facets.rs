@@ -13,7 +13,7 @@ use crate::scene::closure::Distribution;
 use glam::Vec3A;
 use std::f32::consts::{PI, TAU};
 
-/// How facets are tilted: GGX (Walter et al. 2007) or Beckmann's, `alpha` wide along x and y.
+/// The distribution of microfacets: GGX (Walter et al. 2007) or Beckmann's, `alpha` wide along x and y.
 #[derive(Clone, Copy, Debug)]
 pub(in crate::shading) struct Slopes {
     alpha: [f32; 2],
@@ -98,7 +98,7 @@ impl Slopes {
     }
 }
 
-/// How much a facet mirrors and how much it lets through.
+/// The parts of light that a facet reflects and transmits.
 #[derive(Clone, Copy, Debug)]
 pub(in crate::shading) enum Fresnel {
     /// All, as far as it is not refracted.
@@ -174,8 +174,8 @@ impl Facets {
         self.look_from(wo);
     }
 
-    /// What is mirrored and what is let through in all, seen from `wo`. The weight of those that give back what goes on from
-    /// facet to facet holds that, which here is in the table, too.
+    /// Albedos of reflection and transmission, seen from `wo`. The weight of those that give back what goes on from facet to facet holds
+    /// that, which here is in the table, too.
     pub(super) fn albedos(&self, wo: Vec3A) -> [Rgb; 2] {
         let (cos, roughness) = (wo.z, self.slopes.roughness());
         let (reflected, through) = match self.fresnel {
@@ -267,7 +267,7 @@ impl Facets {
         Some(Local { wi, transmitted: !mirrored, single })
     }
 
-    /// Where it is a mirror, what it sends along its mirrored or refracted direction, and the chance of that choice.
+    /// The value of a mirror along its mirrored or refracted direction, and the probability of that choice.
     pub(super) fn single(&self, transmitted: bool, wo: Vec3A) -> (Rgb, f32) {
         let (reflected, through) = self.fresnel.at(wo.z, self.eta);
         let total = (reflected + through).element_sum();

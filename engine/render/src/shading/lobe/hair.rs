@@ -8,7 +8,7 @@ use crate::shading::fresnel;
 use glam::Vec3A;
 use std::f32::consts::{FRAC_PI_2, FRAC_PI_8, LN_2, PI, TAU};
 
-/// What a fibre mirrors, or what comes through it: a Cauchy distribution about the cone of the mirrored ray (the Hair shader).
+/// Light that a fibre reflects or transmits: a Cauchy distribution about the cone of the mirrored ray (the Hair shader).
 #[derive(Clone, Copy, Debug)]
 pub(super) struct Fibre {
     through: bool,
@@ -60,7 +60,7 @@ impl Fibre {
         along * about
     }
 
-    /// What the distribution about the fibre is divided by.
+    /// The normalization of the distribution about the fibre.
     fn turns(&self) -> f32 {
         2.0 * (FRAC_PI_2 / self.spread).atan()
     }
@@ -92,7 +92,7 @@ const VARIANCE_FACTORS: [f32; WAYS] = [1.0, 0.25, 4.0, 4.0];
 /// tracing"), for one offset from the fibre's middle.
 #[derive(Clone, Copy, Debug)]
 pub(super) struct Chiang {
-    /// What goes each way, and the chance of choosing it.
+    /// The part of the light that goes each way, and the probability of choosing that way.
     parts: [(Rgb, f32); WAYS],
     /// Variances along the fibre.
     variances: [f32; WAYS],
@@ -105,7 +105,7 @@ pub(super) struct Chiang {
     cos_o: f32,
 }
 
-/// What a fibre is like.
+/// The properties of a fibre.
 #[derive(Clone, Copy, Debug)]
 pub(in crate::shading) struct FibreShape {
     /// Absorption by radius.
@@ -166,7 +166,7 @@ impl Chiang {
         self.scale = self.scale.max(least);
     }
 
-    /// What it scatters of all light.
+    /// Albedo of the fibre.
     pub(super) fn albedo(&self) -> Rgb {
         self.parts.iter().map(|part| part.0).sum()
     }
@@ -261,7 +261,7 @@ fn logistic(x: f32, scale: f32) -> f32 {
     e / (scale * (1.0 + e) * (1.0 + e)) / (1.0 - 2.0 * below(scale))
 }
 
-/// What of the whole distribution is below -pi.
+/// The part of the whole distribution below -pi.
 fn below(scale: f32) -> f32 {
     1.0 / (1.0 + (PI / scale).exp())
 }
@@ -305,7 +305,7 @@ mod tests {
         (0..n * n).map(part).sum::<f32>() * PI * TAU / (n * n) as f32
     }
 
-    /// What a white fibre does not absorb comes out, and the density is one.
+    /// Light that a white fibre does not absorb comes out, and the density integrates to one.
     #[test]
     fn a_clear_fibre_keeps_all_light() {
         for (tilt, fibre) in [0.0, 0.035].into_iter().flat_map(|tilt| fibres(tilt).map(move |fibre| (tilt, fibre))) {

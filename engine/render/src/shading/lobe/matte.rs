@@ -34,7 +34,7 @@ impl OrenNayar {
         lobe
     }
 
-    /// What single scattering leaves of white light at that cosine.
+    /// Albedo of single scattering for white light at a cosine.
     fn single_albedo(&self, cos: f32) -> f32 {
         let g = if cos < 1e-6 {
             // The limit, where a tangent would be infinite.
@@ -115,7 +115,7 @@ impl Microfiber {
         (Self { a, b }, albedo.clamp(0.0, 1.0))
     }
 
-    /// Whether there is anything to see of it.
+    /// True if the lobe scatters a visible amount.
     pub(super) fn is_valid(&self) -> bool {
         self.a > 1e-5
     }

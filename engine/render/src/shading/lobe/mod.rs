@@ -17,7 +17,7 @@ use hair::{Chiang, Fibre};
 use matte::{AshikhminShirley, Microfiber, OrenNayar, Toon, Velvet};
 use std::f32::consts::FRAC_1_PI;
 
-/// What a lobe scatters.
+/// The scattering model of a lobe.
 #[derive(Clone, Copy, Debug)]
 enum Kind {
     Lambert,
@@ -47,9 +47,9 @@ pub(super) struct Local {
 /// One lobe seen from one direction.
 #[derive(Clone, Copy, Debug)]
 pub(super) struct Lobe {
-    /// What it counts.
+    /// Weight of the lobe.
     pub(super) weight: Rgb,
-    /// How much it is worth being chosen; of all lobes together 1 in the end.
+    /// Probability of its choice, up to a factor; of all lobes together 1 in the end.
     pub(super) chance: f32,
     frame: [Vec3A; 3],
     /// In the frame.
@@ -161,18 +161,18 @@ impl Lobe {
         if let Kind::Facets(facets) = &self.kind { facets.transmits().then_some(facets.eta) } else { None }
     }
 
-    /// Whether any light comes through the surface.
+    /// True if any light comes through the surface.
     pub(super) fn transmits(&self) -> bool {
         matches!(self.kind, Kind::Translucent) || self.is_hair() || self.relative_index().is_some()
     }
 
-    /// Whether it scatters about a fibre, and so asks nothing of the surface's sides.
+    /// True if it scatters about a fibre, independent of the surface's sides.
     #[inline]
     pub(super) fn is_hair(&self) -> bool {
         matches!(self.kind, Kind::Fibre(_) | Kind::Chiang(_))
     }
 
-    /// Whether light that it takes comes out elsewhere.
+    /// True if light that it takes comes out elsewhere.
     pub(super) fn is_body(&self) -> bool {
         matches!(self.kind, Kind::Body(_))
     }
@@ -187,7 +187,7 @@ impl Lobe {
         }
     }
 
-    /// Whether a path that it scatters counts as diffuse.
+    /// True if a path that it scatters counts as diffuse.
     pub(super) fn scatters_evenly(&self) -> bool {
         use Kind::{Body, Lambert, Microfiber, OrenNayar, Translucent, Velvet};
         match &self.kind {
@@ -215,7 +215,7 @@ impl Lobe {
         }
     }
 
-    /// What it scatters in all, mirrored or not, and what of it is let through where that is told apart.
+    /// Albedos of the lobe, mirrors included: in all or of reflection, and of transmission where that is told apart.
     pub(super) fn albedos(&self) -> [Rgb; 2] {
         let both = match &self.kind {
             Kind::Facets(facets) => facets.albedos(self.wo),
@@ -327,7 +327,7 @@ impl Lobe {
         }
     }
 
-    /// What a mirror sends along `wi`, if that is its direction, and the chance of the choice.
+    /// The value of a mirror along `wi`, if that is its direction, and the probability of the choice.
     pub(super) fn single(&self, transmitted: bool, wi: Vec3A) -> Option<(Rgb, f32)> {
         let Kind::Facets(facets) = &self.kind else { return None };
         if !facets.is_mirror() || self.wo.z <= 0.0 {
@@ -344,9 +344,9 @@ impl Lobe {
     }
 }
 
-/// What is left of light along `wi` where a bump bends the smooth normal to `bent`: the shadows that facets of such slopes
-/// throw on each other, without which those of the bumps would end at a hard edge (Conty Estevez, Lecocq and Stein 2019,
-/// "A microfacet-based shadowing function to solve the bump terminator problem").
+/// The part of light along `wi` that is left where a bump bends the smooth normal to `bent`: the shadows that facets of such slopes throw
+/// on each other, without which those of the bumps would end at a hard edge (Conty Estevez, Lecocq and Stein 2019, "A microfacet-based
+/// shadowing function to solve the bump terminator problem").
 fn terminator(smooth: Vec3A, bent: Vec3A, wi: Vec3A) -> f32 {
     let (across, cos) = (smooth.dot(bent), smooth.dot(wi));
     if cos * across * bent.dot(wi) <= 0.0 {

@@ -20,9 +20,9 @@ pub(super) struct Candidate {
     pub(super) value: f32,
     /// Its bounds' corners, pixels from the picture's lower left corner.
     pub(super) bounds: [DVec2; 2],
-    /// How far its images at the ends of the spectrum lie apart, pixels.
+    /// Distance between its images at the ends of the spectrum, pixels.
     pub(super) spread_px: f64,
-    /// How far the image of the source's edge lies from that of its middle, pixels.
+    /// Distance between the images of the source's edge and of its middle, pixels.
     pub(super) blur_px: f64,
 }
 

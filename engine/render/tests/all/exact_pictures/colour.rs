@@ -1,4 +1,4 @@
-//! Where points lie in the picture, wavelength by wavelength: image heights of the reference data, and the fringes of
+//! Places of points in the picture, wavelength by wavelength: image heights of the reference data, and the fringes of
 //! colour that hero makes of a point off the axis.
 
 use super::exact::Exact;

@@ -1,4 +1,4 @@
-//! How bright a uniform world is from the middle of the film to its corner: closed forms where there are some, else
+//! Brightness of a uniform world from the middle of the film to its corner: closed forms where there are some, else
 //! exact rays counted.
 
 use super::noise::photographs;
@@ -84,7 +84,7 @@ impl Counter {
     }
 }
 
-/// What the camera makes of a white world at a picture point.
+/// The camera's brightness of a white world at a picture point.
 fn by_camera(camera: &Camera, p: Vec2) -> f64 {
     let n = 16_384;
     let point = |i| sobol_burley::sample_4d(i, 0, 3);

@@ -28,7 +28,7 @@ pub(crate) fn photographs(stage: &Arc<Stage>, d: &CameraDescription, e: &Exposur
     Mean { pixels, size: e.pixels.map(|p| p as usize), shots }
 }
 
-/// How well photographs fit the truth.
+/// The fit of photographs to the truth.
 #[derive(Debug)]
 pub(crate) struct Fit {
     /// Mean of the squared differences over their variances, over the pixels where light is expected.

@@ -71,7 +71,7 @@ pub(crate) fn white_world() -> Arc<Stage> {
     Arc::new(Stage::new(builder.build(DVec3::ZERO)))
 }
 
-/// How a picture is taken. Pixels are squares without overlap, so that no filter is between them and the truth.
+/// The settings of a picture. Pixels are squares without overlap, so that no filter is between them and the truth.
 #[derive(Clone, Copy, Debug)]
 pub(crate) struct Exposure {
     pub(crate) pixels: [u32; 2],

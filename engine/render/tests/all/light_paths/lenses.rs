@@ -35,8 +35,8 @@ fn lenses() -> [(&'static str, CameraDescription); 7] {
     ]
 }
 
-/// How two pictures differ, in standard errors: by block and channel, and over the whole picture. Both show the same in
-/// every pixel but for noise, so that the spread of the differences over parts of a block is noise alone.
+/// The difference of two pictures, in standard errors: by block and channel, and over the whole picture. Both show the same in every pixel
+/// but for noise, so that the spread of the differences over parts of a block is noise alone.
 struct Difference {
     blocks: Vec<f64>,
     whole: [f64; 3],
