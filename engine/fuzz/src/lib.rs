@@ -1,4 +1,4 @@
-//! What every target asks of a reader.
+//! The properties that every target tests of a reader.
 
 use std::path::Path;
 

@@ -5,7 +5,7 @@ use crate::vector::each;
 use glam::Vec3A;
 
 choices! {
-    /// How three numbers name a colour.
+    /// The meaning of a colour's three numbers.
     pub(crate) ColourModel { Rgb = "RGB", Hsv = "HSV", Hsl = "HSL" }
 }
 

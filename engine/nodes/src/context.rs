@@ -1,9 +1,9 @@
-//! What a program asks of the surface and of images. The renderer implements both traits.
+//! The data of surfaces and images that a program reads. The renderer implements both traits.
 
 use crate::choice::choices;
 use glam::{Vec2, Vec3A, Vec4};
 
-/// Where a program looks: at the point, or beside it by a share of the footprint along its two axes. Bump runs the
+/// The place at which a program is evaluated: the point, or a place beside it by a share of the footprint along its two axes. Bump runs the
 /// program of its height at three such places.
 #[derive(Clone, Copy, Debug, Default, PartialEq)]
 pub struct Shift {
@@ -19,7 +19,7 @@ impl Shift {
 }
 
 choices! {
-    /// What there is to know about a point. A number stands in all three parts; a truth is 1 or 0.
+    /// A field of a point. A number stands in all three parts; a truth is 1 or 0.
     #[expect(missing_docs, reason = "named after Blender's outputs")]
     pub Field {
         Position = "position",
@@ -46,9 +46,9 @@ choices! {
         Reflection = "reflection",
         InstancerGenerated = "instancer_generated",
         InstancerUv = "instancer_uv",
-        /// How far the nearest side of the triangle is, world units.
+        /// Distance of the nearest side of the triangle, world units.
         EdgeDistance = "edge_distance",
-        /// How wide a pixel is there as the camera sees the surface, world units.
+        /// Width of a pixel there as the camera sees the surface, world units.
         PixelWidth = "pixel_width",
         /// The footprint's axes, world units.
         FootprintX = "footprint_x",
@@ -110,12 +110,12 @@ choices! {
 }
 
 choices! {
-    /// What kind of vector changes space.
+    /// The kind of a vector that changes space.
     #[expect(missing_docs, reason = "named after Blender's")]
     pub Direction { Point = "POINT", Vector = "VECTOR", Normal = "NORMAL" }
 }
 
-/// Where an attribute is looked for.
+/// The kind of an attribute.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub enum AttributeKind {
     /// A UV map; without a name, the one for rendering.
@@ -137,13 +137,13 @@ pub enum AttributeKind {
 /// An attribute that a program reads. The renderer looks it up once for each mesh, by its place in the list.
 #[derive(Clone, Debug, PartialEq, Eq)]
 pub struct Attribute {
-    /// Where to look.
+    /// The kind of the attribute.
     pub kind: AttributeKind,
     /// Blender's name of it.
     pub name: String,
 }
 
-/// What Ambient Occlusion asks.
+/// The settings of Ambient Occlusion.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Occlusion {
     /// Rays.
@@ -176,13 +176,13 @@ pub trait Context {
 }
 
 choices! {
-    /// How an image is read between its pixels.
+    /// The interpolation of an image between its pixels.
     #[expect(missing_docs, reason = "named after Blender's")]
     pub Interpolation { Linear = "Linear", Closest = "Closest", Cubic = "Cubic" | "Smart" }
 }
 
 choices! {
-    /// What lies beyond an image's edges.
+    /// The values beyond an image's edges.
     #[expect(missing_docs, reason = "named after Blender's")]
     pub Extension { Repeat = "REPEAT", Extend = "EXTEND", Clip = "CLIP", Mirror = "MIRROR" }
 }

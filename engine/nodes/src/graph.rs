@@ -22,11 +22,11 @@ pub struct Link {
     pub node: usize,
     /// The output socket's identifier.
     pub socket: String,
-    /// What counts if the node is not known: the reading socket's own value, or none, as where nothing is linked.
+    /// The value if the node is not known: the reading socket's own value, or none, as where nothing is linked.
     pub unlinked: Option<[f32; 3]>,
 }
 
-/// What an input gets.
+/// The value of an input.
 #[derive(Clone, Debug, PartialEq)]
 pub enum Input {
     /// A value that stands still; a number stands in all three parts.
@@ -52,11 +52,11 @@ pub struct Node {
 pub struct Graph {
     /// In any order.
     pub nodes: Vec<Node>,
-    /// What makes up the surface.
+    /// Link to the surface's closure.
     pub surface: Option<Link>,
-    /// What fills the inside.
+    /// Link to the volume's closure.
     pub volume: Option<Link>,
-    /// Where the surface is moved to.
+    /// Link to the displacement of the surface.
     pub displacement: Option<Link>,
 }
 

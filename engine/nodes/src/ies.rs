@@ -1,4 +1,4 @@
-//! How brightly a luminaire shines in each direction, from a file of the Illuminating Engineering Society (LM-63).
+//! Intensity of a luminaire by direction, from a file of the Illuminating Engineering Society (LM-63).
 
 use std::f32::consts::PI;
 

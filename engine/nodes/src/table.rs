@@ -8,9 +8,9 @@ pub(crate) struct Table {
     pub(crate) rows: Vec<Vec4>,
     /// Off for a ramp of constant steps.
     pub(crate) interpolate: bool,
-    /// Where the first and last row lie.
+    /// Positions of the first and last row.
     pub(crate) range: [f32; 2],
-    /// Whether curves go on straight beyond their ends.
+    /// True if curves go on straight beyond their ends.
     pub(crate) extrapolate: bool,
 }
 

@@ -57,7 +57,7 @@ pub(crate) fn divide(a: Vec3A, b: Vec3A) -> Vec3A {
 }
 
 impl VectorMathKind {
-    /// Whether the node's result is its Value, not its Vector.
+    /// True if the node's result is its Value, not its Vector.
     pub(crate) fn gives_value(self) -> bool {
         matches!(self, Self::Dot | Self::Distance | Self::Length)
     }

@@ -1,5 +1,5 @@
-//! What a lens makes of the light of a point, as designers report it: [`spot`]s, [`fan`]s, [`wavefront`]s, transfer
-//! functions ([`mtf`]), what diffraction makes of a point ([`psf`]), [`distortion`] with field curvature and lateral colour, and [`illumination`].
+//! The image of a point by a lens, as designers report it: [`spot`]s, [`fan`]s, [`wavefront`]s, transfer functions ([`mtf`]), the
+//! diffraction image of a point ([`psf`]), [`distortion`] with field curvature and lateral colour, and [`illumination`].
 //!
 //! All of it by exact rays. A field is a direction of view, counted at the entrance pupil; its light is a parallel beam, or comes
 //! from a point of the plane that is sharp. On the film *tangential* is the direction of the field's azimuth, *sagittal* that at right
@@ -174,13 +174,13 @@ impl<'a> Analysis<'a> {
         weights.into_iter().enumerate().filter_map(landing).collect()
     }
 
-    /// Where the ray through the middle of the stop crosses the plane of its field, at the line's wavelength, whether a rim stops it
-    /// or not; `None`: there is no such ray.
+    /// The point at which the ray through the middle of the stop crosses the plane of its field, at the line's wavelength, whether a rim
+    /// stops it or not; `None`: there is no such ray.
     fn chief(&self, line: usize, view: &View) -> Option<DVec2> {
         self.lines[line].probe.aim(&view.field, DVec2::ZERO, view.window.centre).ok()
     }
 
-    /// Where that ray leaves the lens.
+    /// The chief ray of a view as it leaves the lens, at the line's wavelength.
     fn chief_out(&self, line: usize, view: &View) -> Option<Ray> {
         let probe = &self.lines[line].probe;
         probe.tracer.from_scene(probe.origin.ray(&view.field, self.chief(line, view)?)).ok()
@@ -243,7 +243,7 @@ impl Touching {
         Self { point: place.point, sagittal, tangential }
     }
 
-    /// Where a ray crosses the plane: sagittal and tangential, mm.
+    /// The point at which a ray crosses the plane: sagittal and tangential, mm.
     fn crossing(&self, ray: &Ray) -> DVec2 {
         let normal = self.sagittal.cross(self.tangential);
         let t = (self.point - ray.origin).dot(normal) / ray.direction.dot(normal);
@@ -256,7 +256,7 @@ impl Touching {
         DVec2::new(direction.dot(self.sagittal), direction.dot(self.tangential))
     }
 
-    /// What of a direction with these cosines lies in the plane.
+    /// The vector in the plane with these sagittal and tangential cosines.
     pub(crate) fn direction(&self, cosines: DVec2) -> DVec3 {
         self.sagittal * cosines.x + self.tangential * cosines.y
     }

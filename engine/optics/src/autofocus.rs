@@ -32,7 +32,7 @@ const FARTHEST_IMAGE: f64 = 1e5;
 /// Steps along a curved film; each leaves a hundredth of the last one's error or less.
 const CURVED_STEPS: usize = 16;
 
-/// What is to be sharp, in lens space.
+/// The subject that is to be sharp, in lens space.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub enum Subject {
     /// A point, mm.
@@ -55,11 +55,11 @@ pub enum AutofocusError {
 /// The film on which a point is sharpest.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Sharpest {
-    /// Where the axis meets it, lens space.
+    /// The z at which the axis meets it, lens space.
     pub film_z_mm: f64,
     /// Root of the mean square distance of the rays from their middle, on that film.
     pub rms_mm: f64,
-    /// That middle, lens space.
+    /// The middle of the rays on that film, lens space.
     pub image_mm: DVec3,
 }
 
@@ -124,7 +124,7 @@ impl Autofocus {
         Ok(sharpest)
     }
 
-    /// What gets through of the subject's light: evenly over the solid angle.
+    /// The rays of the subject's light that get through: evenly over the solid angle.
     fn beam(&self, subject: Subject) -> Result<Vec<Weighted>, AutofocusError> {
         let from = match subject {
             Subject::Point(point) => point,

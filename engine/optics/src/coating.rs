@@ -1,4 +1,4 @@
-//! What a surface reflects, lets through and absorbs: bare, or under thin films.
+//! Reflection, transmission and absorption of a surface: bare, or under thin films.
 //!
 //! A coating's thickness belongs to the light's wavelength, not to the lens: a lens that is scaled keeps it.
 
@@ -54,7 +54,7 @@ pub const ASSUMED: &str = "MgF2";
 /// A surface is coated where glass meets air: where the larger index is more than so many times the smaller.
 const COATED: f64 = 1.25;
 
-/// Whether a surface between two media is one that is coated.
+/// True if a surface between two media is one that is coated.
 pub(crate) fn parts_glass_from_air(from: &Medium, to: &Medium) -> bool {
     let [a, b] = [from, to].map(|medium| medium.index(line_nm::D).abs());
     a.max(b) > COATED * a.min(b)
@@ -96,8 +96,8 @@ impl Coating {
         self.0.as_ref().map_or(&[], |stack| &stack.layers)
     }
 
-    /// What becomes of light that comes through a medium of index `from` to a mirror under an angle with this cosine: what its layers do
-    /// not turn round they, or what is below them, absorb. Bare, a mirror is perfect.
+    /// The split of light that comes through a medium of index `from` to a mirror under an angle with this cosine: light that is not
+    /// reflected is absorbed in the layers or below them. Bare, a mirror is perfect.
     pub fn mirrored(&self, from: f64, wavelength_nm: f64, cos_incidence: f64) -> Split {
         let Some(stack) = &self.0 else { return Split::MIRROR };
         let reflected =
@@ -105,8 +105,8 @@ impl Coating {
         Split { reflected, transmitted: [0.0; 2] }
     }
 
-    /// What becomes of light of a vacuum wavelength that comes from a medium of index `from` to one of index `to` under an angle with
-    /// this cosine. The layers' outside is on the side of the medium with the smaller index.
+    /// The split of light of a vacuum wavelength that comes from a medium of index `from` to one of index `to` under an angle with this
+    /// cosine. The layers' outside is on the side of the medium with the smaller index.
     pub fn split(&self, from: f64, to: f64, wavelength_nm: f64, cos_incidence: f64) -> Split {
         match &self.0 {
             None => layers::split([].iter(), from, to, wavelength_nm, cos_incidence),

@@ -153,7 +153,7 @@ impl Diaphragm {
         self.rotation_rad
     }
 
-    /// How far the blades are curved: 0 straight, and less than 1, which is round.
+    /// Curvature of the blades: 0 straight, and less than 1, which is round.
     pub fn curvature(&self) -> f64 {
         self.curvature
     }

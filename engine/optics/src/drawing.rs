@@ -1,4 +1,4 @@
-//! What a drawing of a lens shows: its surfaces in the y-z plane, and exact rays of several fields in it.
+//! The drawing of a lens: its surfaces in the y-z plane, and exact rays of several fields in it.
 //!
 //! Places are (z, y) in lens space, mm.
 
@@ -119,7 +119,7 @@ fn profile(s: &Surface) -> Profile {
     }
 }
 
-/// Where rays are sent.
+/// The lens through which rays are sent.
 struct Beams<'a> {
     tracer: Tracer,
     origin: Origin,
@@ -186,7 +186,7 @@ impl Beams<'_> {
         runs
     }
 
-    /// Where a ray that comes through goes.
+    /// The path of a ray that comes through.
     fn path(&self, ray: Ray) -> Option<Vec<[f64; 2]>> {
         let (out, hits) = self.tracer.path_from_scene(ray).ok()?;
         let first = *hits.first()?;

@@ -1,5 +1,5 @@
-//! Where to aim from the scene so that nearly every ray gets through the lens: the entrance pupil as it is, moving and
-//! closing with the angle from the axis.
+//! The target of rays from the scene, so that nearly every ray gets through the lens: the entrance pupil as it is, moving and closing with
+//! the angle from the axis.
 //!
 //! Seen from a direction the clear pupil lies in a disc at right angles to it. The map holds the centre and radius of
 //! that disc by the angle from the axis, up to directions behind the lens: a fisheye's pupil turns round to meet them. A

@@ -68,7 +68,7 @@ pub struct Thin {
     pub to: f64,
     /// The way to the next vertex; behind the last surface as far as the film is published.
     pub onward: Matrix,
-    /// What that way adds to the Petzval sum, 1/mm: nothing, but in a gradient.
+    /// The part of the Petzval sum by that way, 1/mm: 0, but in a gradient.
     pub petzval_onward: f64,
 }
 

@@ -51,7 +51,7 @@ impl GaussianLens {
         DVec2::new(point(0), point(1))
     }
 
-    /// How much of the square of slopes a mm² of the opening fills, seen from a film at `film_z_mm`.
+    /// The part of the square of slopes that a mm² of the opening fills, seen from a film at `film_z_mm`.
     pub fn slopes_per_mm2(&self, film_z_mm: f64) -> f64 {
         1.0 / (self.spread(0, film_z_mm) * self.spread(1, film_z_mm)).abs()
     }

@@ -2,10 +2,9 @@
 //!
 //! Here to first order: how bright the disc is that it makes of a far source. [`packet`] traces it exactly, [`ranking`] says how bright each is, [`brute`] finds all of them without looking.
 //!
-//! What a surface reflects near the axis its coating says. A path that is reflected at surface j
-//! and then at i < j goes through all surfaces up to j, back to i, and on to the film: its matrix says how wide the beam is
-//! there, and at every surface on its way whose rim may narrow it. A parallel beam of radius h that fills a disc of radius r is
-//! h² / r² times as bright there, times both reflectances.
+//! The reflectance of a surface near the axis is that of its coating. A path that is reflected at surface j and then at i < j goes through
+//! all surfaces up to j, back to i, and on to the film: its matrix says how wide the beam is there, and at every surface on its way whose
+//! rim may narrow it. A parallel beam of radius h that fills a disc of radius r is h² / r² times as bright there, times both reflectances.
 
 pub mod beam;
 pub mod brute;

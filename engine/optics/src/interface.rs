@@ -1,4 +1,4 @@
-//! What an interface between two media does to the direction of a ray.
+//! Refraction and reflection of a ray's direction at an interface between two media.
 //!
 //! Directions are unit vectors; the normal need not be: it comes with its squared length and with (N · D)², as
 //! [`crate::surface::Crossing`] holds them.

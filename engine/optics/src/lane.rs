@@ -1,4 +1,4 @@
-//! What a lane of numbers can do: one number, or as many as the processor works on at once.
+//! Operations on a lane of numbers: one number, or as many as the processor works on at once.
 //!
 //! The tracer is written once, over [`Lane`]. `f64` and `f32` are lanes of one; [`Doubles`] and [`Singles`] are vector
 //! registers of them, as wide as the processor at hand has them (2 to 8 of `f64`, 4 to 16 of `f32`, chosen while the
@@ -44,7 +44,7 @@ pub trait Real: Lane<Real = Self, Mask = bool> + PartialOrd + Debug + Default + 
 
 /// A computation that is written for every kind of lane.
 pub trait LaneKernel<R: Real> {
-    /// What it yields.
+    /// The result.
     type Output;
     /// Runs it. `zero` is a lane of zeros, from which others are made; mark the function `#[inline(always)]`.
     fn run<L: Lane<Real = R>>(self, zero: L) -> Self::Output;
@@ -66,7 +66,7 @@ pub trait Lane:
     type Real: Real;
     /// The answer to a comparison.
     type Mask: Mask;
-    /// How many numbers.
+    /// Number of numbers in the lane.
     const WIDTH: usize;
     /// Runs `work` with the instructions of this lane, where it is not inlined into a kernel, which has them.
     fn within<T>(self, work: impl FnOnce() -> T) -> T;

@@ -1,4 +1,4 @@
-//! What the source of a lens states of it, beside what its surfaces give.
+//! Numbers that the source of a lens states, beside those computed from its surfaces.
 //!
 //! Focal length, f-number and back focus in the header of a lens file are the source's. They are held against the computed values at
 //! the d line, to half of a unit of their last digit. Where a source rounds more than that, or its numbers do not give what it says,
@@ -29,9 +29,9 @@ pub struct Published {
     pub text: Option<String>,
     /// The number; `None` also where the header says that none is published.
     pub value: Option<f64>,
-    /// What the surfaces give; `None`: the lens has no such number.
+    /// The number computed from the surfaces; `None`: the lens has no such number.
     pub computed: Option<f64>,
-    /// Whether the computed number is the published one, to its digits; `None`: none is published.
+    /// True if the computed number is the published one, to its digits; `None`: none is published.
     pub agrees: Option<bool>,
     /// Why they differ, as the header says.
     pub why: Option<String>,

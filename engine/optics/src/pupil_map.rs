@@ -1,4 +1,4 @@
-//! Where to aim from a point of the film so that nearly every ray gets through the lens.
+//! The target of rays from a point of the film, so that nearly every ray gets through the lens.
 //!
 //! Rays are aimed at the reference plane, which touches the vertex of the last surface: it lies between film and glass
 //! for every lens, wherever the exit pupil is, at infinity or behind the film. Seen from a film point the clear pupil
@@ -113,7 +113,7 @@ impl Located<'_> {
     }
 }
 
-/// How finely the map is cut.
+/// The numbers of nodes of the map.
 struct Resolution {
     radius: usize,
     depth: usize,

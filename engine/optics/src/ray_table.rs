@@ -13,8 +13,8 @@
 //! In front of the lens a ray is its unit direction and its point nearest to the entrance pupil's centre: both stay
 //! finite and smooth at 90 degrees from the axis and beyond, where two planes do not.
 //!
-//! What it leaves out: other wavelengths than its own, and aberrations finer than its grid. Wide open these are below
-//! 0.04 pixels of 1000 across (rms) for every shipped lens but the ball, whose rays part without bound towards its rim.
+//! The table leaves out other wavelengths than its own, and aberrations finer than its grid. Wide open these are below 0.04 pixels of 1000
+//! across (rms) for every shipped lens but the ball, whose rays part without bound towards its rim.
 
 use glam::{DVec2, DVec3, Vec4};
 
@@ -32,7 +32,7 @@ mod window;
 use grid::{Axis, Stencil, fill_gaps};
 use window::Window;
 
-/// How finely a table is cut: nodes of each axis.
+/// Resolution of a table: nodes of each axis.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Grid {
     /// From the axis to the farthest film point, of a lens that is symmetric about its axis.
@@ -340,7 +340,7 @@ fn limiting_rims<'a>(rays: impl Iterator<Item = &'a Passed>) -> Vec<usize> {
     rims
 }
 
-/// Where rays from a film cross the upright plane through its middle, mm.
+/// Extent, on the upright plane through the film's middle, of the points at which rays from the film cross it, mm.
 struct Extent {
     low: DVec2,
     high: DVec2,

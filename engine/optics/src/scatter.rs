@@ -1,4 +1,4 @@
-//! Where light that a surface scatters a little arrives on the film, to first order.
+//! The place on the film of light that a surface scatters by a small angle, to first order.
 //!
 //! A surface that changes the direction of a ray by a small angle moves the place where it meets the film by the angle times the element
 //! B of the matrix from the surface to the film (Peterson, "Analytic expressions for in-field scattered light distributions", Proc.
@@ -14,9 +14,9 @@ use crate::system::System;
 pub struct Scatterer {
     /// Its number in the lens.
     pub surface: usize,
-    /// How much longer the path is through a bump of height one: the step of the index; of a mirror twice the index.
+    /// Path difference through a bump of height one: the step of the index; of a mirror twice the index.
     pub path_per_height: f64,
-    /// How far on the film light arrives from where it should, for one of the angle; mm.
+    /// Displacement of the light on the film, for one of the angle; mm.
     pub reach_mm: f64,
     /// Dust can lie on it: there is air on a side.
     pub is_open: bool,

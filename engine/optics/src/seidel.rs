@@ -12,7 +12,7 @@ const WIDEST_FIELD_DEG: f64 = 30.0;
 /// The field where a lens file does not say its own.
 const USUAL_FIELD_DEG: f64 = 20.0;
 
-/// What one surface, or the whole lens, adds to the aberrations. In mm.
+/// The aberrations of one surface, or of the whole lens. In mm.
 ///
 /// With the marginal ray's slope n′u′ behind the lens, a ray through the pupil at (ρ, φ) of its radius, φ from the
 /// meridian, misses the Gaussian image by (1 / n′u′) ∂W/∂(ρ cos φ) along the meridian,
@@ -47,7 +47,7 @@ impl Sum for Sums {
 pub struct Seidel {
     /// Angle of the chief ray before the lens, in degrees.
     pub field_deg: f64,
-    /// What each surface adds.
+    /// The sums of each surface.
     pub by_surface: Vec<Sums>,
 }
 

@@ -28,7 +28,7 @@ pub struct SingleSurface {
     pub obstruction_mm: f64,
 }
 
-/// Where a ray meets the surface.
+/// The hit of a ray on the surface.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Hit {
     /// Distance along the ray in mm.
@@ -39,10 +39,10 @@ pub struct Hit {
     pub normal: DVec3,
 }
 
-/// What became of a ray.
+/// The outcome of a ray.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Outcome {
-    /// Where it meets the surface, if it does; also if it goes no farther.
+    /// The hit on the surface, if there is one; also of a ray that goes no farther.
     pub hit: Option<Hit>,
     /// The unit direction in which it goes on, or why it does not.
     pub direction: Result<DVec3, Failure>,

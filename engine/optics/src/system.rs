@@ -25,7 +25,7 @@ pub enum FocalLength {
     Millimetres(f64),
 }
 
-/// What the user chooses of a lens. The default: as published, wide open, round.
+/// The user's settings of a lens. The default: as published, wide open, round.
 #[derive(Clone, Copy, Debug, Default, PartialEq)]
 pub struct SystemSettings {
     /// Focal length.
@@ -38,7 +38,7 @@ pub struct SystemSettings {
     pub blades: u32,
     /// Turn of the diaphragm, from x towards y.
     pub blade_rotation_rad: f64,
-    /// How far the blades are curved: 0 straight, 1 the full circle.
+    /// Curvature of the blades: 0 straight, 1 the full circle.
     pub blade_curvature: f64,
 }
 
@@ -79,7 +79,7 @@ pub enum SystemError {
 /// Powers below this part of 1/track are rounding.
 const NO_POWER: f64 = 1e-12;
 
-/// What happens at a surface.
+/// The action of a surface on light.
 #[derive(Clone, Debug, PartialEq)]
 pub enum Element {
     /// Refraction between media, which may be the same.
@@ -110,7 +110,7 @@ impl Element {
 pub struct Surface {
     /// Shape.
     pub shape: Shape,
-    /// How it stands to its place on the axis.
+    /// Its pose at its place on the axis.
     pub pose: Pose,
     /// Vertex in lens space.
     pub z_mm: f64,
@@ -120,15 +120,15 @@ pub struct Surface {
     pub semi_diameter_mm: f64,
     /// Half of the diameter of a central obstruction, or 0.
     pub obstruction_mm: f64,
-    /// What happens here.
+    /// Refraction or reflection.
     pub element: Element,
     /// Thin films on it.
     pub coating: Coating,
 }
 
 impl Surface {
-    /// What becomes of light of a vacuum wavelength that comes to the surface under an angle with this cosine, from the scene's side or
-    /// from the film's. A mirror of which nothing is known reflects everything; a gradient counts by its index on the axis.
+    /// The split of light of a vacuum wavelength that comes to the surface under an angle with this cosine, from the scene's side or from
+    /// the film's. A mirror of which nothing is known reflects everything; a gradient counts by its index on the axis.
     pub fn split(&self, wavelength_nm: f64, cos_incidence: f64, towards_film: bool) -> Split {
         let (from, to) = match &self.element {
             Element::Refract { from, to } => (from, to),

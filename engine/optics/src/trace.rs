@@ -30,7 +30,7 @@ pub use spectral::{LINES, Leaving, SpectralBundle, SpectralTracer};
 pub struct Ray {
     /// A point on it.
     pub origin: DVec3,
-    /// Where it goes: a unit vector.
+    /// The direction: a unit vector.
     pub direction: DVec3,
 }
 

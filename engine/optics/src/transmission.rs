@@ -1,4 +1,4 @@
-//! What a lens lets through along one ray: what its surfaces reflect and absorb on the way, and what its glasses absorb.
+//! Transmission of a lens along one ray: reflection and absorption at its surfaces, and absorption in its glasses.
 //!
 //! Light that is reflected twice is not counted here: it is a ghost. Between two surfaces the planes of incidence turn, so the light
 //! that one has polarised meets the next in another way: amplitudes go on along s and p of each surface in turn (Chipman, *Opt. Eng.*

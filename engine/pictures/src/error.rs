@@ -1,4 +1,4 @@
-//! What can go wrong.
+//! Errors of reading, joining and writing pictures.
 
 use std::path::PathBuf;
 
@@ -29,7 +29,7 @@ pub enum MergeError {
     Unlike {
         /// The one that is not like the first.
         file: PathBuf,
-        /// What is not.
+        /// The property that differs.
         what: String,
     },
     /// More pixels than there is memory for, or than a file of that length can hold.

@@ -21,7 +21,7 @@ const INDICES: [&str; 4] = ["Object Index", "Material Index", "IndexOB", "IndexM
 const FARTHEST: f32 = 1e10;
 const NEARLY_FARTHEST: f32 = 1e9;
 
-/// What was joined.
+/// Data of the merged picture.
 #[derive(Clone, Debug, PartialEq)]
 pub struct Merged {
     /// Mean samples a pixel.
@@ -100,7 +100,7 @@ fn write(part: &Part, output: &Path) -> Result<(), MergeError> {
     replace(output, |file| part.picture.write().to_buffered(file))
 }
 
-/// Whether they are parts of one picture, none of them twice.
+/// Checks that the files are parts of one picture, none of them twice.
 fn check(parts: &[Part]) -> Result<(), MergeError> {
     let first = &parts[0];
     let names: BTreeSet<&String> = first.names().collect();

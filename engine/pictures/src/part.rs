@@ -82,7 +82,7 @@ impl Part {
         self.picture.layer_data.first().map_or([0; 2], |layer| [layer.size.x(), layer.size.y()])
     }
 
-    /// Whether the file holds what was written into it.
+    /// True if the file's compression is lossless.
     pub(crate) fn is_lossless(&self) -> bool {
         use Compression as C;
         let lossless = |layer: &Layer<_>| {

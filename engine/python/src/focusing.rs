@@ -86,7 +86,7 @@ pub(crate) fn sharp_points_json(
     Ok(text(&found))
 }
 
-/// Where the camera is sharp, over a grid of its picture.
+/// The sharp distances of a camera, over a grid of its picture.
 #[pyfunction]
 #[pyo3(signature = (camera, width, height, columns, rows, confusion_mm = None))]
 pub(crate) fn sharpness_json(

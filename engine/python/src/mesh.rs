@@ -10,7 +10,7 @@ use petzval_render::scene::motion::Poses;
 use pyo3::prelude::*;
 use pyo3::types::PyDict;
 
-/// What values belong to ("POINT", "CORNER": of faces, "TRIANGLE"), and these, one a row.
+/// The domain of values ("POINT", "CORNER": of faces, "TRIANGLE"), and these, one a row.
 pub(crate) type PyCorners<'py> = (String, PyReadonlyArray2<'py, f32>);
 
 /// A mesh's vertices at a key, and the normals of its corners, if they are given.

@@ -16,7 +16,7 @@ use pyo3::prelude::*;
 use serde_json::{Value, json};
 use std::collections::BTreeMap;
 
-/// What is simulated in one picture, and why.
+/// A plan: the effects that are simulated in one picture, and the reasons.
 #[pyclass(frozen)]
 pub(crate) struct Plan {
     pub(crate) plan: plan::Plan,

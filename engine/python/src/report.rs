@@ -21,7 +21,7 @@ use serde_json::{Value, json};
 const MOST: usize = 2000;
 const MOST_RAYS_OF_A_SIDE: usize = 500;
 
-/// How a lens is looked at. Read by attribute; `petzval/lens_setting.py` has the dataclass.
+/// The settings of a lens report. Read by attribute; `petzval/lens_setting.py` has the dataclass.
 #[derive(FromPyObject)]
 pub(crate) struct Look {
     /// Angles to the axis; none: the report's own.

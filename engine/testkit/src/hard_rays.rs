@@ -11,7 +11,7 @@ mod dice;
 use crate::exact::Case;
 use dice::Dice;
 
-/// What makes a ray hard.
+/// The property that makes a ray hard.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, Hash, PartialOrd, Ord)]
 pub enum Category {
     /// Nothing: conics as lenses have them, within and a little beyond the rim. The group to compare with.

@@ -1,4 +1,4 @@
-//! What the tests of Petzval share, on plain numbers: it knows nothing of the engine that it judges.
+//! Shared parts of the tests of Petzval, on plain numbers: it knows nothing of the engine that it judges.
 //!
 //! [`chi_square`] says whether samples follow the density that they claim. [`exact`] traces a ray through one surface
 //! in 320-bit numbers, and [`hard_rays`] generates the rays that are worth it. [`lenses`] lists lens files, and

@@ -41,7 +41,7 @@ fn closure(kind: &str) -> Option<LayerKind> {
     })
 }
 
-/// Whether a closure's input has three parts.
+/// The kind of a closure's input: of three parts, or a number.
 fn kind_of_input(layer: LayerKind, identifier: &str) -> Kind {
     const PARTS: [&str; 9] = [
         "Color",

@@ -14,7 +14,7 @@ use crate::sky::{Sky, SunDisc};
 use crate::table::Table;
 use glam::{Affine3A, Vec3A};
 
-/// How many values a program may hold at once.
+/// Number of values that a program may hold at once.
 pub(crate) const REGISTERS: usize = 256;
 
 /// Working memory of programs: make one a thread, and run any program in it.
@@ -25,7 +25,7 @@ pub struct Registers {
 }
 
 impl Registers {
-    /// What an instruction with result 0 has left.
+    /// The results of an instruction with result 0.
     pub(crate) fn results(&self) -> (Vec3A, [Vec3A; 3]) {
         (self.values[0], self.further)
     }
@@ -37,7 +37,7 @@ impl Default for Registers {
     }
 }
 
-/// What kind of closure a layer is. Inputs and options have Blender's names.
+/// The kind of a layer's closure. Inputs and options have Blender's names.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 #[expect(missing_docs, reason = "named after Blender's nodes")]
 pub enum LayerKind {
@@ -131,7 +131,7 @@ impl Program {
         (operand.0 >= FIRST_CONSTANT).then(|| self.constants[usize::from(operand.0 - FIRST_CONSTANT)])
     }
 
-    /// What of the point it reads.
+    /// The fields of the point that it reads.
     pub fn reads(&self) -> impl Iterator<Item = Field> + '_ {
         self.code.iter().filter_map(|instruction| match instruction.operation {
             Operation::Read(field, _) => Some(field),
@@ -145,7 +145,7 @@ impl Program {
         self.skies.iter().filter_map(Sky::sun)
     }
 
-    /// How many instructions a run takes.
+    /// Number of instructions of a run.
     pub fn instructions(&self) -> usize {
         self.code.len()
     }

@@ -7,7 +7,7 @@ use glam::Vec3A;
 use std::f32::consts::{FRAC_PI_2, PI, TAU};
 use std::sync::{Arc, Mutex};
 
-/// How often light is scattered.
+/// Number of scatterings of light.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub(crate) enum Scattering {
     /// Once; as Blender 4 tabulates it, or as 5 does.
@@ -19,7 +19,7 @@ pub(crate) enum Scattering {
     Multiple,
 }
 
-/// What a Sky Texture node says.
+/// The settings of a Sky Texture node.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub(crate) struct AtmosphereSettings {
     pub(crate) scattering: Scattering,
@@ -45,7 +45,7 @@ pub(crate) struct Atmosphere {
     horizon_rad: f32,
 }
 
-/// What the tables depend on: the kind, the sun's elevation, altitude, densities.
+/// The values that the tables depend on: the kind, the sun's elevation, altitude, densities.
 type Key = (Scattering, [f32; 5]);
 
 /// The last tables made: a sync after a change elsewhere need not wait for them. Newest last.

@@ -14,7 +14,7 @@ pub(super) struct Panorama {
     pixels: Vec<Vec3A>,
 }
 
-/// Where a row's values are taken.
+/// The place at which a row's values are taken.
 #[derive(Clone, Copy, Debug)]
 pub(super) enum Place {
     /// In the middle of each pixel.

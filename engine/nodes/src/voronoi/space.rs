@@ -1,4 +1,4 @@
-//! What Voronoi needs of one to four dimensions: cells, the point in each, distances.
+//! Operations of Voronoi in one to four dimensions: cells, the point in each, distances.
 
 use super::{CellHash, Metric};
 use crate::hash::{cell2, cell3, cell4, cells3, colour1, colour2, colour3, colour4, unit1, unit2, unit3, unit4};
@@ -80,7 +80,7 @@ pub(super) trait Space:
     type Wider: AsRef<[Self]>;
 
     fn floor(self) -> Self;
-    /// Where the point of a cell lies in it, from 0 to 1.
+    /// The place of a cell's point in the cell, from 0 to 1.
     fn point(cell: Self, hash: CellHash) -> Self;
     fn colour(cell: Self, hash: CellHash) -> Vec3A;
     fn dot(self, other: Self) -> f32;

@@ -1,5 +1,4 @@
-//! Where the middle rays of fields land, and where the light about them is sharp: distortion, field curvature with astigmatism,
-//! lateral colour.
+//! Chief rays of fields on the film, and foci of the rays about them: distortion, field curvature with astigmatism, lateral colour.
 
 use glam::{DVec2, DVec3};
 
@@ -14,15 +13,15 @@ const BESIDE: f64 = 1e-4;
 pub struct ChiefRay {
     /// The field's angle.
     pub angle_deg: f64,
-    /// Where it meets the film, tangential, mm from the axis, at the main wavelength.
+    /// Height at which it meets the film, tangential, mm from the axis, at the main wavelength.
     pub height_mm: f64,
-    /// Where a picture without distortion has it, by the tangent of the angle; `None` from 90 degrees on.
+    /// Its height in a picture without distortion, by the tangent of the angle; `None` from 90 degrees on.
     pub straight_height_mm: Option<f64>,
-    /// Where one has it whose heights go with the angle itself (f-theta).
+    /// Its height in a picture whose heights go with the angle itself (f-theta).
     pub even_height_mm: f64,
-    /// Where the rays beside it in the plane of the field cross it, along z from the film; `None`: nowhere.
+    /// The place at which the rays beside it in the plane of the field cross it, along z from the film; `None`: nowhere.
     pub tangential_focus_mm: Option<f64>,
-    /// Where those at right angles do.
+    /// The place at which the rays beside it at right angles to the plane of the field cross it, along z from the film; `None`: nowhere.
     pub sagittal_focus_mm: Option<f64>,
     /// By wavelength: the height, from that of the main one. `None`: it has no such ray.
     pub colour_mm: Vec<Option<f64>>,
@@ -65,7 +64,8 @@ impl Analysis<'_> {
         self.turned(landing).y / SMALL_DEG.to_radians().tan()
     }
 
-    /// Where the rays on both sides of the middle one along an axis of the field's plane are nearest it, along z from the film.
+    /// The place at which the rays on both sides of the middle one along an axis of the field's plane are nearest to it, along z from the
+    /// film.
     fn focus_beside(&self, view: &View, axis: DVec2) -> Option<f64> {
         let line = &self.lines[self.main];
         let chief = self.chief(self.main, view)?;

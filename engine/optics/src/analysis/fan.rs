@@ -29,10 +29,10 @@ pub struct FanLine {
 /// A ray of a fan.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct FanRay {
-    /// Where it meets the stop, in radii of its opening, along the fan.
+    /// The place at which it meets the stop, in radii of its opening, along the fan.
     pub pupil: f64,
-    /// Where it meets the film, along the fan: the tangential part of a tangential fan, the sagittal one of the other; from the ray of
-    /// the main wavelength through the middle of the stop.
+    /// The place at which it meets the film, along the fan: the tangential part of a tangential fan, the sagittal one of the other; from
+    /// the ray of the main wavelength through the middle of the stop.
     pub error_mm: f64,
     /// Its way beyond that of the middle ray of the same wavelength, in wavelengths: to the sphere through the middle of the exit pupil
     /// whose centre is where that ray meets the film, the plane at infinity if the exit pupil is there.

@@ -1,4 +1,4 @@
-//! How bright the film is off the axis: the light of a scene that is equally bright everywhere.
+//! Illumination of the film off the axis: the light of a scene that is equally bright everywhere.
 
 use glam::{DVec2, DVec3};
 
@@ -30,7 +30,7 @@ pub struct Illumination {
 }
 
 impl Analysis<'_> {
-    /// Where the light of these fields is on the film, at the main wavelength; fields from which nothing comes are left out.
+    /// Illumination of the film by these fields, at the main wavelength; fields from which nothing comes are left out.
     pub fn illumination(&self, angles_deg: &[f64]) -> Vec<Illumination> {
         let axis = self.lit(0.0).map(|found| found.projected_sr).filter(|sr| *sr > 0.0);
         let relative = |found: Illumination| Illumination { relative: axis.map(|sr| found.projected_sr / sr), ..found };

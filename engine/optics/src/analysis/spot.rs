@@ -77,8 +77,8 @@ impl Analysis<'_> {
         })
     }
 
-    /// Where rays of the main wavelength land that meet the stop at these places, in radii of its opening: sagittal and tangential, mm
-    /// from the film's middle. `None`: a rim or a surface keeps that ray.
+    /// The points on the film of rays of the main wavelength that meet the stop at these places, in radii of its opening: sagittal and
+    /// tangential, mm from the film's middle. `None`: a rim or a surface keeps that ray.
     pub fn through_stop(&self, angle_deg: f64, stops: &[[f64; 2]]) -> Vec<Option<[f64; 2]>> {
         let Some(view) = self.view(angle_deg) else { return vec![None; stops.len()] };
         let Line { tracer, probe, .. } = &self.lines[self.main];

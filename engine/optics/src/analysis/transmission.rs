@@ -1,4 +1,4 @@
-//! What the lens lets through of each colour, on the axis and at fields off it.
+//! Transmission of the lens in each colour, on the axis and at fields off it.
 
 use super::Analysis;
 use crate::transmission::{Passage, Passages};

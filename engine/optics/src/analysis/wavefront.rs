@@ -1,4 +1,4 @@
-//! How long the light of a point is under way: the angle characteristic of the rays behind the lens.
+//! Optical path lengths of the light of a point: the angle characteristic of the rays behind the lens.
 //!
 //! A ray's *path* is its optical path from the source (from its plane wave, at infinity) to the foot of the perpendicular on
 //! it from the place Q of the film. As a function W(α, β) of the ray's direction cosines, times the index before the film, in the
@@ -26,7 +26,7 @@ pub(super) struct Path {
     pub(super) out: Ray,
     /// To the foot of the perpendicular from the film's place.
     pub(super) path_mm: f64,
-    /// Where it crosses the plane that touches the film there: sagittal and tangential, mm.
+    /// The point at which it crosses the plane that touches the film there: sagittal and tangential, mm.
     pub(super) crossing: DVec2,
     /// Length of the perpendicular.
     miss_mm: f64,

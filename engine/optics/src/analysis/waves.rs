@@ -21,7 +21,7 @@ const SOFT: usize = 5;
 pub(super) struct Wave {
     /// Amplitude, by real and imaginary part.
     pub(super) amplitude: DVec2,
-    /// Where its ray crosses the film: sagittal and tangential, mm.
+    /// The point at which its ray crosses the film: sagittal and tangential, mm.
     pub(super) crossing: DVec2,
 }
 

@@ -1,4 +1,4 @@
-//! What thin films are made of.
+//! The materials of thin films.
 //!
 //! Indices of [`KNOWN`] are those of the bulk, by the source named; evaporated films are some per cent less dense, and are used as such
 //! by the recipes' sources. Those of [`MEASURED`] are of films.

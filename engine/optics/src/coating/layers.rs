@@ -11,9 +11,9 @@ use super::{CoatingError, Film};
 /// One film.
 #[derive(Clone, Debug, PartialEq)]
 pub struct Layer {
-    /// Of what.
+    /// The material.
     pub film: Film,
-    /// How thick.
+    /// The thickness.
     pub thickness_nm: f64,
 }
 
@@ -47,12 +47,12 @@ impl Layer {
 /// Waves do not meet again across thicker layers.
 const THICKEST_NM: f64 = 1e5;
 
-/// What becomes of light at a surface, as parts of its power: \[s, p\]. The rest is absorbed.
+/// The split of light at a surface, as parts of its power: \[s, p\]. The rest is absorbed.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Split {
-    /// Turned round.
+    /// The parts that are reflected.
     pub reflected: [f64; 2],
-    /// Let through.
+    /// The parts that are transmitted.
     pub transmitted: [f64; 2],
 }
 
@@ -272,7 +272,7 @@ mod tests {
             }
         }
 
-        /// What layers absorb is never negative, and light takes as much from either side that it gets through.
+        /// Absorption by layers is never negative, and is equal for light from either side that gets through.
         #[test]
         fn absorption_is_positive(
             layers in any_stack(true), from in 1.0..2.0f64, to in 1.0..2.0f64, cos in 0.01..=1.0f64, nm in 350.0..900.0f64

@@ -9,7 +9,7 @@ pub struct Recipe {
     pub name: &'static str,
     /// For panels.
     pub title: &'static str,
-    /// Where it stands.
+    /// The publication of the recipe.
     pub source: &'static str,
     /// In the middle of what it is for, nm.
     pub design_nm: f64,
@@ -142,7 +142,7 @@ mod tests {
         );
     }
 
-    /// Where a V coat is made for nothing is left.
+    /// A V coat reflects nothing at the wavelength that it is made for.
     #[test]
     fn a_v_coat_leaves_nothing() {
         let coating = Coating::parse("V-coat").unwrap();

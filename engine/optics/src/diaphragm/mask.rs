@@ -10,7 +10,7 @@ const WIDEST: usize = 8192;
 const LEAST_PART: f64 = 1e-6;
 /// Points a side at which a cell on the rim is tried for its area.
 const TRIES: usize = 8;
-/// How often a sample that falls on a closed part is drawn again.
+/// Number of times, at most, that a sample on a closed part is drawn again.
 const MOST_DRAWS: u32 = 1000;
 
 /// Why a picture makes no diaphragm.

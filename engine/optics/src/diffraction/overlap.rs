@@ -1,4 +1,4 @@
-//! How much of a pupil overlaps with itself when it is shifted, for any direction and length of the shift.
+//! Overlap of a pupil with itself when it is shifted, for any direction and length of the shift.
 //!
 //! Lines in the direction of the shift cut the pupil into intervals; the overlap of two intervals is piecewise linear in the shift, so
 //! the sum over all lines is exact where the pupil's edges are straight between them. Lines lie between all corners: the kinks that
@@ -17,7 +17,7 @@ const STRIPS: usize = 768;
 const MANY: usize = 400;
 /// By what the edge turns at a corner, sine.
 const TURN: f64 = 0.03;
-/// Where lines lie in a strip (Gauss).
+/// Places of lines in a strip (Gauss).
 const GAUSS: [f64; 2] = [0.211_324_865_405_187_1, 0.788_675_134_594_812_9];
 
 /// Lengths of a shift, evenly in their logarithm.
@@ -25,9 +25,9 @@ const GAUSS: [f64; 2] = [0.211_324_865_405_187_1, 0.788_675_134_594_812_9];
 pub struct Shifts {
     /// The smallest, in direction cosines.
     pub first: f64,
-    /// How many to the double.
+    /// Number of shifts to the double.
     pub per_octave: f64,
-    /// How many.
+    /// Number of shifts.
     pub count: usize,
 }
 
@@ -114,7 +114,7 @@ struct Ramps<'a> {
     shifts: &'a Shifts,
     /// Of the overlap at shift 0.
     area: f64,
-    /// What the overlap has lost: slope and constant of ramps that begin before each shift, and after the one before.
+    /// The loss of the overlap: slope and constant of ramps that begin before each shift, and after the one before.
     steps: Vec<[f64; 2]>,
 }
 

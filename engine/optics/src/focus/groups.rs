@@ -27,9 +27,9 @@ pub enum GroupsError {
 pub struct Focused {
     /// The lens with its groups in place.
     pub system: System,
-    /// Where the film stands in lens space, mm.
+    /// The z of the film in lens space, mm.
     pub film_z_mm: f64,
-    /// How far the groups have moved: 0 at infinity, 1 at the nearest distance of their table.
+    /// Travel of the groups: 0 at infinity, 1 at the nearest distance of their table.
     pub travel: f64,
 }
 

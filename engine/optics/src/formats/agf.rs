@@ -23,7 +23,7 @@ use super::problem::{LensFileError, Problem, at};
 use super::remarks::{Remark, Remarks};
 use super::text::{self, Token, finite, not_a_number, tokens};
 
-/// How far the index at d may be from what the file says of it: catalogues print five or six digits.
+/// Largest difference of the index at d from the one that the file states: catalogues print five or six digits.
 const PRINTED: f64 = 2e-5;
 /// A catalogue of more glasses is none.
 const MOST_GLASSES: usize = 20_000;

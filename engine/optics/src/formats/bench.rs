@@ -264,7 +264,7 @@ impl<'a> Reader<'a> {
         Ok(())
     }
 
-    /// What a variable is in a position.
+    /// The value of a variable in a position.
     fn value(&self, name: &str, position: usize) -> Option<f64> {
         self.variables.get(name).and_then(|variable| variable.values.get(position).copied().flatten())
     }
@@ -373,7 +373,7 @@ impl<'a> Reader<'a> {
         }
     }
 
-    /// How many focal lengths the lens is given for.
+    /// Number of focal lengths that the lens is given for.
     fn zooms(&self) -> usize {
         let Some(focal) = self.variables.get("Focal Length") else { return 0 };
         let known = focal.values.iter().take_while(|value| value.is_some()).count();

@@ -15,7 +15,7 @@ use super::text::stem;
 
 /// A file of more surfaces is none.
 pub(super) const MOST_SURFACES: usize = 1000;
-/// How much wider than its beams a surface is taken to be where the file does not say: they are known to about that.
+/// Width of a surface over that of its beams where the file does not state it: the beams are known to about that.
 const ROOM: f64 = 1.02;
 /// Beams of more fields tell nothing new.
 const MOST_FIELDS: usize = 50;
@@ -58,7 +58,7 @@ impl DraftRow {
     }
 }
 
-/// What a file says of how wide the beam on the axis is.
+/// A file's statement of the width of the beam on the axis.
 #[derive(Clone, Copy, Debug)]
 pub(super) enum Beam {
     /// Diameter of the entrance pupil, mm.
@@ -73,11 +73,11 @@ pub(super) enum Beam {
 #[derive(Clone, Copy, Debug)]
 pub(super) struct FieldPoint {
     pub(super) y: f64,
-    /// What of the pupil's radius is cut off below and above.
+    /// The parts of the pupil's radius that are cut off below and above.
     pub(super) cut: [f64; 2],
 }
 
-/// How the fields are measured.
+/// The measure of the fields.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub(super) enum FieldKind {
     Degrees,
@@ -304,7 +304,7 @@ impl<'a> Draft<'a> {
         self.rows.iter().map(one).collect()
     }
 
-    /// How wide the stop is, by the beam that the file wants.
+    /// Sets the stop's width, by the beam that the file wants.
     fn open_stop(&mut self, stop: usize) {
         let thin = self.thin();
         let front = front_of(&thin, stop);
@@ -322,7 +322,7 @@ impl<'a> Draft<'a> {
         }
     }
 
-    /// How wide the other surfaces are, where the file does not say: as wide as the beams of its fields.
+    /// Sets the widths of the other surfaces, where the file does not state them: those of the beams of its fields.
     fn open_rims(&mut self, stop: usize) {
         let good = |x: f64| x.is_finite() && x > 0.0;
         let given = |row: &DraftRow| row.semi_diameter_mm.filter(|x| good(*x));
@@ -351,7 +351,7 @@ impl<'a> Draft<'a> {
         }
     }
 
-    /// How far out the beams of the fields reach on the surfaces.
+    /// Distances from the axis that the beams of the fields reach on the surfaces.
     fn beams(&self, stop: usize) -> Vec<f64> {
         let thin = self.thin();
         let front = front_of(&thin, stop);
@@ -399,7 +399,7 @@ impl<'a> Draft<'a> {
         largest
     }
 
-    /// What the design is for, into the header.
+    /// Writes the conditions of the design into the header.
     fn note_design(&mut self) {
         if let Some(Beam::FNumber(number)) = self.beam {
             self.metadata.f_number = Some(number);

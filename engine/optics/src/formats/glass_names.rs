@@ -50,7 +50,7 @@ const ALIASES: [(&str, &str); 12] = [
     ("ps", "polystyrene"),
 ];
 
-/// Where the names of a file are looked up.
+/// The catalogues in which the names of a file are looked up.
 pub(super) struct Glasses<'a> {
     catalogue: &'a Catalogue,
     /// The folder of the lens file, for catalogues beside it.

@@ -180,7 +180,7 @@ struct Reader<'a> {
     rows: Vec<SurfaceRow>,
     /// Index, line and column of the stop.
     stop: Option<(usize, usize)>,
-    /// Where the first row says whether it is the stop.
+    /// The place at which the first row says whether it is the stop.
     first_flag: Place,
     metadata: Metadata,
 }
@@ -355,7 +355,7 @@ impl<'a> Reader<'a> {
         }
     }
 
-    /// Where a column stands in a row.
+    /// The index of a column in a row.
     fn column_index(&self, column: Column) -> usize {
         let extra = |is_it: &dyn Fn(&str) -> bool| {
             self.extra.iter().position(|name| is_it(name)).map_or(0, |i| COLUMNS.len() + i)

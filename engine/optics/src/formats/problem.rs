@@ -1,4 +1,4 @@
-//! What is wrong in a lens file, and where.
+//! Errors in lens files, and their places.
 
 use std::fmt;
 
@@ -9,7 +9,7 @@ use crate::glass::GlassError;
 use crate::prescription::moving::MovingError;
 use crate::prescription::{LensGroup, Place, PrescriptionError};
 
-/// What is wrong in a lens file.
+/// An error in a lens file.
 #[derive(Clone, Debug, PartialEq, Error)]
 pub enum Problem {
     /// The file cannot be opened or read.
@@ -35,7 +35,7 @@ pub enum Problem {
     Malformed {
         /// The text found.
         found: String,
-        /// What should stand there.
+        /// The text that should stand there.
         expected: String,
     },
     /// Something that the engine has no means for, without which the lens would be another.
@@ -157,9 +157,9 @@ pub enum Problem {
 pub struct LensFileError {
     /// The file, as it was named.
     pub file: String,
-    /// Where in it, counted from 1.
+    /// The place in the file, counted from 1.
     pub place: Place,
-    /// What is wrong.
+    /// The error.
     pub problem: Problem,
 }
 

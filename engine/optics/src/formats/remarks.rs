@@ -1,4 +1,4 @@
-//! What a reader left out or took for something else, line by line.
+//! Remarks of a reader on parts of a file that it left out or took for something else, line by line.
 
 use std::collections::HashMap;
 use std::fmt;
@@ -10,7 +10,7 @@ use crate::prescription::{Place, Prescription};
 pub struct Reading {
     /// The lens.
     pub prescription: Prescription,
-    /// What was left out, in the order of the file's lines.
+    /// Remarks on parts that were left out, in the order of the file's lines.
     pub remarks: Vec<Remark>,
 }
 
@@ -19,9 +19,9 @@ pub struct Reading {
 pub struct Remark {
     /// The file, as it was named.
     pub file: String,
-    /// Where in it, counted from 1.
+    /// The place in the file, counted from 1.
     pub place: Place,
-    /// What became of it.
+    /// The remark.
     pub text: String,
 }
 

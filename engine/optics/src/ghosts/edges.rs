@@ -1,4 +1,4 @@
-//! Where the part of a beam that gets through ends: the cells of a grid that its edge crosses, cut along it.
+//! The edge of the part of a beam that gets through: the cells of a grid that its edge crosses, cut along it.
 //!
 //! Each cell is parted once more; along the sides of the parts whose ends fare differently the edge is found by halving. Between two
 //! such points it is taken for straight.
@@ -8,7 +8,7 @@ use glam::DVec2;
 /// Parts of a cell along each side, and points.
 const PARTS: usize = 3;
 const POINTS: usize = PARTS + 1;
-/// How often a side is halved: from a part to a hundredth of a cell.
+/// Number of halvings of a side: from a part to a hundredth of a cell.
 const HALVINGS: usize = 5;
 /// Sides of a cell's parts: those along x, then those along y.
 const SIDES: usize = 2 * PARTS * POINTS;

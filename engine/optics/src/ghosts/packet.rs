@@ -48,7 +48,7 @@ pub struct Window {
     pub low: DVec2,
     /// The other corner.
     pub high: DVec2,
-    /// How much of the film the ghost of that part covers, as its bounds: low and high corner, mm.
+    /// Bounds of the ghost of that part on the film: low and high corner, mm.
     pub film: [DVec2; 2],
     /// The light that gets to the film's plane were nothing lost by reflection, mm² as in [`Piece::light_mm2`].
     pub open_mm2: f64,
@@ -86,8 +86,8 @@ impl GhostTracer {
         &self.open
     }
 
-    /// What part of a beam gets to the film; `None` if none was found. It is looked for what is at least `part` of the beam's
-    /// width wide: about as wide as the entrance pupil.
+    /// The part of a beam that gets to the film; `None` if none was found. The search finds parts at least `part` of the beam's width wide:
+    /// about as wide as the entrance pupil.
     pub fn window(&self, beam: &Beam, film: &FilmFrame, part: f64, bundle: &mut Bundle<f32>) -> Option<Window> {
         let whole = [DVec2::splat(-1.0), DVec2::splat(1.0)];
         let rays = (ON_PART / part.max(1e-3)).ceil() as usize;
@@ -172,7 +172,7 @@ impl GhostTracer {
         });
     }
 
-    /// What part of the power gets along the path, over a window.
+    /// The part of the power that gets along the path, over a window.
     fn power(&self, system: &System, beam: &Beam, window: &Window) -> Power {
         let exact = |at: DVec2| power::along(system, &self.open, beam.ray(at)).map(|found| found.1);
         let even = Power::new(window, POWER_SIDE, exact);
@@ -186,7 +186,7 @@ impl GhostTracer {
     }
 }
 
-/// Where rays through points of the disc come to on the film.
+/// Traces rays through points of the disc to the film.
 fn trace(
     tracer: &Tracer<f32>,
     beam: &Beam,

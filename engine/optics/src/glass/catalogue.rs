@@ -110,7 +110,7 @@ impl Catalogue {
         }
     }
 
-    /// How many media have a name.
+    /// Number of media with a name.
     pub fn len(&self) -> usize {
         self.media.len()
     }
@@ -183,7 +183,7 @@ impl Catalogue {
         found.into_iter().map(|(_, key)| key.clone()).collect()
     }
 
-    /// What to write in a lens file to get this medium; `None` if it stands in no catalogue.
+    /// The name by which a lens file gets this medium; `None` if it stands in no catalogue.
     pub fn token_of(&self, medium: &Medium) -> Option<String> {
         let is_it = |token: &String| self.medium(token).is_ok_and(|found| found == *medium);
         let makers = self.makers_of(medium.name());

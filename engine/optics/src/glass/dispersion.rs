@@ -1,13 +1,13 @@
-//! How an index of refraction follows from the wavelength: the formulas of the makers' catalogues.
+//! Dispersion, the dependence of the index of refraction on the wavelength: the formulas of the makers' catalogues.
 
-/// How the index follows from the wavelength `l` in micrometres.
+/// The index as a function of the wavelength `l` in micrometres.
 #[derive(Clone, Debug, PartialEq)]
 pub enum Dispersion {
     /// An index that does not depend on the wavelength.
     Constant(f64),
     /// n² = 1 + a + Σ b l² / (l² − c), pairs (b, c).
     Sellmeier {
-        /// What is added to 1.
+        /// The constant beside 1.
         a: f64,
         /// (b, c in µm²).
         terms: Vec<[f64; 2]>,
@@ -37,7 +37,7 @@ pub enum Dispersion {
     },
     /// n = 1 + a + Σ b / (c − l⁻²), pairs (b, c).
     Gas {
-        /// What is added to 1.
+        /// The constant beside 1.
         a: f64,
         /// (b, c in µm⁻²).
         terms: Vec<[f64; 2]>,

@@ -21,7 +21,7 @@ pub struct GradientTerm {
     pub coefficient: f64,
 }
 
-/// What is added to the index of a medium at a place: Σ a z^i r^2j, lengths in mm.
+/// The index gradient of a medium, which is added to its index at a place: Σ a z^i r^2j, lengths in mm.
 ///
 /// r is the distance from the axis of the surface that the medium follows, z the way along that axis from the place where
 /// z is 0. Every wavelength is given the same: of Liou and Brennan's eye (J. Opt. Soc. Am. A 14, 1684, 1997) all media
@@ -52,7 +52,7 @@ impl Gradient {
         &self.terms
     }
 
-    /// Where z is 0: so far behind the vertex that it is seen from.
+    /// Distance of the place where z is 0 behind the vertex that the medium is seen from.
     pub fn from_mm(&self) -> f64 {
         self.from_mm
     }
@@ -93,8 +93,8 @@ impl Gradient {
         rows
     }
 
-    /// What rays near the axis meet between the vertex that the medium is seen from and a plane `thickness_mm` (signed)
-    /// behind it: the matrix, and what the way adds to the Petzval sum. `base` is the signed index where all terms are 0.
+    /// First-order optics between the vertex that the medium is seen from and a plane `thickness_mm` (signed) behind it: the matrix, and
+    /// the part of the Petzval sum. `base` is the signed index where all terms are 0.
     ///
     /// There n = n₀(z) + n₂(z) r², and y′ = ν / n₀, ν′ = 2 n₂ y (Sands, J. Opt. Soc. Am. 60, 1436, 1970). A layer has the
     /// power −2 n₂ dz and adds it over n₀² to the sum.

@@ -68,7 +68,7 @@ impl Medium {
         self
     }
 
-    /// How its index changes from place to place; `None`: it does not.
+    /// The gradient of its index; `None`: the index is spatially constant.
     pub fn gradient(&self) -> Option<&Gradient> {
         self.gradient.as_deref()
     }
@@ -101,7 +101,7 @@ impl Medium {
         self.transmittance.as_ref().map(|known| known.at(wavelength_nm, thickness_mm))
     }
 
-    /// What is known of the light that it lets through.
+    /// Its internal transmittance, if known.
     pub fn transmittance(&self) -> Option<&InternalTransmittance> {
         self.transmittance.as_deref()
     }
@@ -136,7 +136,7 @@ impl Medium {
         &self.name
     }
 
-    /// Where the numbers come from.
+    /// The source of the numbers.
     pub fn source(&self) -> &str {
         &self.source
     }
@@ -172,7 +172,7 @@ impl Medium {
         shortest_nm >= self.range_nm[0] - ROUNDING_NM && longest_nm <= self.range_nm[1] + ROUNDING_NM
     }
 
-    /// What there is to say to somebody who asks for an index outside of that range.
+    /// The remark on an index outside of the range of wavelengths.
     pub fn range_note(&self) -> String {
         let Self { name, range_nm: [start, end], .. } = self;
         format!("glass {name}: its index is known from {start:.0} to {end:.0} nm, beyond it is kept as at the end")

@@ -1,4 +1,4 @@
-//! What a glass lets through of the light inside of it, without the losses at its surfaces.
+//! Internal transmittance of glasses, without the losses at their surfaces.
 
 /// Internal transmittance by wavelength, as catalogues list it: for a plate of some thickness.
 #[derive(Clone, Debug, PartialEq)]

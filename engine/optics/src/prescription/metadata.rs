@@ -1,6 +1,6 @@
-//! What the header of a lens file says beside the surfaces.
+//! Data from the header of a lens file beside the surfaces.
 
-/// What a lens is for, as a photographer sorts lenses: a closed list.
+/// The purpose of a lens, as a photographer sorts lenses: a closed list.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, PartialOrd, Ord)]
 pub enum LensGroup {
     /// Sees more than the eye at rest does.
@@ -70,12 +70,12 @@ impl LensGroup {
     }
 }
 
-/// What the header of a lens file says beside the surfaces. Numbers are those that the source states, not computed ones.
+/// Data from the header of a lens file beside the surfaces. Numbers are those that the source states, not computed ones.
 #[derive(Clone, Debug, Default, PartialEq)]
 pub struct Metadata {
-    /// Where the numbers come from.
+    /// The source of the numbers.
     pub source: Option<String>,
-    /// What the lens is for.
+    /// The purpose of the lens.
     pub group: Option<LensGroup>,
     /// The lens is one of those to begin with.
     pub is_first_choice: bool,
@@ -94,7 +94,7 @@ pub struct Metadata {
 }
 
 impl Metadata {
-    /// What stands in the header for a number that the source does not state.
+    /// The text in the header for a number that the source does not state.
     pub const NOT_PUBLISHED: &str = "not published";
 
     /// The text of a key, as it stands in the header; of several the first.

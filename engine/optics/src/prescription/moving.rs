@@ -14,7 +14,7 @@ use crate::glass::Medium;
 use crate::prescription::{Behind, PrescriptionError, SurfaceRow};
 use crate::surface::Conic;
 
-/// What of a surface may change.
+/// A quantity of a surface that may change.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub enum Quantity {
     /// The thickness behind it, mm.
@@ -25,7 +25,7 @@ pub enum Quantity {
     Conic,
     /// The clear diameter, mm.
     Diameter,
-    /// What is added at every wavelength to the index of the medium behind it.
+    /// The number that is added at every wavelength to the index of the medium behind it.
     IndexShift,
 }
 
@@ -164,7 +164,7 @@ struct Zoom {
     values: Vec<Vec<f64>>,
 }
 
-/// What of a lens moves, by zoom and focus.
+/// The moving parts of a lens, by zoom and focus.
 #[derive(Clone, Debug, PartialEq)]
 pub struct MovingParts {
     parts: Vec<Part>,
@@ -229,12 +229,12 @@ impl MovingParts {
         self.zooms_in.then(|| [self.zooms[0].mm, self.zooms[self.zooms.len() - 1].mm])
     }
 
-    /// Whether groups inside move to focus the lens at every zoom: else the film or the whole lens does.
+    /// True if groups inside move to focus the lens at every zoom: else the film or the whole lens does.
     pub fn focuses(&self) -> bool {
         self.zooms.iter().all(|zoom| zoom.nearness_per_mm.len() > 1)
     }
 
-    /// What moves.
+    /// The parts.
     pub fn parts(&self) -> &[Part] {
         &self.parts
     }

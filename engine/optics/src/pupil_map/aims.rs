@@ -8,7 +8,7 @@ use super::lanes::Spots;
 use super::outline::ANGLES;
 use super::{DEFENSIVE_SHARE, PupilMap};
 
-/// What of a sector a target needs.
+/// The data of a sector that a target needs.
 #[derive(Clone, Copy, Debug, Default)]
 struct Slice {
     corner: [f32; 2],

@@ -1,4 +1,4 @@
-//! What the tests of several rays at once go through.
+//! Cases for the tests of several rays at once.
 
 use super::PupilMap;
 use crate::focus::FilmPlane;

@@ -10,7 +10,7 @@ use super::outline::{ANGLES, Outline};
 /// Larger wastes twice as many samples; smaller leaves light to the defensive samples, which are noisy.
 const MARGIN: f64 = 0.003;
 
-/// What film points of one cell aim at, in units of their ellipses.
+/// The targets of the film points of one cell, in units of their ellipses.
 #[derive(Clone, Debug)]
 pub(super) struct Cell {
     area: f64,
@@ -24,7 +24,7 @@ pub(super) struct Cell {
     surely: [f64; 2],
 }
 
-/// What lies between two neighbouring corners.
+/// The sector between two neighbouring corners.
 #[derive(Clone, Copy, Debug)]
 pub(super) struct Sector {
     pub(super) corner: DVec2,
@@ -34,7 +34,7 @@ pub(super) struct Sector {
     pub(super) start: f64,
     /// One over its own share.
     pub(super) inverse_share: f64,
-    /// Where it begins, as a part of the way to its outer edge: more than 0 behind an obstruction.
+    /// Its beginning, as a part of the way to its outer edge: more than 0 behind an obstruction.
     pub(super) inner: f64,
 }
 

@@ -136,7 +136,7 @@ impl Probe {
         (start + axis * (0.5 * (low + high)), 0.5 * (high - low))
     }
 
-    /// How far from `start` towards `axis` it is clear.
+    /// Distance from `start` towards `axis` up to which it is clear.
     fn edge(&self, start: DVec2, axis: DVec2, width: f64, is_clear: impl Fn(DVec2) -> bool) -> f64 {
         let is_clear = |x: f64| is_clear(start + axis * x);
         let mut clear = 0.0;
@@ -176,7 +176,7 @@ impl Probe {
         (0..places.len()).map(outline).collect()
     }
 
-    /// How far from the centre an obstruction reaches towards each edge.
+    /// Distances from the centre that an obstruction reaches towards each edge.
     fn holes(&self, edges: &[Edge]) -> Vec<f64> {
         const STEPS: i32 = 64;
         if self.obstructed.is_empty() {
@@ -226,7 +226,7 @@ fn are_clear(tracers: &[Tracer], reference_z: f64, targets: &[Target]) -> Vec<bo
     is_clear
 }
 
-/// Where an outline is taken.
+/// A film point for which an outline is taken, and its ellipse.
 pub(super) struct Place {
     film: DVec3,
     ellipse: Ellipse,
@@ -257,13 +257,13 @@ struct Edge {
     search: Search,
 }
 
-/// What is asked next.
+/// The next test of a search.
 enum Search {
-    /// Whether `high` is clear: then the edge lies farther out.
+    /// Tests whether `high` is clear: then the edge lies farther out.
     Out,
-    /// Whether it is clear just below: a good guess is narrowed at once.
+    /// Tests just below: a good guess is narrowed at once.
     Below,
-    /// What lies between.
+    /// Halves the interval.
     Halve { steps: u32 },
 }
 

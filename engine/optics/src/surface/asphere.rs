@@ -21,7 +21,7 @@ pub struct Asphere<R = f64> {
     even: [R; EVEN],
     /// a₃, a₅ … a₁₉.
     odd: [R; ODD],
-    /// How many even terms count; the rest are 0.
+    /// Number of even terms that count; the rest are 0.
     even_count: usize,
     odd_count: usize,
 }

@@ -19,7 +19,7 @@ pub(super) trait Profiled<L: Lane> {
     fn along(&self, t: L) -> Along<L>;
 }
 
-/// What an iteration found.
+/// The result of an iteration.
 #[derive(Clone, Copy)]
 pub(super) struct Root<L: Lane> {
     pub(super) t: L,

@@ -52,7 +52,7 @@ impl Failure {
     }
 }
 
-/// Where rays meet a surface, one in each lane. The numbers of a lane that did not meet it mean nothing.
+/// Hits of rays on a surface, one in each lane. The numbers of a lane that missed it are undefined.
 #[derive(Clone, Copy)]
 pub struct Crossing<L: Lane> {
     /// Distance along the ray from the origin that was given, in mm; negative if it lies behind.
@@ -96,8 +96,8 @@ pub enum Shape<R = f64> {
 }
 
 impl<R: Real> Shape<R> {
-    /// Where the rays `origin` + t `direction` (unit) cross the surface with sign(N · D) = `side`, for rays that start
-    /// near the vertex, measured in radii.
+    /// The points at which the rays `origin` + t `direction` (unit) cross the surface with sign(N · D) = `side`, for
+    /// rays that start near the vertex, measured in radii.
     ///
     /// `side` is +1 while light goes from the scene to the film, −1 on the way back, flipped by each mirror; it is
     /// not the sign of D's z. Negative t is right where the previous vertex lies behind.
@@ -138,8 +138,8 @@ impl Shape {
         Self::Conic(Conic::new(radius_mm, conic))
     }
 
-    /// What a conicoid, aspheric `terms` (power, coefficient) and a radius of curvature in the x-z plane make together;
-    /// the plainest that it is. A radius of 0 is flat, none is that of the y-z plane.
+    /// The shape of a conicoid with aspheric `terms` (power, coefficient) and a radius of curvature in the x-z plane;
+    /// the simplest kind that holds it. A radius of 0 is flat, none is that of the y-z plane.
     pub fn from_numbers(base: Conic, terms: &[(u32, f64)], radius_x_mm: Option<f64>) -> Self {
         let profile = Asphere::new(base, terms);
         let has_terms = !profile.terms().is_empty();
@@ -186,7 +186,7 @@ impl Shape {
         Some(if x.abs() > y.abs() { x } else { y })
     }
 
-    /// How far from the axis the surface reaches, in mm; infinite for most.
+    /// Distance from the axis that the surface reaches, in mm; infinite for most.
     pub fn reach_mm(&self) -> f64 {
         let profile = self.profile();
         let reach = |conic: &Conic| {

@@ -7,7 +7,7 @@ use glam::{DMat3, DVec3};
 use crate::lane::{Lane, Real};
 use crate::vector::Vector;
 
-/// Where the surface's own axes lie in those of its vertex on the lens's axis: turned, then moved. Lengths in mm.
+/// The pose of the surface's own axes in those of its vertex on the lens's axis: turned, then moved. Lengths in mm.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Pose<R = f64> {
     /// Columns: the surface's x, y and z.
@@ -35,7 +35,7 @@ impl Pose {
         Self::new(DVec3::new(decenter_mm[0], decenter_mm[1], 0.0), turn)
     }
 
-    /// How far the vertex is moved, mm, and the tilts about x, y and z, in radians, in the order of [`Self::misaligned`].
+    /// The displacement of the vertex, mm, and the tilts about x, y and z, in radians, in the order of [`Self::misaligned`].
     pub fn parts(&self) -> ([f64; 3], [f64; 3]) {
         let turn = self.turn();
         let [x, y, z] = [turn.x_axis, turn.y_axis, turn.z_axis];

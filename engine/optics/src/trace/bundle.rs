@@ -133,7 +133,7 @@ impl<R: Real> Bundle<R> {
         self.way.travel
     }
 
-    /// What became of ray `i`: as [`Tracer::from_scene`] and [`Tracer::from_film`] say it.
+    /// The result of ray `i`: that of [`Tracer::from_scene`] and [`Tracer::from_film`].
     #[inline]
     pub fn result(&self, i: usize) -> Result<Ray, Lost> {
         debug_assert!(self.is_traced, "trace the bundle first");
@@ -171,7 +171,7 @@ impl<R: Real> Bundle<R> {
         through
     }
 
-    /// What became of the [`LINES`] rays from `first` on.
+    /// The results of the [`LINES`] rays from `first` on.
     #[inline]
     pub(super) fn leaving(&self, first: usize) -> Leaving<'_, R> {
         debug_assert!(self.is_traced, "trace the bundle first");
@@ -196,7 +196,7 @@ impl<R: Real> Bundle<R> {
         self.fates[i].is_through()
     }
 
-    /// How many rays got through.
+    /// Number of rays that got through.
     pub fn passed(&self) -> usize {
         self.fates.iter().filter(|fate| fate.is_through()).count()
     }
@@ -315,7 +315,7 @@ impl<R: Real> LaneKernel<R> for Trace<'_, R> {
     }
 }
 
-/// Where lost rays are noted.
+/// The list in which lost rays are noted.
 pub(super) struct Losses<'a> {
     /// Of the rays of a block.
     pub(super) fates: &'a mut [Fate],

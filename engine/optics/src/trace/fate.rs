@@ -1,4 +1,4 @@
-//! What became of a ray, in four bytes: many at a time are soon looked through.
+//! The fate of a ray, in four bytes: many are searched quickly.
 
 use super::{Failure, Lost};
 

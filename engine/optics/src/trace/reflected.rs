@@ -23,10 +23,10 @@ pub struct Meeting {
     pub turns: bool,
 }
 
-/// What happened at a surface on a path.
+/// The incidence of a path on a surface.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Incidence {
-    /// Which, and on what way.
+    /// The surface, and the direction of travel.
     pub meeting: Meeting,
     /// Of the angle to the normal, 0 to 1.
     pub cos: f64,
@@ -68,7 +68,7 @@ impl Tracer {
         Some(ReflectedTracer { tracer, meetings: meetings.into() })
     }
 
-    /// What a ray sees of a surface there.
+    /// The step of a ray at a surface there.
     fn step_at(&self, meeting: Meeting) -> (Step, Option<&super::Gradients<f64>>) {
         let (way, i) = match meeting.towards_film {
             true => (&self.from_scene, meeting.surface),
@@ -170,7 +170,7 @@ pub struct Wanderer<'a> {
     towards_film: bool,
 }
 
-/// What a wanderer comes to.
+/// The next event of a wanderer.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub enum Encounter {
     /// A surface that it may go on through or turn round at, by [`Wanderer::go`].
@@ -184,7 +184,7 @@ pub enum Encounter {
 }
 
 impl Wanderer<'_> {
-    /// What the ray comes to next.
+    /// The next event of the ray.
     pub fn encounter(&self) -> Encounter {
         let Some(surface) = self.next else { return Encounter::Scene };
         if surface >= self.tracer.surface_count() {

@@ -1,7 +1,6 @@
 //! Many rays at a time, each at a wavelength of its own.
 //!
-//! What a path found along a ray holds for every wavelength: a group of neighbouring lines, one in each lane, says where
-//! each of them leaves the lens.
+//! A path along a ray holds for every wavelength: a group of neighbouring lines, one in each lane, says where each of them leaves the lens.
 
 use std::sync::Arc;
 
@@ -177,7 +176,7 @@ impl<R: Real> SpectralBundle<R> {
         self.first.extend(lines.map(|line| line as u32));
     }
 
-    /// What became of the group that was added as number `i`, of [`LINES`] rays.
+    /// The results of the group that was added as number `i`, of [`LINES`] rays.
     #[inline]
     pub fn leaving(&self, i: usize) -> Leaving<'_, R> {
         assert!(self.group == LINES, "rays of one line are read one by one");
@@ -194,7 +193,7 @@ impl<R: Real> SpectralBundle<R> {
         self.rays.results(first, rays)
     }
 
-    /// What became of ray `i`.
+    /// The result of ray `i`.
     #[inline]
     pub fn result(&self, i: usize) -> Result<Ray, Lost> {
         self.rays.result(i)

@@ -9,7 +9,7 @@ use crate::vector::Vector;
 
 use super::gradient::Gradients;
 
-/// What a surface does to the direction.
+/// The change of a ray's direction at a surface.
 #[derive(Clone, Copy, Debug)]
 pub(super) enum Action<R> {
     Refract(Interface<R>),
@@ -82,7 +82,7 @@ impl<R: Real> Step<R> {
         }
     }
 
-    /// Where rays from `p` along `d`, seen from the vertex on the axis, meet the surface, in its own coordinates.
+    /// The hits of rays from `p` along `d`, seen from the vertex on the axis, on the surface, in its own coordinates.
     #[inline(always)]
     pub(super) fn meet<L: Lane<Real = R>>(&self, p: Vector<L>, d: Vector<L>) -> Crossing<L> {
         let (p, d) = self.own(p, d);
@@ -145,7 +145,7 @@ impl<R: Real> Step<R> {
         self.act(self.own(p, d).1, crossing, diaphragm, Some(interface))
     }
 
-    /// What the surface does to rays that have come to it along `d`, in its own coordinates.
+    /// The passage of rays that have come to the surface along `d`, in its own coordinates.
     #[inline(always)]
     fn act<L: Lane<Real = R>>(
         &self,
@@ -190,7 +190,7 @@ impl<R: Real> Step<R> {
     }
 }
 
-/// What became of rays at a surface, one in each lane. Where they did not pass, the other numbers mean nothing.
+/// The passage of rays at a surface, one in each lane. The other numbers of rays that did not pass are undefined.
 pub(super) struct Passage<L: Lane> {
     /// In the surface's own coordinates.
     pub(super) crossing: Crossing<L>,
@@ -209,7 +209,7 @@ impl<L: Lane> Passage<L> {
         self.crossing.met & self.is_inside & self.is_unobstructed & self.is_open & self.is_transmitted
     }
 
-    /// What became of the rays, as bits.
+    /// The fates of the rays, as bits.
     #[inline(always)]
     pub(super) fn fates(&self) -> Fates {
         Fates {
@@ -224,7 +224,7 @@ impl<L: Lane> Passage<L> {
     }
 }
 
-/// What became of rays at a surface: a bit for each, in the order of the lanes.
+/// The fates of rays at a surface: a bit for each, in the order of the lanes.
 pub(super) struct Fates {
     passed: u64,
     met: u64,

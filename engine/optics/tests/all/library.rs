@@ -176,7 +176,7 @@ impl Setting {
         }
     }
 
-    /// How far from the axis the light of a field comes to the film, by exact rays in the meridian; `None`: none comes.
+    /// Distance from the axis of the light of a field on the film, by exact rays in the meridian; `None`: none comes.
     fn height_mm(&self, angle_deg: f64) -> Option<f64> {
         let drawing = Drawing::new(&self.system, &self.focus, line_nm::D, &[angle_deg], 9);
         let ends: Vec<f64> = drawing.fields[0].rays.iter().map(|ray| ray.last().unwrap()[1].abs()).collect();

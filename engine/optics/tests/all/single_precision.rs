@@ -1,4 +1,4 @@
-//! What f32 loses, on the rays of the reference tables: the bounds that docs/numerics.md states.
+//! Errors of f32 on the rays of the reference tables: the bounds that docs/numerics.md states.
 
 use crate::common::{ASPHERES, lens_names, number, reference_json, system, vector};
 use glam::DVec3;

@@ -31,7 +31,7 @@ fn rays() -> Vec<Ray> {
     rays
 }
 
-/// Where a ray that has left the lens crosses a plane.
+/// The point at which a ray that has left the lens crosses a plane.
 fn crossing(ray: &Ray, z: f64) -> DVec2 {
     (ray.origin + ray.direction * ((z - ray.origin.z) / ray.direction.z)).truncate()
 }

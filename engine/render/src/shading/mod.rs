@@ -44,9 +44,9 @@ pub struct BsdfSample {
 /// The caustics that are computed: light that surfaces reflect or refract after a diffuse scattering of the path.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub struct Caustics {
-    /// Reflective ones.
+    /// True if reflective caustics are computed.
     pub reflective: bool,
-    /// Refractive ones.
+    /// True if refractive caustics are computed.
     pub refractive: bool,
 }
 

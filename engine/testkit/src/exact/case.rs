@@ -50,7 +50,7 @@ pub struct Case {
     pub shape: Shape,
     /// A point on the ray.
     pub origin: [f64; 3],
-    /// Where the ray goes; of any length but 0. The exact direction is this one divided by its exact length.
+    /// Direction of the ray; of any length but 0. The exact direction is this one divided by its exact length.
     pub direction: [f64; 3],
     /// sign(N · D) of the crossing that is meant, N towards +z at the vertex: +1 or −1.
     pub side: f64,

@@ -18,7 +18,7 @@ pub(super) fn plus_times(a: Triple, b: Triple, x: f64) -> Triple {
     [a[0] + b[0] * x, a[1] + b[1] * x, a[2] + b[2] * x]
 }
 
-/// What a change of one number of the surface by 1 does.
+/// Changes by a change of one number of the surface by 1.
 #[derive(Clone, Copy)]
 pub(super) struct Derivative {
     /// The number itself.

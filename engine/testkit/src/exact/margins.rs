@@ -1,4 +1,4 @@
-//! How near an outcome was to being another one.
+//! The margins by which an outcome is not another one.
 
 use super::big::{Big, dot as big_dot, plus_times as big_plus_times, to_f64};
 use super::inputs::{Inputs, Surface};
@@ -137,7 +137,7 @@ impl Margins {
     }
 }
 
-/// What relative changes of the case by 1 do about a point of the ray, taken as if they could add up.
+/// Changes about a point of the ray by relative changes of the case by 1, taken as if they could add up.
 struct Changes {
     local: Local,
     /// To the surface's function there.

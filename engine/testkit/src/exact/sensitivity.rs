@@ -1,4 +1,4 @@
-//! How far the result moves when one number of a case moves by one unit in its last place.
+//! Sensitivity: the change of the result when one number of a case moves by one unit in its last place.
 
 use super::big::{Big, to_f64};
 use super::case::Case;
@@ -19,7 +19,7 @@ pub struct Sensitivity {
     pub status_flips: bool,
 }
 
-/// How sensitive the outcome of `case` is, given its `truth`, in numbers of `precision`.
+/// The sensitivity of the outcome of `case`, given its `truth`, in numbers of `precision`.
 ///
 /// Not by tracing again: the surface is taken as a quadric about the hit, and the new crossing, normal, cosine and
 /// radicand are solved for with the change in place, which holds at tangents and at the critical angle, where
@@ -44,7 +44,7 @@ pub fn sensitivity(case: &Case, truth: &Truth, precision: Precision) -> Sensitiv
     worst
 }
 
-/// What a change of one number does, before anything is solved for.
+/// The change by a change of one number, before anything is solved for.
 #[derive(Clone, Copy, Default)]
 struct Change {
     /// To where the ray is at the old t.
@@ -149,7 +149,7 @@ impl<'a> About<'a> {
         }
     }
 
-    /// How much farther from the axis the hit is after a move.
+    /// Change of the hit's distance from the axis by a move.
     fn outwards(&self, moved: Triple) -> f64 {
         let [x, y, _] = self.point;
         let sum = x.hypot(y) + (x + moved[0]).hypot(y + moved[1]);
@@ -157,7 +157,7 @@ impl<'a> About<'a> {
         if sum > 0.0 { squares / sum } else { 0.0 }
     }
 
-    /// How far the result has moved after `change`.
+    /// The movement of the result after `change`.
     fn after(&self, change: &Change) -> Sensitivity {
         let side = self.case.side;
         // value + slope τ + bend τ² / 2 = 0 gives the shift τ of the crossing along the ray.

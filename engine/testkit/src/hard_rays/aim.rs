@@ -24,7 +24,7 @@ pub(super) struct Place {
     pub(super) normal: [f64; 3],
 }
 
-/// How far from its axis a conic reaches, in mm.
+/// Distance from its axis that a conic reaches, in mm.
 pub(super) fn reach(curvature: f64, conic: f64) -> f64 {
     let squared = (1.0 + conic) * curvature * curvature;
     if squared > 0.0 { 1.0 / squared.sqrt() } else { f64::INFINITY }

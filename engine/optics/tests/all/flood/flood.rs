@@ -110,7 +110,7 @@ fn systems() -> Vec<System> {
     files.iter().map(|file| system(file)).collect()
 }
 
-/// What came of a flood.
+/// The results of a flood.
 pub struct Flood {
     pub rays: u64,
     pub passed: u64,

@@ -1,4 +1,4 @@
-//! What is written reads back as the same lens, to the last bit.
+//! A written lens reads back as the same lens, to the last bit.
 
 use petzval_optics::formats::{lens, zmx};
 use petzval_optics::glass::Catalogue;

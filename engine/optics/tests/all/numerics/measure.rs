@@ -69,7 +69,7 @@ impl Errors {
     }
 }
 
-/// What rays of one category came to.
+/// The results of the rays of one category.
 #[derive(Clone, Debug, Default)]
 pub struct Tally {
     pub rays: u64,
@@ -194,7 +194,7 @@ pub fn measure_case(category: Category, seed: u64, index: u64, tallies: &mut [Ta
     }
 }
 
-/// How many rays of a category cost about as much time: the iterated shapes are slower to trace exactly.
+/// Relative number of rays of a category for about as much time: the iterated shapes are slower to trace exactly.
 fn share(category: Category) -> u64 {
     use Category::{Asphere, Cylinder, StrongAsphere, Toroid};
     if matches!(category, Asphere | StrongAsphere | Toroid | Cylinder) { 1 } else { 5 }
