@@ -48,7 +48,7 @@ pub struct Ray {
     pub t_max: f32,
     /// The triangle, strand or point that it leaves.
     pub skip: Skip,
-    /// When: from 0, as the shutter opens, to 65535, as it is closed.
+    /// The moment: from 0, as the shutter opens, to 65535, as it is closed.
     pub moment: u16,
 }
 
@@ -73,7 +73,7 @@ impl Ray {
 pub struct Skip {
     /// Index of its instance.
     pub instance: u32,
-    /// Its number in its mesh, in its curves, or among its points.
+    /// The number of the triangle, strand or point in its mesh, its curves, or its cloud.
     pub part: u32,
 }
 
@@ -123,7 +123,7 @@ pub struct Across {
 }
 
 impl Across {
-    /// Of a hit's `v`.
+    /// The meaning of a hit's `v` on a strand.
     pub fn of(v: f32) -> Self {
         // By how many steps of 3 it is moved.
         let code = (v / FROM_WITHIN).round().clamp(0.0, 3.0);
@@ -145,7 +145,7 @@ pub struct Accel {
     placed: Vec<PlacedMesh>,
     /// Hair, and what moves, if there is any.
     beside: Option<Box<Forests>>,
-    /// By instance.
+    /// The kinds of ray that see it, by instance.
     visible: Vec<Rays>,
     /// The kinds of ray that nothing is hidden from.
     all_visible: Rays,
@@ -166,7 +166,7 @@ impl Accel {
         Self::over(scene, common, meshes, &parts, Topology::of(scene))
     }
 
-    /// With what stands on these trees.
+    /// The trees of a scene over `common` and `meshes`.
     fn over(
         scene: &Scene,
         common: TriangleTree,

@@ -49,7 +49,7 @@ pub struct Beside {
     pub motion: Option<Motion>,
     /// The clip planes of the camera's rays; `None`: none.
     pub clip: Option<Clip>,
-    /// By what each pixel's light is multiplied, rows from below; `None`: by one ([`crate::camera::shade`]).
+    /// Factor of each pixel's light, rows from below; `None`: one ([`crate::camera::shade`]).
     pub gains: Option<Vec<f32>>,
     /// Groups of emitters, from number 1 on, for [`Film::groups`]; bidirectional paths leave them black.
     pub light_groups: u16,
@@ -57,8 +57,7 @@ pub struct Beside {
     pub parts: Parts,
     /// The file in which the render is kept while it goes on, and from which it is resumed; `None`: none.
     pub checkpoints: Option<Checkpoints>,
-    /// When samples are taken and where the camera is then; `None`: all in the middle of the exposure, but for what the lens
-    /// does meanwhile.
+    /// Times of the samples, and places of the camera; `None`: all in the middle of the exposure, but for changes of the lens.
     pub exposure: Option<Exposure>,
 }
 
@@ -371,7 +370,7 @@ impl Shared {
         self.ended.notify_all();
     }
 
-    /// With what rays that lie evenly over the picture tell of it.
+    /// The limits, with statistics from rays that lie evenly over the picture.
     fn find_limits(&self) -> Limits {
         let unless_zero = |most: f32| if most > 0.0 { most } else { f32::INFINITY };
         const SIDE: u32 = 16;

@@ -33,7 +33,7 @@ pub struct SurfacePoint {
     pub barycentric: [f32; 2],
     /// The strand of hair in its curves, or the point in its cloud; [`NO_STRAND`] on a triangle.
     pub strand: u32,
-    /// When a ray met it, as in [`Ray::moment`].
+    /// The moment at which a ray hit it, as in [`Ray::moment`].
     pub moment: u16,
 }
 
@@ -323,7 +323,7 @@ pub fn uv(mesh: &Mesh, triangle: u32, barycentric: [f32; 2], map: Option<&str>) 
 
 /// Twice the area of a triangle, along its normal.
 ///
-/// By numbers, not in a register of them: there glam fuses the product and the difference where it is compiled for a
+/// The product is computed number by number, not in a register: there glam fuses the product and the difference where it is compiled for a
 /// processor that can, and the picture would depend on that.
 pub fn area_vector([a, b, c]: [Vec3A; 3]) -> Vec3A {
     Vec3::from(b - a).cross(Vec3::from(c - a)).into()

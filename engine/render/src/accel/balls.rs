@@ -26,7 +26,7 @@ pub(super) struct Beam {
 pub(super) struct Met {
     /// Lanes that the ray meets, as bits.
     pub(super) lanes: u32,
-    /// Their distances.
+    /// Distances of the hits.
     pub(super) t: [f32; LANES],
     /// From the middle to where it is met.
     out: [[f32; LANES]; 3],

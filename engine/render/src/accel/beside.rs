@@ -50,7 +50,7 @@ pub(super) trait Forest {
     }
 }
 
-/// Those of a scene.
+/// The trees of a scene beside those of triangles.
 pub(super) struct Forests {
     curves: Option<Box<CurveForest>>,
     points: Option<Box<PointForest>>,
@@ -73,7 +73,7 @@ impl Forests {
         all.reduce(|a, b| a.union(&b))
     }
 
-    /// As [`Forest::closest_with`], of all.
+    /// The closest hit in all of these trees; see [`Forest::closest_with`].
     pub(super) fn closest(
         &self,
         level: Level,
@@ -93,7 +93,7 @@ impl Forests {
         }
     }
 
-    /// As [`Forest::each_between_with`], of all.
+    /// Visits the hits in all of these trees; see [`Forest::each_between_with`].
     pub(super) fn each_between(
         &self,
         level: Level,

@@ -77,7 +77,7 @@ impl Bounds {
         Self { min: self.min.min(other.min), max: self.max.max(other.max) }
     }
 
-    /// With another point.
+    /// This box grown to hold another point.
     #[inline(always)]
     pub(super) fn with(&self, p: Vec4) -> Self {
         Self { min: self.min.min(p), max: self.max.max(p) }

@@ -151,7 +151,7 @@ fn open(span: Span, most: usize, by_number: bool) -> ArrayVec<Span, WIDTH> {
     large.into_iter().chain(small).collect()
 }
 
-/// Which bin a middle falls into.
+/// The bins by which the middles of boxes are sorted.
 struct Grid {
     low: Vec4,
     scale: Vec4,

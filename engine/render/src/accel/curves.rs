@@ -31,7 +31,7 @@ pub(super) struct CurveForest {
     shared: Vec<CurveTree>,
     places: Vec<Node>,
     placed: Vec<PlacedMesh>,
-    /// Those that move.
+    /// The instances that move.
     moving: Option<MovingPlaces>,
 }
 
@@ -43,7 +43,7 @@ struct CurveTree {
     leaves: Vec<Capsules>,
     /// In their order.
     segments: Vec<Segment>,
-    /// Of all strands, each with its first key before it and its last one behind it once more.
+    /// The keys of all strands; each strand's first key is repeated before it, and its last one behind it.
     keys: Vec<Vec4>,
 }
 
@@ -52,13 +52,13 @@ struct CurveTree {
 struct Segment {
     /// The first of four in [`CurveTree::keys`].
     controls: u32,
-    /// Of no meaning in trees of one mesh.
+    /// Index of the instance; undefined in trees of one mesh.
     instance: u32,
     strand: u32,
     /// In its curves.
     number: u32,
     cut: Cut,
-    /// Of its pieces.
+    /// The range of its pieces.
     part: Range<u16>,
 }
 
@@ -280,7 +280,7 @@ fn enter(placed: &PlacedMesh, ray: &Ray) -> Option<(BoxRay, Gaze, f32)> {
     Some((BoxRay::new(origin, direction), Gaze::new(origin, direction), scale))
 }
 
-/// By how much an instance makes radii larger, as Cycles has it.
+/// Factor of an instance on radii, as Cycles has it.
 pub(crate) fn radius_scale(instance: &Instance) -> f32 {
     instance.to_render.matrix3.determinant().abs().cbrt()
 }
@@ -312,7 +312,7 @@ impl Segment {
 }
 
 impl CurveTree {
-    /// Of these curves: of an instance, in render space, or in object space.
+    /// The tree of these curves: of instances, in render space, or in object space.
     fn new(of: &[(u32, Option<&Instance>, &Curves)]) -> Self {
         let mut tree = Self::default();
         let mut boxes = Vec::new();

@@ -28,21 +28,21 @@ const SLICE_BITS: u32 = 4;
 pub(super) struct MovingPlaces {
     slices: Vec<Slice>,
     items: Vec<Item>,
-    /// Of all items, by moment.
+    /// Placements of all items, by moment.
     stands: Vec<Stand>,
 }
 
 /// A part of the shutter's time.
 struct Slice {
     nodes: Vec<Node>,
-    /// By leaf.
+    /// Items by leaf.
     items: Vec<u32>,
 }
 
 /// One that moves.
 struct Item {
     mesh: u32,
-    /// Of its first moment.
+    /// The instance that stands for its first moment.
     instance: u32,
     shift: u32,
     /// The first of its stands.
@@ -57,7 +57,8 @@ struct Stand {
 }
 
 impl MovingPlaces {
-    /// Of those that are wanted; `bounds` are in object space, of an instance's mesh in its pose. `None` where there are none.
+    /// The trees over those instances that are wanted; `bounds` are in object space, of an instance's mesh in its pose. `None` where there
+    /// are none.
     pub(super) fn new<'a>(
         scene: &'a Scene,
         wanted: impl Fn(&Moving) -> bool,
@@ -116,9 +117,9 @@ impl MovingPlaces {
 /// Meshes that move.
 pub(super) struct MovingForest {
     places: MovingPlaces,
-    /// By mesh, of those that keep their shape; empty for the others.
+    /// Trees of the meshes that keep their shape, by mesh; empty for the others.
     still: Vec<TriangleTree>,
-    /// By mesh, of those that do not: by key, from there to the next.
+    /// Trees of the meshes that change their shape, by mesh, then by key: from there to the next.
     posed: Vec<Vec<PosedTree>>,
 }
 

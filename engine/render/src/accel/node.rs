@@ -12,7 +12,7 @@ pub(super) const WIDTH: usize = 8;
 const LEAF: u32 = 1 << 31;
 /// Bits of an index; those above count children.
 const INDEX_BITS: u32 = 28;
-/// As many nodes or leaves can a tree have.
+/// Number of nodes or leaves that a tree can have.
 pub(super) const MOST: usize = 1 << INDEX_BITS;
 
 /// Up to eight children: inner nodes first, then leaves, both consecutive. 80 bytes.
@@ -23,11 +23,11 @@ pub(super) struct Node {
     origin: [f32; 3],
     /// One step of the grid along each axis: a power of two, so that multiplying by it is exact.
     step: [f32; 3],
-    /// Index of the first inner child; above it, how many children are inner nodes.
+    /// Index of the first inner child; in the upper bits the number of children that are inner nodes.
     nodes: u32,
-    /// Index of the first leaf; above it, how many children there are.
+    /// Index of the first leaf; in the upper bits the number of children.
     leaves: u32,
-    /// By axis: the lower and the upper planes.
+    /// The lower and the upper planes, by axis.
     planes: [[[u8; WIDTH]; 2]; 3],
 }
 
@@ -106,7 +106,7 @@ impl Node {
         (0..self.count()).map(|i| self.child(i))
     }
 
-    /// Of the children, as the grid has them.
+    /// Boxes of the children, as the grid has them.
     pub(super) fn boxes(&self) -> impl Iterator<Item = Bounds> + '_ {
         (0..self.count() as usize).map(|i| {
             let corner = |side: usize| {
@@ -125,7 +125,7 @@ impl Node {
         Child(if i < inner { index(self.nodes) + i } else { LEAF | (index(self.leaves) + i - inner) })
     }
 
-    /// Which boxes the ray meets before `t_max`, as bits, and where it enters them.
+    /// The boxes that the ray enters before `t_max`, as bits, and the distances at which it does.
     #[inline(always)]
     pub(super) fn meet<S: Simd>(&self, simd: S, ray: &BoxRay, t_max: f32) -> (u32, f32x8<S>) {
         let mut enter = f32x8::splat(simd, 0.0);

@@ -31,11 +31,11 @@ pub(super) struct PointForest {
     common: PointTree,
     /// In object space, of the others; by mesh.
     shared: Vec<PointTree>,
-    /// By mesh, of those whose points move: by key, from there to the next.
+    /// Trees of the clouds whose points move, by mesh, then by key: from there to the next.
     posed: Vec<Vec<PointTree>>,
     places: Vec<Node>,
     placed: Vec<PlacedMesh>,
-    /// Those that move.
+    /// The instances that move.
     moving: Option<MovingPlaces>,
 }
 
@@ -50,7 +50,7 @@ struct PointTree {
 
 /// A cloud as a tree holds it.
 struct Cloud<'a> {
-    /// Of no meaning in trees of one cloud.
+    /// Index of the instance; undefined in trees of one cloud.
     instance: u32,
     points: &'a Points,
     /// To render space, and by how much balls are larger there; `None`: in object space.
@@ -86,7 +86,7 @@ fn sides(of: Vec2) -> Vec2 {
     Vec2::new(1f32.copysign(of.x), 1f32.copysign(of.y))
 }
 
-/// By how much an instance makes balls larger; `None` where they do not stay balls.
+/// Factor of an instance on balls; `None` where they do not stay balls.
 fn even_scale(instance: &Instance) -> Option<f32> {
     let m = &instance.to_render.matrix3;
     let [x, y, z] = [m.x_axis, m.y_axis, m.z_axis];
@@ -315,7 +315,7 @@ impl PointTree {
         Self { nodes, leaves: names.iter().map(leaf).collect(), to: Vec::new() }
     }
 
-    /// Of the way of points from a key to the next, object space: boxes hold all of it.
+    /// The tree of points on their way from a key to the next, object space: boxes hold all of it.
     fn between(points: &Points, key: u32) -> Self {
         let ball = |point: u32, part: f32| points.at(point, Pose { key, part });
         let swept = |point: u32| Bounds::around(&[ball(point, 0.0), ball(point, 1.0)]).naming([0, point]);

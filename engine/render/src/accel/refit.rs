@@ -19,9 +19,9 @@ const WORSE: f32 = 1.25;
 /// The properties of a scene that must be equal for trees to be kept.
 #[derive(Clone, Debug, PartialEq)]
 pub(super) struct Topology {
-    /// By instance.
+    /// The mesh of each instance.
     meshes: Vec<u32>,
-    /// By mesh.
+    /// Number of triangles of each mesh.
     triangles: Vec<usize>,
     /// The instances that move.
     moving: Vec<u32>,
@@ -101,7 +101,7 @@ impl TriangleTree {
         (tree.surface_now() <= WORSE * self.surface).then_some(tree)
     }
 
-    /// Of all boxes.
+    /// Sum of half of the surface of all boxes.
     pub(super) fn surface_now(&self) -> f32 {
         self.nodes.iter().map(|node| node.boxes().map(|b| b.half_area()).sum::<f32>()).sum()
     }

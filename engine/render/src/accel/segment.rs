@@ -129,7 +129,8 @@ impl Cut {
     }
 }
 
-/// So many that no chord is a fiftieth of the radius from the curve, nor two more than a quarter of a radian apart.
+/// Number of pieces of a round segment: no chord is a fiftieth of the radius from the curve, nor are two more than a quarter of a radian
+/// apart.
 fn round_pieces(controls: &Controls) -> u16 {
     let [_, b, c, d] = controls.coefficients();
     let bend = (2.0 * c).truncate().length().max((2.0 * c + 6.0 * d).truncate().length());

@@ -31,7 +31,7 @@ impl TreeRay {
 pub(super) struct TriangleTree {
     pub(super) nodes: Vec<Node>,
     pub(super) blocks: Vec<Block>,
-    /// Of all boxes when the tree was built.
+    /// Sum of half of the surface of all boxes when the tree was built.
     pub(super) surface: f32,
 }
 

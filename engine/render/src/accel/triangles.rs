@@ -10,7 +10,7 @@ pub(super) const LANES: usize = 8;
 #[derive(Clone, Debug)]
 #[repr(C, align(32))]
 pub(super) struct Block {
-    /// By corner, then axis. NaN in lanes without a triangle.
+    /// Corners, then axes. NaN in lanes without a triangle.
     corners: [[[f32; LANES]; 3]; 3],
     /// Index into the scene's instances; of no meaning in trees of one mesh.
     pub(super) instance: [u32; LANES],
@@ -22,7 +22,7 @@ pub(super) struct Block {
 pub(super) struct Met {
     /// Lanes that the ray meets, as bits.
     pub(super) lanes: u32,
-    /// Their distances.
+    /// Distances of the hits.
     pub(super) t: [f32; LANES],
     /// Weights of the second corner.
     pub(super) u: [f32; LANES],

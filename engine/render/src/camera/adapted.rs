@@ -38,7 +38,7 @@ const RAYS: usize = 32;
 const MIDDLE: [f32; 2] = [0.5, 1e-4];
 /// Nodes of a map across the picture: distortion is smooth.
 const NODES: usize = 49;
-/// Of the small difference between two wavelengths.
+/// Nodes of a map of the small difference between two wavelengths.
 const COLOUR_NODES: usize = 17;
 /// The distance that stands for infinity, mm.
 const FAR_MM: f64 = 1e9;
@@ -56,7 +56,7 @@ pub struct Adapted {
     part: f32,
     /// The map from each place to the place at which the maker sees what is to be seen there; `None`: the identity.
     warp: Option<Warp>,
-    /// By wavelength of the film: the map to the place of that wavelength, applied after `warp`. Empty where all colours take one way.
+    /// The maps to the place of each wavelength of the film, applied after `warp`. Empty where all colours take one way.
     by_colour: Vec<Warp>,
 }
 
@@ -169,7 +169,7 @@ impl Adapted {
         Some(place * self.part)
     }
 
-    /// With what the film makes of its wavelength, where its maker knows of none.
+    /// The ray with the film's response at its wavelength, if its maker has none.
     fn coloured(&self, ray: CameraRay, u_wavelength: f32) -> CameraRay {
         if !self.is_grey {
             return ray;

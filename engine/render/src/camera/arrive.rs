@@ -1,7 +1,7 @@
 //! The wavelengths of a packet at a flat film, all at once in single precision.
 //!
-//! Those that do not lead come from rays of single precision: their places are good to some 1e-6 of the lens's size,
-//! far less than a pixel, and so are their densities.
+//! The wavelengths that do not lead come from rays of single precision: their places are good to some 1e-6 of the
+//! lens's size, far less than a pixel, and so are their densities.
 
 use super::mount::Mount;
 use super::packet::{Led, Request, Splats};
@@ -22,7 +22,7 @@ pub(super) struct ShortFilm {
     per_mm: [f32; 2],
     /// The last vertex, lens space.
     vertex_z_mm: f32,
-    /// By set.
+    /// The sets of lines.
     sets: Vec<Set>,
 }
 

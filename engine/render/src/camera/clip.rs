@@ -14,7 +14,7 @@ pub struct Clip {
 }
 
 impl Clip {
-    /// Of a camera whose place is render space's origin; `None` if it leaves nothing out.
+    /// The clip planes of a camera whose place is render space's origin; `None` if they leave nothing out.
     pub fn new(d: &CameraDescription, camera: &Camera) -> Option<Self> {
         Self::along(d, camera.axes().z_axis)
     }

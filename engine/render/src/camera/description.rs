@@ -12,7 +12,7 @@ use petzval_optics::focus::Focusing;
 use std::path::PathBuf;
 use std::sync::Arc;
 
-/// Which model photographs.
+/// A camera model.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
 pub enum Model {
     /// Every ray traced through the prescription.
@@ -97,7 +97,7 @@ impl Shown {
 pub struct CameraDescription {
     /// For messages.
     pub object_name: String,
-    /// Which model.
+    /// The camera model.
     pub model: Model,
     /// Camera space (x right, y up, looking along -z) to world space; its scale does not count.
     pub matrix_world: DMat4,
@@ -162,7 +162,7 @@ pub struct CameraDescription {
     /// True if the losses of `transmission` make the picture darker; else it is exposed by the T-number, its middle as bright as if nothing
     /// were lost.
     pub exposes_by_f_number: bool,
-    /// Of the numbers in which rays are traced from the film through the lens.
+    /// Precision of the numbers in which rays are traced from the film through the lens.
     pub precision: Precision,
     /// `None`: a uniform world of radiance one makes the middle of the film one, whatever the f-number.
     pub exposure: Option<PhysicalExposure>,

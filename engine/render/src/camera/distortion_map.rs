@@ -28,7 +28,7 @@ const FOUND: f64 = 1e-9;
 /// Slopes are taken over this part of a cell.
 const DIFFERENCE: f64 = 1e-2;
 
-/// Which picture is made of which.
+/// The direction of a distortion map: the picture that is made, and the one it is made of.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub enum Direction {
     /// The lens's, of a pinhole's.
@@ -47,7 +47,7 @@ pub struct DistortionMap {
     /// Lens space, mm; `None`: at infinity.
     sharp_z_mm: Option<f64>,
     cells: [usize; 2],
-    /// By row, then column.
+    /// The nodes, by row, then column.
     nodes: Vec<Option<DVec2>>,
 }
 

@@ -1,9 +1,9 @@
 //! The surface of the scene that is sharp, as a map from the picture: where rays are aimed at that start in the scene.
 //!
-//! It serves to choose rays, so it need not be where the lens is sharpest; it must cover what the picture sees, no place
-//! twice, and its density must be known exactly. A film point is projected through the exit pupil onto an upright film;
-//! the chief rays say at what angle from the axis the lens sees a point there, by its distance from the axis; and in that
-//! direction the surface lies at the distance that is focused on: a plane, far off the axis a ball.
+//! The surface serves to choose rays, so it need not be where the lens is sharpest; it must cover what the picture sees, no place twice,
+//! and its density must be known exactly. A film point is projected through the exit pupil onto an upright film; the chief rays say at what
+//! angle from the axis the lens sees a point there, by its distance from the axis; and in that direction the surface lies at the distance
+//! that is focused on: a plane, far off the axis a ball.
 
 use super::beam;
 use super::mount::Mount;
@@ -38,7 +38,7 @@ pub(super) struct FocalSurface {
     step: f64,
     /// Angle from the axis by node, rad, counted to the side on which the film point lies; and its slope, rad per mm.
     angles: Vec<[f64; 2]>,
-    /// Of the plane from the middle, mm.
+    /// Distance of the plane from the middle, mm.
     distance: f64,
 }
 

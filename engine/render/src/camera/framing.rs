@@ -36,7 +36,7 @@ const WIDER: f64 = 1.25;
 const FARTHEST: f64 = 1e3;
 /// Halvings of the bracket: to rounding.
 const HALVINGS: usize = 60;
-/// Of an angle, rad: what lies this near to the end of a zoom is its end.
+/// Tolerance of an angle, rad: a value this near to the end of a zoom is its end.
 const SAME: f64 = 1e-6;
 
 impl CameraDescription {
@@ -133,7 +133,7 @@ impl<'a> Search<'a> {
         self.between(short, long)
     }
 
-    /// Of a lens that may be scaled, or a film, to whatever size.
+    /// Finds the size of a lens that may be scaled without limit, or of a film.
     fn anywhere(&self) -> Result<f64, CameraError> {
         // Larger lenses see less, larger films more.
         let factor = if self.by == Framed::ByFocalLength { WIDER } else { WIDER.recip() };

@@ -22,7 +22,7 @@ use petzval_optics::transmission::Passages;
 pub(super) enum Order {
     /// Principal planes and pupils at the d line (Kolb, Mitchell and Hanrahan 1995, §3.4).
     Thick,
-    /// Those of every wavelength.
+    /// Principal planes and pupils at every wavelength.
     Paraxial,
 }
 
@@ -31,7 +31,7 @@ pub struct Gaussian {
     mount: Mount,
     spectrum: FilmSpectrum,
     diaphragm: Diaphragm,
-    /// By wavelength of the film.
+    /// The lens and its gain at each wavelength of the film.
     lines: Vec<(GaussianLens, f64)>,
 }
 

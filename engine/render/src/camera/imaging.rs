@@ -62,7 +62,7 @@ enum Eye {
 struct LensEye {
     mount: Mount,
     spectrum: FilmSpectrum,
-    /// By wavelength of the film.
+    /// The lens at each wavelength of the film.
     lines: Vec<Line>,
     /// The entrance pupil's middle near the axis and its radius, lens space, mm.
     pupil_middle: DVec3,

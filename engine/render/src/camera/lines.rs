@@ -18,7 +18,7 @@ pub(super) struct FilmLines {
     pub(super) size: usize,
     /// Number of sets.
     pub(super) sets: usize,
-    /// By wavelength of the film: columns of what it makes of a scene colour, the fourth number of each 0.
+    /// Columns of the response to a scene colour, by wavelength of the film; the fourth number of each is 0.
     pub(super) responses: Vec<[Vec4; 3]>,
 }
 

@@ -61,7 +61,7 @@ use setup::LensInfo;
 use std::sync::Arc;
 use thin::Thin;
 
-/// Why a camera cannot photograph.
+/// An error by which a camera cannot photograph.
 #[derive(Debug, thiserror::Error)]
 pub enum CameraError {
     /// The lens file is missing or wrong.
@@ -72,7 +72,7 @@ pub enum CameraError {
     System {
         /// The lens's name.
         lens: String,
-        /// Why.
+        /// The cause.
         source: SystemError,
     },
     /// The lens cannot be focused as asked.
@@ -80,7 +80,7 @@ pub enum CameraError {
     Focus {
         /// The camera's object.
         camera: String,
-        /// Why.
+        /// The cause.
         source: FocusError,
     },
     /// The autofocus point cannot be made sharp.
@@ -88,7 +88,7 @@ pub enum CameraError {
     Autofocus {
         /// The camera's object.
         camera: String,
-        /// Why.
+        /// The cause.
         source: AutofocusError,
     },
     /// Three points cannot be sharp at once.
@@ -96,7 +96,7 @@ pub enum CameraError {
     SharpPlane {
         /// The camera's object.
         camera: String,
-        /// Why.
+        /// The cause.
         source: SharpPlaneError,
     },
     /// A setting out of range.
@@ -104,7 +104,7 @@ pub enum CameraError {
     Setting {
         /// The camera's object.
         camera: String,
-        /// Which, and what to do.
+        /// The setting, and what to do.
         what: String,
     },
 }
@@ -140,7 +140,7 @@ pub enum Camera {
     ImageBased(Arc<ImageBased>),
     /// A real one of which something is taken out.
     Adapted(Arc<Adapted>),
-    /// None.
+    /// No lens: parallel rays.
     Orthographic(Orthographic),
 }
 

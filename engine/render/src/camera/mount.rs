@@ -17,12 +17,12 @@ pub(super) struct Mount {
     axes: DMat3,
     origin_z_mm: f64,
     per_unit: DVec3,
-    /// Of vectors: lens space to render space, with its scale.
+    /// The matrix of vectors from lens space to render space, with its scale.
     vectors: DMat3,
 }
 
 impl Mount {
-    /// With the lens that was set up for it.
+    /// The mount of a camera, and the lens that was set up for it.
     pub(super) fn new(
         d: &CameraDescription,
         axes: DMat3,

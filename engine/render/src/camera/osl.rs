@@ -305,7 +305,7 @@ impl Script<'_> {
         text
     }
 
-    /// Which surfaces are aspheres, with their terms, and how their crossings are found.
+    /// The text of the surfaces that are aspheres, with their terms, and of the search for their crossings.
     fn aspheres(&self) -> (String, String) {
         let surfaces = self.setup.system.surfaces();
         let terms = |i: usize| match &surfaces[i].shape {

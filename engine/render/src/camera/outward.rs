@@ -21,7 +21,7 @@ pub(super) struct Outward<R: Traced> {
     film: Option<FlatFilm<R>>,
     /// `None` where the axes of the world have different scales.
     world: Option<World<R>>,
-    /// By wavelength of the film: what its light counts in the picture's colours, and the gain.
+    /// The film's response at each wavelength in the picture's colours, and the gain.
     responses: Vec<Mat3>,
     gains: Vec<R>,
 }
@@ -29,9 +29,9 @@ pub(super) struct Outward<R: Traced> {
 /// Memory for batches on the way out.
 pub(super) struct OutwardBatch<R: Traced> {
     rays: SpectralBundle<R>,
-    /// By request: the density of its choice.
+    /// Density of the choice of each request.
     densities: Vec<R>,
-    /// By request: what the lens lets through along it; empty where nothing is lost.
+    /// The part of the light that the lens lets through along each request's ray; empty where nothing is lost.
     parts: Vec<f32>,
 }
 
@@ -150,7 +150,7 @@ fn dot<R: Real>(row: &[R; 3], x: R, y: R, z: R) -> R {
 }
 
 impl<R: Traced> Outward<R> {
-    /// Of the film's wavelengths.
+    /// The lens on the way out, at the film's wavelengths.
     pub(super) fn new(
         mount: &Mount,
         vertex_z_mm: f64,

@@ -37,7 +37,7 @@ pub struct Splat {
     pub y: u32,
     /// Number of the film's wavelength, for [`RealLens::response`].
     pub wavelength: u32,
-    /// Of the radiance, before the film's response.
+    /// Factor of the radiance, before the film's response.
     pub weight: f32,
 }
 
@@ -56,7 +56,7 @@ impl Splats {
         all
     }
 
-    /// Those of `arrivals` at the wavelengths of `set`, their importance times `scale`.
+    /// The splats of `arrivals` at the wavelengths of `set`, their importance times `scale`.
     #[inline]
     pub(super) fn new(arrivals: &Arrivals, set: usize, sets: usize, scale: f32) -> Self {
         let mut all = Self::default();
@@ -120,7 +120,7 @@ impl RealLens {
         add(x, y, sum);
     }
 
-    /// Which wavelength leads, chosen by `u`: its set and its place in the set.
+    /// The wavelength that leads, chosen by `u`: its set and its place in the set.
     #[inline]
     pub(super) fn leader(&self, u: f32) -> (usize, usize) {
         // Division of short numbers is quicker.
@@ -205,7 +205,7 @@ pub struct Request {
     pub u_pixels: [f32; 2],
     /// The numbers that chose the place in the pixel.
     pub u_place: [f32; 2],
-    /// Of rays that start in the scene: whether to look beyond the picture.
+    /// For rays that start in the scene: the number that chooses whether to look beyond the picture.
     pub u_beyond: f32,
 }
 

@@ -12,7 +12,7 @@ use crate::sampler::evenly::Evenly;
 use glam::{DVec2, Vec2};
 use petzval_optics::trace::{Traced, Tracer};
 
-/// Which numbers are asked for.
+/// The precision that is asked for.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
 pub enum Precision {
     /// Single where its error is below [`TOLERANCE_PX`].
@@ -25,7 +25,7 @@ pub enum Precision {
 }
 
 impl Precision {
-    /// As it is asked for.
+    /// The name by which it is asked for.
     pub fn name(self) -> &'static str {
         match self {
             Self::Auto => "auto",
@@ -35,15 +35,15 @@ impl Precision {
     }
 }
 
-/// Which numbers a camera has, and why.
+/// The precision of a camera, and its reason.
 #[derive(Clone, Copy, Debug)]
 pub struct Chosen {
     /// The precision that was asked for.
     pub asked: Precision,
     /// f32, or else f64.
     pub is_single: bool,
-    /// By how many pixels single precision moves a ray, at most; infinite where it loses rays that double precision has,
-    /// finds some that it has not, or cannot hold what they count.
+    /// Largest displacement of a ray by single precision, pixels; infinite where it loses rays that double precision has, finds some that
+    /// it has not, or cannot hold what they count.
     pub error_px: f64,
 }
 
@@ -92,7 +92,7 @@ fn fan(points: &Evenly<5>, i: u32) -> Request {
     Request { place: Vec2::new(x - 0.5, y - 0.5), u_lens: [azimuth, radius], u_wavelength, ..Request::default() }
 }
 
-/// Of [`RAYS`] requests, the largest error in pixels.
+/// The largest error of [`RAYS`] requests in pixels.
 fn worst_px(
     lens: &RealLens,
     single: &Outward<f32>,

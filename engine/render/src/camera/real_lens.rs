@@ -35,7 +35,7 @@ pub(super) fn film_spectrum(d: &CameraDescription, system: &System) -> FilmSpect
     }
 }
 
-/// Why no light at all arrives.
+/// The error of a lens through which no light arrives.
 pub(super) fn dark(d: &CameraDescription, lens_name: &str) -> CameraError {
     d.error(format!(
         "no light gets through '{lens_name}' to the middle of the film; open the diaphragm or change the focus"
@@ -46,7 +46,7 @@ pub(super) fn dark(d: &CameraDescription, lens_name: &str) -> CameraError {
 pub struct RealLens {
     pub(super) mount: Mount,
     pub(super) spectrum: FilmSpectrum,
-    /// By wavelength of the film.
+    /// The lens at each wavelength of the film.
     pub(super) lines: Vec<Line>,
     pub(super) map: PupilMap,
     map_seconds: f64,
@@ -151,7 +151,7 @@ impl RealLens {
         &self.mount.info
     }
 
-    /// Its way out in numbers of some kind.
+    /// The lens on the way out, in numbers of some kind.
     pub(super) fn outward<R: Traced>(&self) -> Outward<R> {
         outward(&self.mount, &self.system, &self.spectrum, &self.lines)
     }
@@ -185,7 +185,7 @@ impl RealLens {
         CameraRay { ray: self.mount.to_render(&lead.out), weight: self.weight(index, lead.density) * lead.part }
     }
 
-    /// By what radiance at the film's wavelength number `index` counts along a ray that was chosen with this density.
+    /// Factor of radiance at the film's wavelength number `index` along a ray that was chosen with this density.
     #[inline]
     pub(super) fn weight(&self, index: usize, density: f64) -> Mat3 {
         self.spectrum.wavelengths()[index].response * (self.lines[index].gain / density) as f32

@@ -3,11 +3,11 @@
 /// The amount of scattering in a lens.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Scattering {
-    /// Of every surface, root mean square, nm.
+    /// Roughness of every surface, root mean square, nm.
     pub roughness_nm: f64,
-    /// Of every surface that air touches: level of IEST-STD-CC1246; 0 is without dust.
+    /// Cleanliness of every surface that air touches: level of IEST-STD-CC1246; 0 is without dust.
     pub cleanliness: f64,
-    /// Of barrel and film: the part of an even world's light that is laid evenly over the picture.
+    /// Veiling glare index of barrel and film: the part of an even world's light that is laid evenly over the picture.
     pub veiling_index: f64,
 }
 

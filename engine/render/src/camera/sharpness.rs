@@ -1,9 +1,9 @@
 //! The sharp distances of a camera: over the picture, the distance at which the light of a film point comes together in the scene, and from
 //! where to where it stays within a circle of confusion.
 //!
-//! By the rays themselves: those of a film point through all of the pupil, followed into the scene. Across their mean ray each is a
-//! straight line, so their spread there is a quadratic in the distance, and the distance of its least, and those at which it comes to
-//! a given size on the film, are known without a search.
+//! The distances follow from rays: those of a film point through all of the pupil, followed into the scene. Across their mean ray each is a
+//! straight line, so their spread there is a quadratic in the distance, and the distance of its least, and those at which it comes to a
+//! given size on the film, are known without a search.
 
 use super::beam;
 use super::mount::Mount;
@@ -24,7 +24,7 @@ const BESIDE: f64 = 1e-3;
 /// The sharp range along the mean ray of a picture point. World space, Blender units.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct SharpPoint {
-    /// Of the picture, from -0.5 to 0.5, x to the right and y up.
+    /// Place in the picture, from -0.5 to 0.5, x to the right and y up.
     pub place: Vec2,
     /// The point where the mean ray leaves the lens.
     pub from: DVec3,
@@ -48,7 +48,7 @@ pub struct Sharpness {
     pub points: Vec<Option<SharpPoint>>,
     /// The middle of the entrance pupil on the axis, world space.
     pub pupil: Option<DVec3>,
-    /// Its radii across and up, Blender units.
+    /// Radii of the entrance pupil across and up, Blender units.
     pub pupil_radii: [f64; 2],
 }
 

@@ -20,7 +20,7 @@ const LEAST_PX: f64 = 2.0;
 /// A part of the spectrum that takes one way.
 #[derive(Clone, Copy, Debug)]
 pub struct Band {
-    /// Its middle, nm.
+    /// The middle of the band, nm.
     pub nm: f64,
     /// The contribution of light of a scene colour to the picture, its part of all light included: the bands' responses add up to the
     /// identity.

@@ -85,7 +85,7 @@ pub struct LensMeasures {
     pub axial_colour: Worst,
     /// The light of a uniform world at the darkest place of the picture below that at its middle, stops.
     pub vignetting: Worst,
-    /// By how much rims narrow a blur disc, px.
+    /// Width by which rims narrow a blur disc, px.
     pub cats_eye: Worst,
     /// Largest distance between the opening's edge and that of a round one of its area, as a part of the radius.
     pub diaphragm_part: f64,
@@ -116,9 +116,9 @@ pub struct Survey {
     map: PupilMap,
     tracer: Tracer,
     gaussian: GaussianLens,
-    /// Its middle by Gaussian optics; `None` at infinity.
+    /// The middle of the entrance pupil by Gaussian optics; `None` at infinity.
     entrance_pupil: Option<DVec3>,
-    /// Of the ends of the spectrum and between; empty where the film has one wavelength.
+    /// The lens at the ends of the spectrum and between; empty where the film has one wavelength.
     colours: Vec<Tracer>,
     size_px: DVec2,
     /// Irradiance in the film's middle for a uniform world of radiance one.

@@ -38,7 +38,7 @@ pub(super) struct Middle {
     pub(super) parts: Vec<f64>,
     /// The transform of a scene colour in the picture, before exposure.
     pub(super) colour: Mat3,
-    /// By what the picture is multiplied, so that it is exposed as it should be.
+    /// Factor of the picture, so that it is exposed as it should be.
     pub(super) gain: f64,
 }
 
@@ -67,7 +67,7 @@ impl Middle {
         self.colour * self.gain as f32
     }
 
-    /// By what the light of the film's wavelength of that number is multiplied, where the film has several.
+    /// Factor of the light of the film's wavelength of that number, where the film has several.
     pub(super) fn gain_at(&self, index: usize) -> f64 {
         self.parts[index] * self.gain
     }
@@ -97,8 +97,8 @@ pub(super) struct Transmission {
     /// The plane whose crossing points describe rays, lens space.
     plane_z_mm: f64,
     shape: Polynomial,
-    /// By the film's wavelength, then by term: what is to be multiplied, the middle's part and the exposure included. Where the film has
-    /// one wavelength the middle's colour is not: that is [`Middle::tint`].
+    /// Coefficients by the film's wavelength, then by term, the middle's part and the exposure included. The middle's colour, where the
+    /// film has one wavelength, is not: that is [`Middle::tint`].
     lines: Vec<Vec<f32>>,
     /// The coefficients of [`Self::lines`] by set of wavelengths, then by term: a register for the set.
     sets: Vec<Vec<f32x8>>,

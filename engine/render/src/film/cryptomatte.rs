@@ -29,7 +29,7 @@ pub enum MatteLayer {
     MaterialIndex,
 }
 
-/// Which mattes are kept.
+/// The mattes that are kept.
 #[derive(Clone, Debug, Default)]
 pub struct Mattes {
     layers: Vec<(MatteLayer, Table)>,
@@ -39,13 +39,13 @@ pub struct Mattes {
 /// The ids of one layer.
 #[derive(Clone, Debug)]
 struct Table {
-    /// By instance or material.
+    /// The ids, by instance or material.
     ids: Vec<u32>,
     names: BTreeMap<String, u32>,
 }
 
 impl Mattes {
-    /// Those of a scene, each with the `levels` names that cover most of a pixel.
+    /// The mattes of a scene, each with the `levels` names that cover most of a pixel.
     pub fn new(scene: &Scene, layers: &[MatteLayer], levels: u32) -> Self {
         let owners = if layers.is_empty() { Vec::new() } else { scene.owners() };
         let indices = |layer: &MatteLayer| -> Option<Vec<u32>> {
@@ -79,7 +79,7 @@ impl Mattes {
         Self { layers: layers.iter().map(table).collect(), levels: levels as usize }
     }
 
-    /// None at all.
+    /// True if no mattes are kept.
     pub fn is_empty(&self) -> bool {
         self.layers.is_empty()
     }
@@ -156,7 +156,7 @@ struct Count {
 #[derive(Clone, Debug, Default, Serialize, Deserialize)]
 pub(super) struct MatteSums {
     rays: Vec<u32>,
-    /// By layer; in the order of pixels, in a pixel in that of ids.
+    /// Counts by layer; in the order of pixels, in a pixel in that of ids.
     counts: Vec<Vec<Count>>,
 }
 
@@ -306,7 +306,7 @@ mod tests {
         assert_eq!([0, 1].map(|pixel| sums.most_seen(&mattes, MatteLayer::ObjectIndex, pixel)), [7, 0]);
     }
 
-    /// More names than fit: memory stays bounded, and those that cover most are still right.
+    /// If there are more names than fit, memory stays bounded, and those that cover most are still right.
     #[test]
     fn the_weakest_are_forgotten() {
         let mattes = mattes(500, 2);

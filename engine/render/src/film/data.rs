@@ -14,7 +14,7 @@ use serde::{Deserialize, Serialize};
 pub struct DataSums {
     /// Rays that got through the lens.
     pub rays: f32,
-    /// Of these, those that met something.
+    /// Rays that hit a surface.
     pub hits: f32,
     /// Sum of positions, render space.
     pub position: Vec3,

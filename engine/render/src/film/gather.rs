@@ -6,7 +6,7 @@ use std::collections::HashSet;
 /// Light that is kept neither by tile nor divided yet, where counts differ.
 #[derive(Default)]
 struct Scattered {
-    /// By pixel of the picture, if there is any.
+    /// The light by pixel of the picture, if there is any.
     far: Vec<[f32; 3]>,
     /// Factor of each half's sums of light from anywhere.
     scales: [f64; 2],

@@ -35,7 +35,7 @@ pub fn half_of(x: u32, y: u32) -> usize {
 pub(super) struct Half {
     /// Pixels that start samples.
     pub pixels: u32,
-    /// As a patch's.
+    /// The sums of radiance and alpha, as in a patch.
     pub sums: Vec<[f32; 4]>,
     /// Colours beyond the patch by number of the pixel in the picture, in rising order.
     pub far: Vec<(u32, [f32; 3])>,

@@ -54,7 +54,7 @@ impl TileRect {
         Self { x, y, width: right - x, height: top - y }
     }
 
-    /// Those of its pixels that belong to a half.
+    /// The pixels of the rectangle that belong to a half.
     pub fn pixels_of(self, half: usize) -> impl Iterator<Item = (u32, u32)> {
         let pixels =
             (self.y..self.y + self.height).flat_map(move |y| (self.x..self.x + self.width).map(move |x| (x, y)));
@@ -82,7 +82,7 @@ pub struct Keep {
     pub surfaces: bool,
     /// Motion vectors of these surfaces over the picture.
     pub vectors: bool,
-    /// Which objects or materials they are.
+    /// The objects or materials of these surfaces.
     pub mattes: Mattes,
     /// Counts of samples that differ, in [`halves`].
     pub halves: bool,
@@ -115,7 +115,7 @@ pub struct Patch {
     far: Vec<(u32, u32, Rgb)>,
     /// Light that may fall anywhere, independent of the pixel that started it, if it is kept apart.
     anywhere: Option<Vec<(u32, u32, Rgb)>>,
-    /// By pixel, as the sums; empty if nobody asked.
+    /// Data of the surfaces by pixel; empty if nobody asked.
     data: Vec<DataSums>,
     /// Motion vectors by pixel; empty if nobody asked.
     vectors: Vec<VectorSums>,
@@ -223,12 +223,12 @@ pub struct Film {
     width: u32,
     height: u32,
     tile_size: u32,
-    /// By distance from the centre.
+    /// The tiles, by distance from the centre.
     tiles: Vec<(TileRect, Mutex<TileSums>)>,
     /// The tiles in rows from below.
     places: Vec<usize>,
     far: SplatSums,
-    /// Of each half's samples.
+    /// Light from anywhere, of each half's samples.
     anywhere: [SplatSums; 2],
     keep: Keep,
     /// Factor of the light when it is read.
@@ -298,7 +298,7 @@ impl Film {
         Self { gains, groups, ..self }
     }
 
-    /// By what its light is multiplied: all of it, and by pixel as well; without these, by one.
+    /// Factors of the film's light: of all of it, and by pixel as well; without these, one.
     pub fn scales(&self) -> (f32, &[f32]) {
         (self.exposure, &self.gains)
     }

@@ -20,7 +20,7 @@ use crate::sampler::{PathSampler, raster::Raster};
 use glam::Affine3A;
 use vertex::Vertex;
 
-/// Which ways of making a path are used.
+/// The techniques by which paths are made.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub enum Techniques {
     /// All of them.
@@ -35,7 +35,7 @@ pub struct CameraEnd<'a> {
     pub lens: &'a RealLens,
     /// Render space; as long as the camera sees.
     pub ray: Ray,
-    /// Of the ray's choice, per unit of etendue ([`crate::camera::from_scene`]).
+    /// Density of the ray's choice, per unit of etendue ([`crate::camera::from_scene`]).
     pub density: f64,
     /// From where the lens is in the middle of the exposure to where it is now; `None`: it stands still.
     pub way: Option<Affine3A>,
@@ -68,7 +68,7 @@ impl LightPath {
         self.moment = moment;
     }
 
-    /// When this one goes.
+    /// The moment of the light path.
     pub fn moment(&self) -> u16 {
         self.moment
     }

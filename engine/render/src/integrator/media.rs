@@ -116,15 +116,15 @@ impl Media {
 
 /// An event on a stretch of a ray.
 pub(super) enum Event {
-    /// Light comes to its end.
+    /// Light comes to the end of the stretch.
     Through,
-    /// It is scattered before that. Its weight is still to be multiplied by what is scattered per unit.
+    /// Light is scattered before the end. Its weight is still to be multiplied by the scattering coefficient.
     Scattered {
-        /// From the ray's start.
+        /// Distance from the ray's start.
         distance: f32,
         /// The medium that scatters it.
         medium: Box<Medium>,
-        /// With which density per unit it was scattered there; 0 where the medium varies and nothing competes.
+        /// Density per unit of the scattering there; 0 where the medium varies and nothing competes.
         density: f32,
     },
     /// Nothing is left of it.
@@ -235,7 +235,7 @@ impl Stretch<'_> {
         Bounded::new(&self.ray, bounds)
     }
 
-    /// Of something even among what varies.
+    /// The rate of tentative particles for a medium that is constant along the ray, among others that vary.
     fn rate_of(&self, medium: &Medium) -> f32 {
         let shines = medium.emission.max_element() > 0.0 && self.ray.t_max.is_finite();
         medium.extinction.max_element().max(if shines { bound::LOOKS / self.ray.t_max } else { 0.0 })

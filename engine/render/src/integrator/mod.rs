@@ -42,9 +42,9 @@ impl Integrator {
 pub struct Stage {
     /// The scene.
     pub scene: Scene,
-    /// Its trees.
+    /// The scene's BVHs.
     pub accel: Accel,
-    /// Its emitters.
+    /// The scene's lights.
     pub lights: Lights,
     /// Distributions from which light paths start.
     pub emission: Emission,
@@ -113,7 +113,7 @@ impl Stage {
     }
 }
 
-/// By material, what its tables are found by, if it is plain.
+/// The keys of the tables of plain surfaces, by material; `None` for other materials.
 fn keys(scene: &Scene) -> impl Iterator<Item = Option<(u32, u32, bool, bool)>> {
     scene.materials.iter().map(|material| material.graph.plain.as_ref().map(PrincipledTables::key))
 }

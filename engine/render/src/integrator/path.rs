@@ -82,7 +82,7 @@ impl From<&SurfacePoint> for FirstSurface {
 pub struct Limits {
     /// Bounces after the first surface.
     pub max_bounces: u32,
-    /// Of those, how many of each kind.
+    /// The most bounces of each kind.
     pub kinds: KindLimits,
     /// Most radiance, in the mean of its channels, that light may add which the camera sees, or which is scattered once: fewer bright
     /// specks for less light. Infinite takes all of it.

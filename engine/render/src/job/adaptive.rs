@@ -1,4 +1,4 @@
-//! As many samples for each pixel as its error asks for.
+//! Adaptive sampling: as many samples for each pixel as its error asks for.
 //!
 //! A block's error is looked at when its pixels have 16, 64, 256 ... samples (four times as many each time, from what the
 //! settings say). Each half of its pixels then gets as many as the error of the *other* half asks for: those, if they are

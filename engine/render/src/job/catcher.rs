@@ -1,7 +1,7 @@
 //! Surfaces that catch shadows: the picture is to be laid over a photograph, and holds of them what light they lose.
 //!
-//! As in Cycles the scene is seen twice, with all that is in it and with those surfaces alone, and the shadow is the one by the
-//! other (its manual, "Shadow Catcher"). Both by the same rays and random numbers, so noise that they share cancels.
+//! The scene is rendered twice, as in Cycles: with all that is in it and with those surfaces alone; the shadow is the ratio of the first to
+//! the second (manual of Cycles, "Shadow Catcher"). Both by the same rays and random numbers, so noise that they share cancels.
 
 use super::Job;
 use crate::Rgb;

@@ -33,11 +33,11 @@ const MADE_BY: (&str, bool) = (env!("CARGO_PKG_VERSION"), cfg!(target_feature = 
 /// The file in which a render is kept, and the interval.
 #[derive(Clone, Debug)]
 pub struct Checkpoints {
-    /// Replaced each time.
+    /// The file, replaced each time.
     pub file: PathBuf,
-    /// Of all that decides the picture: only a render with the same one takes it up.
+    /// Fingerprint of all that decides the picture: only a render with the same one takes it up.
     pub fingerprint: String,
-    /// From the end of one writing to the next.
+    /// Interval from the end of one writing to the next.
     pub every: Duration,
 }
 
@@ -52,7 +52,7 @@ pub struct Kept {
     pub written: u32,
     /// Wall time of the longest stop of all threads for it, s.
     pub longest_stop_s: f64,
-    /// Why what was there was not taken up, or why nothing can be written.
+    /// The reason why the kept render was not resumed, or why nothing can be written.
     pub problem: Option<String>,
 }
 
@@ -256,7 +256,7 @@ impl Keeper {
         kept.resumed_samples = counts.iter().copied().map(f64::from).sum::<f64>() / counts.len() as f64;
     }
 
-    /// Of now.
+    /// The present results.
     pub(super) fn kept(&self) -> Kept {
         lock(&self.kept).clone()
     }

@@ -26,9 +26,9 @@ pub struct Forecast {
     pub seconds: f64,
     /// Samples of the whole picture; where pixels get as many as they need, the most.
     pub samples: u64,
-    /// Threads.
+    /// Number of threads.
     pub threads: usize,
-    /// Of a thread's time, the part in the camera.
+    /// The part of a thread's time in the camera.
     pub camera_part: f64,
     /// The pipeline.
     pub pipeline: Pipeline,

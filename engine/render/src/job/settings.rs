@@ -26,7 +26,7 @@ pub struct Settings {
     pub noise_threshold: f32,
     /// Samples that a pixel has when its error is first looked at; 0 is [`MIN_SAMPLES`].
     pub min_samples: u32,
-    /// Of all random choices.
+    /// Seed of all random choices.
     pub seed: u32,
     /// The errors of neighbouring pixels cancel once all samples are there. Not where pixels get as many as they need:
     /// what stops them must not know of their neighbours. Ranges of samples make the whole picture only without.
@@ -39,11 +39,11 @@ pub struct Settings {
     pub window: Option<[u32; 4]>,
     /// Number of the first sample: renders of one seed and disjoint ranges can be merged.
     pub sample_offset: u32,
-    /// 0 is one a core.
+    /// Number of threads; 0 is one a core.
     pub threads: usize,
     /// Bounces after the first surface.
     pub max_bounces: u32,
-    /// Of those, how many of each kind.
+    /// The most bounces of each kind.
     pub kinds: KindLimits,
     /// Most radiance, in the mean of its channels, that light may add to a sample which the camera sees, or which is scattered once; 0
     /// is no limit.
@@ -129,7 +129,7 @@ pub enum SettingsError {
         /// Factor of the light.
         factor: f32,
     },
-    /// None given.
+    /// No camera is given.
     #[error("no camera: give one")]
     Camera,
     /// The filter.
@@ -198,7 +198,7 @@ impl Settings {
         }
     }
 
-    /// Which points pixels get.
+    /// The pattern of the points that pixels get.
     pub(super) fn pattern(&self) -> Pattern {
         if self.blue_noise && self.noise_threshold == 0.0 {
             Pattern::shared(self.seed, self.sample_offset + self.samples)

@@ -13,7 +13,7 @@ const LARGE: usize = 4096;
 /// Emitters up to which parts are cut so that all but one of the nodes over them are full.
 const FULL: usize = 512;
 
-/// Such a cut may be that much costlier than the best.
+/// Factor by which the cost of a cut that fills nodes may exceed the best.
 const WORTH_FULL: f32 = 1.3;
 
 /// The method by which nodes of eight are made of halves.

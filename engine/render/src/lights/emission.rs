@@ -20,7 +20,7 @@ use std::f32::consts::PI;
 
 /// The choice of a source by its power.
 pub struct Emission {
-    /// By [`Source`]; `None` where nothing emits, or nothing is there to be lit.
+    /// The choice by [`Source`]; `None` where nothing emits, or nothing is there to be lit.
     choice: Option<AliasTable>,
     /// A ball around everything.
     center: Vec3A,
@@ -35,7 +35,7 @@ pub struct EmittedRay {
     source: Source,
     /// Radiance; intensity of a lamp without extent, irradiance of a sun without extent.
     strength: Rgb,
-    /// Of a triangle: cosine of the ray to its normal.
+    /// For a triangle: cosine of the ray to its normal.
     cos: f32,
 }
 
@@ -53,7 +53,7 @@ pub struct ArrivedLight {
 }
 
 impl Emission {
-    /// Of the sources of a scene within `bounds`.
+    /// The choice among the sources of a scene within `bounds`.
     pub fn new(scene: &Scene, lights: &Lights, bounds: Option<(Vec3A, Vec3A)>) -> Self {
         let Some((low, high)) = bounds else { return Self { choice: None, center: Vec3A::ZERO, radius: 0.0 } };
         // Grown a little: rays that only just touch the outermost corner must not be missing.

@@ -26,10 +26,10 @@ pub struct PreparedLamp {
     sets: Sets,
     max_bounces: u32,
     cast_shadow: bool,
-    /// Radiance of a lamp with extent; radiant intensity of one without (sun: irradiance). What its nodes say comes to it.
+    /// Radiance of a lamp with extent; radiant intensity of one without (sun: irradiance). The factor of its nodes is not included.
     strength: Rgb,
     graph: Option<Arc<Graph>>,
-    /// Of render space, in Blender's world.
+    /// The origin of render space, in Blender's world.
     origin: Vec3A,
     /// Bound of the rounding error of a surface beside the lamp that stands in the lamp's plane, Blender units.
     rounding: f32,
@@ -108,7 +108,7 @@ impl PreparedLamp {
         self.sets
     }
 
-    /// Itself, if it still lights what a path meets after so many bounces.
+    /// This lamp, if it still lights a path after so many bounces; else `None`.
     pub(super) fn lit_after(&self, way: Way) -> Option<&Self> {
         (u32::from(way.depth) <= self.max_bounces).then_some(self)
     }

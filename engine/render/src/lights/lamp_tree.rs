@@ -7,7 +7,7 @@ use wide::f32x8;
 
 /// Boxes in a node.
 const WIDTH: usize = 8;
-/// More than the nodes that can wait in any tree of eighths over 2^32 lamps.
+/// Size of the stack: more than the nodes that can wait in any tree of eighths over 2^32 lamps.
 const STACK: usize = 96;
 
 /// Boxes, lane by lane, and what is in them.
@@ -36,7 +36,7 @@ struct Item {
 }
 
 impl LampTree {
-    /// Of lamps, each with its place in the list of emitters.
+    /// The tree of lamps, each with its place in the list of emitters.
     pub(super) fn new<'a>(lamps: impl Iterator<Item = (u32, &'a PreparedLamp)>) -> Self {
         let item = |(emitter, lamp): (u32, &PreparedLamp)| {
             let bounds = lamp.bounds();

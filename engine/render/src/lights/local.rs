@@ -22,7 +22,7 @@ use std::sync::Arc;
 pub(super) enum Emitter<'a> {
     Triangle(&'a LitTriangle),
     Lamp(u32),
-    /// As it is at the instance's own time, and by the number in [`Scene::moving`].
+    /// A triangle as it is at the instance's own time, and the number of its instance in [`Scene::moving`].
     Moving(&'a LitTriangle, u32),
 }
 
@@ -157,8 +157,7 @@ fn swept(scene: &Scene, lit: &LitTriangle, moving: u32) -> LightBounds {
 
 /// Points at which the emission of a material is evaluated, for its mean.
 const LOOKS: u64 = 64;
-/// Of the brightness that a material has where inputs that vary are white: the least that its mean counts. Emission may be where no look
-/// fell.
+/// Least mean brightness of a material, as a part of that with its varying inputs white. Emission may be where no look fell.
 const LEAST_SHARE: f32 = 0.01;
 
 /// Luminance of the mean emitted radiance, by material, for choosing between lights; 0 only of a material that cannot emit.

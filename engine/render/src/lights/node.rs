@@ -56,9 +56,9 @@ impl PackedChild {
 #[repr(align(64))]
 pub(super) struct Node {
     center: [f32x8; 3],
-    /// Of the sphere about the box.
+    /// Radius of the sphere about the box.
     radius: f32x8,
-    /// Negative where light also leaves backwards.
+    /// Power; negative where light also leaves backwards.
     power: f32x8,
     axis: [f32x8; 3],
     cos_normal_spread: f32x8,

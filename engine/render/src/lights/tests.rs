@@ -290,7 +290,7 @@ fn brought(scene: &Scene, lights: &Lights, from: Vec3A) -> Vec<f64> {
     lights.local.iter().map(of).collect()
 }
 
-/// With ten thousand emitters of unequal power the mean of light samples is the sum over all of them.
+/// The mean of light samples of ten thousand emitters of unequal power is the sum over all of them.
 #[test]
 fn samples_of_many_emitters_bring_what_all_bring_together() {
     let (scene, lights) = crowd(10_000, true, true);

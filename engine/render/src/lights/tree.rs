@@ -266,7 +266,7 @@ mod tests {
         }
     }
 
-    /// Of many emitters few nodes are made, and those over emitters are nearly full.
+    /// A tree over many emitters has few nodes, and those over emitters are nearly full.
     #[test]
     fn nodes_over_many_are_full() {
         let tree = LightTree::new(&emitters(10_000)).unwrap();

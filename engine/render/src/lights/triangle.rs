@@ -21,7 +21,7 @@ pub(super) struct LitTriangle {
     pub(super) instance: u32,
     /// Index of the triangle in its mesh.
     pub(super) triangle: u32,
-    /// Its back is worth a light sample, too.
+    /// True if its back is worth a light sample, too.
     pub(super) two_sided: bool,
     /// The kinds of ray that its object shows itself to.
     reaches: Rays,
@@ -149,7 +149,7 @@ pub(super) fn placed_corners(scene: &Scene, instance: u32, triangle: u32) -> [Ve
     placed.corners(mesh_of(scene, instance), triangle).map(|p| placed.to_render.transform_point3a(Vec3A::from(p)))
 }
 
-/// That of a triangle, Blender units squared.
+/// The area of a triangle, Blender units squared.
 pub(super) fn area(scene: &Scene, instance: u32, triangle: u32) -> f32 {
     0.5 * area_vector(placed_corners(scene, instance, triangle)).length()
 }

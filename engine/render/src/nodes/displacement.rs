@@ -48,7 +48,7 @@ pub fn displace(scene: &mut Scene) -> Vec<String> {
     warnings
 }
 
-/// By how much each vertex of an instance's mesh is moved, object space; `None` if none is.
+/// The displacement of each vertex of an instance's mesh, object space; `None` if none is displaced.
 fn offsets(scene: &Scene, instance: usize) -> Option<Vec<Vec3>> {
     let owner = &scene.instances[instance];
     let mesh = &scene.meshes[owner.mesh as usize];

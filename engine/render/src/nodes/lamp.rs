@@ -18,9 +18,9 @@ pub struct LampPoint {
     pub position: Vec3A,
     /// Away from the lamp.
     pub normal: Vec3A,
-    /// Unit, of the ray that comes to the lamp.
+    /// Direction of the ray that comes to the lamp, unit.
     pub direction: Vec3A,
-    /// Its length.
+    /// Length of the ray that comes to the lamp.
     pub distance: f32,
     /// Across an area lamp, in a spot's cone, over the sphere of directions.
     pub uv: Vec2,

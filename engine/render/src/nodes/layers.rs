@@ -174,7 +174,7 @@ pub struct Opening {
 }
 
 impl Opening {
-    /// Of a surface that lets nothing through.
+    /// The opening of a surface that lets nothing through.
     pub const NONE: Self = Self { light: Rgb::ZERO, chance: 0.0, kept: 1.0, rest: 1.0, share: 1.0 };
 
     fn of(Parts { light, rest, glowing, scattering }: Parts) -> Self {

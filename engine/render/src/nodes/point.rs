@@ -31,12 +31,12 @@ pub struct View {
     pub distance: f32,
     /// The path state before the point.
     pub way: Way,
-    /// When, as in [`Ray::moment`].
+    /// The moment, as in [`Ray::moment`].
     pub moment: u16,
 }
 
 impl View {
-    /// By a ray that met something, so far from where it set out.
+    /// The view along a ray of a hit at this distance.
     pub fn along(ray: &Ray, distance: f32, way: Way) -> Self {
         Self { direction: ray.direction, distance, way, moment: ray.moment }
     }
@@ -52,11 +52,11 @@ pub(super) struct Point<'a> {
     material_index: f32,
     view: View,
     surface: SurfacePoint,
-    /// Along the surface, render space.
+    /// The axes of the footprint along the surface, render space.
     footprint: [Vec3A; 2],
-    /// By how much the weights of the second and third corner change along them.
+    /// Derivatives of the weights of the second and third corner along the footprint's axes.
     along: [Vec2; 2],
-    /// Added to where programs look.
+    /// The shift of the place at which programs are evaluated.
     beside: Shift,
     is_bent: bool,
 }
@@ -201,8 +201,8 @@ impl<'a> Point<'a> {
         [[a, b], [b, c], [c, a]].map(away).into_iter().fold(f32::INFINITY, f32::min)
     }
 
-    /// Of a pixel's width across the line of sight, what is left of both axes of the footprint when they are looked at
-    /// along the ray, on average: as Cycles has it.
+    /// The pixel's width across the line of sight: the mean over both axes of the footprint, as they are seen along the ray: as Cycles has
+    /// it.
     fn pixel_width(&self) -> f32 {
         let seen = perpendicular(self.surface.geometric_normal)
             .map(|axis| axis.reject_from_normalized(self.view.direction).length());

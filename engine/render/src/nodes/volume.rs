@@ -24,9 +24,9 @@ const DENSEST: f32 = 1e12;
 /// The coefficients of a medium at a point, per Blender unit.
 #[derive(Clone, Debug, Default)]
 pub struct Medium {
-    /// Absorbed and scattered.
+    /// Extinction: absorption and scattering.
     pub extinction: Rgb,
-    /// Of that, scattered.
+    /// The part of the extinction that is scattering.
     pub scattering: Rgb,
     /// Radiance that a unit of length adds.
     pub emission: Rgb,

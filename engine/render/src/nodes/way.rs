@@ -3,19 +3,19 @@
 use crate::scene::visibility::Rays;
 use petzval_nodes::Field;
 
-/// Of a path's last scattering, what it was; and how many there were of each kind.
+/// The path state: the kind of the last scattering, and the number of scatterings of each kind.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 // Moved about as one word.
 #[repr(C, align(8))]
 pub struct Way {
     is: u8,
-    /// Reflected without a peak; at most 255 are counted.
+    /// Diffuse reflections; at most 255 are counted.
     pub diffuse: u8,
-    /// Reflected about a peak.
+    /// Glossy reflections.
     pub glossy: u8,
-    /// Let through and scattered.
+    /// Transmissions with scattering.
     pub transmission: u8,
-    /// Scatterings in all.
+    /// Scatterings of all kinds.
     pub depth: u16,
     /// Surfaces passed unbent.
     pub transparent: u16,
@@ -32,11 +32,11 @@ const IN_VOLUME: u8 = 128;
 
 impl Way {
     const START: Self = Self { is: 0, depth: 0, diffuse: 0, glossy: 0, transmission: 0, transparent: 0 };
-    /// Straight from the camera.
+    /// The state of a camera ray.
     pub const CAMERA: Self = Self { is: CAMERA, ..Self::START };
-    /// After one diffuse reflection: for who does not know better.
+    /// The state after one diffuse reflection: the default where nothing else is known.
     pub const BOUNCE: Self = Self { is: DIFFUSE | REFLECTED, depth: 1, diffuse: 1, ..Self::START };
-    /// A light that is asked what it sends to the first surface.
+    /// The state for a light that is evaluated at the first surface.
     pub const LIGHT: Self = Self { depth: 1, ..Self::START };
 
     /// The path state after a scattering at a surface. `is_matte`: by a diffuse lobe; `is_mirror`: by a lobe of a single direction.
@@ -80,14 +80,14 @@ impl Way {
         Self { transparent: self.transparent.saturating_add(1), ..self }
     }
 
-    /// Of a ray from there that asks whether light arrives.
+    /// The state of a shadow ray from there.
     #[inline]
     #[must_use]
     pub fn shadow(self) -> Self {
         Self { is: SHADOW, depth: self.depth + 1, ..self }
     }
 
-    /// Of a light that is asked what it sends there: Blender counts this as one scattering more, and as no kind of ray.
+    /// The state for a light that is evaluated at that place: Blender counts this as one scattering more, and as no kind of ray.
     #[inline]
     #[must_use]
     pub fn light(self) -> Self {

@@ -1,4 +1,4 @@
-//! When samples are taken while the shutter is open, and where the camera is then.
+//! Times of samples while the shutter is open, and places of the camera.
 
 use crate::accel::Ray;
 use crate::scene::motion::Way;
@@ -24,19 +24,19 @@ pub struct Exposure {
     /// Parts of the exposure by which equal parts of the light have come in.
     times: Option<Vec<f32>>,
     rolling: Option<f32>,
-    /// By moment, from where the camera is in the middle of the exposure to where it is then, render space.
+    /// The transform from the camera's place in the middle of the exposure to its place at each moment, render space.
     way: Option<Vec<Affine3A>>,
 }
 
 impl Exposure {
-    /// Of a camera that stands still.
+    /// The exposure of a camera that stands still.
     pub fn new(shutter: &Shutter) -> Self {
         let rolling = shutter.rolling.map(|part| part.clamp(0.0, 1.0));
         Self { times: times(&shutter.openness), rolling, way: None }
     }
 
-    /// Of one whose axes are taken to the world by these matrices, at keys that lie evenly over the exposure; `origin` is render
-    /// space's. Their scale counts nothing.
+    /// The exposure of a camera whose axes are taken to the world by these matrices, at keys that lie evenly over the exposure; `origin` is
+    /// render space's. Their scale counts nothing.
     pub fn along(self, keys: &[DMat4], origin: DVec3) -> Self {
         let poses: Vec<DMat4> = keys.iter().map(unscaled).collect();
         if poses.iter().all(|pose| *pose == poses[0]) {
@@ -53,7 +53,7 @@ impl Exposure {
         Self { way, ..self }
     }
 
-    /// Of a camera that stands so far from render space's origin, rather than there.
+    /// The exposure of a camera that stands at a distance from render space's origin, rather than there.
     pub fn displaced(self, by: DVec3) -> Self {
         if by == DVec3::ZERO {
             return self;
@@ -63,8 +63,8 @@ impl Exposure {
         Self { way: Some(way), ..self }
     }
 
-    /// When a sample is taken, as a part of the exposure: by a uniform number, and how far above the picture's middle it is, as a
-    /// part of its height.
+    /// The time of a sample, as a part of the exposure: by a uniform number, and its height above the picture's middle, as a part of the
+    /// picture's height.
     pub fn part(&self, u: f32, up: f32) -> f32 {
         let mut part = match &self.times {
             None => u,

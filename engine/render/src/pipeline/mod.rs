@@ -32,7 +32,7 @@ use std::time::{Duration, Instant};
 /// One in this many samples that are taken one by one is timed, to know the lens' share of the time without spending any.
 const TIMED_EVERY: u64 = 61;
 
-/// Which way.
+/// The order in which a sample is made.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
 pub enum Pipeline {
     /// Hero where the lens disperses, else film-first.
@@ -94,7 +94,7 @@ pub struct Shot<'a> {
     pub pattern: Pattern,
     /// The motion of surfaces over the picture, if it is asked for.
     pub motion: Option<&'a Motion>,
-    /// When samples are taken, where anything but the lens moves, or the shutter is not simply open.
+    /// Times of samples, where anything but the lens moves, or the shutter is not simply open.
     pub exposure: Option<&'a Exposure>,
     /// The parts of the paths' light that are kept beside the whole and the groups.
     pub parts: &'a Parts,
@@ -107,7 +107,7 @@ impl Shot<'_> {
         self.clip.map_or(ray, |clip| clip.cut(ray))
     }
 
-    /// When a sample is taken, as a part of the exposure.
+    /// The time of a sample, as a part of the exposure.
     fn time(&self, [x, y]: [u32; 2], index: u32) -> f32 {
         let mut sampler = self.pattern.pixel(x, y).sampler(index);
         sampler.jump_to(path::TIME_SET);
@@ -133,7 +133,7 @@ impl Shot<'_> {
 pub struct Counts {
     /// Samples asked of the camera.
     pub camera_rays: u64,
-    /// Of those, lost in the lens.
+    /// Samples lost in the lens.
     pub camera_rays_lost: u64,
     /// Wavelengths at which light of them was carried back through the lens.
     pub wavelengths_carried: u64,
@@ -141,9 +141,9 @@ pub struct Counts {
     pub rays: u64,
     /// Samples that were dropped because they were not finite.
     pub non_finite: u64,
-    /// Of the timed samples: time in the camera.
+    /// Time of the timed samples in the camera.
     pub camera_time: Duration,
-    /// Of the timed samples: all of their time.
+    /// All of the time of the timed samples.
     pub sample_time: Duration,
 }
 
@@ -278,7 +278,7 @@ impl Sample<'_> {
         add_splats(self.light, lens, splats, radiance);
     }
 
-    /// Of a sample that was lost in the lens: black, not transparent, for the lens is in the way.
+    /// Notes a sample that was lost in the lens: black, not transparent, for the lens is in the way.
     fn lost(&mut self) {
         self.light.add_alpha(self.x, self.y, if self.shot.limits.hide_sky { 0.0 } else { 1.0 });
     }

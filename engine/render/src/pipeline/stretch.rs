@@ -139,7 +139,7 @@ struct Stretch {
     indices: Vec<u32>,
     samplers: Vec<PathSampler>,
     cameras: Vec<usize>,
-    /// When each is taken, as a part of the exposure; empty where that does not matter.
+    /// The time of each sample, as a part of the exposure; empty where that does not matter.
     times: Vec<f32>,
 }
 

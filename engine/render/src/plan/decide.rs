@@ -27,11 +27,11 @@ pub enum Way {
     Gaussian,
     /// Not even that: everything is sharp.
     Pinhole {
-        /// That frames the same picture, mm.
+        /// Focal length of the pinhole that frames the same picture, mm.
         focal_length_mm: f64,
-        /// mm.
+        /// Width of the film, mm.
         film_width_mm: f64,
-        /// As Blender counts it.
+        /// The shift, as Blender counts it.
         shift: [f64; 2],
     },
 }
@@ -51,7 +51,7 @@ impl Way {
 /// The simulation of a camera.
 #[derive(Clone, Debug, PartialEq)]
 pub struct CameraChoice {
-    /// By which model.
+    /// The camera model.
     pub way: Way,
     /// The pipeline.
     pub pipeline: Pipeline,

@@ -27,7 +27,7 @@ pub struct Brightest {
     pub towards: DVec3,
     /// Irradiance by it on a surface that faces it, in the scene's units (luminance times steradians).
     pub irradiance: f32,
-    /// The part of all light that arrives.
+    /// The part of all arriving light.
     pub part: f32,
     /// Its place in the picture, fractions of the width and height from the centre; `None` outside of it.
     pub place: Option<Vec2>,
@@ -35,11 +35,11 @@ pub struct Brightest {
 
 /// Light of a source at the camera's place.
 struct Arrival {
-    /// Render space, unit.
+    /// Direction in render space, unit.
     towards: Vec3A,
-    /// Its part of the irradiance on what faces it.
+    /// The source's part of the irradiance on a surface that faces it.
     light: f32,
-    /// Of the sample, where a ray into the scene may find the same light in the sky; otherwise zero.
+    /// Density of the sample, where a ray into the scene may find the same light in the sky; otherwise zero.
     sky_pdf: f32,
 }
 

@@ -12,7 +12,7 @@ use crate::scene::visibility::Rays;
 use glam::DVec3;
 use rayon::prelude::*;
 
-/// Of the rays, how many are followed as paths, to know the picture's brightness.
+/// Number of rays that are followed as paths, to know the picture's brightness.
 const FOLLOWED: usize = 512;
 /// Bounces of those.
 const BOUNCES: u32 = 3;

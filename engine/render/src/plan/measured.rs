@@ -11,11 +11,11 @@ pub(super) struct Known<'a> {
     pub(super) d: &'a CameraDescription,
     pub(super) survey: &'a Survey,
     pub(super) lens: LensMeasures,
-    /// `None` where the lens stands still.
+    /// The motion by changes of the lens; `None` where it stands still.
     pub(super) motion: Option<Worst>,
-    /// `None` where nothing else moves either.
+    /// The motion of the scene or the camera; `None` where everything stands still.
     pub(super) scene_motion: Option<SceneMotion>,
-    /// Of the brightest sources.
+    /// Ghosts of the brightest sources.
     pub(super) ghosts: Option<GhostLook>,
     /// Irradiance on the front over that of a world as bright as the picture all over; `None` of a black picture.
     pub(super) front_light: Option<f64>,
@@ -23,7 +23,7 @@ pub(super) struct Known<'a> {
     pub(super) glare: f64,
     /// Distance from the edge of the brightest source up to which diffraction's light is seen, px.
     pub(super) seen_px: f64,
-    /// Of the picture.
+    /// Number of pixels of the picture.
     pub(super) pixels: f64,
     /// Light paths end in a lens that is traced.
     pub(super) needs_lens: bool,
@@ -31,7 +31,7 @@ pub(super) struct Known<'a> {
 
 /// An effect's size, and what is said of it.
 pub(super) struct Measured {
-    /// As [`super::Decision::measure`].
+    /// The measure, as [`super::Decision::measure`].
     pub(super) value: Option<f64>,
     /// The size and what goes with it.
     pub(super) text: String,

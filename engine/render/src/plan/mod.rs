@@ -129,7 +129,7 @@ impl Effect {
 /// A unit of the measures of effects.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub enum Unit {
-    /// By how many pixels of this picture light is moved.
+    /// Pixels of this picture by which light is moved.
     Pixels,
     /// Powers of two of brightness.
     Stops,
@@ -138,7 +138,7 @@ pub enum Unit {
 }
 
 impl Unit {
-    /// As it is written behind a number.
+    /// The text of the unit behind a number.
     pub fn name(self) -> &'static str {
         match self {
             Self::Pixels => "px",
@@ -161,7 +161,7 @@ impl Unit {
 /// The user's word on an effect.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
 pub enum Word {
-    /// As the measure has it.
+    /// The measure decides.
     #[default]
     Auto,
     /// Simulate it.
@@ -197,7 +197,7 @@ fn model_has(model: Model, effect: Effect) -> bool {
     }
 }
 
-/// So many of the sources that send most light are asked for their ghosts.
+/// Number of sources, of those that send most light, whose ghosts are looked for.
 const GHOST_SOURCES: usize = 3;
 
 /// The ghosts of the brightest sources before the lens.
@@ -251,7 +251,7 @@ impl Default for Wishes {
 }
 
 impl Wishes {
-    /// Of one effect.
+    /// The user's word on one effect.
     pub fn word(&self, effect: Effect) -> Word {
         self.words[effect as usize]
     }
@@ -262,7 +262,7 @@ impl Wishes {
     }
 }
 
-/// Why there is no plan.
+/// An error by which there is no plan.
 #[derive(Debug, thiserror::Error)]
 pub enum PlanError {
     /// The camera cannot photograph.
@@ -290,7 +290,7 @@ pub struct Decision {
     pub tolerance: f64,
     /// The user's word.
     pub word: Word,
-    /// It is simulated.
+    /// True if the effect is simulated.
     pub is_on: bool,
     /// The measure may be too small, and was taken for larger than it is.
     pub is_uncertain: bool,
@@ -315,7 +315,7 @@ pub struct Plan {
     pub look: Look,
     /// Cost of the camera for a sample, ns, by [`price`].
     pub camera_ns: f64,
-    /// Of ghosts.
+    /// Number of reflections of ghosts at most.
     pub ghost_reflections: Reflections,
     /// Wall time that it took, s.
     pub seconds: f64,

@@ -13,7 +13,7 @@ use crate::stray::ghosts::Glimpse;
 pub(super) enum Price {
     /// Every ray through one point.
     Pinhole,
-    /// By Gaussian optics.
+    /// Rays by Gaussian optics.
     Gaussian,
     /// Every ray through every surface, in f32 or f64.
     Exact {
@@ -49,7 +49,7 @@ pub(super) fn ghosts_s(sources: usize, look: &Glimpse, pixels: f64) -> f64 {
     sources as f64 * (look.paths as f64 * GHOST_LOOK_S + traced)
 }
 
-/// Of a pixel of the finished picture, with one kernel for all of it, in two transforms of a picture six times as large.
+/// Cost of a pixel of the finished picture, with one kernel for all of it, in two transforms of a picture six times as large.
 const DIFFRACTION_NS: f64 = 1_200.0;
 const GLARE_NS: f64 = 700.0;
 

@@ -1,5 +1,5 @@
-//! Which points of the sequence a pixel gets: so that the errors of neighbours differ, and cancel for an eye that sees
-//! several pixels at once (blue noise).
+//! The choice of the points of the sequence that a pixel gets: such that the errors of neighbours differ, and cancel
+//! for an eye that sees several pixels at once (blue noise).
 //!
 //! A square of pixels shares one sequence, laid along a Z-shaped curve whose turns are random at every level (Ahmed and
 //! Wonka 2020, "Screen-Space Blue-Noise Diffusion of Monte Carlo Sampling Error via Hierarchical Ordering of Pixels").
@@ -59,9 +59,9 @@ impl Pattern {
 pub struct PixelPattern {
     pattern: Pattern,
     square: [u32; 2],
-    /// Of its square, for the first round of samples.
+    /// Seed of the pixel's square, for the first round of samples.
     seed: u32,
-    /// Of its stretch.
+    /// First point of the pixel's stretch.
     first: u32,
 }
 

@@ -10,7 +10,7 @@ pub enum PhaseLobe {
     HenyeyGreenstein(f32),
     /// Draine 2003, "Scattering by interstellar dust grains", equation 4: the former times 1 + alpha cos^2.
     Draine {
-        /// As the former's.
+        /// The parameter g, as in Henyey and Greenstein's.
         anisotropy: f32,
         /// At least 0.
         alpha: f32,
@@ -19,7 +19,7 @@ pub enum PhaseLobe {
     FournierForand {
         /// 4 / (3 (n - 1)^2): their delta over the square of the half angle's sine.
         delta: f32,
-        /// Their nu.
+        /// Fournier and Forand's nu.
         nu: f32,
         /// (1 - delta_180^nu) / ((delta_180 - 1) delta_180^nu).
         back: f32,

@@ -121,7 +121,7 @@ impl Filter {
         }
     }
 
-    /// Its value at a part of its reach, in any unit.
+    /// The filter's value at a part of its reach, in any unit.
     fn value(self, part: f64) -> f64 {
         match self {
             Self::Box => 1.0,

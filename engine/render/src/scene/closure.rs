@@ -43,7 +43,7 @@ pub enum SubsurfaceMethod {
 }
 
 impl SubsurfaceMethod {
-    /// By Blender's name of since 5.1; `None` for others.
+    /// The method by Blender's name of since 5.1; `None` for others.
     pub fn named(name: &str) -> Option<Self> {
         Some(match name {
             "RANDOM_WALK" => Self::RandomWalk,
@@ -74,7 +74,7 @@ pub enum Closure<C, N> {
     },
     /// A mirror of facets without Fresnel's law.
     Glossy {
-        /// Of the reflection.
+        /// Colour of the reflection.
         color: C,
         /// Perceptual.
         roughness: N,
@@ -82,7 +82,7 @@ pub enum Closure<C, N> {
         anisotropy: N,
         /// Turns of the tangent.
         rotation: N,
-        /// Of its facets.
+        /// Distribution of the facets.
         distribution: Distribution,
     },
     /// A metal.
@@ -91,7 +91,7 @@ pub enum Closure<C, N> {
         base: C,
         /// Tint near grazing, or the extinction coefficient.
         edge: C,
-        /// Which of both.
+        /// The meaning of the two colours.
         kind: MetalKind,
         /// Perceptual.
         roughness: N,
@@ -99,9 +99,9 @@ pub enum Closure<C, N> {
         anisotropy: N,
         /// Turns of the tangent.
         rotation: N,
-        /// Of its facets.
+        /// Distribution of the facets.
         distribution: Distribution,
-        /// Over it.
+        /// Thin film over it.
         film: ThinFilm<N>,
     },
     /// Reflects and refracts by Fresnel's law.
@@ -112,9 +112,9 @@ pub enum Closure<C, N> {
         roughness: N,
         /// Index of refraction.
         ior: N,
-        /// Of its facets.
+        /// Distribution of the facets.
         distribution: Distribution,
-        /// Over it.
+        /// Thin film over it.
         film: ThinFilm<N>,
     },
     /// Refracts all that is not totally reflected, and reflects nothing.
@@ -125,7 +125,7 @@ pub enum Closure<C, N> {
         roughness: N,
         /// Index of refraction.
         ior: N,
-        /// Of its facets.
+        /// Distribution of the facets.
         distribution: Distribution,
     },
     /// Lets light through unbent.
@@ -181,7 +181,7 @@ pub enum Closure<C, N> {
         roughness: N,
         /// Forwards or backwards, -1 to 1.
         anisotropy: N,
-        /// Of its ways.
+        /// Method of the walk.
         method: SubsurfaceMethod,
     },
     /// Mirrored by a fibre, or come through it.
@@ -218,7 +218,7 @@ pub enum Pigment {
 /// Blender's Principled Hair BSDF.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct PrincipledHair<C, N> {
-    /// Which of the colours counts.
+    /// The source of the colour.
     pub pigment: Pigment,
     /// The colour, the dye or the absorption.
     pub color: C,
@@ -230,7 +230,7 @@ pub struct PrincipledHair<C, N> {
     pub roughness: N,
     /// About it, 0 to 1.
     pub radial_roughness: N,
-    /// Of the roughness, what the mirrored light is spared, 0 to 1.
+    /// The part of the roughness that mirrored light is spared, 0 to 1.
     pub coat: N,
     /// Index of refraction.
     pub ior: N,
@@ -266,7 +266,7 @@ pub struct Principled<C, N> {
     pub ior: N,
     /// 0 lets everything through unbent.
     pub alpha: N,
-    /// Of the diffuse base.
+    /// Roughness of the diffuse base.
     pub diffuse_roughness: N,
     /// The part of the base whose light goes into the body.
     pub subsurface_weight: N,
@@ -278,7 +278,7 @@ pub struct Principled<C, N> {
     pub subsurface_ior: N,
     /// Forwards or backwards, -1 to 1.
     pub subsurface_anisotropy: N,
-    /// Of its ways.
+    /// Method of the subsurface walk.
     pub subsurface_method: SubsurfaceMethod,
     /// 0.5 leaves the reflection that the index gives.
     pub specular_ior_level: N,
@@ -290,17 +290,17 @@ pub struct Principled<C, N> {
     pub anisotropic_rotation: N,
     /// 0 opaque to 1 glass.
     pub transmission: N,
-    /// Of the clear coat.
+    /// Weight of the clear coat.
     pub coat_weight: N,
-    /// Perceptual.
+    /// Perceptual roughness of the coat.
     pub coat_roughness: N,
-    /// Index of refraction.
+    /// Index of refraction of the coat.
     pub coat_ior: N,
     /// Transmittance of the coat.
     pub coat_tint: C,
-    /// Of the cloth over all.
+    /// Weight of the cloth over all.
     pub sheen_weight: N,
-    /// 0 to 1.
+    /// Roughness of the cloth, 0 to 1.
     pub sheen_roughness: N,
     /// Tint.
     pub sheen_tint: C,

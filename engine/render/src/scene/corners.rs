@@ -39,7 +39,7 @@ impl<T: Copy> Corners<T> {
         }
     }
 
-    /// Why it is not for these triangles and so many vertices; `None` where it is.
+    /// The error of values that do not fit these triangles and so many vertices; `None` if they fit.
     pub(super) fn misfit(&self, numbers: Numbers<'_>, vertices: usize) -> Option<String> {
         let triangles = numbers.triangles.len();
         let (have, need, of) = match self {

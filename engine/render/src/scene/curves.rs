@@ -26,7 +26,7 @@ pub enum CurveShape {
 pub enum StrandValues {
     /// At each key; even in between.
     ByKey(Vec<Vec4>),
-    /// Of each strand.
+    /// A value of each strand.
     ByStrand(Vec<Vec4>),
 }
 
@@ -37,7 +37,7 @@ pub struct CurvesDescription {
     pub name: String,
     /// Positions in object space, and radii.
     pub keys: Vec<Vec4>,
-    /// By strand the index of its first key; then how many keys there are.
+    /// Index of the first key by strand; then the number of keys.
     pub first_keys: Vec<u32>,
     /// The shape of the strands.
     pub shape: CurveShape,
@@ -47,7 +47,7 @@ pub struct CurvesDescription {
     pub uv_maps: Vec<(String, Vec<Vec2>)>,
     /// Attributes by name.
     pub attributes: Vec<(String, StrandValues)>,
-    /// Of the keys, without radius, a frame before and a frame after; `None` where they keep their places.
+    /// Positions of the keys, without radius, a frame before and a frame after; `None` where they keep their places.
     pub moved_keys: Option<[Vec<Vec3>; 2]>,
 }
 
@@ -56,15 +56,15 @@ pub struct CurvesDescription {
 pub struct Curves {
     /// Positions in object space, and radii.
     pub keys: Vec<Vec4>,
-    /// By strand the index of its first key; then how many keys there are.
+    /// Index of the first key by strand; then the number of keys.
     first_keys: Vec<u32>,
     /// The shape of the strands.
     pub shape: CurveShape,
-    /// By strand, what random numbers are made of.
+    /// The numbers by strand that random numbers are made of.
     numbers: Numbers,
     uv_maps: Vec<(String, Vec<Vec2>)>,
     attributes: Vec<(String, StrandValues)>,
-    /// Of the keys a frame before and a frame after.
+    /// Positions of the keys a frame before and a frame after.
     pub moved_keys: Option<[Vec<Vec3>; 2]>,
 }
 

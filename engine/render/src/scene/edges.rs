@@ -7,7 +7,7 @@ use std::collections::HashSet;
 
 /// A number from 0 to 1 by vertex, the same for all that edges join. Edges must name vertices that exist.
 ///
-/// It is the hash of one of the vertices; of which depends on the order of the edges, for of two trees the higher stays.
+/// The number is the hash of one of the vertices; of which depends on the order of the edges, for the higher of two trees stays.
 pub fn random_per_island(vertices: usize, edges: &[[u32; 2]]) -> Vec<f32> {
     let mut parents: Vec<u32> = (0..vertices as u32).collect();
     let mut heights = vec![0u8; vertices];

@@ -96,7 +96,7 @@ impl Source {
         }
     }
 
-    /// Its value where that is the same everywhere.
+    /// Its value if that is spatially constant.
     pub fn constant(self, program: &Program) -> Option<Vec3A> {
         match self {
             Self::Of(operand) => program.constant(operand),
@@ -180,11 +180,11 @@ pub struct Graph {
     pub slices: Slices,
     /// The closures, which add up.
     pub layers: Vec<GraphLayer>,
-    /// Those of them that scatter light, without what they emit.
+    /// The closures that scatter light, without what they emit.
     pub scattering: Vec<GraphLayer>,
-    /// These as a plain surface, if they are one.
+    /// The scattering closures as a plain surface, if they are one.
     pub plain: Option<Plain>,
-    /// Of the material.
+    /// Pass index of the material.
     pub pass_index: i32,
     /// The method of displacement.
     pub displacement: Displacement,
@@ -296,7 +296,7 @@ impl PartialEq for Graph {
 }
 
 impl Graph {
-    /// Of a compiled graph; and what of it the engine does otherwise than Blender, or not at all.
+    /// The graph of a compiled program; and reports on parts of it that the engine evaluates otherwise than Blender, or not at all.
     pub fn new(program: Program, pass_index: i32) -> (Self, Vec<String>) {
         let mut reports = Vec::new();
         let mut report = |what: &str| {
@@ -346,7 +346,7 @@ impl Graph {
         Self { program, slices, layers, scattering, plain, pass_index, displacement, volume: None }
     }
 
-    /// Of all that shaders say: surface and volume become programs of their own, since they are asked at different places.
+    /// The graph of shaders: surface and volume become programs of their own, since they are evaluated at different places.
     pub fn of(shaders: &Shaders, pass_index: i32) -> (Self, Vec<String>) {
         let (program, told) = compile(&Shaders { volume: None, ..shaders.clone() });
         let (mut graph, mut reports) = Self::new(program, pass_index);

@@ -6,7 +6,7 @@ use glam::{Affine3A, Vec3A, Vec4};
 /// One or three numbers at each voxel of a box; 0 outside.
 #[derive(Clone, Debug, PartialEq)]
 pub struct Grid {
-    /// By which shaders ask for it: "density", "temperature".
+    /// The name by which shaders read it: "density", "temperature".
     pub name: String,
     /// Voxels along x, y and z.
     pub size: [usize; 3],

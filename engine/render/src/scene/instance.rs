@@ -45,9 +45,9 @@ pub struct Instance {
     pub moved: Option<Box<[DAffine3; 2]>>,
     /// Properties of the object that shader graphs may read.
     pub info: ObjectInfo,
-    /// Which of its mesh's shapes it has, where that has several.
+    /// The shape of its mesh at its moment, where the mesh has several.
     pub pose: Pose,
-    /// It stands for what the picture is to be laid over: its shadows alone are wanted.
+    /// True if it stands for an object in the photograph that the picture is laid over: only its shadows are wanted.
     pub is_catcher: bool,
 }
 

@@ -30,7 +30,7 @@ pub struct Material {
 pub struct Aovs {
     /// The graph that computes them.
     pub graph: Arc<Graph>,
-    /// By layer.
+    /// The numbers of the values, by layer.
     pub numbers: Vec<u16>,
 }
 

@@ -20,7 +20,7 @@ pub struct MeshDescription {
     pub positions: Vec<Vec3>,
     /// Three indices into `positions`, anticlockwise seen from the front.
     pub triangles: Vec<[u32; 3]>,
-    /// By triangle, which corners of faces its own are: numbers for [`Corners::Loops`]; empty where there are none.
+    /// Corners of faces by triangle: numbers for [`Corners::Loops`]; empty where there are none.
     pub loops: Vec<[u32; 3]>,
     /// Normals at the corners, object space; `None` is flat.
     pub corner_normals: Option<Corners<Vec3>>,
@@ -36,7 +36,7 @@ pub struct MeshDescription {
     pub poses: Option<Poses>,
     /// Values known in its space, for volumes.
     pub grids: Vec<Grid>,
-    /// Its volume is as opaque however large the object is.
+    /// True if its volume has the same opacity whatever the object's size.
     pub keeps_opacity: bool,
 }
 
@@ -49,7 +49,7 @@ pub struct Mesh {
     pub positions: Vec<Vec3>,
     /// Three indices into `positions`, anticlockwise seen from the front.
     pub triangles: Vec<[u32; 3]>,
-    /// By triangle, which corners of faces its own are; empty where nothing is kept by these.
+    /// Corners of faces by triangle; empty where nothing is kept by these.
     pub loops: Vec<[u32; 3]>,
     /// Unit normals at the corners, object space.
     pub corner_normals: Option<Corners<Vec3>>,
@@ -63,7 +63,7 @@ pub struct Mesh {
     pub moved_positions: Option<[Vec<Vec3>; 2]>,
     /// Values known in its space, for volumes.
     pub grids: Vec<Grid>,
-    /// Its volume is as opaque however large the object is.
+    /// True if its volume has the same opacity whatever the object's size.
     pub keeps_opacity: bool,
     /// The corners of the box that holds `positions`.
     pub bounds: [Vec3; 2],
@@ -73,7 +73,7 @@ pub struct Mesh {
     pub points: Option<Box<Points>>,
     /// Its shapes while the shutter is open.
     pub poses: Option<Box<Poses>>,
-    /// It has curves, points or several shapes: one question for what most meshes have none of.
+    /// True if it has curves, points or several shapes: one test for what most meshes do not have.
     pub is_special: bool,
 }
 

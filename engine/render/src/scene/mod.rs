@@ -43,23 +43,23 @@ pub enum SceneError {
     BadMesh {
         /// The mesh's name.
         mesh: String,
-        /// Which array, and how it is wrong.
+        /// The array, and its error.
         what: String,
     },
     /// Arrays of curves disagree in length.
     #[error("curves '{curves}': {what}; export them again or remove them")]
     BadCurves {
-        /// Their name.
+        /// The name of the curves.
         curves: String,
-        /// Which array, and how it is wrong.
+        /// The array, and its error.
         what: String,
     },
     /// Arrays of a point cloud disagree in length.
     #[error("points '{points}': {what}; export them again or remove them")]
     BadPoints {
-        /// Their name.
+        /// The name of the point cloud.
         points: String,
-        /// Which array, and how it is wrong.
+        /// The array, and its error.
         what: String,
     },
     /// An index to an earlier piece that was never added.

@@ -71,7 +71,7 @@ impl Parts {
 pub struct Way(Vec<Parts>);
 
 impl Way {
-    /// By its matrices; `None` of less than two, or where one is not finite or flattens.
+    /// The transforms of these matrices; `None` of less than two, or where one is not finite or flattens.
     pub fn new(keys: &[DMat4]) -> Option<Self> {
         let is_fine = |m: &DMat4| m.is_finite() && m.inverse().is_finite() && m.determinant().abs() >= 1e-30;
         (keys.len() > 1 && keys.iter().all(is_fine))
@@ -99,9 +99,9 @@ fn key_at(count: usize, part: f64) -> (usize, f64) {
 /// The shapes of a mesh at keys that lie evenly over the time that the shutter is open, the middle one its own.
 #[derive(Clone, Debug, Default)]
 pub struct Poses {
-    /// By key, its vertices, object space.
+    /// Vertices by key, object space.
     pub positions: Vec<Vec<Vec3>>,
-    /// By key, normals at the triangles' corners, object space; `None` as in the mesh.
+    /// Normals at the triangles' corners by key, object space; `None` as in the mesh.
     pub corner_normals: Option<Vec<Corners<Vec3>>>,
 }
 
@@ -151,7 +151,7 @@ pub struct Moving {
     pub instance: u32,
     /// The number of the instance that stands for its first moment; the others follow.
     pub first: u32,
-    /// By how many bits a ray's moment is more than the instance's.
+    /// Number of bits by which a ray's moment is finer than the instance's.
     pub shift: u32,
     /// Its transforms; `None` where it changes its shape alone.
     pub way: Option<Way>,
@@ -260,7 +260,7 @@ impl Scene {
         first.map_or(self.instances.len(), |one| one.first as usize)
     }
 
-    /// By instance, the number of that which was added: itself, but for those that stand for moments.
+    /// The number of the instance that was added, by instance: itself, but for those that stand for moments.
     pub fn owners(&self) -> Vec<u32> {
         let mut owners: Vec<u32> = (0..self.placed_count() as u32).collect();
         let stand_in = |one: &Moving| std::iter::repeat_n(one.instance, one.count() as usize);
@@ -270,7 +270,7 @@ impl Scene {
 }
 
 impl Moving {
-    /// With its way, before it has moments.
+    /// A moving instance with its way, before it has moments.
     pub(super) fn new(instance: u32, way: Option<Way>) -> Self {
         Self { instance, first: 0, shift: 0, way }
     }
@@ -317,7 +317,7 @@ mod tests {
         assert!(Way::new(&[at(0.0), at(f64::NAN)]).is_none());
     }
 
-    /// As many moments as pixels ask for; each knows whose it is and stands in the middle of its time.
+    /// An instance has as many moments as its motion in pixels needs; each knows its owner and stands in the middle of its time.
     #[test]
     fn an_instance_stands_for_each_of_its_moments() {
         let mut builder = SceneBuilder::new();

@@ -16,7 +16,7 @@ pub struct PointsDescription {
     pub attributes: Vec<(String, Vec<Vec4>)>,
     /// The places a frame before and a frame after; `None` where they keep them.
     pub moved_points: Option<[Vec<Vec3>; 2]>,
-    /// As `points`, at keys that lie evenly over the time that the shutter is open; empty where they keep places and radii.
+    /// Positions and radii at keys that lie evenly over the time that the shutter is open; empty where they are constant.
     pub poses: Vec<Vec<Vec4>>,
 }
 
@@ -30,7 +30,7 @@ pub struct Points {
     attributes: Vec<(String, Vec<Vec4>)>,
     /// The places a frame before and a frame after.
     pub moved_points: Option<[Vec<Vec3>; 2]>,
-    /// By key over the time that the shutter is open; empty where nothing changes.
+    /// Positions and radii by key over the time that the shutter is open; empty where nothing changes.
     poses: Vec<Vec<Vec4>>,
 }
 

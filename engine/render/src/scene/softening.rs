@@ -1,6 +1,6 @@
 //! Softening of the shadow terminator: the flat triangles of a coarse smooth mesh do not show at the edge of light.
 
-/// Of an object.
+/// The softening of an object's shadow terminator.
 #[derive(Clone, Copy, Debug, Default, PartialEq)]
 pub struct Softening {
     /// Shadows of light at a lesser cosine are asked for from above the triangle; 0: none are.

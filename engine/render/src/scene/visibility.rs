@@ -17,7 +17,7 @@ impl Rays {
     pub const SHADOW: Self = Self(16);
     /// Scattered in a volume.
     pub const VOLUME_SCATTER: Self = Self(32);
-    /// None at all.
+    /// No kind.
     pub const NONE: Self = Self(0);
     /// All that a surface scatters, whichever it is.
     pub const BOUNCE: Self = Self(2 | 4 | 8);
@@ -37,7 +37,7 @@ impl Rays {
         })
     }
 
-    /// Both together.
+    /// The kinds of both sets together.
     #[inline(always)]
     #[must_use]
     pub const fn and(self, other: Self) -> Self {
@@ -77,7 +77,7 @@ impl Default for Rays {
     }
 }
 
-/// Which of the scene's sets of objects an emitter lights, and which stand in its way. Set 0 is everything.
+/// The sets of the scene's objects that an emitter lights, and that stand in its way. Set 0 is everything.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
 pub struct Sets {
     /// The set of objects that it lights; below 64.
@@ -87,7 +87,7 @@ pub struct Sets {
 }
 
 impl Sets {
-    /// Of lights that nobody linked.
+    /// The sets of lights without light linking.
     pub const EVERYTHING: Self = Self { receivers: 0, blockers: 0 };
 }
 
@@ -98,7 +98,7 @@ pub struct Links {
     pub receives: u64,
     /// The sets of blockers that it is in, a bit each.
     pub blocks: u64,
-    /// Of what it shines itself.
+    /// The sets of the object's own emission.
     pub sets: Sets,
 }
 

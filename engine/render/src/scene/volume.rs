@@ -53,7 +53,7 @@ pub enum Phase {
     },
     /// Draine 2003: dust.
     Draine {
-        /// As Henyey and Greenstein's.
+        /// The parameter g, as in Henyey and Greenstein's.
         anisotropy: Source,
         /// 0 is Henyey and Greenstein's; 1 with no anisotropy is Rayleigh's.
         alpha: Source,
@@ -62,7 +62,7 @@ pub enum Phase {
     Rayleigh,
     /// Fog, after Jendersie and d'Eon 2023.
     Mie {
-        /// Of the droplets, micrometres.
+        /// Diameter of the droplets, micrometres.
         diameter_um: Source,
     },
 }
@@ -129,7 +129,7 @@ pub struct PrincipledVolume {
     pub emission_color: Source,
     /// 1: as a black body.
     pub blackbody: Source,
-    /// Of that.
+    /// Tint of the black body's emission.
     pub blackbody_tint: Source,
     /// Kelvin.
     pub temperature: Source,
@@ -156,18 +156,19 @@ pub struct VolumeLayer {
 /// A program and the closures whose inputs it computes.
 #[derive(Debug)]
 pub struct Volume {
-    /// To be run at each point.
+    /// The program, to be run at each point.
     pub program: Program,
-    /// They add up.
+    /// The layers, which add up.
     pub layers: Vec<VolumeLayer>,
-    /// Of the material.
+    /// Pass index of the material.
     pub pass_index: i32,
     /// No node asks for the place, so that it is the same along a ray, unless grids make it vary.
     pub is_even: bool,
 }
 
 impl Volume {
-    /// Of a compiled graph, `None` where that has no volume; and what of it is done otherwise than in Blender.
+    /// The volume of a compiled graph, `None` where that has none; and reports on parts of it that are evaluated
+    /// otherwise than in Blender.
     pub fn new(program: Program, pass_index: i32) -> (Option<Self>, Vec<String>) {
         let mut reports = Vec::new();
         let layers: Vec<VolumeLayer> =

@@ -67,7 +67,7 @@ impl F82Tint {
         self.of(Self::terms(cos_i))
     }
 
-    /// Of a cosine what reflectance is linear in: the rise, and the dip near grazing.
+    /// The terms at a cosine in which reflectance is linear: the rise, and the dip near grazing.
     #[inline]
     pub fn terms(cos_i: f32) -> [f32; 2] {
         let m = (1.0 - cos_i).clamp(0.0, 1.0);

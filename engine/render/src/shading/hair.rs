@@ -12,7 +12,7 @@ const EUMELANIN: Rgb = Rgb::new(0.506, 0.841, 1.653);
 const PHEOMELANIN: Rgb = Rgb::new(0.343, 0.733, 1.924);
 
 impl Mixture {
-    /// Of the Hair shader.
+    /// Adds the lobe of the Hair shader.
     pub(super) fn add_hair(&mut self, weight: Rgb, roughness: [f32; 2], tilt: f32, through: bool) {
         let Some((strand, tangent)) = self.strand() else { return };
         let (along, tilt) = match (tangent, strand.edge) {

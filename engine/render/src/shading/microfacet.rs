@@ -21,7 +21,7 @@ impl Ggx {
         Self { alpha: roughness * roughness }
     }
 
-    /// That wide.
+    /// The distribution of a width.
     pub fn of_width(alpha: f32) -> Self {
         Self { alpha }
     }
@@ -31,7 +31,7 @@ impl Ggx {
         self.alpha
     }
 
-    /// So narrow that it is treated as a perfect mirror.
+    /// True if it is so narrow that it is treated as a perfect mirror.
     #[inline]
     pub fn is_mirror(&self) -> bool {
         self.alpha < MIRROR_BELOW

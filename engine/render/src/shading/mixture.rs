@@ -90,7 +90,7 @@ impl Mixture {
         (self.here.caustics, self.is_blurred) = (past.caustics, past.is_blurred);
     }
 
-    /// Of closures that are added from now on: the normal of coats, and along what stretched facets lie.
+    /// Sets the normal of coats, and the direction of stretched facets, for closures that are added from now on.
     pub fn set_directions(&mut self, coat_normal: Vec3A, tangent: Vec3A) {
         (self.here.coat_normal, self.here.tangent) = (coat_normal, tangent);
     }

@@ -35,9 +35,9 @@ pub struct BsdfSample {
     pub pdf: f32,
     /// A single direction, which no light sample can find.
     pub mirror: bool,
-    /// Through the surface.
+    /// True if the direction goes through the surface.
     pub transmitted: bool,
-    /// By a lobe without a peak.
+    /// True if a diffuse lobe chose it.
     pub matte: bool,
 }
 

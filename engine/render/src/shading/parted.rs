@@ -16,7 +16,7 @@ pub struct LobeShares {
 }
 
 impl LobeShares {
-    /// Of a single direction, mirrored or refracted.
+    /// The shares of a single direction, mirrored or refracted.
     pub fn mirror(transmitted: bool) -> Self {
         let [glossy, transmission] = if transmitted { [Rgb::ZERO, Rgb::ONE] } else { [Rgb::ONE, Rgb::ZERO] };
         Self { glossy, transmission, ..Self::default() }
@@ -89,6 +89,6 @@ pub trait Parted {
     /// The features for a denoiser.
     fn features(&self) -> Features;
 
-    /// Of the diffuse lobes that scatter here and not elsewhere: their colours together, and the mean of their normals by these.
+    /// The colours of the diffuse lobes that scatter here and not elsewhere, together, and the mean of their normals by these.
     fn diffuse(&self) -> (Rgb, Vec3A);
 }

@@ -20,10 +20,10 @@ use std::sync::Arc;
 pub struct PrincipledTables {
     /// Relative index of the specular coat, after the specular level.
     coat_eta: f32,
-    /// Its reflectance at normal incidence, before the tint.
+    /// Reflectance of the coat at normal incidence, before the tint.
     coat_f0: f32,
     ior: f32,
-    /// As in [`Plain`].
+    /// True if the base is coated, as in [`Plain`].
     is_coated: bool,
     reflection: Arc<AlbedoTable>,
     coat: AlbedoTable,

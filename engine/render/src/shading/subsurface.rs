@@ -10,9 +10,9 @@ use std::f32::consts::FRAC_1_PI;
 /// The medium in a body, by channel.
 #[derive(Clone, Copy, Debug)]
 pub struct Medium {
-    /// Per Blender unit.
+    /// Extinction per Blender unit.
     pub extinction: Rgb,
-    /// Of a single scattering.
+    /// Albedo of a single scattering.
     pub albedo: Rgb,
     /// Henyey and Greenstein's g.
     pub anisotropy: f32,
@@ -30,7 +30,7 @@ impl Medium {
 /// Light on its way into a body.
 #[derive(Clone, Copy, Debug)]
 pub enum Entry {
-    /// It walks through.
+    /// Light walks through the body.
     Walk {
         /// Unit.
         direction: Vec3A,
@@ -39,7 +39,7 @@ pub enum Entry {
         /// The medium of the walk.
         medium: Medium,
     },
-    /// It comes out beside, by a profile.
+    /// Light comes out beside, by a profile.
     Beside {
         /// Light that the path carries.
         light: Rgb,
@@ -80,7 +80,7 @@ const LEAST_RADIUS: f32 = 1e-8;
 const LEGACY_PATH: f32 = 0.25 * FRAC_1_PI;
 
 impl Body {
-    /// Of a surface's albedo, and the radius by channel; `None` where no channel has any.
+    /// The body of a surface's albedo and the radius by channel; `None` where no channel has any.
     pub(super) fn new(
         albedo: Rgb,
         radius: Rgb,

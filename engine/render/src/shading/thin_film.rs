@@ -46,9 +46,9 @@ impl Complex {
 /// The material below a film.
 #[derive(Clone, Copy, Debug)]
 enum Below {
-    /// Of that relative index.
+    /// A dielectric of that relative index.
     Dielectric(f32),
-    /// Of that index and extinction coefficient; its reflectance may be that of a tinted metal.
+    /// A metal of that index and extinction coefficient; its reflectance may be that of a tinted metal.
     Metal { n: Rgb, k: Rgb, near_grazing: Option<Rgb> },
 }
 
@@ -142,7 +142,7 @@ impl Film {
         f * (Rgb::ONE + (f0 / real_f0 - 1.0) * near)
     }
 
-    /// Of both polarisations.
+    /// Reflectance, the mean of both polarisations.
     fn sum(&self, above: [(f32, Complex); 2], below: [[(f32, Complex); 2]; 3], path_nm: f32) -> Rgb {
         let transforms: [[Vec3; 2]; ORDERS] = std::array::from_fn(|order| sensitivity((order + 1) as f32 * path_nm));
         let mut total = Rgb::ZERO;

@@ -1,4 +1,4 @@
-//! Which wavelengths the film sees, and what the scene's light at each of them adds to the picture's colour.
+//! The wavelengths that the film sees, and the contribution of the scene's light at each of them to the picture's colour.
 //!
 //! The scene is described in three colours, a dispersing lens wants wavelengths. A scene colour (r, g, b) is taken for
 //! the spectrum (r b_r + g b_g + b b_b) D65, with the basis of Mallett and Yuksel 2019: it is linear, and white is D65

@@ -39,8 +39,8 @@ pub struct Diffraction {
 }
 
 impl Diffraction {
-    /// Of the lens of a camera, for a picture of that many pixels. Blades are the description's: that blur was made with a round opening
-    /// does not keep them from throwing light aside.
+    /// The diffraction of the lens of a camera, for a picture of that many pixels. Blades are the description's: that blur was made with a
+    /// round opening does not keep them from throwing light aside.
     ///
     /// # Errors
     /// As [`crate::camera::Camera::new`].
@@ -65,7 +65,8 @@ impl Diffraction {
         Ok(Self { size, pixel, spectrum, pupils })
     }
 
-    /// Of pupils: one for all of the picture, or nine, of the places [`PLACES`] by rows from below. A pixel is so wide and so high, mm.
+    /// The diffraction of pupils: one for all of the picture, or nine, of the places [`PLACES`] by rows from below. `pixel_mm` is a pixel's
+    /// width and height.
     pub fn of_outlines(pupils: Vec<Outline>, spectrum: FilmSpectrum, pixel_mm: [f64; 2], size: [usize; 2]) -> Self {
         Self { size, pixel: pixel_mm, spectrum, pupils }
     }

@@ -27,7 +27,7 @@ const LEAST_BANDS: usize = 6;
 const MOST_BANDS: usize = 24;
 /// Ghosts of a source that blurs them less are those of its middle.
 const BLUR_PX: f64 = 1.5;
-/// So many ghosts are traced before their pieces are laid: memory.
+/// Number of ghosts that are traced before their pieces are laid: memory.
 const AT_ONCE: usize = 16;
 
 /// A report on the simulation of ghosts.
@@ -37,7 +37,7 @@ pub struct Report {
     pub sources: usize,
     /// Ghosts of all sources that reach the film.
     pub found: usize,
-    /// Of those, simulated.
+    /// Ghosts that were simulated.
     pub simulated: usize,
     /// Bound of the light that the others could add to a pixel, in the picture's units.
     pub left_out: f32,
@@ -80,7 +80,7 @@ fn turns(lens: &StrayLens, reflections: Reflections) -> Vec<Vec<usize>> {
 
 /// The paths in the bands that they are asked for.
 struct Paths {
-    /// By number of bands and path.
+    /// Tracers by number of bands and path.
     tracers: HashMap<(usize, usize), Vec<GhostTracer>>,
 }
 

@@ -1,7 +1,7 @@
 //! Veiling glare: light that surfaces scatter because they are not quite smooth or not quite clean, and light that the barrel and the
 //! film throw back.
 //!
-//! Of each surface of the lens, to first order ([`petzval_optics::scatter`]):
+//! The scattered light of each surface of the lens, to first order ([`petzval_optics::scatter`]):
 //!
 //! - *Roughness* of σ rms sends the part (2π σ Δn / λ)² aside (Bennett and Porteus 1961, here in transmission), shaped as Harvey and
 //!   Shack have it, (1 + (β / l)²)^(s / 2) of the sine β, with l = 0.01 at 550 nm and s = −1.5, as is usual of polished glass (Pfisterer,
@@ -30,7 +30,7 @@ use std::f64::consts::{PI, TAU};
 const SHOULDER: f64 = 0.01;
 const SLOPE: f64 = -1.5;
 const AT_NM: f64 = 550.0;
-/// Of what a particle catches, the part that it throws on.
+/// The part of the light that a particle catches which it throws on.
 const THROWN_ON: f64 = 0.5;
 /// Sizes of particles to the double.
 const SIZES_PER_OCTAVE: u32 = 8;
@@ -47,7 +47,7 @@ pub struct Glare {
     size: [usize; 2],
     pixel_mm: [f64; 2],
     scattering: Scattering,
-    /// Of red, green and blue.
+    /// The halos of red, green and blue.
     colours: [Halo; 3],
 }
 
@@ -62,7 +62,7 @@ struct Halo {
 }
 
 impl Glare {
-    /// Of the lens of a camera, for a picture of that many pixels.
+    /// The glare of the lens of a camera, for a picture of that many pixels.
     ///
     /// # Errors
     /// As [`crate::camera::Camera::new`].
@@ -71,7 +71,7 @@ impl Glare {
         Ok(Self::of_surfaces(&survey.scatterers(), d.scattering, survey.pixel_mm(), [width as usize, height as usize]))
     }
 
-    /// Of surfaces. A pixel is so wide and so high, mm.
+    /// The glare of surfaces. `pixel_mm` is a pixel's width and height.
     pub fn of_surfaces(surfaces: &[Scatterer], scattering: Scattering, pixel_mm: [f64; 2], size: [usize; 2]) -> Self {
         let three = FilmSpectrum::three();
         // From blue to red, as the film's wavelengths are.
@@ -180,7 +180,7 @@ impl Halo {
 
 /// Scattered light by the sine of the angle, up to 1, per unit of solid angle (of sines).
 struct Shape {
-    /// By logarithm.
+    /// Values by logarithm of the sine.
     values: Vec<f64>,
     whole: f64,
 }
@@ -213,7 +213,7 @@ impl Shape {
         shape
     }
 
-    /// Of the dust on a surface of that level; `None`: there is none.
+    /// The shape of the dust on a surface of that level; `None`: there is none.
     fn dust(level: f64, nm: f64) -> Option<Self> {
         if level.is_nan() || level <= 1.0 {
             return None;

@@ -1,8 +1,8 @@
 //! Light that strays: what reflections between surfaces, scattering and the wave nature of light add to a picture that rays alone have
 //! made.
 //!
-//! It is found once, after the last sample, from the picture and the scene's sources, and kept apart from it: what is shown is the
-//! sum. Each part is a difference that may be weighed by itself.
+//! Stray light is computed once, after the last sample, from the picture and the scene's sources, and kept apart from it: what is shown is
+//! the sum. Each part is a difference that may be weighed by itself.
 
 pub mod diffraction;
 pub mod ghosts;
@@ -26,7 +26,7 @@ pub struct Picture {
     pub width: u32,
     /// Rows.
     pub height: u32,
-    /// By pixel.
+    /// Light by pixel.
     pub light: Vec<Rgb>,
 }
 
@@ -47,7 +47,7 @@ pub struct Strays {
 /// light twice what a surface reflects.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
 pub enum Reflections {
-    /// As most ghosts that are seen have.
+    /// Two, as most visible ghosts have.
     #[default]
     Two,
     /// Two or four: for lenses without coatings, and the sun.
@@ -63,7 +63,7 @@ impl Reflections {
         }
     }
 
-    /// Of that number, if there is one.
+    /// The variant of that number, if there is one.
     pub fn of(count: usize) -> Option<Self> {
         [Self::Two, Self::Four].into_iter().find(|one| one.counts().last() == Some(&count))
     }
@@ -108,7 +108,7 @@ impl StrayPass {
 #[derive(Clone, Debug, Default)]
 pub struct Strayed {
     parts: Vec<Part>,
-    /// Of ghosts.
+    /// The report on ghosts.
     pub ghosts: Option<ghosts::Report>,
 }
 
@@ -149,14 +149,14 @@ pub struct Straight<'a> {
     pub camera: &'a Camera,
     /// The picture that the camera took.
     pub picture: &'a Picture,
-    /// By what the camera's light is multiplied in the picture, and by pixel as well; without these, by one.
+    /// Factor of the camera's light in the picture.
     pub exposure: f32,
-    /// As above.
+    /// A further factor of the camera's light by pixel; without these, one.
     pub gains: &'a [f32],
 }
 
 impl Straight<'_> {
-    /// By what the camera's light is multiplied at a pixel.
+    /// Factor of the camera's light at a pixel.
     pub fn scale(&self, pixel: usize) -> f32 {
         self.exposure * self.gains.get(pixel).copied().unwrap_or(1.0)
     }

@@ -9,7 +9,7 @@ use rayon::prelude::*;
 /// The transfer function of a kernel, less what it takes from the light that is not spread.
 pub(super) struct Sampled {
     sides: [usize; 2],
-    /// By column of the spectrum, then by row.
+    /// Values by column of the spectrum, then by row.
     values: Vec<Rgb>,
     taken: Rgb,
 }

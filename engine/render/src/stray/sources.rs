@@ -37,7 +37,7 @@ pub struct Source {
     pub place: beam::Source,
     /// On the front glass, facing the source: radiance times steradians.
     pub irradiance: Rgb,
-    /// Of an even disc as wide as the source, seen from the lens.
+    /// Radius of an even disc as wide as the source, seen from the lens.
     pub radius_rad: f32,
     /// Render space, unit.
     pub towards: DVec3,
@@ -195,7 +195,7 @@ struct Spot {
     /// Sums by luminance of where the others lie from there, and of these distances squared.
     places: Vec2,
     squares: f32,
-    /// Of luminance, and of light.
+    /// Sums of luminance, and of light.
     weight: f32,
     light: Rgb,
 }
@@ -204,7 +204,7 @@ struct Spot {
 struct View {
     /// About the middle of the rays that come to it.
     ray: Ray,
-    /// Of a pixel, seen from the lens.
+    /// Solid angle of a pixel, seen from the lens.
     solid_angle_sr: f32,
     /// The camera's light there of a white world of radiance one.
     white: f32,

@@ -15,9 +15,9 @@ use std::sync::Arc;
 
 /// Columns or rows that go together: a line of the cache.
 const BLOCK: usize = 8;
-/// Of the picture: red, green, blue, and what an even white one would have there.
+/// Channels of the picture: red, green, blue, and that of an even white one.
 const CHANNELS: usize = 4;
-/// Of the change: three colours of the picture's, and three of an even white one's.
+/// Channels of the change: three colours of the picture's, and three of an even white one's.
 const CHANGES: usize = 6;
 
 /// The transfer function of a kernel.
@@ -30,9 +30,9 @@ pub trait Transfer: Sync {
 
 /// A part of the picture and the kernel of its light.
 pub struct Zone<'a> {
-    /// The part of a pixel's light that is spread so: the product of these by column and row. All zones' together are 1.
+    /// The part of a pixel's light that is spread so, by column: the product of this and [`Self::rows`]. All zones' together are 1.
     pub columns: Vec<f32>,
-    /// By row.
+    /// The part of a pixel's light that is spread so, by row.
     pub rows: Vec<f32>,
     /// The transfer function.
     pub transfer: &'a dyn Transfer,
@@ -46,7 +46,7 @@ pub struct Spreading<'a> {
 }
 
 impl<'a> Spreading<'a> {
-    /// Of a picture of `width` by `height` pixels, rows from below.
+    /// The spreading of a picture of `width` by `height` pixels, rows from below.
     pub fn new(picture: &'a [Rgb], [width, height]: [usize; 2]) -> Self {
         let fft = (width * height > 0 && picture.len() == width * height).then(|| Transforms::new(width, height));
         let count = fft.as_ref().map_or(0, |fft| fft.frequencies * CHANGES * height);
@@ -98,9 +98,9 @@ pub(super) fn padded([width, height]: [usize; 2]) -> [usize; 2] {
 struct Transforms {
     width: usize,
     height: usize,
-    /// Of rows and columns with their zeros.
+    /// Sizes of rows and columns with their zeros.
     sides: [usize; 2],
-    /// Of a row's spectrum.
+    /// Number of frequencies of a row's spectrum.
     frequencies: usize,
     row: Arc<dyn RealToComplex<f32>>,
     row_back: Arc<dyn ComplexToReal<f32>>,

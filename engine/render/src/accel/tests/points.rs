@@ -21,7 +21,7 @@ fn cloud(points: &[Vec4], places: &[DMat4], goes: Option<Vec3>) -> Scene {
     scene
 }
 
-/// So many balls in a box, up to a radius.
+/// Random balls in a box, up to a radius.
 fn balls(seed: u32, count: u32, radius: f32) -> Vec<Vec4> {
     let ball = |i: u32| {
         let u = sobol_burley::sample_4d(i, 0, seed);

@@ -20,7 +20,7 @@ fn rays(camera: &Camera, place: Vec2, u_wavelength: f32) -> Vec<CameraRay> {
     (0..256).filter_map(|i| camera.sample(place, u(i), u_wavelength)).collect()
 }
 
-/// Their mean where they meet the plane that is sharp, at three metres; and how far they part there.
+/// The mean point at which a place's rays meet the sharp plane, at three metres; and their spread there.
 fn spot(camera: &Camera, place: Vec2, u_wavelength: f32, depth: f32) -> (DVec2, f64) {
     let met: Vec<DVec2> = rays(camera, place, u_wavelength)
         .iter()
@@ -92,7 +92,7 @@ fn without_defocus_near_and_far_are_sharp() {
     }
 }
 
-/// Of the two ways in which colours part each can be taken out alone.
+/// Each of the two colour errors can be taken out alone.
 #[test]
 fn colours_part_in_one_way_alone() {
     let d = CameraDescription { f_number: Some(16.0), ..with_lens("biconvex-50mm.lens", 36.0, 24.0, 0.0) };

@@ -12,9 +12,9 @@ use std::f64::consts::TAU;
 
 /// Rays of a fan: most at the pupil's edge, where all that grows with the opening is largest.
 const RAYS: usize = 12;
-/// Of those, inside.
+/// Rays of a fan that are inside.
 const INNER: usize = 4;
-/// As parts of the pupil's area, from inside: the very edge may lie outside.
+/// Parts of the pupil's area of a fan's rays, from inside: the very edge may lie outside.
 const AREAS: [f64; 2] = [0.25, 0.96];
 /// Numbers below this choose any place of the rear glass rather than one of the pupil.
 const AFTER_DEFENSIVE: f64 = 0.05;
@@ -111,7 +111,7 @@ impl Fan {
         }
     }
 
-    /// With what became of the rays, which are number `number` of the fans in a bundle, and of its neighbours' in another.
+    /// The fan with the results of its rays, which are number `number` of the fans in a bundle, and of its neighbours' in another.
     pub(super) fn traced(mut self, bundle: &Bundle, beside: &Bundle, number: usize) -> Self {
         self.out = Self::out_of(bundle, number);
         self.mean = beam::mean(self.out.iter().flatten());

@@ -115,7 +115,7 @@ fn a_part_of_the_film_is_measured_like_the_whole() {
     }
 }
 
-/// Of what is infinitely far, f tan θ against where the exact chief ray lands.
+/// Distortion of an infinitely far subject: f tan θ against the exact chief ray on the film.
 #[test]
 fn distortion_is_the_way_from_f_tan_theta() {
     let d = CameraDescription {

@@ -10,7 +10,7 @@ const RAYS_PER_TERM: usize = 4;
 /// The error below which no more terms are needed.
 const GOOD: f64 = 2e-3;
 
-/// Of which numbers of a ray, and to which powers.
+/// A polynomial of the numbers of a ray.
 #[derive(Clone, Debug)]
 pub(super) struct Polynomial {
     is_symmetric: bool,
@@ -18,7 +18,7 @@ pub(super) struct Polynomial {
     scale: [f32; 2],
     /// The largest power.
     degree: usize,
-    /// Of each term the powers of the numbers.
+    /// The powers of the numbers, by term.
     powers: Vec<[u8; 4]>,
     /// The powers of the terms, laid out for [`Self::values`].
     runs: Vec<Run>,

@@ -17,15 +17,15 @@
 /// One side's sums over the techniques that end in it.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub(super) struct Partial {
-    /// Of the technique that connects just before the last place.
+    /// The sum of the technique that connects just before the last place.
     pub(super) ends: f64,
-    /// Of all before that.
+    /// The sum of all techniques before that.
     pub(super) before: f64,
 }
 
 impl Partial {
-    /// Of the first place of a side: `density` is its own, `other` that with which the end is chosen when the other side
-    /// makes this place; `again` is 1 where the end may also be met by chance, else 0.
+    /// The sums at the first place of a side: `density` is its own, `other` that with which the end is chosen when the other side makes
+    /// this place; `again` is 1 where the end may also be hit by chance, else 0.
     pub(super) fn first(density: f64, other: f64, again: f64) -> Self {
         let inverse2 = (1.0 / density).powi(2);
         Self { ends: inverse2 * other * other, before: inverse2 * again }

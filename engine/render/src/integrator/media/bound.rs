@@ -51,7 +51,7 @@ pub(super) enum Bound {
 }
 
 impl Bound {
-    /// Of an object's medium.
+    /// The bound of an object's medium.
     pub(super) fn of_object(scene: &Scene, entry: Entry) -> Self {
         let mesh = mesh_of(scene, entry.instance);
         let Some(volume) = entry.volume(scene) else { return Self::Even };
@@ -100,7 +100,7 @@ impl Bound {
         }
     }
 
-    /// Of the world's, in a scene that fills these bounds.
+    /// The bound of the world's medium, in a scene that fills these bounds.
     pub(super) fn of_world(scene: &Scene, around: Option<(Vec3A, Vec3A)>) -> Self {
         let entry = Entry::WORLD;
         let Some(volume) = entry.volume(scene) else { return Self::Even };
@@ -192,7 +192,7 @@ impl ThroughCells<'_> {
 /// Tentative particles along a ray.
 pub(super) struct Bounded<'a> {
     cells: ArrayVec<ThroughCells<'a>, 8>,
-    /// Of the media without cells.
+    /// The rate of the media without cells.
     rate: f32,
     at: f32,
     t_max: f32,

@@ -2,7 +2,7 @@
 
 use crate::nodes::Way;
 
-/// Which of them are made; by default none.
+/// The approximations that are made; by default none.
 #[derive(Clone, Copy, Debug, Default, PartialEq)]
 pub struct Approximations {
     /// Filter Glossy of Cycles: surfaces are rougher where a path looks that was scattered with less than this density per
@@ -15,7 +15,7 @@ pub struct Approximations {
 /// Fast GI Approximation of Cycles: ambient occlusion instead of indirect light, or besides it.
 #[derive(Clone, Copy, Debug, Default, PartialEq)]
 pub enum FastGi {
-    /// Neither.
+    /// No approximation.
     #[default]
     Off,
     /// The last rays of a path find what glows within `distance`, and where nothing is within it the world, times `factor`.

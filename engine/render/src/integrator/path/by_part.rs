@@ -15,13 +15,13 @@ use crate::surface::SurfacePoint;
 /// The lobes of the first scattering, by which a path's light is shared out.
 #[derive(Clone, Copy, Debug)]
 enum First {
-    /// The camera sees it.
+    /// The camera sees the light.
     None,
-    /// By a surface: diffuse and glossy shares; the rest was let through.
+    /// A surface: diffuse and glossy shares; the rest is transmission.
     Surface([Rgb; 2]),
-    /// By a volume.
+    /// A volume.
     Volume,
-    /// In no part.
+    /// No part.
     Nowhere,
 }
 
@@ -29,14 +29,14 @@ enum First {
 #[derive(Clone, Copy, Debug)]
 pub struct Belongs {
     first: First,
-    /// Direct, or where the camera sees it, the sky.
+    /// True if the light is direct, or where the camera sees it, the sky.
     is_near: bool,
     /// The path's ray met it.
     is_met: bool,
 }
 
 impl Belongs {
-    /// Of light that is in no part.
+    /// Light that is in no part.
     pub(super) fn nowhere() -> Self {
         Self { first: First::Nowhere, is_near: false, is_met: false }
     }
@@ -132,7 +132,7 @@ impl ByPart {
         }
     }
 
-    /// It was scattered in a volume.
+    /// The path was scattered in a volume.
     pub(super) fn turned_in_volume(&mut self, path: u32, way: Way) {
         if let Some(path) = self.paths.get_mut(path as usize) {
             // As in Cycles, what a denoiser is told ends there.
@@ -245,7 +245,7 @@ mod tests {
     use super::super::parts::Seen;
     use super::*;
 
-    /// Of light the shares are all of it, whichever way it comes.
+    /// The shares of light add up to all of it, in all directions.
     #[test]
     fn all_light_is_shared_out() {
         let lobes = [LobeKind::Diffuse, LobeKind::Glossy, LobeKind::Transmission];

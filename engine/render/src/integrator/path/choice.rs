@@ -5,9 +5,10 @@ use crate::lights::receiver::Receiver;
 /// The choice of the current ray, which determines the weight of the light that it finds.
 #[derive(Clone, Copy)]
 pub(super) enum Chosen {
-    /// By the camera or a mirror: no light sample competes.
+    /// The camera or a mirror chose the ray: no light sample competes.
     Alone,
-    /// By a surface's scattering, with this density per steradian; and where a light sample competed.
+    /// A surface's scattering chose the ray, with this density per steradian; with the place at which a light sample
+    /// competed.
     WithPdf(f32, Receiver),
 }
 

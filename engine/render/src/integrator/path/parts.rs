@@ -16,11 +16,11 @@ pub enum Part {
     Environment,
     /// The part of white light that the lobes of the first surface scatter in all directions.
     Colour(LobeKind),
-    /// 1 for every path: what colours are relative to.
+    /// 1 for every path: the divisor of colours.
     White,
-    /// For a denoiser, of the first surface that is no mirror: what it scatters in all.
+    /// For a denoiser: albedo of the first surface that is no mirror.
     DenoisingAlbedo,
-    /// Its normal; right, up and away from the camera.
+    /// For a denoiser: normal of the first surface that is no mirror; right, up and away from the camera.
     DenoisingNormal,
     /// The way to it along the rays, Blender units; it stands in all three numbers.
     DenoisingDepth,
@@ -106,8 +106,8 @@ pub struct Seen {
 }
 
 impl Seen {
-    /// By a camera of that matrix to the world, and the render space's origin there. `mist`: start, depth and the power by
-    /// which it falls off.
+    /// The view of a camera of that matrix to the world, and of render space's origin there. `mist`: start, depth and the power by which it
+    /// falls off.
     pub fn by(camera: DMat4, origin: glam::DVec3, is_flat: bool, mist: [f32; 3]) -> Self {
         let axes = [camera.x_axis, camera.y_axis, camera.z_axis].map(|axis| axis.truncate().normalize_or_zero());
         let rows = glam::DMat3::from_cols(axes[0], axes[1], axes[2]).transpose();
@@ -138,7 +138,7 @@ impl Seen {
 #[derive(Clone, Debug, Default)]
 pub struct Parts {
     list: Vec<Part>,
-    /// By [`Part::number`].
+    /// Places in the list, by [`Part::number`].
     places: Vec<Option<u16>>,
     seen: Seen,
 }
@@ -175,7 +175,7 @@ impl Parts {
         self.places.get(part.number()).copied().flatten().map(usize::from)
     }
 
-    /// By whom the scene is seen.
+    /// The camera from which the scene is seen.
     pub fn seen(&self) -> &Seen {
         &self.seen
     }

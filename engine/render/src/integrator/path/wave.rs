@@ -34,24 +34,24 @@ pub struct Wave<N: Notes = NoNotes, const VOLUMES: bool = false> {
     paths: Vec<Path>,
     results: Vec<PathResult>,
     notes: N,
-    /// Those that still go on, in the order of their numbers.
+    /// The paths that still go on, in the order of their numbers.
     live: Vec<u32>,
     hits: Vec<Option<Hit>>,
     meetings: Vec<Meeting>,
     /// Numbers of the meetings by their materials.
     order: Vec<u32>,
-    /// By material, how many of the meetings are on it: all 0 between steps.
+    /// Number of meetings by material: all 0 between steps.
     counts: Vec<u32>,
     /// The materials met.
     met: Vec<u32>,
     shadows: Vec<Shadow<N::Of>>,
-    /// By path, whether it goes on.
+    /// True for the paths that go on.
     is_alive: Vec<bool>,
-    /// Those of the material that is being looked at.
+    /// The closures of the material that is being evaluated.
     layers: Layers,
-    /// By path, what it is in; empty where there are no volumes.
+    /// The media that each path is in; empty where there are no volumes.
     inside: Vec<Inside>,
-    /// By shadow ray, what it goes through.
+    /// The media of each shadow ray.
     veils: Vec<Veil>,
 }
 

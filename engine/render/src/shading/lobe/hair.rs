@@ -12,15 +12,15 @@ use std::f32::consts::{FRAC_PI_2, FRAC_PI_8, LN_2, PI, TAU};
 #[derive(Clone, Copy, Debug)]
 pub(super) struct Fibre {
     through: bool,
-    /// Of the cone, radians.
+    /// Tilt of the cone, radians.
     tilt: f32,
     /// Width of the cone's wall, radians.
     width: f32,
-    /// About the fibre.
+    /// Spread about the fibre.
     spread: f32,
     /// Angle of the view to the plane across the fibre.
     view_rad: f32,
-    /// Of the angles' distribution: the tangents' angle at its low end, and how far it goes.
+    /// The tangents' angle at the low end of the angles' distribution, and its extent.
     low: f32,
     span: f32,
 }
@@ -84,7 +84,7 @@ fn direction(sin: f32, cos: f32, turn: f32) -> Vec3A {
 /// Ways through a fibre: mirrored, straight through, mirrored once inside, and all others together.
 const WAYS: usize = 4;
 
-/// Of the variances along the fibre, by way: facets that bend light once tilt it half as much as a mirror, and each mirroring
+/// Factors of the variances along the fibre, by way: facets that bend light once tilt it half as much as a mirror, and each mirroring
 /// inside twice as much.
 const VARIANCE_FACTORS: [f32; WAYS] = [1.0, 0.25, 4.0, 4.0];
 
@@ -115,7 +115,7 @@ pub(in crate::shading) struct FibreShape {
     /// Less of the roughness for what is mirrored, 0 to 1.
     pub(in crate::shading) coat: f32,
     pub(in crate::shading) ior: f32,
-    /// Of the scales, radians.
+    /// Tilt of the scales, radians.
     pub(in crate::shading) tilt: f32,
     /// -1 to 1: where across its width the fibre is met.
     pub(in crate::shading) offset: f32,
@@ -207,7 +207,7 @@ impl Chiang {
     }
 }
 
-/// Of the distribution along a fibre that is so rough.
+/// Variance of the distribution along a fibre of a roughness.
 fn variance(roughness: f32) -> f32 {
     (0.726 * roughness + 0.812 * roughness * roughness + 3.7 * roughness.powi(20)).powi(2)
 }
@@ -255,7 +255,7 @@ fn wrapped(angle: f32) -> f32 {
     angle - TAU * ((angle + PI) / TAU).floor()
 }
 
-/// Of the logistic distribution within -pi to pi.
+/// Density of the logistic distribution within -pi to pi.
 fn logistic(x: f32, scale: f32) -> f32 {
     let e = (-x.abs() / scale).exp();
     e / (scale * (1.0 + e) * (1.0 + e)) / (1.0 - 2.0 * below(scale))

@@ -13,7 +13,7 @@ use std::f32::consts::{FRAC_1_PI, FRAC_PI_2, PI, TAU};
 pub(super) struct OrenNayar {
     a: f32,
     b: f32,
-    /// Of the light between grooves, all but the factor of the other direction.
+    /// The light between grooves, all but the factor of the other direction.
     multiple: Rgb,
 }
 
@@ -120,7 +120,7 @@ impl Microfiber {
         self.a > 1e-5
     }
 
-    /// Its value times cosine, which is its density.
+    /// The lobe's value times cosine, which is its density.
     pub(super) fn density(&self, wi: Vec3A) -> f32 {
         let (x, y) = (self.a * wi.x + self.b * wi.z, self.a * wi.y);
         let length2 = x * x + y * y + wi.z * wi.z;

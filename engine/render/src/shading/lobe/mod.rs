@@ -40,7 +40,7 @@ pub(super) struct Local {
     pub(super) wi: Vec3A,
     /// Meant to go through the surface; a mirrored one that does is lost.
     pub(super) transmitted: bool,
-    /// Of a mirror: what it sends there, and the chance of that choice within the lobe.
+    /// For a mirror: the value in that direction, and the probability of that choice within the lobe.
     pub(super) single: Option<(Rgb, f32)>,
 }
 
@@ -225,7 +225,7 @@ impl Lobe {
         both.map(|albedo| albedo * self.weight)
     }
 
-    /// Of facets, the product of their widths; 1 of all that is broad.
+    /// The product of the widths of facets; 1 for broad lobes.
     pub(super) fn width_squared(&self) -> f32 {
         if let Kind::Facets(facets) = &self.kind { facets.width_squared() } else { 1.0 }
     }

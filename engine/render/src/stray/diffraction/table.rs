@@ -18,13 +18,13 @@ const DIRECTIONS: [usize; 3] = [2, 512, 8192];
 
 /// (1 − transfer) / frequency, as a matrix of colours.
 pub(super) struct Table {
-    /// Of the frequencies, per mm.
+    /// The first of the frequencies, per mm.
     first_per_mm: f32,
     count: usize,
     directions: usize,
     /// Width and height of a pixel, mm.
     pixel_mm: [f32; 2],
-    /// By frequency, then by direction; columns of the matrix.
+    /// Columns of the matrix by frequency, then by direction.
     values: Vec<[f32; 9]>,
 }
 

@@ -1,4 +1,4 @@
-//! Which ghosts are bright enough to be seen.
+//! The choice of the ghosts that are bright enough to be seen.
 
 use super::super::sources::Source;
 use crate::camera::straying::StrayLens;
@@ -12,7 +12,7 @@ use rayon::prelude::*;
 /// A ghost of a source.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub(super) struct Candidate {
-    /// Its number.
+    /// The number of its source.
     pub(super) source: usize,
     /// The number of its path.
     pub(super) path: usize,
@@ -98,7 +98,7 @@ fn brightness(
     (value > 0.0 && value.is_finite()).then_some((value, [low, high]))
 }
 
-/// Those that are simulated, and what the others could add to a pixel at most: the weakest go as long as what all of them could add
+/// The ghosts that are simulated, and the most that the others could add to a pixel: the weakest go as long as what all of them could add
 /// stays within the tolerance, wherever they lie over each other.
 pub(super) fn keep(mut found: Vec<Candidate>, size_px: DVec2, tolerance: f32) -> (Vec<Candidate>, f32) {
     found.sort_by(|a, b| a.value.total_cmp(&b.value));

@@ -13,7 +13,7 @@ use crate::surface::SurfacePoint;
 
 /// The result and the notes of one path, to add light to.
 pub(super) struct Found<'a, N> {
-    /// Its number.
+    /// The number of the path.
     pub(super) path: u32,
     pub(super) result: &'a mut PathResult,
     pub(super) notes: &'a mut N,

@@ -37,11 +37,11 @@ pub(super) struct Veil {
 
 /// The result of a path's way through volumes.
 pub(super) enum Brought {
-    /// To what its ray meets.
+    /// Light comes to the hit of the path's ray.
     ToTheEnd,
-    /// It is scattered before that.
+    /// The path is scattered before the hit.
     Elsewhere,
-    /// It ends.
+    /// The path ends.
     Nowhere,
 }
 
@@ -340,16 +340,17 @@ struct Place<'a> {
     limits: &'a Limits,
     position: Vec3A,
     medium: &'a Medium,
-    /// Of the density of light samples here, what is due to following the path: its directions compete with all.
+    /// The part of the density of light samples here that is due to following the path: its directions compete with all.
     share: f32,
 }
 
 /// The choice of a place for a light sample beside a path.
 #[derive(Clone, Copy)]
 enum Beside {
-    /// About a light. Where the path is scattered there is a light sample, too: both share by their densities along the ray.
+    /// Equiangular sampling about a light. Where the path is scattered there is a light sample, too: both share by their densities along
+    /// the ray.
     Pivot(Pivot),
-    /// As if the path were scattered for certain: it is this part of paths. Where the path is scattered there is no light sample.
+    /// Sampling as if the path were scattered for certain: it is this part of paths. Where the path is scattered there is no light sample.
     Scattered { part: f32 },
 }
 
