@@ -187,7 +187,7 @@ pub(crate) fn camera(model: Model, wavelength_nm: Option<f64>, [width, height]: 
     Camera::new(&description(model, wavelength_nm), width, height).unwrap()
 }
 
-/// Of that camera.
+/// The description of the camera at [`EYE`].
 pub(crate) fn description(model: Model, wavelength_nm: Option<f64>) -> CameraDescription {
     let up = Affine3A::from_rotation_x(PI / 2.0);
     let matrix = DMat4::from_translation(EYE) * glam::Mat4::from(up).as_dmat4();

@@ -4,7 +4,7 @@ use crate::choice::Choice;
 use serde_json::{Map, Value};
 use std::collections::HashSet;
 
-/// Why a graph's description could not be read at all.
+/// An error by which a graph's description could not be read at all.
 #[derive(Debug, thiserror::Error)]
 pub enum Parsing {
     /// The text is no JSON.
@@ -31,7 +31,7 @@ pub struct Link {
 pub enum Input {
     /// A value that stands still; a number stands in all three parts.
     Constant([f32; 3]),
-    /// Another node's output.
+    /// The output of another node.
     Link(Link),
 }
 

@@ -1,6 +1,6 @@
 //! Blender's hashes: Jenkins' lookup3 over one to four words, and Jarzynski and Olano's PCG over cells.
 //!
-//! Which numbers they give is a fact of the file format: other hashes would draw other textures.
+//! The numbers of these hashes are a fact of the file format: other hashes would draw other textures.
 
 use glam::{IVec2, IVec3, IVec4, Vec2, Vec3A, Vec4};
 use std::ops::BitXor;

@@ -251,7 +251,7 @@ impl Touching {
         DVec2::new(from.dot(self.sagittal), from.dot(self.tangential))
     }
 
-    /// Its direction's cosines to the two directions.
+    /// Cosines of a direction to the sagittal and the tangential direction.
     pub(crate) fn cosines(&self, direction: DVec3) -> DVec2 {
         DVec2::new(direction.dot(self.sagittal), direction.dot(self.tangential))
     }

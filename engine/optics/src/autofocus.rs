@@ -23,7 +23,7 @@ pub const PHOTOPIC: [(f64, f64); 5] = [(470.0, 0.091), (510.0, 0.503), (555.0, 1
 
 /// Rays of a wavelength; and of a second try, where nearly all of the first are lost.
 const RAYS: [u32; 2] = [1024, 65_536];
-/// Of all wavelengths together, fewer say nothing about a spot.
+/// Least number of rays of all wavelengths together: fewer say nothing about a spot.
 const FEWEST_RAYS: usize = 12;
 /// Infinity, in radii of the front glass: nearer, defocus would be seen; farther, roundings.
 const FAR: f64 = 1e8;
@@ -41,13 +41,13 @@ pub enum Subject {
     Direction(DVec3),
 }
 
-/// Why no film makes a point sharp.
+/// An error by which no film makes a point sharp.
 #[derive(Clone, Copy, Debug, PartialEq, Error)]
 pub enum AutofocusError {
-    /// All of its rays are lost.
+    /// All of the point's rays are lost.
     #[error("no light of it gets through the lens; choose a point that the lens sees, or open the diaphragm")]
     NothingThrough,
-    /// Its rays leave the lens parallel or diverging.
+    /// The point's rays leave the lens parallel or diverging.
     #[error("the lens forms no real image of it; choose a point farther away")]
     NoRealImage,
 }
@@ -66,7 +66,7 @@ pub struct Sharpest {
 /// A lens ready to be focused.
 #[derive(Clone, Debug)]
 pub struct Autofocus {
-    /// By wavelength, with its weight.
+    /// The lens at each wavelength, with the weight of the wavelength.
     lines: Vec<(Tracer, f64)>,
     entrance: EntranceMap,
     far_mm: f64,

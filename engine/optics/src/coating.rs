@@ -20,7 +20,7 @@ pub struct Coating(Option<Arc<Stack>>);
 
 #[derive(Debug, PartialEq)]
 struct Stack {
-    /// As it is written in a lens file.
+    /// The text in a lens file.
     name: String,
     /// The outermost, beside the air, first.
     layers: Vec<Layer>,
@@ -29,7 +29,7 @@ struct Stack {
 /// The index of what carries a mirror's layers; metal lets no light get there.
 const BELOW_A_MIRROR: f64 = 1.5;
 
-/// Why a coating is none.
+/// An error in the text of a coating.
 #[derive(Clone, Debug, PartialEq, Eq, thiserror::Error)]
 pub enum CoatingError {
     /// The name of no recipe.
@@ -61,7 +61,7 @@ pub(crate) fn parts_glass_from_air(from: &Medium, to: &Medium) -> bool {
 }
 
 impl Coating {
-    /// None.
+    /// No coating.
     pub const BARE: Self = Self(None);
 
     /// Layers, the outermost first.
@@ -69,7 +69,7 @@ impl Coating {
         Self((!layers.is_empty()).then(|| Arc::new(Stack { name: name.to_owned(), layers })))
     }
 
-    /// As a lens file has it: a recipe's name, with `@NM` behind it for another design wavelength, or layers.
+    /// The coating of a text in a lens file: a recipe's name, with `@NM` behind it for another design wavelength, or layers.
     pub fn parse(text: &str) -> Result<Self, CoatingError> {
         if let Some(recipe) = Recipe::named(text) {
             return Ok(recipe.coating());
@@ -81,7 +81,7 @@ impl Coating {
         Ok(Self::of(text, layers))
     }
 
-    /// As [`Self::parse`] reads it.
+    /// The text that [`Self::parse`] reads.
     pub fn name(&self) -> &str {
         self.0.as_ref().map_or("none", |stack| &stack.name)
     }

@@ -17,16 +17,16 @@ use crate::lane::{Lane, Mask, Real};
 
 pub use mask::{ApertureMask, MaskError};
 
-/// More blades than this look round.
+/// Largest number of blades: more look round.
 const MOST_BLADES: u32 = 64;
 
 /// No lane holds more numbers.
 const WIDEST_LANE: usize = 16;
 
-/// Why blades make no diaphragm.
+/// An error by which blades make no diaphragm.
 #[derive(Clone, Copy, Debug, PartialEq, Error)]
 pub enum DiaphragmError {
-    /// More blades than a diaphragm has.
+    /// The number of blades is larger than that of any diaphragm.
     #[error("{0} blades; give 3 to {MOST_BLADES}, or 0 for a round opening")]
     Blades(u32),
     /// The turn of the blades is no angle.
@@ -56,7 +56,7 @@ pub struct Diaphragm<R = f64> {
 struct Masked {
     shape: Arc<ApertureMask>,
     radius_mm: f64,
-    /// Of the rotation.
+    /// Cosine of the rotation.
     cos: f64,
     sin: f64,
 }
@@ -115,7 +115,7 @@ impl Diaphragm {
         Self { radius_mm, apothem_mm: radius_mm * cos, rotation_rad, curvature, bulge, sides, mask: None }
     }
 
-    /// As [`Self::bladed`], from what a user gave: the blades at most 64, the curvature in 0 to 1, the rotation finite.
+    /// [`Self::bladed`] of a user's settings: the blades at most 64, the curvature in 0 to 1, the rotation finite.
     pub fn checked(radius_mm: f64, blades: u32, curvature: f64, rotation_rad: f64) -> Result<Self, DiaphragmError> {
         if blades > MOST_BLADES {
             return Err(DiaphragmError::Blades(blades));
@@ -158,8 +158,7 @@ impl Diaphragm {
         self.curvature
     }
 
-    /// Of one curved blade: radius of its arc and signed place of its centre towards the side (mm), and half of the
-    /// angle it spans (rad).
+    /// One curved blade: radius of its arc and signed place of its centre towards the side (mm), and half of the angle it spans (rad).
     fn arc(&self) -> (f64, f64, f64) {
         let radius = self.radius_mm / self.curvature;
         let half_angle = (self.curvature * (0.5 * TAU / f64::from(self.blades())).sin()).asin();

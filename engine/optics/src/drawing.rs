@@ -54,9 +54,9 @@ pub struct Drawing {
     pub stop: usize,
     /// Half of the diaphragm's opening.
     pub stop_semi_diameter_mm: f64,
-    /// By the angles asked for.
+    /// Rays of each field angle.
     pub fields: Vec<FieldRays>,
-    /// From the lowest to the highest place where drawn rays meet it.
+    /// Points of the film from the lowest to the highest place where drawn rays meet it.
     pub film: Vec<[f64; 2]>,
 }
 

@@ -39,9 +39,9 @@ pub struct EntranceMap {
 /// The beam from one direction.
 #[derive(Clone, Copy, Debug, Default)]
 struct Disc {
-    /// Of the centre from the map's middle, towards the side that the beam comes from, mm.
+    /// Offset of the centre from the map's middle, towards the side that the beam comes from, mm.
     offset: f64,
-    /// 0 if nothing gets through.
+    /// Radius; 0 if nothing gets through.
     radius: f64,
 }
 

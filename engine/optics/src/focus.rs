@@ -17,7 +17,7 @@ use crate::trace::Ray;
 pub use groups::{Focused, GroupsError};
 pub use scale::{Anchor, Focusing, Relation};
 
-/// Why no film plane makes a distance sharp.
+/// An error by which no film plane makes a distance sharp.
 #[derive(Clone, Debug, PartialEq, Error)]
 pub enum FocusError {
     /// The distance is no positive number.
@@ -186,8 +186,8 @@ pub struct FilmPlane {
     pub swing_rad: f64,
     /// The place of the picture's middle in the film's own coordinates (shift, rise).
     pub shift_mm: [f64; 2],
-    /// Of a ball-shaped film, a retina: one over its radius, negative if its edge lies nearer to the lens than its middle
-    /// where light goes towards +z, as a lens surface's. Its coordinates u and v are those of the plane that touches it.
+    /// Curvature of a ball-shaped film, a retina: one over its radius, negative if its edge lies nearer to the lens than its middle where
+    /// light goes towards +z, as a lens surface's. Its coordinates u and v are those of the plane that touches it.
     pub curvature_per_mm: f64,
 }
 

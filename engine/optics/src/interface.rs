@@ -49,9 +49,9 @@ impl<R: Real> Interface<R> {
 /// An interface at several wavelengths, one in each lane.
 #[derive(Clone, Copy)]
 pub struct Interfaces<L> {
-    /// As in [`Interface`].
+    /// The ratio, as in [`Interface`].
     pub ratio: L,
-    /// As in [`Interface`].
+    /// The excess, as in [`Interface`].
     pub excess: L,
 }
 
@@ -62,7 +62,7 @@ impl<L: Lane> Interfaces<L> {
         Self { ratio: from / to, excess: (from - to) * (from + to) / (to * to) }
     }
 
-    /// As [`Interface::refract`]; `may_be_critical` if any excess is positive.
+    /// [`Interface::refract`] in lanes; `may_be_critical` if any excess is positive.
     #[inline(always)]
     pub fn refract(
         &self,

@@ -75,7 +75,7 @@ pub enum Column {
     Pose,
 }
 
-/// Why a row or a list of rows makes no lens.
+/// An error by which a row or a list of rows makes no lens.
 #[derive(Clone, Debug, PartialEq, Error)]
 pub enum PrescriptionError {
     /// A number is infinite or none.
@@ -83,7 +83,7 @@ pub enum PrescriptionError {
     NotFinite {
         /// Index of the surface, from 0.
         surface: usize,
-        /// Which number.
+        /// The number's column.
         column: Column,
     },
     /// A clear aperture is not positive.

@@ -25,7 +25,7 @@ const ZOOM: &str = "zoom";
 pub struct Published {
     /// The key in the header; `zoom`: the focal length of a position.
     pub key: &'static str,
-    /// As the header has it; `None`: it says nothing of this.
+    /// The text in the header; `None`: it states nothing.
     pub text: Option<String>,
     /// The number; `None` also where the header says that none is published.
     pub value: Option<f64>,
@@ -33,7 +33,7 @@ pub struct Published {
     pub computed: Option<f64>,
     /// True if the computed number is the published one, to its digits; `None`: none is published.
     pub agrees: Option<bool>,
-    /// Why they differ, as the header says.
+    /// The reason of the difference, from the header.
     pub why: Option<String>,
 }
 

@@ -74,9 +74,9 @@ pub struct PupilMap {
     /// azimuth.
     ellipses: Vec<Ellipse>,
     ellipses_by_azimuth: bool,
-    /// By depth, azimuth and radius.
+    /// Cells by depth, azimuth and radius.
     cells: Vec<Cell>,
-    /// By radius, if nothing else counts.
+    /// Spots by radius, if nothing else counts.
     spots: Vec<Spot>,
     slices: Vec<Slices>,
 }
@@ -94,7 +94,7 @@ struct Located<'a> {
 }
 
 impl Located<'_> {
-    /// Of samples in the outline, per mm²; 0 if no light arrives.
+    /// Density of samples in the outline, per mm²; 0 if no light arrives.
     #[inline]
     fn density(&self) -> f64 {
         self.cell.density() / self.ellipse.gain()
@@ -368,7 +368,7 @@ impl PupilMap {
         (1.0 - DEFENSIVE_SHARE) * inside + DEFENSIVE_SHARE * anywhere
     }
 
-    /// Of places on the whole glass, per mm².
+    /// Density of places on the whole glass, per mm².
     #[inline]
     fn glass_density(&self, flat: DVec2) -> f64 {
         let squared = self.glass_radius * self.glass_radius;

@@ -78,7 +78,7 @@ pub struct RayTable {
     window: Window,
     pupil: usize,
     groups: usize,
-    /// By film node, pupil row, pupil column: the groups of a ray.
+    /// The groups of a ray, by film node, pupil row and pupil column.
     rays: Vec<Vec4>,
     diaphragm: Diaphragm,
     /// The entrance pupil's centre on the axis, and from there to the first vertex.
@@ -276,7 +276,8 @@ fn conjugate(v: DVec2) -> DVec2 {
 /// A ray that went through the lens, whatever the rims say.
 struct Passed {
     fixed: [f64; FIXED],
-    /// By surface, and again for the obstructions: above 0 where it stops the ray. Last, −1: the surfaces carry it.
+    /// Distances beyond the rims, by surface, and again for the obstructions: above 0 where the surface stops the ray. Last, −1: the
+    /// surfaces carry the ray.
     beyond_rims: Vec<f64>,
 }
 

@@ -22,7 +22,7 @@ pub struct Scatterer {
     pub is_open: bool,
 }
 
-/// Of all surfaces that bend light or throw it back, scene side first, at a vacuum wavelength in nm.
+/// The scattering of all surfaces that refract or reflect light, scene side first, at a vacuum wavelength in nm.
 pub fn scatterers(system: &System, wavelength_nm: f64, film_z_mm: f64) -> Vec<Scatterer> {
     let surfaces = system.thin_in(Section::Y, wavelength_nm);
     let to_film = film_z_mm - system.last_vertex_z_mm();

@@ -62,7 +62,7 @@ impl Seidel {
         Self::at_field(system, wavelength_nm, object_z_mm, half_field.min(WIDEST_FIELD_DEG))
     }
 
-    /// As [`Self::new`], for the chief ray from `field_deg` degrees beside the axis.
+    /// [`Self::new`] for the chief ray from `field_deg` degrees beside the axis.
     pub fn at_field(system: &System, wavelength_nm: f64, object_z_mm: Option<f64>, field_deg: f64) -> Option<Self> {
         if system.has_gradients() {
             return None;

@@ -57,7 +57,7 @@ impl Outcome {
 impl SingleSurface {
     /// Traces the ray `origin` + t `direction` (of any length but 0) in numbers `R`, by the tracer's own code.
     ///
-    /// As in the tracer, the ray is carried to its point nearest the vertex in f64, whatever `R` is.
+    /// The ray is carried to its point nearest the vertex in f64, whatever `R` is, as in the tracer.
     pub fn trace<R: Real>(&self, origin: DVec3, direction: DVec3) -> Outcome {
         let direction = direction.normalize();
         let carried = -origin.dot(direction);
@@ -85,7 +85,7 @@ impl SingleSurface {
 
     /// Traces the ray by the equations that the paper prints; `None` if it has none for this shape.
     ///
-    /// They are there to be compared with: see docs/numerics.md.
+    /// The equations are there for comparison: see docs/numerics.md.
     pub fn trace_as_printed(&self, origin: DVec3, direction: DVec3) -> Option<Outcome> {
         match &self.shape {
             Shape::Conic(conic) => Some(printed::trace(self, conic, origin, direction)),

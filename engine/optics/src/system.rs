@@ -16,12 +16,12 @@ use crate::surface::{Pose, Section, Shape};
 /// The focal length that the lens is scaled to: radii, thicknesses and apertures all scale (Wu et al. 2011, §4).
 #[derive(Clone, Copy, Debug, Default, PartialEq)]
 pub enum FocalLength {
-    /// As the lens file has it.
+    /// The focal length of the lens file.
     #[default]
     AsPublished,
-    /// The lens file times this factor.
+    /// The focal length of the lens file times this factor.
     Scale(f64),
-    /// So that the focal length at d, n′ / power, has this size in mm: a zoom lens is zoomed to it, another is scaled.
+    /// The focal length at d, n′ / power, in mm: a zoom lens is zoomed to it, another is scaled.
     Millimetres(f64),
 }
 
@@ -42,7 +42,7 @@ pub struct SystemSettings {
     pub blade_curvature: f64,
 }
 
-/// Why no system can be made.
+/// An error by which no system can be made.
 #[derive(Clone, Debug, PartialEq, Error)]
 pub enum SystemError {
     /// The prescription makes no lens.
@@ -51,9 +51,9 @@ pub enum SystemError {
     /// Scale or focal length is not a positive number.
     #[error("the {what} is {value}; give a number larger than 0")]
     NotPositive {
-        /// Which setting.
+        /// The setting.
         what: &'static str,
-        /// Its value.
+        /// The value of the setting.
         value: f64,
     },
     /// The blades make no diaphragm.

@@ -39,14 +39,14 @@ pub struct Ray {
 pub struct Lost {
     /// Index of the surface that ended it, counted from the scene.
     pub surface: usize,
-    /// Why.
+    /// The reason.
     pub reason: Failure,
 }
 
-/// Which way rays go through a lens.
+/// The direction in which rays go through a lens.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub enum Travel {
-    /// As light does, from the scene to the film.
+    /// The way of the light, from the scene to the film.
     FromScene,
     /// Back, from the film to the scene.
     FromFilm,
@@ -56,7 +56,8 @@ pub enum Travel {
 #[derive(Clone, Debug)]
 struct Way<R> {
     steps: Arc<[Step<R>]>,
-    /// By step; none in a lens without gradients. What the step's `action` says of indices then does not count.
+    /// Gradients beside the surface of each step; none in a lens without gradients. What the step's `action` says of indices then does not
+    /// count.
     gradients: Arc<[Option<Gradients<R>>]>,
     travel: Travel,
     /// Vertices of the first and the last surface on the way.
@@ -85,8 +86,8 @@ impl System {
         Tracer::new(self, wavelength_nm, index)
     }
 
-    /// As [`Self::at_wavelength`], with the index after each surface given instead of taken from the media; of a gradient,
-    /// where its terms are 0.
+    /// [`Self::at_wavelength`] with the index after each surface given instead of taken from the media; of a gradient, where its terms are
+    /// 0.
     ///
     /// For comparison with tables that state their indices. Missing ones count as 1.
     pub fn with_indices(&self, wavelength_nm: f64, after: &[f64]) -> Tracer {
@@ -195,8 +196,8 @@ impl Tracer {
 }
 
 impl Tracer {
-    /// As [`Self::from_scene`], with the places in lens space that the ray comes by: its hits, and between them some more in
-    /// media in which it bends.
+    /// [`Self::from_scene`] with the places in lens space that the ray comes by: its hits, and between them some more in media in which it
+    /// bends.
     pub fn path_from_scene(&self, ray: Ray) -> Result<(Ray, Vec<DVec3>), Lost> {
         self.from_scene.path(ray, &self.diaphragm)
     }
@@ -225,20 +226,20 @@ impl<R: Real> Tracer<R> {
         self.from_film.run(ray, &self.diaphragm, &mut |_| {})
     }
 
-    /// As [`Self::from_scene`]; appends the hits in lens space to `hits`, in the order of travel, the last on the
-    /// surface that ended the ray if it was reached.
+    /// [`Self::from_scene`] that appends the hits in lens space to `hits`, in the order of travel, the last on the surface that ended the
+    /// ray if it was reached.
     pub fn from_scene_recording(&self, ray: Ray, hits: &mut Vec<DVec3>) -> Result<Ray, Lost> {
         self.from_scene.run_recording(ray, &self.diaphragm, hits)
     }
 
-    /// As [`Self::from_scene`]; appends the length of the way to each surface from the one before, the first from the ray's origin,
-    /// to `lengths_mm`. A length is negative where the ray meets a surface before it has left the one in front of that. In a
-    /// gradient it is the optical path over the index on the axis just before the next surface.
+    /// [`Self::from_scene`] that appends the length of the way to each surface from the one before, the first from the ray's origin, to
+    /// `lengths_mm`. A length is negative where the ray meets a surface before it has left the one in front of that. In a gradient it is
+    /// the optical path over the index on the axis just before the next surface.
     pub fn from_scene_measuring(&self, ray: Ray, lengths_mm: &mut Vec<f64>) -> Result<Ray, Lost> {
         self.from_scene.run_measuring(ray, &self.diaphragm, lengths_mm)
     }
 
-    /// As [`Self::from_film`]; appends the hits in lens space to `hits`, last surface first.
+    /// [`Self::from_film`] that appends the hits in lens space to `hits`, last surface first.
     pub fn from_film_recording(&self, ray: Ray, hits: &mut Vec<DVec3>) -> Result<Ray, Lost> {
         self.from_film.run_recording(ray, &self.diaphragm, hits)
     }
@@ -265,7 +266,7 @@ fn bent<R: Real>(
 }
 
 impl Way<f64> {
-    /// As [`Self::run`], with the places in lens space that the ray comes by: its hits, and some between them where it bends.
+    /// [`Self::run`] with the places in lens space that the ray comes by: its hits, and some between them where it bends.
     #[inline(never)]
     fn path(&self, ray: Ray, diaphragm: &Diaphragm) -> Result<(Ray, Vec<DVec3>), Lost> {
         let (mut p, mut d) = self.enter(ray);

@@ -45,20 +45,20 @@ pub struct Passages<'a> {
 }
 
 impl<'a> Passages<'a> {
-    /// Of a lens at a vacuum wavelength, nm.
+    /// The passages of a lens at a vacuum wavelength, nm.
     pub fn new(system: &'a System, wavelength_nm: f64) -> Self {
         let tracer = system.at_wavelength(wavelength_nm);
         let straight = tracer.reflected(&[]);
         Self { system, tracer, straight }
     }
 
-    /// That of a ray which starts at the film; `None` where it is lost.
+    /// The passage of a ray which starts at the film; `None` where it is lost.
     pub fn from_film(&self, ray: Ray) -> Option<Passage> {
         let out = self.tracer.from_film(ray).ok()?;
         self.from_scene(Ray { origin: out.origin, direction: -out.direction })
     }
 
-    /// That of a ray which comes from the scene; `None` where it is lost.
+    /// The passage of a ray which comes from the scene; `None` where it is lost.
     pub fn from_scene(&self, ray: Ray) -> Option<Passage> {
         let (out, hits) = self.tracer.path_from_scene(ray).ok()?;
         let mut met: Vec<Met> = Vec::with_capacity(hits.len());

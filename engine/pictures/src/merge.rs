@@ -15,7 +15,7 @@ use std::path::{Path, PathBuf};
 
 const COMBINED: &str = "Combined";
 const REMAINDERS: [&str; 2] = ["Remainder", "Remainder Fine"];
-/// As Blender names them, and as it did before its version 5.
+/// The index passes by Blender's names, those of before version 5 included.
 const INDICES: [&str; 4] = ["Object Index", "Material Index", "IndexOB", "IndexMA"];
 /// The depth of what is infinitely far, and less than it.
 const FARTHEST: f32 = 1e10;
@@ -175,7 +175,7 @@ fn totals(counts: &[Vec<f64>]) -> Vec<f64> {
 
 /// The passes of a view layer under way.
 struct Joining<'a> {
-    /// By picture, then pixel.
+    /// Samples by picture, then pixel.
     counts: &'a [Vec<f64>],
     totals: Vec<f64>,
 }
@@ -244,7 +244,7 @@ impl Joining<'_> {
         Some(light.iter().zip(&weights).map(over).collect())
     }
 
-    /// By pixel the value that most samples have; of two that have as many, the lesser.
+    /// The value by pixel that most samples have; of two that have as many, the lesser.
     fn most(&self, parts: &[Part], name: &str) -> Vec<f32> {
         let values: Vec<Vec<f32>> = parts.iter().filter_map(|part| part.channel(name)).collect();
         let of_pixel = |i: usize| {

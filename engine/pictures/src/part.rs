@@ -24,7 +24,7 @@ pub(crate) type Picture = Image<Layers<AnyChannels<FlatSamples>>>;
 pub(crate) struct Part {
     pub(crate) file: PathBuf,
     pub(crate) picture: Picture,
-    /// Of each channel by its whole name ("ViewLayer.Combined.R"): layer and place in it.
+    /// Layer and place in it of each channel, by its whole name ("ViewLayer.Combined.R").
     places: BTreeMap<String, (usize, usize)>,
     /// Names of view layers that say how many samples each pixel has.
     pub(crate) view_layers: Vec<String>,

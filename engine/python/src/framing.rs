@@ -12,10 +12,10 @@ use pyo3::prelude::*;
 use serde_json::json;
 use std::path::PathBuf;
 
-/// By wavelength, then pixel.
+/// Maps by wavelength, then pixel.
 type Maps = Vec<Vec<[f32; 4]>>;
 
-/// More pixels are no map that anybody wants.
+/// Largest number of pixels of a map.
 const MOST_PIXELS: u64 = 1 << 28;
 
 /// The settings that frame what Blender's camera frames.

@@ -170,7 +170,7 @@ pub(crate) fn film_bytes_a_pixel(surfaces: bool, vectors: bool, mattes: bool, ha
 #[pyclass(frozen)]
 pub(crate) struct Job {
     job: engine::Job,
-    /// That planning took.
+    /// Seconds that planning took.
     plan_seconds: f64,
     /// The plan that decides on stray light, and the camera before its decisions.
     strays: Option<(engine_plan::Plan, CameraDescription)>,

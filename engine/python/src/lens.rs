@@ -185,7 +185,7 @@ impl Lens {
     }
 }
 
-/// Why there are no Seidel sums; `None`: there are.
+/// The reason why there are no Seidel sums; `None`: there are.
 fn no_seidel(system: &System, p: &Paraxial) -> Option<&'static str> {
     if system.has_gradients() {
         return Some("a medium has a gradient, whose own share is not worked out");

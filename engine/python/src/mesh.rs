@@ -61,7 +61,7 @@ pub(crate) fn indices(array: &Bound<'_, PyAny>) -> Result<Vec<[u32; 3]>, &'stati
     }
 }
 
-/// By what they belong to.
+/// The values of an array by the domain that they belong to.
 pub(crate) fn corners<T: Row>((domain, array): &PyCorners<'_>) -> Result<Corners<T>, String> {
     let values = vectors(array)
         .ok_or_else(|| format!("give contiguous rows of {} numbers, not {:?}", T::LENGTH, array.shape()))?;
@@ -73,7 +73,7 @@ pub(crate) fn corners<T: Row>((domain, array): &PyCorners<'_>) -> Result<Corners
     }
 }
 
-/// By name.
+/// The arrays of a dictionary by name.
 pub(crate) fn named<T: Row>(dict: Option<&Bound<'_, PyDict>>) -> Result<Vec<Named<T>>, String> {
     let mut found = Vec::new();
     for (key, value) in dict.into_iter().flatten() {

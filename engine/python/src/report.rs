@@ -17,7 +17,7 @@ use petzval_render::camera::t_number;
 use pyo3::prelude::*;
 use serde_json::{Value, json};
 
-/// More make no picture.
+/// Largest number of fields, wavelengths, rays, steps or heights of a report.
 const MOST: usize = 2000;
 const MOST_RAYS_OF_A_SIDE: usize = 500;
 

@@ -18,7 +18,7 @@ use std::time::Duration;
 
 /// Part of the pixels, the worst ones, that are left out.
 const TRIMMED: f64 = 1e-3;
-/// Of the reference's mean.
+/// Least brightness for relative errors, as a part of the reference's mean.
 const FLOOR: f64 = 0.01;
 const MOST: u32 = 512;
 /// Pixels on a side.

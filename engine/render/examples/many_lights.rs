@@ -17,7 +17,7 @@ use petzval_render::scene::material::Material;
 use petzval_render::scene::mesh::MeshDescription;
 use std::time::Instant;
 
-/// Of the floor's places that are looked at, along each side.
+/// Number of the floor's places that are looked at, along each side.
 const SIDE: u32 = 16;
 const SAMPLES: u32 = 128;
 const ROUNDS: u32 = 30;

@@ -10,7 +10,7 @@ use glam::Vec3A;
 /// Ways through Mix and Add Shaders double where one leads to another twice.
 const MOST_WAYS: usize = 10_000;
 
-/// More closures than any material has that a person made.
+/// Limit of closures: more than any material has that a person made.
 const MOST_LAYERS: usize = 128;
 
 /// The closure of a shader node.

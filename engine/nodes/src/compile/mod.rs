@@ -20,7 +20,7 @@ use std::collections::{HashMap, HashSet};
 pub struct Report {
     /// The user's name of the node.
     pub node: String,
-    /// Its `bl_idname`.
+    /// The node's `bl_idname`.
     pub kind: String,
     /// The problem.
     pub what: String,

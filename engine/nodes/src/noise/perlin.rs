@@ -92,7 +92,7 @@ fn choose(mask: u32x8, set: u32x8, clear: u32x8) -> u32x8 {
     clear ^ (mask & (set ^ clear))
 }
 
-/// As numbers, the sign turned where one bit of a hash is set.
+/// The bits as numbers, the sign turned where one bit of a hash is set.
 #[inline(always)]
 fn signed(bits: u32x8, hash: u32x8, bit: u32) -> f32x8 {
     let turned = bits ^ ((hash << (31 - bit)) & u32x8::splat(0x8000_0000));

@@ -49,11 +49,11 @@ pub(crate) enum Operation {
     MapRangeVector(RangeKind),
     /// Value, bound, bound; `true`: in either order.
     Clamp(bool),
-    /// As Clamp, each part by its own bounds.
+    /// [`Self::Clamp`] of each part by its own bounds.
     ClampVector,
     /// Factor, a, b.
     Mix(Blend),
-    /// As Mix, each part by its own factor.
+    /// [`Self::Mix`] of each part by its own factor.
     MixParts,
     /// To 0 and 1.
     Saturate,

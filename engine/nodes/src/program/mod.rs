@@ -67,9 +67,9 @@ pub enum LayerKind {
 /// One closure of a surface or volume. Layers add up.
 #[derive(Clone, Debug)]
 pub struct Layer {
-    /// Which closure.
+    /// The kind of the closure.
     pub kind: LayerKind,
-    /// Its share: the factors of all Mix Shaders above it, multiplied.
+    /// The layer's share: the factors of all Mix Shaders above it, multiplied.
     pub weight: Operand,
     /// Inputs by socket identifier. A normal or tangent that is not here is the surface's own.
     pub inputs: Vec<(String, Operand)>,
@@ -96,7 +96,7 @@ pub struct Program {
     pub surface: Vec<Layer>,
     /// The volume's closures.
     pub volume: Vec<Layer>,
-    /// By how much the surface is moved, in world space.
+    /// The displacement of the surface, in world space.
     pub displacement: Option<Operand>,
     /// The attributes that the program reads, by their place here.
     pub attributes: Vec<Attribute>,

@@ -30,7 +30,7 @@ pub(crate) struct AtmosphereSettings {
     /// From +y towards +x.
     pub(crate) sun_rotation_rad: f32,
     pub(crate) altitude_m: f32,
-    /// Of molecules, aerosols and ozone, over the Earth's.
+    /// Densities of molecules, aerosols and ozone, over the Earth's.
     pub(crate) densities: [f32; 3],
 }
 

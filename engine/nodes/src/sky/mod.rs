@@ -1,7 +1,7 @@
 //! The sky as a Sky Texture paints it.
 //!
-//! Who uses whom: [`panorama`] → [`single_scattering`], [`multiple_scattering`] → [`atmosphere`]; [`preetham`] and
-//! [`hosek`] stand alone.
+//! Dependencies of the modules: [`panorama`] → [`single_scattering`], [`multiple_scattering`] → [`atmosphere`];
+//! [`preetham`] and [`hosek`] stand alone.
 
 pub(crate) mod atmosphere;
 pub(crate) mod hosek;
@@ -29,9 +29,9 @@ pub(crate) enum Sky {
 /// A sun that a sky shows.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct SunDisc {
-    /// Towards it, unit, in the coordinates of the Sky Texture.
+    /// Direction towards the sun, unit, in the coordinates of the Sky Texture.
     pub direction: Vec3A,
-    /// Its angular diameter.
+    /// Angular diameter of the sun.
     pub diameter_rad: f32,
 }
 

@@ -26,7 +26,7 @@ pub(super) enum Place {
 }
 
 impl Panorama {
-    /// Of what shines from an azimuth from the sun's opposite, and an elevation, radians. Both sides of the sun are alike.
+    /// A panorama of the light from an azimuth from the sun's opposite, and an elevation, radians. Both sides of the sun are alike.
     pub(super) fn new(place: Place, shine: impl Fn(f32, f32) -> Vec3A + Sync) -> Self {
         let (shift, most_rad) = match place {
             Place::Middle => (0.5, FRAC_PI_2),

@@ -23,12 +23,12 @@ pub struct ChiefRay {
     pub tangential_focus_mm: Option<f64>,
     /// The place at which the rays beside it at right angles to the plane of the field cross it, along z from the film; `None`: nowhere.
     pub sagittal_focus_mm: Option<f64>,
-    /// By wavelength: the height, from that of the main one. `None`: it has no such ray.
+    /// Height at each wavelength, from that at the main one. `None`: the wavelength has no such ray.
     pub colour_mm: Vec<Option<f64>>,
 }
 
 impl Analysis<'_> {
-    /// Of a field; `None`: no ray of the main wavelength goes through the middle of the stop to the film.
+    /// The chief ray of a field; `None`: no ray of the main wavelength goes through the middle of the stop to the film.
     ///
     /// Rims count for the beam, but not for its middle ray: a mirror in front may hide it.
     pub fn chief_ray(&self, angle_deg: f64) -> Option<ChiefRay> {

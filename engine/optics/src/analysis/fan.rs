@@ -20,9 +20,9 @@ pub struct Fans {
 /// A fan in one wavelength.
 #[derive(Clone, Debug, PartialEq)]
 pub struct FanLine {
-    /// In vacuum.
+    /// The wavelength in vacuum.
     pub wavelength_nm: f64,
-    /// By rising place in the pupil.
+    /// The rays, by rising place in the pupil.
     pub rays: Vec<FanRay>,
 }
 
@@ -34,8 +34,8 @@ pub struct FanRay {
     /// The place at which it meets the film, along the fan: the tangential part of a tangential fan, the sagittal one of the other; from
     /// the ray of the main wavelength through the middle of the stop.
     pub error_mm: f64,
-    /// Its way beyond that of the middle ray of the same wavelength, in wavelengths: to the sphere through the middle of the exit pupil
-    /// whose centre is where that ray meets the film, the plane at infinity if the exit pupil is there.
+    /// Path difference to the middle ray of the same wavelength, in wavelengths: to the sphere through the middle of the exit pupil whose
+    /// centre is where that ray meets the film, the plane at infinity if the exit pupil is there.
     pub path_waves: f64,
 }
 

@@ -68,7 +68,7 @@ impl Analysis<'_> {
         None
     }
 
-    /// Of the directions in the middles of the cells, those whose light comes to the film's place.
+    /// The directions in the middles of the cells whose light comes to the film's place.
     fn through(&self, touching: &Touching, towards_film: DVec3, seen: &Directions, cell: DVec2) -> Vec<DVec2> {
         let tracer = &self.lines[self.main].tracer;
         let mut bundle = tracer.bundle(Travel::FromFilm);
@@ -95,7 +95,7 @@ struct Directions {
 }
 
 impl Directions {
-    /// Those given.
+    /// The range of the given direction cosines; `None` if there are none.
     fn about(cosines: impl Iterator<Item = DVec2>) -> Option<Self> {
         let ends = cosines.map(|c| Self { low: c, high: c });
         ends.reduce(|a, b| Self { low: a.low.min(b.low), high: a.high.max(b.high) })

@@ -28,7 +28,7 @@ const SIDE: usize = 257;
 /// Radii for which the encircled light is counted.
 const RADII: usize = 128;
 
-/// Why there is no point spread.
+/// An error by which there is no point spread function.
 #[derive(Clone, Copy, Debug, PartialEq, Error)]
 pub enum PsfError {
     /// The field is dark.
@@ -43,7 +43,7 @@ pub enum PsfError {
         angle_deg: f64,
         /// Twice the distance of the farthest ray from the middle.
         spread_mm: f64,
-        /// That over λ N.
+        /// The spread over λ N.
         times: f64,
     },
 }
@@ -71,7 +71,7 @@ pub struct Psf {
 }
 
 impl Analysis<'_> {
-    /// Of a field.
+    /// The point spread function of a field.
     ///
     /// # Errors
     /// [`PsfError`].
@@ -202,7 +202,7 @@ struct Grid {
 }
 
 impl Grid {
-    /// Of column x and row y, counted from (0, 0), to both sides.
+    /// The value in column x and row y, counted from (0, 0), to both sides.
     fn at(&self, x: i64, y: i64) -> f64 {
         let wrap = |i: i64| i.rem_euclid(self.side as i64) as usize;
         self.light[wrap(y) * self.side + wrap(x)]

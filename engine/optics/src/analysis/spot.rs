@@ -9,7 +9,7 @@ use super::{Analysis, Line, centroid};
 pub struct Spot {
     /// The field's angle.
     pub angle_deg: f64,
-    /// By wavelength.
+    /// The spot of each wavelength.
     pub lines: Vec<SpotLine>,
     /// The middle of all light, on the film, from its middle.
     pub centroid_mm: [f64; 2],

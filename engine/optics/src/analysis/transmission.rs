@@ -9,9 +9,10 @@ const MESH: usize = 15;
 /// A field's light.
 #[derive(Clone, Debug, PartialEq)]
 pub struct FieldTransmission {
-    /// To the axis.
+    /// The field's angle to the axis.
     pub angle_deg: f64,
-    /// By wavelength: the part that passes of the light that no rim stops, the mean of the beam; `None` where nothing comes through.
+    /// The part of the light that passes, by wavelength, of light that no rim stops: the mean of the beam; `None` where nothing comes
+    /// through.
     pub parts: Option<Vec<f64>>,
 }
 

@@ -45,8 +45,8 @@ impl<'a> Eikonal<'a> {
         Self { tracer, indices, touching }
     }
 
-    /// Of a ray on the scene's side, which starts at its source, or for one at infinity on the plane wave through the first vertex.
-    /// `None`: it does not come through.
+    /// The path of a ray on the scene's side, which starts at its source, or for one at infinity on the plane wave through the first
+    /// vertex. `None`: it does not come through.
     pub(super) fn of(&self, ray: Ray) -> Option<Path> {
         let mut lengths = Vec::with_capacity(self.indices.len());
         let out = self.tracer.from_scene_measuring(ray, &mut lengths).ok()?;

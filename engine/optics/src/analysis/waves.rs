@@ -49,7 +49,7 @@ pub(super) struct Beam<'a> {
 }
 
 impl<'a> Beam<'a> {
-    /// Of a field; `eikonal` is that of the lens, `mesh` of the same without rims. `None`: the field is dark.
+    /// The beam of a field; `eikonal` is that of the lens, `mesh` that of the lens without rims. `None`: the field is dark.
     pub(super) fn new(
         view: &'a View,
         line: &'a Line<'_>,
@@ -127,7 +127,7 @@ impl<'a> Beam<'a> {
         self.ray(target, at, area, start_mm)
     }
 
-    /// Of a ray that was found near the cosines.
+    /// The wave of a ray that was found near the cosines.
     fn ray(&self, target: DVec2, at: DVec2, area: f64, start_mm: &mut Option<f64>) -> Option<Wave> {
         let Self { view, line, eikonal, .. } = self;
         let ray = line.probe.origin.ray(&view.field, at);
@@ -180,7 +180,7 @@ struct Found {
 }
 
 impl Found {
-    /// Of a point, or else of a neighbour.
+    /// The quad of a point, or else of a neighbour.
     fn quad_at(&self, x: usize, y: usize) -> Option<usize> {
         let rows = self.quads.len() / self.columns;
         let around = |i: usize, end: usize| i.saturating_sub(1)..(i + 2).min(end);

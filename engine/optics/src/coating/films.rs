@@ -13,7 +13,7 @@ use crate::glass::Dispersion;
 pub struct Film {
     name: String,
     dispersion: Dispersion,
-    /// Its extinction coefficient k, of n + ik: straight between pairs (nm, k) by rising nm, still beyond; none: 0.
+    /// Extinction coefficient k, of n + ik: linear between pairs (nm, k) by rising nm, constant beyond; none: 0.
     extinction: Vec<[f64; 2]>,
 }
 
@@ -75,7 +75,7 @@ pub(super) fn names() -> String {
 }
 
 impl Film {
-    /// Of an index n + ik that is the same at every wavelength.
+    /// A film of an index n + ik that is constant over the wavelengths.
     pub fn constant(n: f64, k: f64) -> Self {
         let name = if k == 0.0 { format!("{n}") } else { format!("{n}-{k}i") };
         let extinction = if k == 0.0 { Vec::new() } else { vec![[0.0, k]] };
@@ -115,7 +115,7 @@ impl Film {
         }
     }
 
-    /// As it is written in a lens file.
+    /// The text in a lens file.
     pub fn name(&self) -> &str {
         &self.name
     }
@@ -139,7 +139,7 @@ impl Film {
 mod tests {
     use super::*;
 
-    /// By refractiveindex.info at 587.6 nm (MgF2, SiO2, Al2O3, ZrO2) and at 550 nm (HfO2).
+    /// Indices agree with refractiveindex.info at 587.6 nm (MgF2, SiO2, Al2O3, ZrO2) and at 550 nm (HfO2).
     #[test]
     fn indices_are_the_sources() {
         for (name, nm, expected) in [

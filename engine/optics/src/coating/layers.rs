@@ -62,12 +62,12 @@ impl Split {
     /// Everything let through.
     pub const NOTHING: Self = Self { reflected: [0.0; 2], transmitted: [1.0; 2] };
 
-    /// Of light that is not polarised.
+    /// The reflected part of unpolarised light.
     pub fn mean_reflected(&self) -> f64 {
         0.5 * (self.reflected[0] + self.reflected[1])
     }
 
-    /// Of light that is not polarised.
+    /// The transmitted part of unpolarised light.
     pub fn mean_transmitted(&self) -> f64 {
         0.5 * (self.transmitted[0] + self.transmitted[1])
     }

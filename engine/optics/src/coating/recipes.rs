@@ -11,10 +11,10 @@ pub struct Recipe {
     pub title: &'static str,
     /// The publication of the recipe.
     pub source: &'static str,
-    /// In the middle of what it is for, nm.
+    /// Design wavelength: the middle of the range that it is for, nm.
     pub design_nm: f64,
     layers: &'static [(&'static str, f64)],
-    /// Of a mirror: the metal below the layers, so thick that nothing passes.
+    /// The metal below the layers of a mirror, so thick that nothing passes.
     metal: Option<&'static str>,
 }
 
@@ -95,7 +95,7 @@ pub(super) struct Made {
 }
 
 impl Recipe {
-    /// By its name, in any case, with another design wavelength behind it if there is one: `MgF2@500`.
+    /// The recipe of a name, in any case, with another design wavelength behind it if there is one: `MgF2@500`.
     pub(super) fn named(text: &str) -> Option<Made> {
         let (name, design_nm) = match text.split_once('@') {
             Some((name, nm)) => (name, Some(nm.parse::<f64>().ok().filter(|nm| (100.0..20_000.0).contains(nm))?)),

@@ -13,7 +13,7 @@ const TRIES: usize = 8;
 /// Number of times, at most, that a sample on a closed part is drawn again.
 const MOST_DRAWS: u32 = 1000;
 
-/// Why a picture makes no diaphragm.
+/// An error by which a picture makes no diaphragm.
 #[derive(Clone, Copy, Debug, PartialEq, Error)]
 pub enum MaskError {
     /// No square, or a very large one.

@@ -86,7 +86,7 @@ struct Seen<'a> {
     tracer: &'a Tracer,
     touching: Touching,
     normal: DVec3,
-    /// Of direction cosines of the light.
+    /// Range of direction cosines of the light.
     window: [DVec2; 2],
 }
 
@@ -112,7 +112,7 @@ impl<'a> Seen<'a> {
         Some(Self { tracer, touching, normal, window: [ends.0 - margin, ends.1 + margin] })
     }
 
-    /// Which of these directions of the light are open.
+    /// True for those of these directions of the light that are open.
     fn are_open(&self, cosines: &[DVec2]) -> Vec<bool> {
         let mut bundle = self.tracer.bundle(Travel::FromFilm);
         let mut is_real = Vec::with_capacity(cosines.len());

@@ -13,9 +13,9 @@ use super::outline::Outline;
 
 /// Strips across the pupil, at least.
 const STRIPS: usize = 768;
-/// More corners than that are not all ends of strips: those where the edge turns, or turns back, are.
+/// Largest number of corners that are all ends of strips: if there are more, only those where the edge turns, or turns back, are.
 const MANY: usize = 400;
-/// By what the edge turns at a corner, sine.
+/// The turn of the edge at a corner, sine.
 const TURN: f64 = 0.03;
 /// Places of lines in a strip (Gauss).
 const GAUSS: [f64; 2] = [0.211_324_865_405_187_1, 0.788_675_134_594_812_9];
@@ -49,8 +49,8 @@ struct Edge {
     high: DVec2,
 }
 
-/// Of a direction, `number` of `count` over half a turn from the first of the outline's directions on: (1 − overlap) / shift for each
-/// shift, per direction cosine; the overlap is 1 for the shift 0.
+/// (1 − overlap) / shift for each shift, per direction cosine, in direction `number` of `count` over half a turn from the first of the
+/// outline's directions on; the overlap is 1 for the shift 0.
 pub fn loss_per_shift(outline: &Outline, [number, count]: [usize; 2], shifts: &Shifts) -> Vec<f32> {
     let along = DVec2::from_angle(PI * number as f64 / count as f64);
     // (across, along) the direction.
@@ -112,7 +112,7 @@ pub fn loss_per_shift(outline: &Outline, [number, count]: [usize; 2], shifts: &S
 /// A sum of ramps max(0, s − b) for shifts s.
 struct Ramps<'a> {
     shifts: &'a Shifts,
-    /// Of the overlap at shift 0.
+    /// The area of the overlap at shift 0.
     area: f64,
     /// The loss of the overlap: slope and constant of ramps that begin before each shift, and after the one before.
     steps: Vec<[f64; 2]>,
@@ -203,7 +203,7 @@ mod tests {
         assert!((loss[0] * PI / 4.0 - 1.0).abs() < 1e-4, "{}", loss[0]);
     }
 
-    /// With a hole (a frame): the overlap of both squares, less that of one with the other, twice.
+    /// The overlap of a pupil with a hole (a frame): that of both squares, less that of one with the other, twice.
     #[test]
     fn a_hole_is_taken_off() {
         let ring =

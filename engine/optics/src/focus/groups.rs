@@ -11,7 +11,7 @@ const BEYOND_INFINITY: f64 = 0.02;
 /// Places at which the travel is looked for, before it is found exactly.
 const STEPS: u32 = 32;
 
-/// Why groups cannot focus.
+/// An error by which groups cannot focus.
 #[derive(Clone, Debug, PartialEq, Error)]
 pub enum GroupsError {
     /// The lens cannot be set.

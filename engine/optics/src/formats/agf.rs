@@ -33,7 +33,7 @@ struct Entry {
     name: String,
     place: Place,
     formula: u32,
-    /// As printed.
+    /// The index at d, as printed.
     nd: Option<f64>,
     numbers: Vec<f64>,
     range_um: Option<[f64; 2]>,

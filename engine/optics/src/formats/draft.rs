@@ -94,13 +94,13 @@ pub(super) struct Draft<'a> {
     pub(super) beam: Option<Beam>,
     pub(super) field_kind: FieldKind,
     pub(super) fields: Vec<FieldPoint>,
-    /// From the object to the first surface; infinite for most.
+    /// Distance from the object to the first surface; infinite for most.
     pub(super) object_mm: f64,
-    /// That for which beam and fields are meant.
+    /// The wavelength for which beam and fields are meant.
     pub(super) wavelength_nm: f64,
     pub(super) film_radius_mm: Option<f64>,
     pub(super) metadata: Metadata,
-    /// Of surfaces where glass meets air.
+    /// Coating of surfaces where glass meets air.
     pub(super) coating: Option<Coating>,
     /// Surfaces with gaps that move, and where they are.
     pub(super) moving: Option<(Vec<Part>, Vec<Position>, Vec<Place>)>,

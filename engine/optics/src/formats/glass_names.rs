@@ -57,7 +57,7 @@ pub(super) struct Glasses<'a> {
     folder: Option<PathBuf>,
     /// Glasses that the file, or a catalogue beside it, defines.
     own: HashMap<String, Medium>,
-    /// Those of them that are other names for glasses of the catalogues.
+    /// Own glasses that are other names for glasses of the catalogues.
     renamed: HashSet<String>,
     /// Files of glasses that were read.
     read: HashSet<PathBuf>,

@@ -15,13 +15,13 @@ pub enum Problem {
     /// The file cannot be opened or read.
     #[error("cannot be read ({0}); check the path")]
     Unreadable(String),
-    /// Not text.
+    /// The file is not text.
     #[error("this is not text; give a lens file")]
     NotText,
-    /// Neither of the encodings that lens files come in.
+    /// The encoding is none of those that lens files come in.
     #[error("this is neither UTF-8 nor UTF-16; save the file as UTF-8")]
     Encoding,
-    /// Longer than a lens can be.
+    /// The file is longer than that of a lens can be.
     #[error("the file is longer than {largest} bytes; give a lens file")]
     TooLong {
         /// The most that is read.
@@ -44,9 +44,9 @@ pub enum Problem {
     /// A file beside the lens file, named in it.
     #[error("'{name}' cannot be read ({why}); put the file beside the lens file")]
     Beside {
-        /// As the lens file names it.
+        /// The name in the lens file.
         name: String,
-        /// Why.
+        /// The cause.
         why: String,
     },
     /// No row.
@@ -76,10 +76,10 @@ pub enum Problem {
     /// The header row names a column twice.
     #[error("column '{0}' stands here a second time; take one out")]
     SecondColumn(String),
-    /// A group of lenses that there is not.
+    /// The group of lenses does not exist.
     #[error("'{0}' is no group of lenses; write one of {words}", words = LensGroup::ALL.map(LensGroup::word).join(", "))]
     Group(String),
-    /// Neither yes nor no.
+    /// The word is neither yes nor no.
     #[error("'{0}' is neither yes nor no; write one of them")]
     YesOrNo(String),
     /// A line about an element cannot be understood.

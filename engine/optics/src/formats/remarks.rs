@@ -32,7 +32,7 @@ impl fmt::Display for Remark {
     }
 }
 
-/// More kinds of remarks than these say no more.
+/// Largest number of kinds of remarks: more tell nothing.
 const MOST: usize = 60;
 
 /// Remarks while they are collected: of one kind only the first, with a count of the others.

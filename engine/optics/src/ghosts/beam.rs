@@ -31,11 +31,11 @@ impl Source {
     }
 }
 
-/// Its rays to a lens.
+/// The rays of a source to a lens.
 #[derive(Clone, Copy, Debug)]
 pub struct Beam {
     source: Source,
-    /// Of a disc at right angles to the beam's middle ray that holds the front glass.
+    /// Centre of a disc at right angles to the beam's middle ray that holds the front glass.
     centre: DVec3,
     axes: [DVec3; 2],
     radius_mm: f64,

@@ -12,7 +12,7 @@ use crate::trace::{Encounter, Ray, Tracer};
 
 /// A ray that is reflected so often is given up: of glass without coatings less than 1e-8 of the light is left.
 const MOST_TURNS: usize = 8;
-/// Of rays that have less than this part of their power left only some go on, with so much.
+/// Russian roulette: of rays that have less than this part of their power left only some go on, with that power.
 const LEAST_POWER: f64 = 1e-6;
 
 /// Light that arrives at the film, by how often it was reflected.

@@ -26,9 +26,9 @@ pub(super) struct Through {
 
 /// Cells that an edge crosses.
 pub(super) struct Edges {
-    /// By cell and point.
+    /// Rays by cell and point.
     points: Vec<Option<Through>>,
-    /// By cell and side: the number of what is found there.
+    /// The number of the crossing found, by cell and side.
     sides: Vec<[u32; SIDES]>,
     crossings: Vec<Through>,
 }

@@ -16,7 +16,7 @@ use crate::trace::{Bundle, ReflectedTracer, Tracer, Travel};
 
 /// Rays along the beam's width that find the part of it which gets through: at least, and at most.
 const SEARCH: [usize; 2] = [24, 256];
-/// So many of them fall on the narrowest part that is to be found.
+/// Number of those rays on the narrowest part that is to be found.
 const ON_PART: f64 = 6.0;
 /// Points along a side at which the power is known; and where these are too few, by places between them (parts of the window) at
 /// which it may be off by so much.
@@ -229,8 +229,8 @@ impl Power {
         self.nodes.iter().sum::<f64>() / self.nodes.len() as f64
     }
 
-    /// By Catmull and Rom's cubics, which are exact for parabolas: straight lines would count too much, for what a coating reflects
-    /// grows with the square of the angle. At the ends a row goes on as a parabola.
+    /// The power at a point, by Catmull and Rom's cubics, which are exact for parabolas: straight lines would count too much, for what a
+    /// coating reflects grows with the square of the angle. At the ends a row goes on as a parabola.
     fn at(&self, at: DVec2) -> f64 {
         let last = (self.side - 1) as f64;
         let place = ((at - self.low) * self.per_radius).clamp(DVec2::ZERO, DVec2::splat(last));

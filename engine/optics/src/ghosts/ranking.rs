@@ -15,11 +15,11 @@ pub struct Ranked {
     pub turns: Vec<usize>,
     /// The light that gets to the film's plane for one of irradiance before the lens, mm².
     pub light_mm2: f64,
-    /// Of that, on the film.
+    /// The part of that light on the film.
     pub on_film_mm2: f64,
     /// The middle of the light (u, v), mm from the picture's middle.
     pub centre_mm: DVec2,
-    /// Of an even disc that is as wide: √2 of the root mean square distance from the middle.
+    /// Radius of an even disc of the same width: √2 of the root mean square distance from the middle.
     pub radius_mm: f64,
     /// The irradiance on that disc, for one before the lens.
     pub irradiance: f64,

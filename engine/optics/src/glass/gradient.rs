@@ -33,7 +33,7 @@ pub struct Gradient {
 }
 
 impl Gradient {
-    /// Of terms, none of power 0 in both, z being 0 at `from_mm` behind the vertex of the surface that the medium follows.
+    /// The gradient of terms, none of power 0 in both, z being 0 at `from_mm` behind the vertex of the surface that the medium follows.
     /// `None` if a number is not finite, a power of r odd, a power too high or there twice, or there is no term.
     pub fn new(mut terms: Vec<GradientTerm>, from_mm: f64) -> Option<Self> {
         terms.sort_by_key(|term| (term.r, term.z));

@@ -21,7 +21,7 @@ pub enum LensGroup {
     Mirror,
     /// Squeezes the picture in one direction.
     Anamorphic,
-    /// Of before about 1960, or known for its place in history.
+    /// A lens of before about 1960, or known for its place in history.
     Historical,
     /// An eye.
     Eye,
@@ -102,7 +102,7 @@ impl Metadata {
         self.all.iter().find(|(found, _)| found == key).map(|(_, text)| text.as_str())
     }
 
-    /// Why the computed value differs from the one that the header has for `key`: `# differs: f_number: why`.
+    /// The reason, from the header, why the computed value differs from that for `key`: `# differs: f_number: why`.
     pub fn difference(&self, key: &str) -> Option<&str> {
         let of_key = |text: &&str| text.split_once(':').is_some_and(|(found, _)| found.trim() == key);
         let lines = self.all.iter().filter(|(found, _)| found == "differs").map(|(_, text)| text.as_str());

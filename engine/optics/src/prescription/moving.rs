@@ -42,7 +42,7 @@ const WORDS: [(&str, Quantity); 4] = [
 pub struct Part {
     /// Index of the surface.
     pub surface: usize,
-    /// Which of its numbers.
+    /// The quantity of the surface.
     pub quantity: Quantity,
 }
 
@@ -75,7 +75,7 @@ impl Part {
     }
 }
 
-/// As in lens files: `4`, `radius:4`.
+/// The text in lens files: `4`, `radius:4`.
 impl fmt::Display for Part {
     fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
         if let Some((word, _)) = WORDS.iter().find(|(_, quantity)| *quantity == self.quantity) {
@@ -104,17 +104,17 @@ pub struct Position {
     pub zoom_mm: Option<f64>,
     /// Distance of what is sharp, from the first vertex, mm; may be infinite.
     pub focus_mm: f64,
-    /// By moving part.
+    /// Values of the moving parts.
     pub values: Vec<f64>,
 }
 
-/// Why gaps and positions do not fit together.
+/// An error by which gaps and positions do not fit together.
 #[derive(Clone, Debug, PartialEq, Error)]
 pub enum MovingError {
     /// A part is of no surface, or there twice.
     #[error("surface {} has no such part to move, or it is named twice: '{part}'; name surfaces from 0 to {last}, each part once", .part.surface)]
     Surface {
-        /// As named.
+        /// The part that was named.
         part: Part,
         /// The last surface of the lens.
         last: usize,
@@ -160,7 +160,7 @@ struct Zoom {
     nearness_per_mm: Vec<f64>,
     /// The distances as the table has them.
     focus_mm: Vec<f64>,
-    /// By distance, then by part.
+    /// Values by distance, then by part.
     values: Vec<Vec<f64>>,
 }
 
@@ -170,12 +170,12 @@ pub struct MovingParts {
     parts: Vec<Part>,
     zooms_in: bool,
     first_zoom_mm: f64,
-    /// By rising focal length.
+    /// The zoom positions, by rising focal length.
     zooms: Vec<Zoom>,
 }
 
 impl MovingParts {
-    /// Of `parts` of a lens of `count` surfaces, at each position; the first is the one the lens is published in.
+    /// The moving `parts` of a lens of `count` surfaces, at each position; the first is the one the lens is published in.
     ///
     /// # Errors
     /// [`MovingError`], with the number of the position that it is about.

@@ -36,7 +36,7 @@ pub(super) struct Slices {
 }
 
 impl Slices {
-    /// Of no use for a cell that is dark.
+    /// The slices of a cell; of no use for a cell that is dark.
     pub(super) fn new(cell: &Cell) -> Self {
         let mut all = Self { guide: [0; GUIDE], slices: [Slice::default(); ANGLES + 1] };
         all.slices[ANGLES].start = f32::INFINITY;

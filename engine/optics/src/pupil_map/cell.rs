@@ -32,9 +32,9 @@ pub(super) struct Sector {
     pub(super) edge: DVec2,
     /// Share of the area in the sectors before it.
     pub(super) start: f64,
-    /// One over its own share.
+    /// One over the share of the sector.
     pub(super) inverse_share: f64,
-    /// Its beginning, as a part of the way to its outer edge: more than 0 behind an obstruction.
+    /// The sector's beginning, as a part of the way to its outer edge: more than 0 behind an obstruction.
     pub(super) inner: f64,
 }
 
@@ -103,7 +103,7 @@ impl Cell {
         self.area
     }
 
-    /// Of [`Self::sample`]; 0 if no light arrives.
+    /// Density of [`Self::sample`]; 0 if no light arrives.
     #[inline]
     pub(super) fn density(&self) -> f64 {
         self.density
@@ -177,7 +177,7 @@ impl Cell {
     }
 }
 
-/// Of a sample in single precision, in units of the way to the edge: 8 of them.
+/// Bound of the rounding error of a sample in single precision, in units of the way to the edge: 8 roundings.
 const ROUNDINGS: f64 = 4.0 * f32::EPSILON as f64;
 
 /// The sector of a point, or a neighbour of it.

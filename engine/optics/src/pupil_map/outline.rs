@@ -36,10 +36,10 @@ impl Outline {
 
 /// Asks tracers which targets are clear.
 pub(super) struct Probe {
-    /// With every obstruction and mask taken away: the pupil's hole is found apart, and the outline of a mask's circle
+    /// Tracers without obstructions and masks: the pupil's hole is found apart, and the outline of a mask's circle
     /// holds all of its openings.
     open: Vec<Tracer>,
-    /// As they are, if anything obstructs them.
+    /// Tracers with their obstructions, if there are any.
     obstructed: Vec<Tracer>,
     reference_z: f64,
     glass_radius: f64,
@@ -208,7 +208,7 @@ struct Target {
     at: DVec2,
 }
 
-/// Which targets any tracer finds clear.
+/// True for the targets that any tracer finds clear.
 fn are_clear(tracers: &[Tracer], reference_z: f64, targets: &[Target]) -> Vec<bool> {
     let mut is_clear = vec![false; targets.len()];
     let mut rest: Vec<usize> = (0..targets.len()).collect();

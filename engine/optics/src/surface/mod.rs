@@ -17,7 +17,7 @@ pub use conic::Conic;
 pub use pose::Pose;
 pub use toroid::Toroid;
 
-/// Why a ray got no farther than a surface. A lost ray is a result, not an error.
+/// The reason why a ray got no farther than a surface. A lost ray is a result, not an error.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, Hash)]
 pub enum Failure {
     /// The ray passes by the surface.
@@ -110,8 +110,8 @@ impl<R: Real> Shape<R> {
         }
     }
 
-    /// As [`Self::meet`] from any distance: the origin is first carried to its point nearest the vertex, which keeps
-    /// the digits of far sources.
+    /// [`Self::meet`] from any distance: the origin is first carried to its point nearest the vertex, which keeps the
+    /// digits of far sources.
     #[inline(always)]
     pub fn meet_from_afar<L: Lane<Real = R>>(&self, origin: Vector<L>, direction: Vector<L>, side: R) -> Crossing<L> {
         let carried = -origin.dot(direction);

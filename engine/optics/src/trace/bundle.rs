@@ -128,7 +128,7 @@ impl<R: Real> Bundle<R> {
         self.is_traced = true;
     }
 
-    /// Which way its rays go.
+    /// The direction in which the bundle's rays go.
     pub(super) fn travel(&self) -> Travel {
         self.way.travel
     }
@@ -209,7 +209,7 @@ fn group<R>(column: &[R], first: usize) -> &[R; LINES] {
 
 /// A lens's interfaces at several lines, and which of them the rays of a bundle have.
 pub(super) struct Lines<'a, R> {
-    /// By step: ratios, then excesses, by line; beside a gradient the indices before and behind.
+    /// Ratios, then excesses, by step and line; beside a gradient the indices before and behind.
     pub(super) tables: &'a [[Box<[R]>; 2]],
     /// The first line of each group of rays; the others of a group have those that follow.
     pub(super) first: &'a [u32],
@@ -317,7 +317,7 @@ impl<R: Real> LaneKernel<R> for Trace<'_, R> {
 
 /// The list in which lost rays are noted.
 pub(super) struct Losses<'a> {
-    /// Of the rays of a block.
+    /// Fates of the rays of a block.
     pub(super) fates: &'a mut [Fate],
     /// The surface that they are at.
     pub(super) surface: usize,

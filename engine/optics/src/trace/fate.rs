@@ -2,7 +2,7 @@
 
 use super::{Failure, Lost};
 
-/// Why a ray was lost, by number from 1.
+/// The reasons of losses, by number from 1.
 const REASONS: [Failure; 7] = [
     Failure::Missed,
     Failure::WrongSheet,
@@ -26,7 +26,7 @@ impl Fate {
         self == Self::THROUGH
     }
 
-    /// Why and where the ray was lost.
+    /// The reason and the surface of the ray's loss.
     #[inline]
     pub(super) fn lost(self) -> Option<Lost> {
         let reason = REASONS[((self.0 & 7) as usize).checked_sub(1)?];

@@ -28,10 +28,10 @@ pub struct Meeting {
 pub struct Incidence {
     /// The surface, and the direction of travel.
     pub meeting: Meeting,
-    /// Of the angle to the normal, 0 to 1.
+    /// Cosine of the angle to the normal, 0 to 1.
     pub cos: f64,
-    /// From the surface before, mm along the ray; the first from where the ray was nearest to the first vertex. In a gradient it is
-    /// that of the straight line.
+    /// Distance from the surface before, mm along the ray; the first from where the ray was nearest to the first vertex. In a gradient it
+    /// is that of the straight line.
     pub length_mm: f64,
 }
 
@@ -147,7 +147,7 @@ fn pass(
     }
 }
 
-/// Of the angle of incidence.
+/// Cosine of the angle of incidence.
 fn cosine(passage: &Passage<f64>) -> f64 {
     (passage.crossing.cosine_squared / passage.crossing.normal_squared).sqrt().min(1.0)
 }

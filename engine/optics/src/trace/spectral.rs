@@ -16,7 +16,7 @@ use crate::lane::{Lane, LaneKernel, Level, Real};
 /// Lines in a group: a multiple of the numbers in the widest register of f64.
 pub const LINES: usize = 8;
 
-/// By step: ratios and excesses of the interfaces, by line; beside a gradient the indices before and behind without it.
+/// Ratios and excesses of the interfaces, by step and line; beside a gradient the indices before and behind without it.
 type Tables<R> = Arc<[[Box<[R]>; 2]]>;
 
 /// A lens at several wavelengths: its lines, in the order in which they were given.
@@ -54,7 +54,7 @@ impl<R> Leaving<'_, R> {
 }
 
 impl SpectralTracer {
-    /// Of the tracers of one lens: at least one.
+    /// The tracer of one lens at several lines: at least one.
     pub fn new(lines: &[&Tracer]) -> Self {
         Self {
             from_scene: along(&lines.iter().map(|line| &line.from_scene).collect::<Vec<_>>()),
@@ -80,7 +80,7 @@ impl SpectralTracer {
         }
     }
 
-    /// As [`Tracer::from_scene`] at each of the [`LINES`] lines from `first` on, to the last bit.
+    /// [`Tracer::from_scene`] at each of the [`LINES`] lines from `first` on, to the last bit.
     // Not inline: its code for all instructions would be made in every program.
     pub fn from_scene(&self, ray: Ray, first: usize) -> [Result<Ray, Lost>; LINES] {
         f64::run_wide(Level::new(), Packet { tracer: self, ray, first })

@@ -121,8 +121,8 @@ impl<R: Real> Step<R> {
         self.act(d, crossing, diaphragm, interfaces)
     }
 
-    /// As [`Self::pass`] where `gradients` are beside the surface; `numbers` are then the indices before and behind it without
-    /// what the gradients add.
+    /// [`Self::pass`] with `gradients` beside the surface; `numbers` are then the indices before and behind it without what the gradients
+    /// add.
     #[inline(always)]
     pub(super) fn pass_gradients<L: Lane<Real = R>>(
         &self,
@@ -236,7 +236,7 @@ pub(super) struct Fates {
 }
 
 impl Fates {
-    /// Why ray `i` did not pass; `None` if it did.
+    /// The reason why ray `i` did not pass; `None` if it did.
     pub(super) fn failure(&self, i: usize) -> Option<Failure> {
         let is = |bits: u64| bits >> i & 1 != 0;
         if is(self.passed) {

@@ -12,8 +12,8 @@ fn drawn(system: &System, angles_deg: &[f64], count: usize) -> Drawing {
     Drawing::new(system, &Focus::at_infinity(system, D), D, angles_deg, count)
 }
 
-/// Of every lens, the light on its axis is drawn: as many rays as were asked for, the outermost past a rim, each through all
-/// surfaces where these are drawn.
+/// The light on the axis of every lens is drawn: as many rays as were asked for, the outermost past a rim, each through all surfaces where
+/// these are drawn.
 #[test]
 fn rays_go_through_the_surfaces_as_they_are_drawn() {
     for name in lens_names().iter().map(String::as_str).chain(ASPHERES) {

@@ -53,7 +53,7 @@ fn many_hard_rays() {
 proptest! {
     #![proptest_config(ProptestConfig { cases: 3000, ..ProptestConfig::default() })]
 
-    /// Others in every run.
+    /// Random hard rays, other ones in every run.
     #[test]
     fn any_hard_ray(category in prop::sample::select(&Category::ALL[..]), seed: u64, index: u64) {
         let mut tallies: [Tally; 3] = Default::default();

@@ -36,9 +36,9 @@ struct Counter {
 /// Numbers of rays that came through.
 #[derive(Default)]
 struct Count {
-    /// The stop alone.
+    /// Rays that pass the stop alone.
     beam: usize,
-    /// Of those, the whole lens.
+    /// Rays of the beam that pass the whole lens.
     passed: usize,
     /// Parts of the stop's area that are filled.
     filled: usize,

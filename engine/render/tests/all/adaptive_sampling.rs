@@ -252,7 +252,7 @@ fn all_pipelines_are_true_in_the_mean() {
     }
 }
 
-/// Also where light lands beyond what a block keeps, and what is shown on the way.
+/// The bits do not depend on the number of threads, also where light lands beyond what a block keeps, and in the pictures on the way.
 #[test]
 fn the_same_bits_for_any_number_of_threads() {
     let stage = bodies();

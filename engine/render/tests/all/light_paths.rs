@@ -176,10 +176,9 @@ fn agree(name: &str, stage: &Arc<Stage>, d: &CameraDescription, path_samples: u3
     check(name, &c);
 }
 
-/// With twelve renders each, a z follows Student's distribution with 22 or fewer degrees of freedom: one of three beyond
-/// 3.5 has a chance of 0.6 %, one of a hundred blocks beyond 5 of 0.5 %, and with the least noise that they are given,
-/// less. A whole picture's 3.5 standard errors are 1 % (glowing meshes, leaves) to 3 % (box) of its mean, and 6 % for a
-/// caustic; a block's 5 are 5 to 25 % of its own.
+/// A z of twelve renders each follows Student's distribution with 22 or fewer degrees of freedom: one of three beyond 3.5 has a chance of
+/// 0.6 %, one of a hundred blocks beyond 5 of 0.5 %, and with the least noise that they are given, less. A whole picture's 3.5 standard
+/// errors are 1 % (glowing meshes, leaves) to 3 % (box) of its mean, and 6 % for a caustic; a block's 5 are 5 to 25 % of its own.
 fn check(name: &str, c: &Comparison) {
     assert!(c.whole_z.iter().all(|z| z.abs() < 3.5), "{name}: whole picture {:?}, means {:?}", c.whole_z, c.means);
     assert!(c.rms_z < 1.3 && c.largest_z < 5.0, "{name}: blocks {} {}", c.rms_z, c.largest_z);

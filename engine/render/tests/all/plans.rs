@@ -53,7 +53,7 @@ impl Shot {
         Plan::new(&self.stage, &self.d, &self.moving, self.size, wishes, false, None)
     }
 
-    /// By its own measure: the other error of colour is left out.
+    /// The decision on an effect by its own measure: the other error of colour is left out.
     fn decision(&self, effect: Effect) -> Decision {
         let mut own = Wishes::default();
         match effect {
@@ -213,7 +213,7 @@ fn errors_of_colour_add_up() {
     }
 }
 
-/// More wavelengths where colours are farther apart, so that neighbours' images touch.
+/// More wavelengths are used where colours are farther apart, so that neighbours' images touch.
 #[test]
 fn wavelengths_are_as_many_as_their_images_need() {
     let mut last = 0;

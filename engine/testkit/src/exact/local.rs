@@ -38,7 +38,7 @@ pub(super) struct Local {
     pub(super) gradient: Triple,
     /// Second derivatives of G; symmetric.
     hessian: [Triple; 3],
-    /// Its numbers in the order of [`Case::for_each_number`].
+    /// Derivatives by the case's numbers, in the order of [`Case::for_each_number`].
     pub(super) numbers: Vec<Derivative>,
     /// 1 − (1 + k) c² r² of an asphere's or a toroid's profile, which ends at 0, and the derivative by r.
     pub(super) profile_end: Option<(f64, f64)>,
@@ -52,7 +52,7 @@ pub(crate) struct ProfileAt {
     pub(crate) slope: f64,
     /// The derivative of `slope`, divided by r.
     bend: f64,
-    /// Of c, k and the terms: the number, its derivative of `sag` and of `slope`.
+    /// The numbers c, k and the terms: the number, its derivative of `sag` and of `slope`.
     numbers: Vec<[f64; 3]>,
     /// √(1 − (1 + k) c² r²)
     weight: f64,

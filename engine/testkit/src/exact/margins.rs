@@ -8,21 +8,21 @@ use super::trace::{Hit, Status};
 /// For each check that a ray came to, the relative change of the case's numbers that would turn its result:
 /// positive if the ray passed the check, negative if it failed, infinite if it was not made.
 ///
-/// Of a vector its length counts, so that the rounding of every component does. A size of 1e-16 means that rounding in
+/// A vector counts by its length, so that the rounding of every component does. A size of 1e-16 means that rounding in
 /// `f64` may turn the outcome, 1e-7 that rounding in `f32` may; a tracer that is good to some ulps may fail within some
 /// times that. Estimates on the small side: a change of any one number by less turns nothing, by ten times as much
 /// nearly always does, but for conics of huge k and for hits near infinity, whose margins may be far too small.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Margins {
-    /// Of q = B² − A C, or of what stands for it where there is no conic: does the ray meet the surface?
+    /// Margin of q = B² − A C, or of its equivalent where there is no conic: does the ray meet the surface?
     pub discriminant: f64,
-    /// Of N_z, and of the end of a profile: does it on the vertex sheet?
+    /// Margin of N_z, and of the end of a profile: does the ray meet the vertex sheet?
     pub sheet: f64,
-    /// Of the distance from the rim.
+    /// Margin of the distance from the rim.
     pub aperture: f64,
-    /// Of the distance from the rim of the central obstruction.
+    /// Margin of the distance from the rim of the central obstruction.
     pub obstruction: f64,
-    /// Of cos² i′: is there a refracted ray?
+    /// Margin of cos² i′: is there a refracted ray?
     pub radicand: f64,
 }
 

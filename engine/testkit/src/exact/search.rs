@@ -10,7 +10,7 @@ const LONGEST_STEP: f64 = 1.0 / 32.0;
 const GROWTH: f64 = 1.3;
 /// Hits of a toroid's starting conic so many half diameters from the axis are no place to start from.
 const FAR_OUTSIDE: f64 = 1.3;
-/// So many sizes away from the start there is nothing left to be found.
+/// Number of sizes away from the start beyond which there is nothing left to be found.
 const FARTHEST: f64 = 8.0;
 
 /// The surface's function along the ray, mirrored and turned so that it is below 0 at u = 0 and the crossing that is

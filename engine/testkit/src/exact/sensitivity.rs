@@ -10,10 +10,10 @@ use super::ulp::{Precision, ulp_of};
 /// place, up or down. No tracer that rounds its input can be expected to do better.
 #[derive(Clone, Copy, Debug, Default, PartialEq)]
 pub struct Sensitivity {
-    /// Of the hit, in mm; 0 if there is none.
+    /// Change of the hit, in mm; 0 if there is none.
     pub point: f64,
-    /// Of the unit direction afterwards; 0 if there is none. Where the ray is lost after some of the changes, those
-    /// count as far as it lasts: to the tangent, or to the critical angle.
+    /// Change of the unit direction afterwards; 0 if there is none. Where the ray is lost after some of the changes, those count as far as
+    /// it lasts: to the tangent, or to the critical angle.
     pub direction: f64,
     /// True if such a change turns the status.
     pub status_flips: bool,

@@ -10,11 +10,11 @@ use super::search;
 /// The status of a ray.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, Hash)]
 pub enum Status {
-    /// It passed.
+    /// The ray passed.
     Ok,
-    /// It meets no part of the surface with the right sign of N · D.
+    /// The ray meets no part of the surface with the right sign of N · D.
     Missed,
-    /// It meets the mathematical surface off the vertex sheet only; never said of aspheres, which have no other sheet.
+    /// The ray meets the mathematical surface off the vertex sheet only; never said of aspheres, which have no other sheet.
     WrongSheet,
     /// The hit lies outside of the clear aperture.
     OutsideAperture,

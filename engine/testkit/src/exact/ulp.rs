@@ -59,7 +59,7 @@ pub fn ulp_error_vector_f64(got: [f64; 3], truth: &Vector) -> f64 {
     difference(got, truth).map_or(f64::INFINITY, |error| in_ulps(&error, &norm(truth), Precision::F64))
 }
 
-/// As [`ulp_error_vector_f64`], in units of the `f32` |truth|.
+/// [`ulp_error_vector_f64`] in units of the `f32` |truth|.
 pub fn ulp_error_vector_f32(got: [f32; 3], truth: &Vector) -> f64 {
     let got = got.map(f64::from);
     difference(got, truth).map_or(f64::INFINITY, |error| in_ulps(&error, &norm(truth), Precision::F32))

@@ -20,7 +20,7 @@ pub(super) fn unit(a: [f64; 3]) -> [f64; 3] {
 pub(super) struct Place {
     pub(super) shape: Shape,
     pub(super) point: [f64; 3],
-    /// Of unit length, towards +z at the vertex.
+    /// Normal of unit length, towards +z at the vertex.
     pub(super) normal: [f64; 3],
 }
 

@@ -22,7 +22,7 @@ fn too_many_glasses() -> Problem {
 pub(crate) struct Header {
     pub(crate) name: Option<String>,
     pub(crate) film_radius_mm: Option<f64>,
-    /// Of surfaces where glass meets air, if no row says otherwise.
+    /// Coating of surfaces where glass meets air, if no row says otherwise.
     pub(crate) coating: Option<Coating>,
     pub(super) elements: Vec<ElementLine>,
     pub(super) moving: MovingLines,

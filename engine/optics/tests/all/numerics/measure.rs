@@ -12,7 +12,7 @@ use petzval_optics::surface::{Asphere, Conic, Failure, Shape, Toroid};
 use petzval_testkit::exact::{self, Case, Precision, Profile, Status, Truth};
 use petzval_testkit::hard_rays::Category;
 
-/// By what a ray is traced.
+/// The tracer of a ray.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub enum By {
     /// The stable form in f64.
@@ -73,9 +73,9 @@ impl Errors {
 #[derive(Clone, Debug, Default)]
 pub struct Tally {
     pub rays: u64,
-    /// Of these, lost by the exact tracer's word.
+    /// Rays lost by the exact tracer's word.
     pub lost: u64,
-    /// Those of another status than the exact one.
+    /// Rays of another status than the exact one.
     pub other_status: u64,
     /// Largest relative change of the data, in roundings, that would have been needed to turn such a status.
     pub worst_margin: f64,

@@ -21,7 +21,7 @@ use petzval_render::spectrum::FilmSpectrum;
 /// Rays along a side of the grid that looks for the beam first, and then closes in on it.
 const SEARCH: i32 = 160;
 
-/// Of a spectrum with more wavelengths than this, each ray has one; of others all.
+/// Number of wavelengths of a spectrum above which each ray has one; of others all.
 const FEW: usize = 3;
 
 /// A lens before its film.

@@ -33,7 +33,7 @@ pub(crate) fn photographs(stage: &Arc<Stage>, d: &CameraDescription, e: &Exposur
 pub(crate) struct Fit {
     /// Mean of the squared differences over their variances, over the pixels where light is expected.
     pub(crate) chi2: f64,
-    /// Of them.
+    /// Number of pixels where light is expected.
     pub(crate) pixels: usize,
     /// The photographs' light over the truth's, and its standard error.
     pub(crate) light: [f64; 2],
