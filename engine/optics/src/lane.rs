@@ -78,11 +78,11 @@ pub trait Lane:
     fn store(self, to: &mut [Self::Real]);
     /// Number `i`.
     fn of(self, i: usize) -> Self::Real;
-    /// Square root; none of a negative number.
+    /// Square root; NaN of a negative number.
     fn sqrt(self) -> Self;
-    /// Without the sign.
+    /// The absolute value.
     fn abs(self) -> Self;
-    /// `self` ≤ `other`; false if either is no number, as are the others.
+    /// `self` ≤ `other`; false if either is NaN, as are the other comparisons.
     fn at_most(self, other: Self) -> Self::Mask;
     /// `self` < `other`.
     fn less(self, other: Self) -> Self::Mask;
@@ -103,13 +103,13 @@ pub trait Lane:
         other.less(self)
     }
 
-    /// The smaller; `other` if either is no number.
+    /// The smaller; `other` if either is NaN.
     #[inline(always)]
     fn least(self, other: Self) -> Self {
         Self::select(self.less(other), self, other)
     }
 
-    /// The larger; `other` if either is no number.
+    /// The larger; `other` if either is NaN.
     #[inline(always)]
     fn most(self, other: Self) -> Self {
         Self::select(other.less(self), self, other)

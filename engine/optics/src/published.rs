@@ -54,8 +54,8 @@ impl Published {
         Self { key, text, value, computed, agrees, why: why.map(str::to_owned) }
     }
 
-    /// Nothing is left to explain: the numbers agree and nobody says otherwise, or they differ and the header says why, or the header
-    /// says that the source states none.
+    /// True if nothing is left to explain: the numbers agree and the header does not say otherwise, or they differ and the header says why,
+    /// or the header says that the source states none.
     pub fn is_accounted_for(&self) -> bool {
         match self.agrees {
             Some(agrees) => agrees == self.why.is_none(),

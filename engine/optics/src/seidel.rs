@@ -55,8 +55,8 @@ impl Seidel {
     /// The sums at a vacuum wavelength in nm, for an object plane at `object_z_mm` (`None`: at infinity), at the half
     /// field of the design where the lens file tells it, but no farther out than 30 degrees; else at 20.
     ///
-    /// `None` if the entrance pupil is at infinity, the object in it, an index no number, or a medium a gradient: what
-    /// light does between two surfaces then has its own share, which is not worked out here.
+    /// `None` if the entrance pupil is at infinity, the object in it, an index is not finite, or a medium has a
+    /// gradient: the way between two surfaces then has its own share, which is not worked out here.
     pub fn new(system: &System, wavelength_nm: f64, object_z_mm: Option<f64>) -> Option<Self> {
         let half_field = system.half_field_deg().filter(|d| *d > 0.0).unwrap_or(USUAL_FIELD_DEG);
         Self::at_field(system, wavelength_nm, object_z_mm, half_field.min(WIDEST_FIELD_DEG))

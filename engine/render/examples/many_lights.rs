@@ -37,7 +37,7 @@ fn quad(half: f32) -> MeshDescription {
     }
 }
 
-/// `shining` of `count` things shine.
+/// A room with `count` objects of which `shining` emit.
 fn room(kind: &str, count: u32, shining: u32) -> Result<Stage, Box<dyn std::error::Error>> {
     let mut builder = SceneBuilder::new();
     let floor = builder.add_mesh(quad(5.0))?;

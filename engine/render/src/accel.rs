@@ -53,13 +53,13 @@ pub struct Ray {
 }
 
 impl Ray {
-    /// Without end, in the middle of the exposure.
+    /// A ray without end, in the middle of the exposure.
     #[inline]
     pub fn new(origin: Vec3A, direction: Vec3A) -> Self {
         Self { origin, direction, t_max: f32::INFINITY, skip: Skip::NONE, moment: MIDDLE }
     }
 
-    /// At another moment.
+    /// This ray at another moment.
     #[inline]
     pub fn at(self, moment: u16) -> Self {
         Self { moment, ..self }
@@ -135,15 +135,15 @@ impl Across {
 /// The trees of one scene.
 pub struct Accel {
     level: Level,
-    /// In render space, of all meshes that have one instance.
+    /// The tree in render space of all meshes that have one instance.
     common: TriangleTree,
-    /// In object space, of the others.
+    /// The trees in object space of the other meshes.
     meshes: Vec<Arc<TriangleTree>>,
-    /// Over the instances of those.
+    /// The nodes over the instances of the meshes with trees of their own.
     places: Vec<Node>,
-    /// In the order of its leaves.
+    /// The instances, in the order of the leaves of `places`.
     placed: Vec<PlacedMesh>,
-    /// Hair, and what moves, if there is any.
+    /// Trees of hair, point clouds and moving instances, if there are any.
     beside: Option<Box<Forests>>,
     /// The kinds of ray that see it, by instance.
     visible: Vec<Rays>,

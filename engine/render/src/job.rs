@@ -41,11 +41,11 @@ const MOST_PER_PASS: u32 = 16;
 /// The results of a render beside the picture and [`Settings::with_data`].
 #[derive(Default)]
 pub struct Beside {
-    /// For [`Job::matte`].
+    /// The mattes for [`Job::matte`].
     pub mattes: Vec<MatteLayer>,
     /// Names that a pixel of a matte holds.
     pub matte_levels: u32,
-    /// For [`DataPass::Vector`].
+    /// The motion for [`DataPass::Vector`].
     pub motion: Option<Motion>,
     /// The clip planes of the camera's rays; `None`: none.
     pub clip: Option<Clip>,
@@ -53,7 +53,7 @@ pub struct Beside {
     pub gains: Option<Vec<f32>>,
     /// Groups of emitters, from number 1 on, for [`Film::groups`]; bidirectional paths leave them black.
     pub light_groups: u16,
-    /// For [`Job::part`]; black as well.
+    /// The parts for [`Job::part`]; bidirectional paths leave them black.
     pub parts: Parts,
     /// The file in which the render is kept while it goes on, and from which it is resumed; `None`: none.
     pub checkpoints: Option<Checkpoints>,
@@ -74,7 +74,7 @@ pub struct Statistics {
     pub most_samples: u32,
     /// Counts over all threads.
     pub counts: Counts,
-    /// Threads used.
+    /// Number of threads used.
     pub threads: usize,
     /// A thread failed; the picture is what was done until then.
     pub failure: Option<String>,
@@ -294,7 +294,7 @@ impl Drop for Job {
 }
 
 impl Shared {
-    /// Before the first thread.
+    /// The state before the first thread.
     fn new(stage: Arc<Stage>, cameras: Vec<Camera>, settings: Settings, beside: Beside) -> Result<Self, SettingsError> {
         settings.check()?;
         let first = cameras.first().ok_or(SettingsError::Camera)?;

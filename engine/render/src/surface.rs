@@ -52,7 +52,7 @@ impl SurfacePoint {
         Self::on_triangle(instance, mesh, hit, direction, mesh.corners(hit.triangle), normals.as_ref())
     }
 
-    /// On hair, on a point, or on a mesh that changes its shape.
+    /// A point on hair, on a point of a cloud, or on a mesh that changes its shape.
     #[inline(never)]
     fn on_special(instance: &Instance, mesh: &Mesh, hit: &Hit, direction: Vec3A) -> Self {
         if let Some(curves) = &mesh.curves {
@@ -108,7 +108,7 @@ impl SurfacePoint {
         }
     }
 
-    /// On hair. Its normals are those of a round strand, of ribbons, too: light is scattered as if these were round.
+    /// A point on hair. Its normals are those of a round strand, of ribbons, too: light is scattered as if these were round.
     #[inline(never)]
     fn on_strand(instance: &Instance, curves: &Curves, hit: &Hit, direction: Vec3A) -> Self {
         let strand = curves.strand_of(hit.triangle);
@@ -142,7 +142,7 @@ impl SurfacePoint {
         }
     }
 
-    /// On a point of a cloud. Where its object is stretched, too, the normal leads away from the middle, as in Cycles.
+    /// A point on a point of a cloud. The normal, also where its object is stretched, leads away from the middle, as in Cycles.
     #[inline(never)]
     fn on_ball(instance: &Instance, points: &Points, hit: &Hit, direction: Vec3A) -> Self {
         let ball = points.at(hit.triangle, instance.pose);
@@ -240,7 +240,7 @@ pub fn tangent_about_z(scene: &Scene, point: &SurfacePoint) -> Vec3A {
 /// Data of hair at a point: its direction, and the place across it.
 #[derive(Clone, Copy, Debug)]
 pub struct Strand {
-    /// Along it, unit. A mesh with a hair shader has its triangles' first edges.
+    /// Direction along the strand, unit. A mesh with a hair shader has its triangles' first edges.
     pub along: Vec3A,
     /// The direction that the older Hair shader takes instead: a triangle's other edge; `None` of real hair.
     pub edge: Option<Vec3A>,
@@ -271,13 +271,13 @@ pub fn strand(scene: &Scene, point: &SurfacePoint) -> Strand {
     Strand { along: edge(1), edge: Some(edge(2)), offset: None }
 }
 
-/// Along the surface of a point of a cloud, as Cycles has it where nothing tells one direction from another.
+/// A tangent of a point of a cloud, as Cycles has it where nothing tells one direction from another.
 fn tangent_of_ball(point: &SurfacePoint) -> Vec3A {
     let [x, y, z] = point.geometric_normal.to_array();
     Vec3A::new(z - y, x - z, y - x).try_normalize().unwrap_or_else(|| point.geometric_normal.any_orthonormal_vector())
 }
 
-/// Along the strand at a point of hair, unit, render space.
+/// The tangent along the strand at a point of hair, unit, render space.
 pub fn tangent_of_strand(instance: &Instance, curves: &Curves, point: &SurfacePoint) -> Vec3A {
     let slope = strand_slope(curves, point).truncate();
     along_strand(instance, slope, -point.geometric_normal)

@@ -1,4 +1,4 @@
-//! The last step: what nobody reads goes, and virtual registers become few real ones.
+//! The last step: results that are not read are dropped, and virtual registers become few real ones.
 
 use super::emit::FIRST_VIRTUAL;
 use super::{Compiler, Report};

@@ -1,4 +1,4 @@
-//! From a graph to a program: nodes become instructions, constants are folded, what nobody reads is dropped.
+//! Compilation of a graph to a program: nodes become instructions, constants are folded, results that are not read are dropped.
 
 mod allocate;
 mod colours;

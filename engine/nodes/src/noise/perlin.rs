@@ -143,7 +143,7 @@ fn trilinear(corner: &[f32; 8], u: f32, v: f32, w: f32) -> f32 {
     bilinear(&flat.to_array(), u, v)
 }
 
-/// Coordinates that are no numbers give no noise.
+/// The coordinate, or 0 for NaN and infinity, which give no noise.
 #[inline(always)]
 fn finite(value: f32) -> f32 {
     if value.is_finite() { value } else { 0.0 }

@@ -46,7 +46,7 @@ pub struct Leaving<'a, R> {
 }
 
 impl<R> Leaving<'_, R> {
-    /// A bit for each that got through, the first the lowest. What the numbers of the others mean, nobody knows.
+    /// A bit for each that got through, the first the lowest. The numbers of the others are undefined.
     #[inline]
     pub fn through(&self) -> u32 {
         self.fates.iter().enumerate().fold(0, |bits, (i, fate)| bits | u32::from(fate.is_through()) << i)

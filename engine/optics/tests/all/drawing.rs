@@ -103,7 +103,7 @@ fn the_stop_is_obeyed() {
     assert_eq!(drawn(&open, &[170.0], 3).fields[0].rays.len(), 0);
 }
 
-/// Nobody is asked for the angles: they are the design's, or follow from its rims.
+/// The angles need not be given: they are the design's, or follow from its rims.
 #[test]
 fn usual_angles_are_those_of_the_design() {
     let angles = |name: &str| {

@@ -28,12 +28,12 @@ pub(super) struct Met {
     pub(super) lanes: u32,
     /// Distances of the hits.
     pub(super) t: [f32; LANES],
-    /// From the middle to where it is met.
+    /// Vectors from the balls' middles to the hits.
     out: [[f32; LANES]; 3],
 }
 
 impl Met {
-    /// From the middle of a lane's ball to where it is met; no certain length.
+    /// The vector from the middle of a lane's ball to the hit; its length is undefined.
     #[inline(always)]
     pub(super) fn outward(&self, lane: usize) -> Vec3A {
         Vec3A::from_array(self.out.map(|axis| axis[lane]))
@@ -41,7 +41,7 @@ impl Met {
 }
 
 impl Balls {
-    /// Without balls.
+    /// A leaf without balls.
     pub(super) const EMPTY: Self = Self { parts: [[f32::NAN; LANES]; 4], instance: [0; LANES], point: [0; LANES] };
 
     /// Puts a ball into a lane.

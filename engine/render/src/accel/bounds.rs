@@ -10,7 +10,7 @@ pub(super) struct Bounds {
 }
 
 impl Bounds {
-    /// Around nothing.
+    /// The box around nothing.
     pub(super) const EMPTY: Self = Self { min: Vec4::INFINITY, max: Vec4::NEG_INFINITY };
 
     /// Bound of the rounding error of a ray against a triangle, as a share of their distances from the origin: six half
@@ -23,7 +23,7 @@ impl Bounds {
         Self { min: a.min(b).min(c), max: a.max(b).max(c) }.grown()
     }
 
-    /// Around balls, their radii the fourth parts.
+    /// The box around balls, whose radii are the fourth parts.
     pub(super) fn around(balls: &[Vec4]) -> Self {
         let of = |ball: &Vec4| {
             let (place, radius) = (ball.with_w(0.0), Vec4::splat(ball.w.abs()).with_w(0.0));
@@ -56,7 +56,7 @@ impl Bounds {
         Self { min: self.min - grow, max: self.max + grow }
     }
 
-    /// Around a moved box.
+    /// The box around this box transformed.
     pub(super) fn transformed(&self, m: &Affine3A) -> Self {
         let mut out = Self::EMPTY;
         for i in 0..8 {

@@ -76,7 +76,7 @@ struct Span<'a> {
     items: &'a mut [Bounds],
     first: usize,
     bounds: Bounds,
-    /// Around their middles.
+    /// The box around the middles of the items.
     middles: Bounds,
 }
 

@@ -25,9 +25,9 @@ use std::ops::{ControlFlow, Range};
 
 /// All curves of a scene.
 pub(super) struct CurveForest {
-    /// In render space, of those that have one instance.
+    /// The tree in render space of the curves that have one instance.
     common: CurveTree,
-    /// In object space, of the others; by mesh.
+    /// The trees in object space of the other curves; by mesh.
     shared: Vec<CurveTree>,
     places: Vec<Node>,
     placed: Vec<PlacedMesh>,
@@ -41,7 +41,7 @@ struct CurveTree {
     nodes: Vec<Node>,
     /// The leaves.
     leaves: Vec<Capsules>,
-    /// In their order.
+    /// The segments, in the order of the leaves.
     segments: Vec<Segment>,
     /// The keys of all strands; each strand's first key is repeated before it, and its last one behind it.
     keys: Vec<Vec4>,
@@ -55,7 +55,7 @@ struct Segment {
     /// Index of the instance; undefined in trees of one mesh.
     instance: u32,
     strand: u32,
-    /// In its curves.
+    /// Its number in the curves.
     number: u32,
     cut: Cut,
     /// The range of its pieces.
@@ -383,7 +383,7 @@ impl CurveTree {
         (self.segments, self.keys) = (segments, keys);
     }
 
-    /// Around some of its segments.
+    /// The capsules around some of the tree's segments.
     fn capsules(&self, of: Range<usize>) -> Capsules {
         let mut capsules = Capsules::new(of.start as u32);
         let mut balls = Vec::new();

@@ -8,7 +8,7 @@ use glam::Vec3A;
 /// Boxes of a node.
 pub(super) const WIDTH: usize = 8;
 
-/// In a [`Child`]: it is a leaf.
+/// The bit of a [`Child`] that marks a leaf.
 const LEAF: u32 = 1 << 31;
 /// Bits of an index; those above count children.
 const INDEX_BITS: u32 = 28;
@@ -79,7 +79,7 @@ impl Node {
         Self { nodes: self.nodes | first_node as u32, leaves: self.leaves | first_leaf as u32, ..self }
     }
 
-    /// Around all children.
+    /// The box around all children.
     pub(super) fn bounds(&self) -> Bounds {
         self.boxes().fold(Bounds::EMPTY, |all, one| all.union(&one))
     }
@@ -101,7 +101,7 @@ impl Node {
         (index(self.nodes), index(self.leaves))
     }
 
-    /// In order.
+    /// The children in order.
     pub(super) fn children(&self) -> impl Iterator<Item = Child> + '_ {
         (0..self.count()).map(|i| self.child(i))
     }

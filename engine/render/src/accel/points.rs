@@ -27,9 +27,9 @@ const EVEN: f32 = 1e-5;
 
 /// All point clouds of a scene.
 pub(super) struct PointForest {
-    /// In render space, of those that have one instance.
+    /// The tree in render space of the clouds that have one instance.
     common: PointTree,
-    /// In object space, of the others; by mesh.
+    /// The trees in object space of the other clouds; by mesh.
     shared: Vec<PointTree>,
     /// Trees of the clouds whose points move, by mesh, then by key: from there to the next.
     posed: Vec<Vec<PointTree>>,
@@ -53,7 +53,7 @@ struct Cloud<'a> {
     /// Index of the instance; undefined in trees of one cloud.
     instance: u32,
     points: &'a Points,
-    /// To render space, and by how much balls are larger there; `None`: in object space.
+    /// The transform to render space, and the factor on balls there; `None`: in object space.
     place: Option<(&'a Affine3A, f32)>,
 }
 

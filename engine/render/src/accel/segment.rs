@@ -70,9 +70,9 @@ impl Gaze {
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub(super) struct CurveMet {
     pub(super) t: f32,
-    /// Along the segment, 0 to 1; beyond that on a round end, by what the normal has along the strand.
+    /// Place along the segment, 0 to 1; beyond that on a round end, by the part of the normal along the strand.
     pub(super) u: f32,
-    /// Across it, -1 to 1: the sine of the angle between the normal and the view, to the side of the cross product of the
+    /// Place across the segment, -1 to 1: the sine of the angle between the normal and the view, to the side of the cross product of the
     /// strand's direction and the view. [`LEANS_AWAY`] more where the normal leans as it does not of a cylinder.
     pub(super) v: f32,
 }
@@ -222,7 +222,7 @@ fn on_curve([a, b, c, d]: &[Vec4; 4], met: CurveMet) -> CurveMet {
 struct Lanes<S: Simd> {
     hit: u32,
     t: f32x8<S>,
-    /// Along the piece.
+    /// Place along the piece.
     s: f32x8<S>,
     v: f32x8<S>,
 }

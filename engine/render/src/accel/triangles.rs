@@ -31,7 +31,7 @@ pub(super) struct Met {
 }
 
 impl Block {
-    /// Without triangles.
+    /// A block without triangles.
     pub(super) const EMPTY: Self =
         Self { corners: [[[f32::NAN; LANES]; 3]; 3], instance: [0; LANES], triangle: [0; LANES] };
 

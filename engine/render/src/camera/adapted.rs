@@ -66,7 +66,7 @@ enum Maker {
 }
 
 impl Adapted {
-    /// For a description of which `shown` is not all.
+    /// The camera of a description of which `shown` is not all.
     pub(super) fn new(d: &CameraDescription, axes: DMat3, width: u32, height: u32) -> Result<Self, CameraError> {
         let shown = d.shown;
         let plain = CameraDescription { shown: Shown::default(), ..d.clone() };
@@ -251,7 +251,7 @@ impl Sight {
         })
     }
 
-    /// From a place that shows something at the line of the focus to that where the maker of the rays shows it at the
+    /// The map from a place at the wavelength of the focus to the place at which the maker of the rays shows the same subject at the
     /// wavelength `nm`, as far as colours are to part; if `is_grey`, the maker has the line of the focus alone.
     fn colour_warp(&self, shown: Shown, is_grey: bool, line_nm: f64, nm: f64) -> Warp {
         let [line, here] = [line_nm, nm].map(|nm| self.system.at_wavelength(nm));

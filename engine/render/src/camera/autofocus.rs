@@ -29,7 +29,7 @@ const FAR_MM: f64 = 1e12;
 /// A focus that was found: the settings that say the same.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Focused {
-    /// From the last vertex to the film's middle, before it is shifted.
+    /// Distance from the last vertex to the film's middle, before it is shifted, mm.
     pub film_distance_mm: f64,
     /// The focus distance that puts the film there, counted as the camera does; `None` is infinity. A film nearer to
     /// the lens than its focal plane has a negative one.
@@ -136,7 +136,7 @@ struct Finder<'a> {
 }
 
 impl<'a> Finder<'a> {
-    /// At infinity.
+    /// A finder of a lens that is focused at infinity.
     fn new(d: &'a CameraDescription, width: u32, height: u32) -> Result<Self, CameraError> {
         if matches!(d.model, Model::Pinhole | Model::Orthographic | Model::Thin) {
             return Err(d.error("only a lens can be focused so; choose a camera model that is made from a lens file"));

@@ -37,7 +37,7 @@ macro_rules! on_the_way_out {
 }
 
 impl RealLens {
-    /// For batches of this lens.
+    /// Memory for batches of this lens.
     pub fn batch(&self) -> LensBatch {
         let out = match &self.out {
             Out::Single(out) => OutBatch::Single(out.batch()),

@@ -7,7 +7,7 @@ use glam::{DVec3, Vec3A};
 /// Two planes at right angles to a camera's axis.
 #[derive(Clone, Copy, Debug)]
 pub struct Clip {
-    /// Along the axis, render space, unit.
+    /// Direction along the axis, render space, unit.
     forward: Vec3A,
     near: f32,
     far: f32,

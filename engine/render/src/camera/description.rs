@@ -95,7 +95,7 @@ impl Shown {
 /// A camera as it arrives. Angles in radians; `None` leaves the lens's own value.
 #[derive(Clone, Debug)]
 pub struct CameraDescription {
-    /// For messages.
+    /// The camera's object, for messages.
     pub object_name: String,
     /// The camera model.
     pub model: Model,
@@ -127,17 +127,17 @@ pub struct CameraDescription {
     pub blade_curvature: f64,
     /// The opening's shape instead of blades; turned like them.
     pub aperture_mask: Option<Arc<ApertureMask>>,
-    /// Along the axis from what `focusing` says, Blender units; `None` is infinity.
+    /// Focus distance along the axis from the reference point of `focusing`, Blender units; `None` is infinity.
     pub focus_distance: Option<f64>,
     /// The reference point of the focus distance, and the part of the lens that stands at the camera's origin.
     pub focusing: Focusing,
     /// A point whose depth is focused on, world space; wins over the distance.
     pub focus_point_world: Option<DVec3>,
-    /// From the last vertex to the film's middle, mm; wins over both.
+    /// Distance from the last vertex to the film's middle, mm; wins over distance and point.
     pub film_distance_mm: Option<f64>,
-    /// Film.
+    /// Width of the film, mm.
     pub film_width_mm: f64,
-    /// Film.
+    /// Height of the film, mm.
     pub film_height_mm: f64,
     /// Turn of the film about its horizontal axis.
     pub tilt_rad: f64,
@@ -149,7 +149,7 @@ pub struct CameraDescription {
     pub scale_mm_per_unit: DVec3,
     /// One wavelength, nm; `None` is all that `spectrum` says.
     pub wavelength_nm: Option<f64>,
-    /// For lenses that treat wavelengths differently.
+    /// The wavelengths of the film, for lenses that treat wavelengths differently.
     pub spectrum: Spectrum,
     /// The effects of the real lens that are shown.
     pub shown: Shown,
@@ -174,7 +174,7 @@ pub struct CameraDescription {
 }
 
 impl Default for CameraDescription {
-    /// At the world's origin, before full-frame film; everything is seen. A lens is still to be named.
+    /// A camera at the world's origin, before full-frame film; everything is seen. A lens is still to be named.
     fn default() -> Self {
         Self {
             object_name: "Camera".into(),

@@ -52,7 +52,7 @@ pub struct DistortionMap {
 }
 
 impl DistortionMap {
-    /// For pictures of that many pixels, by light of that wavelength; the lens stays focused as the camera has it.
+    /// The map for pictures of that many pixels, by light of that wavelength; the lens stays focused as the camera has it.
     ///
     /// # Errors
     /// [`CameraError`].

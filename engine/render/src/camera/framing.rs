@@ -121,7 +121,7 @@ impl<'a> Search<'a> {
         Ok(setup.angle_without_rims(&d, edge.map(|x| -x), edge).unwrap_or(f64::INFINITY))
     }
 
-    /// Over the range of a zoom.
+    /// Finds the focal length within the range of a zoom.
     fn within(&self, short: f64, long: f64) -> Result<f64, CameraError> {
         let (widest, narrowest) = (self.angle(short)?, self.angle(long)?);
         if self.wanted_rad > widest + SAME || self.wanted_rad < narrowest - SAME {

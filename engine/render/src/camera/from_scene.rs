@@ -85,8 +85,8 @@ impl RealLens {
         led.density * self.per_etendue()
     }
 
-    /// From what is counted in mm² sr, for each pixel and the sum of a set's wavelengths, to render space, for the whole
-    /// picture and their mean.
+    /// Factor from densities per mm² sr, for each pixel and the sum of a set's wavelengths, to those of render space, for the whole picture
+    /// and the mean of the wavelengths.
     fn per_etendue(&self) -> f64 {
         let scale = self.mount.scale().unwrap_or(1.0);
         let picture_mm2 = self.mount.info.picture_width_mm * self.mount.info.picture_height_mm;

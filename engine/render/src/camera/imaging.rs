@@ -1,7 +1,7 @@
 //! A camera seen from the scene: where in the picture it shows a point, looked at through a given point of its pupil.
 //!
-//! For how things move over the picture: a camera that stands, looks and is focused as it will be a frame later, and of
-//! which no rays are asked, so that nothing has to be prepared for choosing them well.
+//! It serves to find motion over the picture: a camera that stands, looks and is focused as it will be a frame later,
+//! and of which no rays are asked, so that nothing has to be prepared for choosing them well.
 
 use super::gaussian::Order;
 use super::mount::Mount;
@@ -74,9 +74,9 @@ struct LensEye {
 /// The entrance pupil as something sees it: a fisheye's turns and comes to meet it.
 struct Pupil {
     middle: DVec3,
-    /// To what sees it.
+    /// Direction to the point that sees it.
     towards: DVec3,
-    /// From the axis' direction there, the shortest way.
+    /// Shortest turn from the axis' direction there.
     turn: DQuat,
 }
 

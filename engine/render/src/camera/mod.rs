@@ -1,4 +1,4 @@
-//! From a point of the picture to a weighted ray into the scene, by one of several models of a camera.
+//! Cameras: weighted rays into the scene from points of the picture, by one of several models of a camera.
 //!
 //! The only place where lens millimetres meet world units. Picture coordinates are fractions of the picture's
 //! width and height from its centre, right and up as one looks at the finished picture: -1/2 to 1/2.

@@ -401,7 +401,7 @@ fn list(values: impl Iterator<Item = f64>) -> String {
     join(values.map(number))
 }
 
-/// In lines of some entries.
+/// The values in lines of some entries.
 fn join(values: impl Iterator<Item = String>) -> String {
     let values: Vec<String> = values.collect();
     let lines: Vec<String> = values.chunks(8).map(|line| line.join(", ")).collect();

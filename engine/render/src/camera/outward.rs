@@ -47,7 +47,7 @@ struct FlatFilm<R> {
     vertex_z: R,
 }
 
-/// From the vertex of the first surface to render space.
+/// The transform from the vertex of the first surface to render space.
 struct World<R> {
     /// Rows, of points and of directions.
     points: [[R; 3]; 3],
@@ -118,7 +118,7 @@ impl<R: Real> FlatFilm<R> {
 }
 
 impl<R: Real> World<R> {
-    /// To render space: x, y and z of origins, then of directions.
+    /// Transforms rays to render space: x, y and z of origins, then of directions.
     ///
     /// A call, not inlined: with arrays in memory the compiler works on whole registers.
     #[inline(never)]

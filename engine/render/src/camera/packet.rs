@@ -41,7 +41,7 @@ pub struct Splat {
     pub weight: f32,
 }
 
-/// At most one splat for each wavelength of a set.
+/// The splats of a ray: at most one for each wavelength of a set.
 #[derive(Clone, Copy, Debug, Default)]
 pub struct Splats {
     list: [Splat; SET_SIZE],

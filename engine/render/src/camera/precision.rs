@@ -1,5 +1,5 @@
-//! In numbers of which size the rays of a camera leave through its lens: the shorter ones, with twice as many in a register,
-//! where nobody can see the difference; decided for each camera by measuring.
+//! The precision of the rays of a camera that leave through its lens: single, with twice as many in a register, where the difference is
+//! invisible; decided for each camera by measuring.
 //!
 //! The ray that single precision finds is taken back through the lens in double precision, without rims: it is exactly the
 //! ray of a film point somewhat aside, and how far aside, in pixels of this picture, is the error. It holds whatever the
@@ -57,12 +57,12 @@ const RAYS: u32 = 2048;
 const EDGE: f32 = 1e-4;
 
 impl Chosen {
-    /// Before single precision was tried.
+    /// Double precision, before single precision was tried.
     pub(super) fn double(asked: Precision) -> Self {
         Self { asked, is_single: false, error_px: f64::INFINITY }
     }
 
-    /// For a lens as it is in this camera, of whose picture the size is given in pixels.
+    /// The precision for a lens as it is in this camera, of whose picture the size is given in pixels.
     pub(super) fn measure(asked: Precision, lens: &RealLens, single: &Outward<f32>, size: [u32; 2]) -> Self {
         let points = Evenly::default();
         let error_px = MARGIN * worst_px(lens, single, &lens.outward(), size, |i| fan(&points, i));

@@ -53,12 +53,12 @@ pub struct RealLens {
     pub(super) film_lines: FilmLines,
     pub(super) out: Out,
     precision: Chosen,
-    /// For packets, if there are any and the film is flat.
+    /// The film for packets, if there are any and the film is flat.
     pub(super) short_film: Option<ShortFilm>,
-    /// `None`: nothing is lost.
+    /// The transmission of the lens; `None`: nothing is lost.
     pub(super) transmission: Option<Transmission>,
     pub(super) system: System,
-    /// Made when rays first start in the scene.
+    /// The surface that is sharp, made when rays first start in the scene.
     focal: OnceLock<FocalSurface>,
     entrance: OnceLock<EntranceMap>,
 }
@@ -74,7 +74,7 @@ pub(super) struct Line {
 
 /// A ray from the film into the scene, at one wavelength.
 pub(super) struct Lead {
-    /// In front of the lens, lens space.
+    /// The ray in front of the lens, lens space.
     pub(super) out: LensRay,
     /// The density of its choice, for each mm² sr of projected solid angle at the film point.
     pub(super) density: f64,
@@ -156,7 +156,7 @@ impl RealLens {
         outward(&self.mount, &self.system, &self.spectrum, &self.lines)
     }
 
-    /// In which numbers rays leave through the lens, and why.
+    /// The precision of rays that leave through the lens, and its reason.
     pub fn precision(&self) -> &Chosen {
         &self.precision
     }
@@ -214,7 +214,7 @@ impl RealLens {
         self.map.pdf(film.point, target) * to_plane * to_plane / cosines
     }
 
-    /// For rays that start in the scene.
+    /// The surface that is sharp, for rays that start in the scene.
     pub(super) fn focal_surface(&self) -> &FocalSurface {
         self.focal.get_or_init(|| {
             let middle = &self.lines[self.lines.len() / 2].tracer;

@@ -17,11 +17,11 @@ pub const D_LINE_NM: f64 = 587.5618;
 /// Data of a lens in a camera: for panels, reports, and a viewport that frames the same picture.
 #[derive(Clone, Debug)]
 pub struct LensInfo {
-    /// From the lens file.
+    /// The lens's name in its file.
     pub lens_name: String,
     /// Surfaces, the diaphragm among them.
     pub surfaces: usize,
-    /// At the d line, mm; `None` for an afocal lens.
+    /// Focal length at the d line, mm; `None` for an afocal lens.
     pub efl_mm: Option<f64>,
     /// Last vertex to image focal point, mm.
     pub bfd_mm: Option<f64>,
@@ -44,7 +44,7 @@ pub struct LensInfo {
     pub film_z_mm: f64,
     /// Film's middle from the last vertex, mm.
     pub film_distance_mm: f64,
-    /// From the entrance pupil to what is sharp, mm; `None` is infinity.
+    /// Distance from the entrance pupil to the sharp plane, mm; `None` is infinity.
     pub focus_distance_mm: Option<f64>,
     /// The sharp distance as the camera counts it: the focus distance that it would have to be set to, mm; `None` is infinity.
     pub focus_scale_mm: Option<f64>,

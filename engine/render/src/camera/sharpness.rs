@@ -52,7 +52,7 @@ pub struct Sharpness {
     pub pupil_radii: [f64; 2],
 }
 
-/// Over a grid of so many columns and rows, the outer ones at the picture's edges; both two or more.
+/// The sharp distances over a grid of so many columns and rows, the outer ones at the picture's edges; both two or more.
 ///
 /// # Errors
 /// [`CameraError`], also for cameras without a lens.
@@ -266,9 +266,9 @@ mod tests {
         }
     }
 
-    /// On the axis a lens that is stopped down is what photographers' formulas say: with the hyperfocal distance H = f^2 / (N c) + f,
-    /// sharp from s (H - f) / (H + s - 2f) to s (H - f) / (H - s) (e.g. Ray, Applied Photographic Optics, 3rd edition, ch. 22;
-    /// distances from the entrance pupil, which in a symmetrical lens is hardly beside the principal plane).
+    /// The sharp range of a lens that is stopped down, on the axis, is that of photographers' formulas: with the hyperfocal distance H =
+    /// f^2 / (N c) + f, sharp from s (H - f) / (H + s - 2f) to s (H - f) / (H - s) (e.g. Ray, Applied Photographic Optics, 3rd edition, ch.
+    /// 22; distances from the entrance pupil, which in a symmetrical lens is hardly beside the principal plane).
     #[test]
     fn limits_of_sharpness_are_those_of_the_formulas() {
         let (f, n, c, s) = (100.0, 8.0, 36.0_f64.hypot(24.0) / 1500.0, 3000.0);

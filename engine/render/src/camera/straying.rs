@@ -42,7 +42,7 @@ pub struct StrayLens {
 }
 
 impl StrayLens {
-    /// For a picture of that many pixels.
+    /// The lens for a picture of that many pixels.
     ///
     /// # Errors
     /// As [`super::Camera::new`].
@@ -133,7 +133,7 @@ impl StrayLens {
         self.mount.vectors() * DVec3::new(0.0, 0.0, -self.mount.origin_z_mm())
     }
 
-    /// Along the camera's axis to the scene, render space.
+    /// Direction along the camera's axis to the scene, render space.
     pub fn forwards(&self) -> DVec3 {
         -self.mount.axes().z_axis
     }

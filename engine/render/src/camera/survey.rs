@@ -1,10 +1,10 @@
 //! The effects of a lens in a picture, measured by exact rays: the pixels by which each moves light, the stops of light that each takes
 //! away.
 //!
-//! From places all over the picture fans of rays leave through the lens. What one place sees of the scene, a ray of the
-//! fan sees somewhat aside: how far, in pixels of this picture, is found by how the same rays move over the scene when the
-//! place moves a little. By reciprocity a point of the scene is spread as far over the picture. Beside each exact fan
-//! goes that of Gaussian optics, which has defocus and nothing else: what is left between the two are the aberrations.
+//! Fans of rays leave through the lens from places all over the picture. What one place sees of the scene, a ray of the fan sees somewhat
+//! aside: how far, in pixels of this picture, is found by how the same rays move over the scene when the place moves a little. By
+//! reciprocity a point of the scene is spread as far over the picture. Beside each exact fan goes that of Gaussian optics, which has
+//! defocus and nothing else: what is left between the two are the aberrations.
 
 use super::CameraError;
 use super::description::CameraDescription;
@@ -45,7 +45,7 @@ const BRIGHTNESS_RAYS: u32 = 256;
 /// Ghosts that are smaller, as a part of the picture's diagonal, count as if they filled a disc of this radius: sources are
 /// no points, and a dot is seen less than a disc.
 const GHOST_PATCH: f64 = 0.01;
-/// From farther outside of the field, as a part of it, hoods and barrels keep light away.
+/// Largest angle, as a part of the field's, from which light reaches the lens: hoods and barrels keep that from farther outside away.
 const BEYOND_FIELD: f64 = 1.25;
 /// The wavelength at which diffraction is measured, nm.
 const GREEN_NM: f64 = 550.0;
@@ -127,7 +127,7 @@ pub struct Survey {
 }
 
 impl Survey {
-    /// For a picture of that many pixels.
+    /// The survey of a lens, for a picture of that many pixels.
     ///
     /// # Errors
     /// As [`super::Camera::new`].

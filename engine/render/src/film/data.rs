@@ -1,9 +1,9 @@
 //! The first surfaces that a pixel sees through the lens: position, depth and normal.
 //!
-//! Through a lens a pixel sees many places. Each ray that gets through the lens counts alike, with the first surface that
-//! it does not pass; the pass is their mean. In focus that is the surface; out of focus it is blurred as the picture is,
-//! with the same rays, so that a compositor's masks fit the picture. By hero the ray is that of the wavelength that leads;
-//! scene-first, the ray that the pixel started. Where less than half of the rays meet anything the pixel is background.
+//! A pixel sees many places through a lens. Each ray that gets through the lens counts alike, with the first surface that it does not pass;
+//! the pass is their mean. In focus that is the surface; out of focus it is blurred as the picture is, with the same rays, so that a
+//! compositor's masks fit the picture. By hero the ray is that of the wavelength that leads; scene-first, the ray that the pixel started.
+//! Where less than half of the rays meet anything the pixel is background.
 
 use crate::integrator::path::FirstSurface;
 use glam::{Vec3, Vec4};
@@ -79,14 +79,14 @@ impl VectorSums {
 pub enum DataPass {
     /// Distance from the camera along its axis, Blender units; 1e10 for the background, as Cycles has it. One channel.
     Depth,
-    /// World space; 0 for the background. Three channels.
+    /// Position in world space; 0 for the background. Three channels.
     Position,
-    /// World space, towards the camera; 0 for the background. Three channels.
+    /// Normal in world space, towards the camera; 0 for the background. Three channels.
     Normal,
-    /// From the picture's place of what a pixel sees to where it was a frame before, and from where it will be a frame
-    /// after; pixels, right and up. Four channels.
+    /// Motion vectors: from the place in the picture of the surface that a pixel sees to its place a frame before, and from its place a
+    /// frame after to here; pixels, right and up. Four channels.
     Vector,
-    /// Samples that the pixel has. One channel.
+    /// Number of samples of the pixel. One channel.
     Samples,
 }
 

@@ -1,4 +1,4 @@
-//! From sums to pixels: the light of the tiles in and about a part of the picture, each divided by its own counts.
+//! Pixels from sums: the light of the tiles in and about a part of the picture, each divided by its own counts.
 
 use super::{Film, TILE_SIZE, TilePixels, TileRect, cut};
 use std::collections::HashSet;

@@ -27,7 +27,7 @@ struct OwnState {
 pub struct NotThisFilm;
 
 impl Film {
-    /// The state of the film now, while nobody adds to it.
+    /// The present state of the film; no other thread may add to it meanwhile.
     pub fn state(&self) -> FilmState {
         FilmState { own: self.own_state(), groups: self.groups.iter().map(Self::own_state).collect() }
     }

@@ -115,9 +115,9 @@ pub struct Patch {
     far: Vec<(u32, u32, Rgb)>,
     /// Light that may fall anywhere, independent of the pixel that started it, if it is kept apart.
     anywhere: Option<Vec<(u32, u32, Rgb)>>,
-    /// Data of the surfaces by pixel; empty if nobody asked.
+    /// Data of the surfaces by pixel; empty if not asked for.
     data: Vec<DataSums>,
-    /// Motion vectors by pixel; empty if nobody asked.
+    /// Motion vectors by pixel; empty if not asked for.
     vectors: Vec<VectorSums>,
     #[serde(skip)]
     mattes: Option<Box<MatteNotes>>,

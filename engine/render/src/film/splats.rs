@@ -19,7 +19,7 @@ const BRIGHTEST: f64 = (1u64 << 31) as f64;
 /// Sums of colours by pixel.
 #[derive(Default)]
 pub struct SplatSums {
-    /// Made when first light arrives: three numbers a pixel.
+    /// The sums, three numbers a pixel; made when light first arrives.
     fine: OnceLock<Box<[AtomicI64]>>,
     coarse: OnceLock<Box<[AtomicI64]>>,
     pixels: usize,
@@ -48,7 +48,7 @@ impl SplatSums {
         }
     }
 
-    /// The present sums, while nobody adds.
+    /// The present sums; no other thread may add meanwhile.
     pub fn state(&self) -> SplatState {
         let read = |sums: &OnceLock<Box<[AtomicI64]>>| {
             sums.get().map(|sums| sums.iter().map(|sum| sum.load(Ordering::Relaxed)).collect())

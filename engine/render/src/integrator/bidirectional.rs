@@ -33,11 +33,11 @@ pub enum Techniques {
 pub struct CameraEnd<'a> {
     /// The lens.
     pub lens: &'a RealLens,
-    /// Render space; as long as the camera sees.
+    /// The ray in render space; as long as the camera sees.
     pub ray: Ray,
     /// Density of the ray's choice, per unit of etendue ([`crate::camera::from_scene`]).
     pub density: f64,
-    /// From where the lens is in the middle of the exposure to where it is now; `None`: it stands still.
+    /// The transform from the lens's place in the middle of the exposure to its present place; `None`: it stands still.
     pub way: Option<Affine3A>,
 }
 
@@ -51,7 +51,7 @@ pub struct FilmEnd<'a> {
     pub clip: Option<Clip>,
     /// The techniques that are in use.
     pub techniques: Techniques,
-    /// From where the lens is in the middle of the exposure to where it is now; `None`: it stands still.
+    /// The transform from the lens's place in the middle of the exposure to its present place; `None`: it stands still.
     pub way: Option<Affine3A>,
 }
 

@@ -26,7 +26,7 @@ use std::sync::atomic::{AtomicU64, Ordering};
 const MOST_STEPS: u32 = 1024;
 /// Tentative particles on a ray's way to infinity, which is empty as a rule.
 const MOST_STEPS_OUT: u32 = 256;
-/// Light fainter than this part goes on by chance.
+/// Least part of the light without Russian roulette.
 const FAINT: f32 = 0.02;
 
 /// The media of a scene.
@@ -320,7 +320,7 @@ impl Stretch<'_> {
     }
 }
 
-/// The chances of the channels, by what they carry; `None` where that is nothing.
+/// The probabilities of the channels, by the light that they carry; `None` if there is none.
 fn channels(throughput: Rgb) -> Option<Rgb> {
     let weights = throughput.abs();
     let total = weights.element_sum();

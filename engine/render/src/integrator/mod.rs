@@ -1,4 +1,4 @@
-//! From a camera ray to the radiance along it.
+//! Integrators: the radiance along camera rays.
 
 pub mod bidirectional;
 pub mod media;

@@ -27,7 +27,7 @@ use crate::shading::{Caustics, Past, mixture::Mixture};
 use crate::surface::{SurfacePoint, strand, tangent_about_z};
 use glam::Vec3A;
 
-/// Bounces before a path of light may be ended by chance.
+/// Bounces before Russian roulette may end a path of light.
 pub(super) const SURE_BOUNCES: u32 = 3;
 /// Surfaces that a path may pass unbent or scatter at, in all: a bound for stacks of transparent leaves.
 pub(super) const MOST_STEPS: u32 = 512;
@@ -95,8 +95,8 @@ pub struct Limits {
     pub hide_sky: bool,
     /// The part of the sky that is seen from a surface, on average: see [`openness`]. Only noise depends on it.
     pub openness: f32,
-    /// A path from the camera goes on with a chance of this times its throughput over that of its first scattering, at most 1: see
-    /// [`roulette`].
+    /// Factor of Russian roulette: a path from the camera goes on with a probability of this times its throughput over that of its first
+    /// scattering, at most 1: see [`roulette`].
     pub roulette: f32,
 }
 

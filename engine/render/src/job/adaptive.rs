@@ -64,7 +64,7 @@ pub(super) struct Adaptive {
 }
 
 impl Adaptive {
-    /// For a film in halves.
+    /// The decisions for a film in halves.
     pub(super) fn new(settings: &Settings, tiles: usize) -> Self {
         let most = settings.samples;
         let least = if settings.min_samples == 0 { MIN_SAMPLES } else { settings.min_samples }.max(FIRST_BATCHES);
@@ -98,7 +98,7 @@ impl Adaptive {
         self.done.fetch_add(u64::from(samples) * film.rect(tile).count_of(half), Ordering::Relaxed);
     }
 
-    /// After a pass of a tile: decides how it goes on, where that is to be decided now.
+    /// Decides how a tile goes on after a pass, where that is to be decided now.
     pub(super) fn look(&self, film: &Film, tile: usize, pass: Pass) {
         let Some(next) = pass.next_look else { return };
         let mut plan = lock(&self.plans[tile]);
@@ -119,7 +119,7 @@ impl Adaptive {
         plan.look = next;
     }
 
-    /// The present decisions, while nobody decides.
+    /// The present decisions; no other thread may decide meanwhile.
     pub(super) fn state(&self) -> AdaptiveState {
         AdaptiveState {
             plans: self.plans.iter().map(|plan| *lock(plan)).collect(),

@@ -45,7 +45,7 @@ impl LightBounds {
         0.5 * (self.min + self.max)
     }
 
-    /// Cost of a node in a split: power times the measure of where it is and where it shines to.
+    /// Cost of a node in a split: power times the measures of its position and of its directions of emission.
     pub(super) fn cost(&self) -> f32 {
         let d = self.max - self.min;
         let area = 2.0 * (d.x * d.y + d.y * d.z + d.z * d.x);

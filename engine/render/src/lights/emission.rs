@@ -48,7 +48,7 @@ pub struct ArrivedLight {
     pub sample_pdf: f32,
     /// Density of light paths per unit of etendue.
     pub density: f32,
-    /// No ray finds the source by chance.
+    /// True if no ray can hit the source: it has no extent.
     pub point_like: bool,
 }
 
@@ -73,7 +73,8 @@ impl Emission {
         Self { choice: AliasTable::new(&powers), center, radius }
     }
 
-    /// A ray that leaves a source at a moment, chosen by five uniform numbers; `None` where nothing shines that way.
+    /// A ray that leaves a source at a moment, chosen by five uniform numbers; `None` where nothing is emitted in that
+    /// direction.
     pub fn sample(
         &self,
         scene: &Scene,
@@ -192,7 +193,7 @@ impl EmittedRay {
 }
 
 impl super::lamp::PreparedLamp {
-    /// For choosing; of a sun, through a disk of that area.
+    /// Power for choosing; of a sun, through a disk of that area.
     fn emission_power(&self, area: f32) -> f32 {
         if self.emits_rays() { self.power() * area } else { 0.0 }
     }
@@ -220,7 +221,7 @@ impl Lights {
         }
     }
 
-    /// The chance with which [`Lights::sample_source`] at [`Lights::receiver_between`] chooses a source.
+    /// The probability with which [`Lights::sample_source`] at [`Lights::receiver_between`] chooses a source.
     fn source_chance(&self, source: Source, at: Vec3A) -> f32 {
         let to = self.receiver_between(at);
         match (source.0.checked_sub(self.local.len()), self.tree(&to)) {

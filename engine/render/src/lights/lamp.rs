@@ -38,7 +38,7 @@ pub struct PreparedLamp {
 /// Roundings of coordinates between a lamp's place and the hit of a surface there, in units of the last place.
 const ROUNDINGS: f32 = 16.0;
 
-/// The slant up to which a lamp without extent shines past the plane that it stands in: its cosine.
+/// The slant up to which a lamp without extent lights points past the plane that it stands in: its cosine.
 const LEAST_SLANT: f32 = 0.1;
 
 impl PreparedLamp {

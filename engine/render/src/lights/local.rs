@@ -138,7 +138,7 @@ pub(super) fn emissive_triangles(scene: &Scene, local: &mut Local, bounds: &mut 
     emitter_of
 }
 
-/// Around a triangle that moves: where it is and shines to at any of its moments.
+/// The bounds around a moving triangle: its positions and directions of emission at any of its moments.
 fn swept(scene: &Scene, lit: &LitTriangle, moving: u32) -> LightBounds {
     /// Moments that are looked at; between them it goes on much as before.
     const MOST_LOOKS: u32 = 64;

@@ -54,8 +54,7 @@ pub struct Lights {
     is_linked: bool,
 }
 
-/// The least chance of either the sky or the lights within the scene, where there are both: what stands in the way is
-/// known on average only.
+/// Least probability of either the sky or the lights within the scene, where there are both: occlusion is known on average only.
 const LEAST_CHANCE: f32 = 0.1;
 
 impl Lights {
@@ -97,7 +96,7 @@ impl Lights {
         self.has_local() || self.sky.irradiance(None) > 0.0
     }
 
-    /// The middle of something that shines from within the scene, and likely on a place there; `None` where nothing does.
+    /// The middle of an emitter within the scene that likely lights a place; `None` where there is none.
     pub fn near(&self, to: &Receiver, u: f32) -> Option<Vec3A> {
         let chosen = self.tree(to).and_then(|tree| tree.sample(to, u)).map(|(index, _)| index);
         let count = self.local.len();

@@ -27,7 +27,7 @@ pub struct Receiver {
 }
 
 impl Receiver {
-    /// At another moment.
+    /// This place at another moment.
     #[inline]
     pub fn at(self, moment: u16) -> Self {
         Self { moment, ..self }

@@ -9,15 +9,15 @@ use glam::Vec3A;
 pub struct LightSample {
     /// Unit, towards the light.
     pub wi: Vec3A,
-    /// Blender units; infinite for suns and the world.
+    /// Distance of the light, Blender units; infinite for suns and the world.
     pub distance: f32,
     /// Radiance; for a light without extent, radiance times the solid angle that it has not.
     pub radiance: Rgb,
     /// Density per steradian, the choice of the light included; for a light without extent the choice alone.
     pub pdf: f32,
-    /// Without extent: no ray finds it by chance.
+    /// True if the light has no extent: no ray can hit it.
     pub point_like: bool,
-    /// Objects throw shadows in it.
+    /// True if objects throw shadows in the light.
     pub cast_shadow: bool,
     /// The kinds of ray that find it, and so the closures that it lights.
     pub reaches: Rays,

@@ -55,7 +55,7 @@ impl Disc {
     }
 }
 
-/// About the mean of the cosines, where they are not negative, of directions in a cone of that sine about one of that cosine.
+/// An approximation of the mean of the cosines, where they are not negative, of directions in a cone of that sine about one of that cosine.
 #[inline]
 fn mean_cosine(cos: f32, sin_cone: f32) -> f32 {
     if cos >= sin_cone {
@@ -112,7 +112,7 @@ impl Sky {
         Some((sample, index))
     }
 
-    /// Number of a source in proportion to what it may send, and its chance.
+    /// Number of a source, chosen in proportion to the light that it may send, and the probability of that choice.
     #[inline]
     fn choose(&self, to: &Receiver, u: f32) -> Option<(usize, f32)> {
         let mut left = u * to.sky;
@@ -163,7 +163,7 @@ impl Sky {
         }
     }
 
-    /// The chance with which [`Sky::sample`] chooses number `index` for a receiver; 0 without one.
+    /// The probability with which [`Sky::sample`] chooses number `index` for a receiver; 0 without one.
     #[inline]
     pub(super) fn chance(&self, to: Option<&Receiver>, index: usize) -> f32 {
         let Some(to) = to.filter(|to| to.sky > 0.0) else { return 0.0 };

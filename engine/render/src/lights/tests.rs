@@ -14,7 +14,7 @@ fn lamp(kind: LampKind) -> Lamp {
     Lamp { object_name: "lamp".into(), kind, color: Rgb::new(10.0, 20.0, 30.0), ..Lamp::default() }
 }
 
-/// A lamp two units above the origin that shines down.
+/// A lamp two units above the origin that emits downwards.
 fn lights(kind: LampKind) -> (Scene, Lights) {
     let mut builder = SceneBuilder::new();
     builder.add_lamp(lamp(kind), DMat4::from_translation(DVec3::new(0.0, 0.0, 2.0))).unwrap();
@@ -196,7 +196,7 @@ fn the_sky_is_chosen_by_what_it_brings() {
     assert!((little / much - 1.0).abs().max_element() < 0.02, "{little} {much}");
 }
 
-/// An object's light samples all go to lamps that light it, and their chances there add up to one.
+/// An object's light samples all go to lamps that light it, and the probabilities of these add up to one.
 #[test]
 fn lamps_that_do_not_light_an_object_take_none_of_its_samples() {
     let mut builder = SceneBuilder::new();

@@ -63,7 +63,7 @@ impl LightTree {
         here
     }
 
-    /// A place, and what the parts under the root may send there. The sky has no chance yet.
+    /// A place, and the light that the parts under the root may send there. The sky has no probability yet.
     pub(super) fn receiver(&self, position: Vec3A, normal: Option<Vec3A>) -> Receiver {
         let weights =
             if self.looks_ahead { self.ahead(position, normal) } else { self.nodes[0].importances(position, normal) };
@@ -143,7 +143,7 @@ impl LightTree {
     }
 }
 
-/// In one order everywhere, so that choosing and asking agree.
+/// The sum in one fixed order, so that choices and their probabilities agree.
 #[inline]
 fn sum(weights: &[f32; WIDTH]) -> f32 {
     let [a, b, c, d, e, f, g, h] = *weights;
@@ -216,7 +216,7 @@ mod tests {
         }
     }
 
-    /// Whatever can send light has a chance: no bound may rule out what its emitters can do.
+    /// Every emitter that can send light has a probability: no bound may rule it out.
     #[test]
     fn nothing_that_shines_is_ruled_out() {
         for list in [emitters(100), emitters(3000)] {
@@ -238,7 +238,7 @@ mod tests {
         }
     }
 
-    /// Lamps that shine down narrowly are found from all within their cones, and many of them from few places.
+    /// Lamps with narrow cones downwards are found from all places within their cones, and many of them from few places.
     #[test]
     fn narrow_cones_rule_out_what_is_beside_them() {
         let mut list = emitters(3000);

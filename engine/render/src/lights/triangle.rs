@@ -11,7 +11,7 @@ use crate::{Rgb, nodes, sampler::warp};
 use glam::{Vec3, Vec3A};
 use std::f32::consts::{FRAC_PI_2, PI};
 
-/// For what is the same from everywhere.
+/// The view for emission that does not depend on the direction.
 const FROM_LIGHTS: View = View { direction: Vec3A::NEG_Z, distance: 1.0, way: Way::LIGHT, moment: MIDDLE };
 
 /// Render space.

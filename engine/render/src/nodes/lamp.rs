@@ -1,4 +1,4 @@
-//! A lamp's nodes: how brightly it shines from a place on it towards where it lights something.
+//! A lamp's nodes: the factor on its light from a place on it towards a lit point.
 
 use super::point::Images;
 use super::way::Way;
@@ -22,7 +22,7 @@ pub struct LampPoint {
     pub direction: Vec3A,
     /// Length of the ray that comes to the lamp.
     pub distance: f32,
-    /// Across an area lamp, in a spot's cone, over the sphere of directions.
+    /// Coordinates across an area lamp, in a spot's cone, or over the sphere of directions.
     pub uv: Vec2,
     /// The lamp's axes, and where it is, in Blender's world.
     pub to_world: Affine3A,

@@ -62,7 +62,8 @@ pub(super) struct Point<'a> {
 }
 
 impl<'a> Point<'a> {
-    /// At a place of a surface that is seen in the view's direction. Without a footprint all that is beside it is the point itself.
+    /// The point at a place of a surface that is seen in the view's direction. Without a footprint all places beside it are the point
+    /// itself.
     pub(super) fn new(
         around: Around<'a>,
         surface: SurfacePoint,
@@ -186,7 +187,7 @@ impl<'a> Point<'a> {
         self.scene.viewport.from_render.transform_point3a(self.in_render(shift))
     }
 
-    /// To the nearest of the lines along the triangle's sides.
+    /// Distance to the nearest of the lines along the triangle's sides.
     fn edge_distance(&self, shift: Shift) -> f32 {
         if !self.mesh.is_of_triangles() {
             return f32::INFINITY;

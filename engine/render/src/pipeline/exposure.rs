@@ -88,7 +88,7 @@ impl Exposure {
         Ray { origin: place.transform_point3a(ray.origin), direction, moment, ..ray }
     }
 
-    /// From where the camera is in the middle of the exposure to where it is at a moment, render space; `None` where it stands
+    /// The transform from the camera's place in the middle of the exposure to its place at a moment, render space; `None` where it stands
     /// still.
     #[inline]
     pub fn way(&self, moment: u16) -> Option<Affine3A> {
@@ -172,7 +172,7 @@ mod tests {
         assert!((share(&even, 0.3) - 0.3).abs() < 1e-3);
     }
 
-    /// From the top down, each row for its part of the time.
+    /// A rolling shutter exposes from the top down, each row for its part of the time.
     #[test]
     fn a_rolling_shutter_begins_at_the_top() {
         let rolling = |part| Exposure::new(&Shutter { openness: Vec::new(), rolling: Some(part) });

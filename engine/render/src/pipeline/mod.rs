@@ -233,7 +233,7 @@ impl Sample<'_> {
         self.shot.pattern.pixel(self.x, self.y).sampler(self.index)
     }
 
-    /// To be called when the camera has done its part.
+    /// Counts a camera ray; to be called when the camera has done its part.
     fn count_camera(&mut self, is_lost: bool) {
         self.counts.camera_rays += 1;
         self.counts.camera_rays_lost += u64::from(is_lost);

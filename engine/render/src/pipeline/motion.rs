@@ -24,7 +24,7 @@ pub struct Motion {
 }
 
 impl Motion {
-    /// For a picture of that many pixels.
+    /// The motion in a picture of that many pixels.
     pub fn new(now: Imaging, neighbours: [Imaging; 2], width: u32, height: u32) -> Self {
         Self { now, neighbours, size_px: DVec2::new(f64::from(width), f64::from(height)) }
     }

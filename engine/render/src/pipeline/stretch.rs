@@ -26,7 +26,7 @@ pub(super) trait Leads {
     /// The ray into the scene.
     fn ray(lead: &Self::Lead) -> Ray;
 
-    /// At how many wavelengths light of a sample is carried back through the lens of camera number `camera`.
+    /// Number of wavelengths at which light of a sample is carried back through the lens of camera number `camera`.
     fn carried(&self, _camera: usize) -> usize {
         0
     }

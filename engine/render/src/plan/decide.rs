@@ -1,4 +1,4 @@
-//! From measures and wishes to decisions: the cheapest camera that leaves out nothing that can be seen.
+//! Decisions from measures and wishes: the cheapest camera that leaves out nothing that can be seen.
 
 use super::measured::{Known, measure};
 use super::motion::SceneMotion;
@@ -37,7 +37,7 @@ pub enum Way {
 }
 
 impl Way {
-    /// In reports.
+    /// Its name in reports.
     pub fn name(&self) -> &'static str {
         match self {
             Self::Given => "as given",

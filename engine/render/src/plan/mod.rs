@@ -1,5 +1,5 @@
-//! Only the effects that a picture calls for: what each effect of the lens would change in this frame is measured, what can
-//! be seen is simulated, what cannot is left out, and what the user says goes before both.
+//! The plan of the effects that a picture calls for: the change by each effect of the lens in this frame is measured; visible effects are
+//! simulated, invisible ones are left out, and the user's word goes before both.
 //!
 //! A plan is a value: made once before a render from the lens, the camera and a look at the scene, printed, kept with the
 //! picture, and applied to the camera's description. After that nothing asks any more what is simulated. No decision depends
@@ -46,7 +46,7 @@ pub enum Effect {
     LateralColour,
     /// Colours of different focus.
     AxialColour,
-    /// Less light towards the corners.
+    /// Fall-off of light towards the corners.
     Vignetting,
     /// The shape of the opening in blur discs.
     Diaphragm,
@@ -82,7 +82,7 @@ impl Effect {
         Self::SpectralMaterials,
     ];
 
-    /// On the command line and in files.
+    /// Its name on the command line and in files.
     pub fn name(self) -> &'static str {
         match self {
             Self::Defocus => "defocus",
@@ -171,7 +171,7 @@ pub enum Word {
 }
 
 impl Word {
-    /// On the command line and in files.
+    /// Its name on the command line and in files.
     pub fn name(self) -> &'static str {
         match self {
             Self::Auto => "auto",
@@ -274,7 +274,7 @@ pub enum PlanError {
     /// Two wishes are against each other.
     #[error("effects: {0}")]
     Conflict(String),
-    /// No number of tolerances.
+    /// The quality is no factor of tolerances.
     #[error("quality {0}: set it from 0.01 to 1000; 1 is the default, more is finer")]
     Quality(f64),
 }

@@ -24,7 +24,7 @@ pub(super) enum Price {
     },
 }
 
-/// Without what every sample costs, whatever the camera.
+/// Costs of a sample of simple cameras, without the part that every camera has.
 const PINHOLE_NS: f64 = 4.0;
 const GAUSSIAN_NS: f64 = 90.0;
 /// Choosing a point of the pupil, and into the scene.

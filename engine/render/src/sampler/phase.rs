@@ -12,7 +12,7 @@ pub enum PhaseLobe {
     Draine {
         /// The parameter g, as in Henyey and Greenstein's.
         anisotropy: f32,
-        /// At least 0.
+        /// The parameter alpha, at least 0.
         alpha: f32,
     },
     /// Fournier and Forand 1994, in the form of Fournier and Jonasz 1999.

@@ -134,7 +134,7 @@ impl Raster {
         self.land(place, [0.0; 2]).map_or(0.0, |landing| landing.density)
     }
 
-    /// Along one axis, where pixel i's centre lies at i + 1/2: a pixel, chosen by its filter's part of the density.
+    /// A pixel along one axis, where pixel i's centre lies at i + 1/2, chosen by its filter's part of the density.
     #[inline]
     fn along(&self, at: f32, count: u32, u: f32) -> Option<(u32, f32)> {
         if self.is_box {
@@ -182,7 +182,7 @@ const _: () = assert!(size_of::<Vec4>() == FEW * size_of::<f32>());
 
 /// The sums of the filter over the pixels that it reaches, by how far the first of them is.
 struct Columns {
-    /// At equal steps of the distance from where the reach begins to the first pixel's centre, 0 to 1.
+    /// The sums at equal steps of the distance from the beginning of the reach to the first pixel's centre, 0 to 1.
     sums: Vec<Vec4>,
     /// Pixels that must be there; infinite for a filter that has no table.
     span: f32,

@@ -235,7 +235,7 @@ impl SceneBuilder {
         }
     }
 
-    /// Adds a lamp. `matrix` takes its axes to world space; it shines along its -z.
+    /// Adds a lamp. `matrix` takes its axes to world space; it emits along its -z.
     ///
     /// # Errors
     /// [`SceneError::BadMatrix`], [`SceneError::BadLight`].

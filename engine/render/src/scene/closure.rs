@@ -135,7 +135,7 @@ pub enum Closure<C, N> {
     },
     /// A hole in the picture.
     Holdout,
-    /// Shines.
+    /// Emits.
     Emission {
         /// Colour.
         color: C,
@@ -164,7 +164,7 @@ pub enum Closure<C, N> {
         size: N,
         /// Width of the smooth transition behind `size`.
         smooth: N,
-        /// About the mirrored ray.
+        /// True if the disk is about the mirrored ray.
         glossy: bool,
     },
     /// Light that goes into the body and comes out elsewhere.
@@ -188,9 +188,9 @@ pub enum Closure<C, N> {
     Hair {
         /// Tint.
         color: C,
-        /// Along the fibre, 0 to 1.
+        /// Roughness along the fibre, 0 to 1.
         roughness_along: N,
-        /// About it, 0 to 1.
+        /// Roughness about the fibre, 0 to 1.
         roughness_about: N,
         /// Radians by which the mirrored cone is tilted.
         offset: N,
@@ -226,9 +226,9 @@ pub struct PrincipledHair<C, N> {
     pub melanin: N,
     /// The share of red, 0 to 1.
     pub melanin_redness: N,
-    /// Along the fibre, 0 to 1.
+    /// Roughness along the fibre, 0 to 1.
     pub roughness: N,
-    /// About it, 0 to 1.
+    /// Roughness about the fibre, 0 to 1.
     pub radial_roughness: N,
     /// The part of the roughness that mirrored light is spared, 0 to 1.
     pub coat: N,
@@ -308,7 +308,7 @@ pub struct Principled<C, N> {
     pub emission_color: C,
     /// Emitted radiance is colour times this.
     pub emission_strength: N,
-    /// Over metal, glass and the dielectric.
+    /// Thin film over metal, glass and the dielectric.
     pub film: ThinFilm<N>,
     /// True if light goes on from facet to facet.
     pub multiscatter: bool,

@@ -12,7 +12,7 @@ use glam::{Vec2, Vec3, Vec4};
 pub enum CurveShape {
     /// A ribbon that faces whoever looks, its normal that of a round strand: this many even pieces a segment.
     Ribbon {
-        /// At least 1.
+        /// Number of pieces, at least 1.
         pieces: u16,
     },
     /// A round strand, open at its ends.
@@ -24,7 +24,7 @@ pub enum CurveShape {
 /// Attribute values along strands.
 #[derive(Clone, Debug)]
 pub enum StrandValues {
-    /// At each key; even in between.
+    /// A value at each key; linear in between.
     ByKey(Vec<Vec4>),
     /// A value of each strand.
     ByStrand(Vec<Vec4>),
@@ -33,7 +33,7 @@ pub enum StrandValues {
 /// Curves as they arrive.
 #[derive(Clone, Debug)]
 pub struct CurvesDescription {
-    /// For messages.
+    /// The name for messages.
     pub name: String,
     /// Positions in object space, and radii.
     pub keys: Vec<Vec4>,

@@ -39,8 +39,8 @@ fn root(parents: &mut [u32], vertex: u32) -> u32 {
     top
 }
 
-/// From 0 (a hollow) to 1 (a spike) by vertex, one half where the surface is flat: the angle between the normal and the
-/// mean direction of the edges, averaged with that of the neighbours. Vertices at one place count as one.
+/// Pointiness by vertex, from 0 (a hollow) to 1 (a spike), one half where the surface is flat: the angle between the normal and the mean
+/// direction of the edges, averaged with that of the neighbours. Vertices at one place count as one.
 pub fn pointiness(positions: &[Vec3], normals: &[Vec3], edges: &[[u32; 2]]) -> Vec<f32> {
     let count = positions.len();
     let first = welded(positions);
@@ -76,7 +76,7 @@ pub fn pointiness(positions: &[Vec3], normals: &[Vec3], edges: &[[u32; 2]]) -> V
     (0..count).map(|vertex| first[vertex] as usize).map(|at| smooth[at] / (neighbours[at] + 1.0)).collect()
 }
 
-/// For each vertex, the one that stands for all at its place.
+/// The vertex, for each vertex, that stands for all at its place.
 fn welded(positions: &[Vec3]) -> Vec<u32> {
     let sum = |vertex: u32| positions[vertex as usize].element_sum();
     let mut sorted: Vec<u32> = (0..positions.len() as u32).collect();

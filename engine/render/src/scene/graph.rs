@@ -174,7 +174,7 @@ impl GraphLayer {
 /// A program and what it is for.
 #[derive(Debug)]
 pub struct Graph {
-    /// To be run at each point.
+    /// The program, to be run at each point.
     pub program: Program,
     /// The parts of it that are run.
     pub slices: Slices,

@@ -54,7 +54,7 @@ pub struct Instance {
 /// The values of Blender's Object Info node.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct ObjectInfo {
-    /// In the viewport; with alpha.
+    /// Colour in the viewport; with alpha.
     pub color: Vec4,
     /// Pass index.
     pub pass_index: i32,

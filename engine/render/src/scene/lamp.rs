@@ -16,7 +16,7 @@ pub enum LampKind {
         /// A disk that faces whoever looks at it, rather than a sphere.
         soft: bool,
     },
-    /// A sphere that shines into a cone about the lamp's -z.
+    /// A sphere that emits into a cone about the lamp's -z.
     Spot {
         /// Blender units.
         radius: f32,
@@ -32,13 +32,13 @@ pub enum LampKind {
         /// Half of its angular diameter.
         half_angle_rad: f32,
     },
-    /// A flat shape in the lamp's xy plane that shines along -z.
+    /// A flat shape in the lamp's xy plane that emits along -z.
     Area {
         /// Full sides in lamp space.
         size: [f32; 2],
         /// An ellipse with these diameters rather than a rectangle.
         ellipse: bool,
-        /// Half of the angle that it shines into; pi/2 is a plain Lambert emitter.
+        /// Half of the angle that it emits into; pi/2 is a plain Lambert emitter.
         half_spread_rad: f32,
     },
 }

@@ -9,11 +9,11 @@ use std::sync::Arc;
 /// A material.
 #[derive(Clone, Debug, PartialEq)]
 pub struct Material {
-    /// For messages.
+    /// The name for messages.
     pub name: String,
     /// Its surface, volume and displacement.
     pub graph: Arc<Graph>,
-    /// For masks.
+    /// Pass index for masks.
     pub pass_index: i32,
     /// The values that its nodes give out beside the surface.
     pub aovs: Option<Aovs>,

@@ -14,9 +14,9 @@ pub const GENERATED: &str = ".generated";
 /// A mesh as it arrives; arrays by triangle have one entry a triangle.
 #[derive(Clone, Debug, Default)]
 pub struct MeshDescription {
-    /// For messages.
+    /// The name for messages.
     pub name: String,
-    /// Object space.
+    /// Vertices in object space.
     pub positions: Vec<Vec3>,
     /// Three indices into `positions`, anticlockwise seen from the front.
     pub triangles: Vec<[u32; 3]>,
@@ -43,9 +43,9 @@ pub struct MeshDescription {
 /// A checked mesh: every index valid, every position finite, every triangle with area.
 #[derive(Clone, Debug, Default)]
 pub struct Mesh {
-    /// For messages.
+    /// The name for messages.
     pub name: String,
-    /// Object space.
+    /// Vertices in object space.
     pub positions: Vec<Vec3>,
     /// Three indices into `positions`, anticlockwise seen from the front.
     pub triangles: Vec<[u32; 3]>,
@@ -196,7 +196,7 @@ impl Mesh {
         corners::named(&self.attributes, name)
     }
 
-    /// For [`Corners::at`].
+    /// The indices for [`Corners::at`].
     #[inline]
     pub fn numbers(&self) -> Numbers<'_> {
         Numbers { triangles: &self.triangles, loops: &self.loops }

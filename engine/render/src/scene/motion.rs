@@ -275,7 +275,7 @@ impl Moving {
         Self { instance, first: 0, shift: 0, way }
     }
 
-    /// Over how many keys it goes.
+    /// Number of keys of the motion.
     pub fn key_count(&self, mesh: &Mesh) -> usize {
         let of_shape = mesh.poses.as_ref().map_or(0, |poses| poses.key_count());
         self.way.as_ref().map_or(0, Way::key_count).max(of_shape)

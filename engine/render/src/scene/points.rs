@@ -8,7 +8,7 @@ use glam::{Vec3, Vec4};
 /// A point cloud as it arrives.
 #[derive(Clone, Debug, Default)]
 pub struct PointsDescription {
-    /// For messages.
+    /// The name for messages.
     pub name: String,
     /// Positions in object space, and radii.
     pub points: Vec<Vec4>,

@@ -10,7 +10,7 @@ pub struct Softening {
 }
 
 impl Softening {
-    /// From Blender's two settings: Geometry Offset and Shading Offset, 0 to 1.
+    /// The softening of Blender's two settings: Geometry Offset and Shading Offset, 0 to 1.
     pub fn new(geometry_offset: f32, shading_offset: f32) -> Self {
         Self { lift_below: geometry_offset.max(0.0), dark: (0.5 * shading_offset).clamp(0.0, 0.5) }
     }

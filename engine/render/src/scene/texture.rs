@@ -46,7 +46,7 @@ pub struct Texture {
 }
 
 impl Texture {
-    /// From eight-bit RGBA.
+    /// A texture of eight-bit RGBA.
     ///
     /// # Errors
     /// [`SceneError::BadImage`] where the number of values is not `width * height * 4`.
@@ -56,7 +56,7 @@ impl Texture {
         Ok(Self { name: name.into(), width, height, pixels: Pixels::Bytes { rgba, srgb } })
     }
 
-    /// From floating-point RGBA; values that are not finite become 0.
+    /// A texture of floating-point RGBA; values that are not finite become 0.
     ///
     /// # Errors
     /// As [`Texture::from_bytes`].

@@ -13,9 +13,9 @@ impl Rays {
     pub const GLOSSY: Self = Self(4);
     /// Let through by the last surface that it was scattered at.
     pub const TRANSMISSION: Self = Self(8);
-    /// Towards a light.
+    /// Shadow rays.
     pub const SHADOW: Self = Self(16);
-    /// Scattered in a volume.
+    /// Rays scattered in a volume.
     pub const VOLUME_SCATTER: Self = Self(32);
     /// No kind.
     pub const NONE: Self = Self(0);

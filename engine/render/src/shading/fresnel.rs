@@ -47,12 +47,12 @@ pub struct F82Tint {
 }
 
 impl F82Tint {
-    /// From reflectance at normal incidence and the tint near grazing.
+    /// The curve of reflectance at normal incidence and the tint near grazing.
     pub fn new(f0: Rgb, tint: Rgb) -> Self {
         Self::new_unbounded(f0, tint.min(Rgb::ONE))
     }
 
-    /// From reflectance at normal incidence and a tint near grazing that may be brighter than white.
+    /// The curve of reflectance at normal incidence and a tint near grazing that may be brighter than white.
     pub fn new_unbounded(f0: Rgb, tint: Rgb) -> Self {
         // The dip term (1 - c) ^ 6 c is greatest at c = 1/7.
         const SIX_SEVENTHS: f32 = 6.0 / 7.0;
@@ -109,7 +109,7 @@ pub fn conductor_as_tinted(n: Rgb, k: Rgb) -> F82Tint {
     F82Tint::new_unbounded(f0, tint)
 }
 
-/// About the cosine-weighted average of [`conductor`].
+/// An approximation of the cosine-weighted average of [`conductor`].
 pub fn conductor_average(n: Rgb, k: Rgb) -> Rgb {
     conductor_as_tinted(n, k).average().clamp(Rgb::ZERO, Rgb::ONE)
 }

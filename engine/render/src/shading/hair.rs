@@ -46,7 +46,7 @@ impl Mixture {
     }
 }
 
-/// Along a fibre z, and across it on the viewer's side x.
+/// The frame of a fibre: z along the fibre, x across it on the viewer's side.
 fn frame(along: Vec3A, wo: Vec3A) -> [Vec3A; 3] {
     let y = along.cross(wo).try_normalize().unwrap_or_else(|| along.any_orthonormal_vector());
     [y.cross(along), y, along]
@@ -66,7 +66,7 @@ fn absorption(hair: &PrincipledHair<Rgb, f32>, radial_roughness: f32) -> Rgb {
     }
 }
 
-/// For hair that looks of that colour together (Chiang et al. 2016, section 4.2).
+/// Absorption of hair that has that colour together (Chiang et al. 2016, section 4.2).
 fn of_reflectance(color: Rgb, radial_roughness: f32) -> Rgb {
     let x = radial_roughness;
     let per_logarithm = ((((0.245 * x + 5.574) * x - 10.73) * x + 2.532) * x - 0.215) * x + 5.969;

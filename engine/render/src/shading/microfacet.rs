@@ -16,7 +16,7 @@ pub struct Ggx {
 }
 
 impl Ggx {
-    /// From Blender's perceptual roughness: alpha is its square.
+    /// The distribution of Blender's perceptual roughness: alpha is its square.
     pub fn from_roughness(roughness: f32) -> Self {
         Self { alpha: roughness * roughness }
     }

@@ -35,9 +35,9 @@ pub struct Mixture {
 #[derive(Clone, Copy)]
 pub(super) struct Here {
     pub(super) wo: Vec3A,
-    /// On the side of `wo`.
+    /// The triangle's normal, on the side of `wo`.
     pub(super) geometric_normal: Vec3A,
-    /// Interpolated, on the triangle's side.
+    /// The interpolated normal, on the triangle's side.
     pub(super) smooth_normal: Vec3A,
     pub(super) backfacing: bool,
     /// The direction along which facets are stretched.
@@ -233,7 +233,7 @@ impl Mixture {
         Some((lobe, ((u_lobe - below) / lobe.chance).clamp(0.0, 1.0)))
     }
 
-    /// Once all closures are added: their chances.
+    /// Normalizes the probabilities of the lobes and multiplies their weights by `kept`, once all closures are added.
     pub fn finish(&mut self, kept: f32) {
         let total: f32 = self.lobes.iter().map(|lobe| lobe.chance).sum();
         for lobe in &mut self.lobes {
@@ -242,7 +242,7 @@ impl Mixture {
         }
     }
 
-    /// Makes lobes with a peak at least so wide, once all are there. What they scatter in all, and their chances, stay those of
+    /// Makes lobes with a peak at least so wide, once all are there. Their albedos, and the probabilities of their choice, stay those of
     /// their own width, as in Cycles (`bsdf_blur` in bsdf.h).
     #[cold]
     #[inline(never)]

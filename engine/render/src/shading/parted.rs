@@ -7,11 +7,11 @@ use glam::Vec3A;
 /// The light that the lobes of each kind scatter in one direction.
 #[derive(Clone, Copy, Debug, Default, PartialEq)]
 pub struct LobeShares {
-    /// Without a peak, on either side.
+    /// Light of lobes without a peak, on either side.
     pub diffuse: Rgb,
-    /// About a peak, on the side of the lobe's normal.
+    /// Light of lobes about a peak, on the side of the lobe's normal.
     pub glossy: Rgb,
-    /// All else.
+    /// Light of all other lobes.
     pub transmission: Rgb,
 }
 
@@ -58,7 +58,7 @@ pub struct Features {
 const NARROW: f32 = 0.075 * 0.075;
 
 impl Features {
-    /// Adds a lobe: what it scatters, the chance with which it is chosen, its normal and the square of its width.
+    /// Adds a lobe: its albedo, the probability with which it is chosen, its normal and the square of its width.
     pub(super) fn add(&mut self, albedo: Rgb, chance: f32, normal: Vec3A, width_squared: f32, broad: &mut f32) {
         self.normal += normal * chance;
         if width_squared > NARROW {

@@ -62,7 +62,7 @@ impl PrincipledTables {
 /// The BSDF of one point seen from one direction.
 #[derive(Clone)]
 pub struct Bsdf {
-    /// About the normal of the facets, where there are any, else of the diffuse base.
+    /// Axes about the normal of the facets, where there are any, else of the diffuse base.
     frame: [Vec3A; 3],
     /// The normal of the diffuse base in these axes. That of facets is turned, where a mirror would send light into the surface.
     base_normal: Vec3A,
@@ -81,7 +81,7 @@ pub struct Bsdf {
 #[derive(Clone)]
 struct Facets {
     ggx: Ggx,
-    /// In the axes of the frame.
+    /// The view in the axes of the frame.
     wo: Vec3A,
     /// [`Ggx::lambda`] of `wo`.
     lambda_o: f32,
@@ -224,8 +224,8 @@ impl Bsdf {
         }
     }
 
-    /// Makes facets at least so wide. What they scatter in all, and the chances of the lobes, stay those of their own width, as in
-    /// Cycles (`bsdf_blur` in bsdf.h).
+    /// Makes facets at least so wide. Their albedos, and the probabilities of the lobes, stay those of their own width, as in Cycles
+    /// (`bsdf_blur` in bsdf.h).
     pub fn widen(&mut self, alpha: f32) {
         let Some(f) = self.facets.as_mut().filter(|f| f.ggx.width() < alpha) else { return };
         // Where glass passes light all but unbent, half vectors would be lost to rounding.
@@ -236,7 +236,7 @@ impl Bsdf {
         f.lambda_o = f.ggx.lambda(f.wo);
     }
 
-    /// Leaves those lobes that light of these kinds reaches; the chances of the others are lost.
+    /// Keeps only the lobes that light of these kinds reaches; the probabilities of the others are lost.
     fn keep(&mut self, rays: Rays) {
         if !rays.any_of(Rays::DIFFUSE) {
             (self.diffuse, self.chance[3]) = (Rgb::ZERO, 0.0);

@@ -64,17 +64,17 @@ impl Film {
     /// Films thinner than this, nm, are none.
     pub(super) const LEAST_NM: f32 = 0.1;
 
-    /// Over a dielectric; both indices are relative to the medium above.
+    /// A film over a dielectric; both indices are relative to the medium above.
     pub(super) fn over_dielectric(thickness_nm: f32, index: f32, eta: f32) -> Self {
         Self::new(thickness_nm, index, Below::Dielectric(eta))
     }
 
-    /// Over a metal of known index.
+    /// A film over a metal of known index.
     pub(super) fn over_conductor(thickness_nm: f32, index: f32, n: Rgb, k: Rgb) -> Self {
         Self::new(thickness_nm, index, Below::Metal { n, k, near_grazing: None })
     }
 
-    /// Over a metal of which two reflectances are known: its index is guessed from them (Gulbrandsen 2014).
+    /// A film over a metal of which two reflectances are known: its index is guessed from them (Gulbrandsen 2014).
     pub(super) fn over_tinted(thickness_nm: f32, index: f32, f0: Rgb, metal: F82Tint) -> Self {
         let g = metal.at(1.0 / 7.0);
         let r = f0.min(Rgb::splat(0.999));

@@ -32,7 +32,7 @@ const PRIMARIES_NM: [f64; 3] = [464.2, 549.1, 611.4];
 /// One wavelength that the film samples.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct FilmWavelength {
-    /// In air, as glass catalogues count it, nm.
+    /// Wavelength in air, as glass catalogues count it, nm.
     pub nm: f64,
     /// Contribution of radiance of a scene colour to the picture's; averages to the identity over all wavelengths.
     pub response: Mat3,

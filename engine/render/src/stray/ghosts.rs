@@ -1,8 +1,8 @@
 //! The picture of all ghosts of some sources.
 //!
-//! For every source and every path with reflections it is first found where the ghost lies and how bright it is; the weakest are left
-//! out, as many as together stay below a bound. The others are traced as grids ([`petzval_optics::ghosts::packet`]) in as many
-//! wavelengths as their colours lie apart, and their pieces laid on the picture.
+//! The place and brightness of the ghost are found first, for every source and every path with reflections; the weakest are left out, as
+//! many as together stay below a bound. The others are traced as grids ([`petzval_optics::ghosts::packet`]) in as many wavelengths as their
+//! colours lie apart, and their pieces laid on the picture.
 
 mod choose;
 mod raster;

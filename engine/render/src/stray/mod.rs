@@ -39,7 +39,7 @@ pub struct Strays {
     pub diffraction: Option<Diffraction>,
     /// Light scattered by surfaces, dust, barrel and film.
     pub glare: Option<Glare>,
-    /// For glare: [`Glare::change`] says what.
+    /// Light on the front, for glare: see [`Glare::change`].
     pub front_light: Option<f64>,
 }
 
@@ -94,7 +94,7 @@ impl StrayPass {
     /// All of them.
     pub const ALL: [Self; 3] = [Self::Ghosts, Self::Glare, Self::Diffraction];
 
-    /// For programs.
+    /// Its name for programs.
     pub fn name(self) -> &'static str {
         match self {
             Self::Ghosts => "GHOSTS",

@@ -35,7 +35,7 @@ const HIDDEN: f32 = 0.5;
 pub struct Source {
     /// Lens space.
     pub place: beam::Source,
-    /// On the front glass, facing the source: radiance times steradians.
+    /// Irradiance on the front glass, facing the source: radiance times steradians.
     pub irradiance: Rgb,
     /// Radius of an even disc as wide as the source, seen from the lens.
     pub radius_rad: f32,
@@ -78,7 +78,7 @@ struct Cluster {
     irradiance: Rgb,
 }
 
-/// Lamps, shining surfaces and bright places of the sky that light the lens from its front.
+/// Lamps, emitting surfaces and bright places of the sky that light the lens from its front.
 fn of_lights(stage: &Stage, lens: &StrayLens, least: f32) -> Vec<Source> {
     let (front, forwards) = (lens.front().as_vec3a(), lens.forwards().as_vec3a());
     let to = stage.lights.receiver_between(front);
@@ -202,7 +202,7 @@ struct Spot {
 
 /// The ray that a pixel looks along.
 struct View {
-    /// About the middle of the rays that come to it.
+    /// The ray, near the middle of the rays that come to the pixel.
     ray: Ray,
     /// Solid angle of a pixel, seen from the lens.
     solid_angle_sr: f32,

@@ -176,8 +176,8 @@ fn agree(name: &str, stage: &Arc<Stage>, d: &CameraDescription, path_samples: u3
     check(name, &c);
 }
 
-/// A z of twelve renders each follows Student's distribution with 22 or fewer degrees of freedom: one of three beyond 3.5 has a chance of
-/// 0.6 %, one of a hundred blocks beyond 5 of 0.5 %, and with the least noise that they are given, less. A whole picture's 3.5 standard
+/// A z of twelve renders each follows Student's distribution with 22 or fewer degrees of freedom: one of three beyond 3.5 has a probability
+/// of 0.6 %, one of a hundred blocks beyond 5 of 0.5 %, and with the least noise that they are given, less. A whole picture's 3.5 standard
 /// errors are 1 % (glowing meshes, leaves) to 3 % (box) of its mean, and 6 % for a caustic; a block's 5 are 5 to 25 % of its own.
 fn check(name: &str, c: &Comparison) {
     assert!(c.whole_z.iter().all(|z| z.abs() < 3.5), "{name}: whole picture {:?}, means {:?}", c.whole_z, c.means);
@@ -257,7 +257,7 @@ fn lamps_of_all_kinds() {
     agree("lamps", &scenes::many_lamps(), &description(FIGURE_3), 12, 5);
 }
 
-/// The near and the far part of a scene are left out the same way; what is left out still shines, and shades.
+/// The near and the far part of a scene are left out in the same way; the parts left out still emit, and throw shadows.
 #[test]
 fn what_is_clipped() {
     let stage = scenes::box_under_a_lamp();

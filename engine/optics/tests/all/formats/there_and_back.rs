@@ -97,7 +97,8 @@ fn files_of_other_programs_come_back() {
     }
 }
 
-/// Curvatures that are one over no number, decentred elements, odd and high powers, private glasses.
+/// Curvatures that are the reciprocal of no floating-point number, decentred elements, odd and high powers, private
+/// glasses.
 #[test]
 fn what_is_rare_comes_back_too() {
     let text = "# name: rare\n# glass: OWN rational 400-700 2.1 1 -0.01 2 0.3 2 0.01\n# transmittance: OWN 400:0.9@10 700:0.99@25\n\

@@ -131,7 +131,7 @@ fn any_scene(dice: &mut Dice, size: f64) -> Scene {
     builder.build(DVec3::ZERO)
 }
 
-/// From anywhere, a corner included, anywhere, along the axes or to a corner or an edge.
+/// A random ray from anywhere, a corner included, to anywhere, along the axes or to a corner or an edge.
 fn any_ray(dice: &mut Dice, scene: &Scene, size: f64) -> Ray {
     let i = &scene.instances[dice.pick(scene.instances.len())];
     let mesh = &scene.meshes[i.mesh as usize];

@@ -57,7 +57,7 @@ fn finely(scene: &Scene) -> Vec<(DVec3, f64)> {
     out
 }
 
-/// From so far away at a place near a strand, in any direction.
+/// A ray from a distance at a place near a strand, in any direction.
 fn ray_at(target: Vec3A, u: [f32; 4], distance: f32) -> Ray {
     let d = direction([u[0], u[1]]);
     Ray::new(target - d * distance, d)

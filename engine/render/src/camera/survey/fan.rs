@@ -62,7 +62,7 @@ pub(super) struct Fan {
     targets: [DVec3; RAYS],
     out: [Option<Ray>; RAYS],
     mean: Option<Ray>,
-    /// To the right and above, or to the left and below: towards the picture's middle.
+    /// The neighbours to the right and above, or to the left and below: towards the picture's middle.
     beside: [Neighbour; 2],
 }
 
@@ -223,12 +223,12 @@ struct Ideal<'a> {
     film: DVec3,
     depth_mm: f64,
     chief: DVec2,
-    /// From what is seen to parts of the picture.
+    /// The matrix from the subject's plane to parts of the picture.
     inverse: DMat2,
 }
 
 impl<'a> Ideal<'a> {
-    /// For the place of a fan, beside the ray with these slopes.
+    /// The ideal image for the place of a fan, beside the ray with these slopes.
     fn new(survey: &'a Survey, fan: &Fan, slopes: DVec2, subject: Subject) -> Self {
         let (gaussian, film) = (&survey.gaussian, fan.film);
         let mut ideal = Self { gaussian, film, depth_mm: subject.depth_mm(), chief: DVec2::ZERO, inverse: DMat2::ZERO };

@@ -190,8 +190,8 @@ fn vignetting_of_a_bare_stop_is_cos_to_the_fourth() {
     assert!((found.value / expected - 1.0).abs() < 0.02, "{} {expected}", found.value);
 }
 
-/// Nothing is ever not a number, whatever the lens (every third; all by `make test-all`) and the film; mirrors, eyes, films that are turned
-/// (for every second lens; for all by `make test-all`) and light paths that end.
+/// No measure is ever NaN, whatever the lens (every third; all by `make test-all`) and the film; mirrors, eyes, films that are turned (for
+/// every second lens; for all by `make test-all`) and light paths that end.
 #[test]
 fn all_lenses_are_measured() {
     let folder = std::path::Path::new(env!("CARGO_MANIFEST_DIR")).join("../../lenses");

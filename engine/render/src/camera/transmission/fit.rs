@@ -46,8 +46,8 @@ impl Polynomial {
         Self { is_symmetric, scale, degree, powers, runs, tails }
     }
 
-    /// Through `values`, one list for each wavelength, at rays given by where they cross a plane and by their direction there; the last
-    /// `judges` of them only judge. With it the coefficients by wavelength, and the largest error.
+    /// Fits the polynomial to `values`, one list for each wavelength, at rays given by their crossing of a plane and their direction there;
+    /// the last `judges` of them only judge. Also returns the coefficients by wavelength, and the largest error.
     pub(super) fn fit(
         is_symmetric: bool,
         rays: &[[f64; 4]],

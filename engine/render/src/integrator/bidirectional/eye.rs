@@ -99,7 +99,7 @@ pub(super) fn trace(
     result
 }
 
-/// Light that a ray meets by chance.
+/// Light that a ray hits by chance.
 struct Met<'a> {
     stage: &'a Stage,
     ray: &'a Ray,

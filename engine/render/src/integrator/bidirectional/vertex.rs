@@ -30,7 +30,7 @@ pub(super) struct Vertex {
     pub(super) bsdf: Surface,
     /// Unit direction to where the path came from.
     pub(super) back: Vec3A,
-    /// From the camera: what radiance that leaves towards it counts. From the light: the power that arrives.
+    /// On a path from the camera: weight of radiance that leaves towards it. From the light: the power that arrives.
     pub(super) carried: Rgb,
     pub(super) partial: Partial,
 }
@@ -157,13 +157,13 @@ pub(super) fn material<'a>(stage: &'a Stage, point: &SurfacePoint) -> &'a Materi
 pub(super) struct Stretch {
     /// The surface interaction at its end, if there is one.
     pub(super) end: Option<(SurfacePoint, Hit)>,
-    /// From its start; infinite where it leaves the scene.
+    /// Length of the ray; infinite where it leaves the scene.
     pub(super) distance: f32,
     /// Transmittance of the surfaces that the ray passed, over the probability of passing them.
     pub(super) through: Rgb,
     /// Weight of the surface at its end over the probability that it was not passed.
     pub(super) kept: f32,
-    /// To choose a light at its end, and a place on it.
+    /// Random numbers to choose a light at its end, and a place on it.
     pub(super) u_light: [f32; 3],
 }
 

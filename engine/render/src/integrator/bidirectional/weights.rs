@@ -31,20 +31,20 @@ impl Partial {
         Self { ends: inverse2 * other * other, before: inverse2 * again }
     }
 
-    /// On a ray that leaves the last place, chosen with `pdf` per steradian, at `cos_out` to the triangle's normal; back
-    /// along the path the other side would go with `back_pdf`.
+    /// The sums on a ray that leaves the last place, chosen with `pdf` per steradian, at `cos_out` to the triangle's normal; back along the
+    /// path the other side would go with `back_pdf`.
     pub(super) fn scattered(self, pdf: f32, cos_out: f32, back_pdf: f32) -> Self {
         let inverse = 1.0 / f64::from(pdf);
         let ratio = f64::from(cos_out) * inverse;
         Self { ends: inverse * inverse, before: ratio * ratio * (self.ends + squared(back_pdf) * self.before) }
     }
 
-    /// On a ray that was mirrored or bent at the last place.
+    /// The sums on a ray that was mirrored or refracted at the last place.
     pub(super) fn mirrored(self, cos_out: f32) -> Self {
         Self { ends: 0.0, before: squared(cos_out) * self.before }
     }
 
-    /// At the place where that ray arrives after `distance`, at `cos_in` to the triangle's normal.
+    /// The sums at the place where a ray arrives after `distance`, at `cos_in` to the triangle's normal.
     pub(super) fn arrived(self, distance: f32, cos_in: f32) -> Self {
         let per_cos2 = 1.0 / squared(cos_in);
         Self { ends: self.ends * per_cos2 * squared(distance).powi(2), before: self.before * per_cos2 }

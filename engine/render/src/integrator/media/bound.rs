@@ -140,7 +140,7 @@ fn ways(reads: impl Iterator<Item = Field>) -> Vec<Way> {
     if reads.any(is_of_path) { vec![Way::CAMERA, Way::BOUNCE, Way::CAMERA.shadow()] } else { vec![Way::CAMERA] }
 }
 
-/// The rate that a place asks for, and whether it shines.
+/// The rate that a place needs, and true if the medium emits there.
 fn tried_at(ways: &[Way], medium: impl Fn(Way) -> Medium, if_it_shines: f32) -> (f32, bool) {
     let of = |way: &Way| {
         let found = medium(*way);
@@ -151,14 +151,14 @@ fn tried_at(ways: &[Way], medium: impl Fn(Way) -> Medium, if_it_shines: f32) -> 
     ways.iter().map(of).fold((0.0, false), either)
 }
 
-/// The larger rate of two places, and whether one of them shines.
+/// The larger rate of two places, and true if the medium emits at one of them.
 fn either(a: (f32, bool), b: (f32, bool)) -> (f32, bool) {
     (a.0.max(b.0), a.1 || b.1)
 }
 
 /// A ray through the cells of a bound.
 struct ThroughCells<'a> {
-    /// In cells.
+    /// Origin of the ray, in cells.
     origin: Vec3A,
     direction: Vec3A,
     rates: &'a [f32],
@@ -205,7 +205,7 @@ pub(super) struct Bounded<'a> {
 }
 
 impl<'a> Bounded<'a> {
-    /// Through media of these bounds, and the rates of those that are even.
+    /// Tentative particles along a ray through media of these bounds, with the rates of those that are constant.
     pub(super) fn new(ray: &Ray, bounds: impl Iterator<Item = (&'a Bound, f32)>) -> Self {
         let mut walk = Self {
             cells: ArrayVec::new(),

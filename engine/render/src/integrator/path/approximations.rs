@@ -97,7 +97,7 @@ mod tests {
         assert_eq!(FastGi::Add { distance: 2.0, factor: 0.5 }.last_ray(diffuse(camera)), None);
     }
 
-    /// At the density of a Lambertian surface along its normal, by hand: sqrt(1 - 1 / pi) / 2.
+    /// The roughness at the density of a Lambertian surface along its normal, by hand: sqrt(1 - 1 / pi) / 2.
     #[test]
     fn a_diffuse_scattering_makes_facets_wide() {
         let on = Approximations { filter_glossy: 1.0, ..Approximations::default() };

@@ -61,7 +61,7 @@ pub(super) struct ByPart {
 }
 
 impl ByPart {
-    /// For these.
+    /// Notes of these parts.
     pub(super) fn new(parts: Parts) -> Self {
         let has_colours = parts.any(|part| matches!(part, Part::Colour(_)));
         let has_features =

@@ -121,7 +121,7 @@ pub struct Noted {
 }
 
 impl Noted {
-    /// For that many groups, and for parts.
+    /// Notes of that many groups, and of parts.
     pub fn new(groups: u16, parts: Parts) -> Self {
         Self { groups, parts: ByPart::new(parts), sums: Vec::new() }
     }

@@ -22,7 +22,7 @@ pub enum Part {
     DenoisingAlbedo,
     /// For a denoiser: normal of the first surface that is no mirror; right, up and away from the camera.
     DenoisingNormal,
-    /// The way to it along the rays, Blender units; it stands in all three numbers.
+    /// For a denoiser: length of the way to the first surface that is no mirror, along the rays, Blender units; in all three numbers.
     DenoisingDepth,
     /// Output number so many of the shaders.
     Aov(u16),
@@ -43,9 +43,9 @@ pub enum Part {
 /// A kind of lobe.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub enum LobeKind {
-    /// Without a peak, on either side.
+    /// Lobes without a peak, on either side.
     Diffuse,
-    /// Reflected about a peak.
+    /// Lobes of reflection about a peak.
     Glossy,
     /// Let through and bent, or scattered about a peak.
     Transmission,

@@ -68,7 +68,7 @@ impl Grazing {
     }
 }
 
-/// From the point to the surface over it, on one side (1: that of its normal).
+/// The vector from the point to the surface over it, on one side (1: that of its normal).
 fn height(scene: &Scene, point: &SurfacePoint, side: f32) -> Vec3A {
     let instance = &scene.instances[point.instance as usize];
     let mesh = mesh_of(scene, point.instance);

@@ -105,7 +105,7 @@ fn what_glows_nearby_lights_fully() {
     }
 }
 
-/// In a uniform white world a white object cannot be seen: matte exactly, mixtures within their tables.
+/// A white object in a uniform white world is invisible: matte exactly, mixtures within their tables.
 #[test]
 fn white_furnace() {
     let glossy = |metallic: f32, transmission: f32, roughness: f32| {
@@ -128,7 +128,7 @@ fn white_furnace() {
     }
 }
 
-/// Half-transparent walls around a point: the world shines through with their alpha, lamps too.
+/// Half-transparent walls around a point let light of the world and of lamps through by their alpha.
 #[test]
 fn alpha_lets_light_through() {
     let black = Closure::Diffuse { color: Rgb::ZERO, roughness: 0.0 };
@@ -211,7 +211,7 @@ fn openness_is_what_is_seen_of_the_sky() {
     assert_eq!(openness(&stage, &[]), 0.5);
 }
 
-/// However soon paths end by chance, they find the same light: a box of albedo 0.8 that glows, where each bounce counts.
+/// Paths find the same light however soon Russian roulette ends them: a box of albedo 0.8 that glows, where each bounce counts.
 #[test]
 fn paths_that_end_by_chance_find_the_same_light() {
     let stage = stage(plain(0.8, 1.0), Rgb::ZERO, 1.0);

@@ -81,7 +81,7 @@ struct Meeting {
     /// Weight of the surface over the probability that it was not passed.
     kept: f32,
     view: View,
-    /// To choose a light and a place on it: of one set, so that the places on each light are stratified, too.
+    /// Random numbers to choose a light and a place on it: of one set, so that the places on each light are stratified, too.
     u_light: [f32; 3],
     /// Probability of scattering, where paths that pass take a light sample, too, which is weighted by it; else 1.
     share: f32,
@@ -91,11 +91,11 @@ struct Meeting {
 /// The event that follows the light sample of a path at a surface.
 #[derive(Clone, Copy)]
 enum Next {
-    /// Scattered.
+    /// The path is scattered.
     Scatter,
-    /// Through the surface, unbent.
+    /// The path goes through the surface, unbent.
     Pass(Passage),
-    /// Not at all: the path has passed as many surfaces as it may.
+    /// The path ends: it has passed as many surfaces as it may.
     End,
 }
 
@@ -110,8 +110,8 @@ struct Passage {
     is_counted: bool,
 }
 
-/// At a surface that lets a part of the light through, the light sample does not depend on whether the path passes, as in Cycles: less
-/// noise. Not where fewer paths than this part are scattered: a shadow ray would seldom be worth its time.
+/// Least probability of scattering at a surface that lets a part of the light through with which the light sample does not depend on
+/// whether the path passes, as in Cycles: less noise. With a smaller one a shadow ray would seldom be worth its time.
 const LEAST_SHARE: f32 = 0.02;
 
 impl Path {
@@ -339,7 +339,7 @@ impl<N: Notes, const VOLUMES: bool> Wave<N, VOLUMES> {
         }
     }
 
-    /// At each surface a sample of the lights, and a direction to go on in.
+    /// Takes a sample of the lights at each surface, and chooses a direction to go on in.
     fn scatter(&mut self, stage: &Stage, limits: &Limits) {
         if self.order.is_empty() {
             return;

@@ -110,9 +110,9 @@ pub(super) struct Chiang {
 pub(in crate::shading) struct FibreShape {
     /// Absorption by radius.
     pub(in crate::shading) sigma: Rgb,
-    /// Along and about the fibre, 0 to 1.
+    /// Roughness along and about the fibre, 0 to 1.
     pub(in crate::shading) roughness: [f32; 2],
-    /// Less of the roughness for what is mirrored, 0 to 1.
+    /// Reduction of the roughness for mirrored light, 0 to 1.
     pub(in crate::shading) coat: f32,
     pub(in crate::shading) ior: f32,
     /// Tilt of the scales, radians.
@@ -250,7 +250,7 @@ fn log_bessel(x: f32) -> f32 {
     sum.ln()
 }
 
-/// To -pi to pi.
+/// The angle taken to -pi to pi.
 fn wrapped(angle: f32) -> f32 {
     angle - TAU * ((angle + PI) / TAU).floor()
 }
@@ -294,7 +294,7 @@ mod tests {
         shapes.flat_map(|shape| views().map(move |wo| Chiang::new(&shape, wo)))
     }
 
-    /// Over all directions, by their angles along the fibre and about it.
+    /// The integral over all directions, by their angles along the fibre and about it.
     fn integral(of: impl Fn(Vec3A) -> f32) -> f32 {
         let n = 400;
         let step = |i: u32| (i as f32 + 0.5) / n as f32;

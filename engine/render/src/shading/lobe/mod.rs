@@ -36,7 +36,7 @@ enum Kind {
 
 /// A direction that a lobe chose, in its frame.
 pub(super) struct Local {
-    /// Unit.
+    /// The direction, unit.
     pub(super) wi: Vec3A,
     /// Meant to go through the surface; a mirrored one that does is lost.
     pub(super) transmitted: bool,
@@ -52,7 +52,7 @@ pub(super) struct Lobe {
     /// Probability of its choice, up to a factor; of all lobes together 1 in the end.
     pub(super) chance: f32,
     frame: [Vec3A; 3],
-    /// In the frame.
+    /// The view, in the frame.
     wo: Vec3A,
     kind: Kind,
 }
@@ -103,7 +103,7 @@ impl Lobe {
         Self::new(weight, frame, wo, |_| Kind::AshikhminShirley(AshikhminShirley::new(alpha)))
     }
 
-    /// `albedo` is about what it scatters in all, for its chance.
+    /// A lobe of facets. `albedo` is an approximation of its albedo, for the probability of its choice.
     pub(super) fn facets(
         weight: Rgb,
         albedo: Rgb,

@@ -30,7 +30,7 @@ pub(super) struct Candidate {
 pub(super) const LINES_NM: [f64; 3] = [440.0, 550.0, 640.0];
 /// Bounds hold a ghost's light unevenly; the brightest parts of most ghosts are no more than so many times as bright.
 const PEAK: f32 = 4.0;
-/// Along each side of the picture, where it is counted what the left out add.
+/// Number of cells along each side of the picture in which the light that is left out is summed.
 const CELLS: usize = 24;
 
 /// All ghosts of all sources that reach the picture.

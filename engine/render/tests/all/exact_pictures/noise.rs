@@ -44,7 +44,7 @@ pub(crate) struct Fit {
 /// A pixel that is compared.
 struct Pixel {
     truth: f64,
-    /// Variance of the truth, if its rays came by chance.
+    /// Variance of the truth, if its rays were random.
     truth_error2: f64,
     value: f64,
     error2: f64,

@@ -163,8 +163,8 @@ impl Place<'_> {
 const LEAST_FIRST_THROUGHPUT: f32 = 0.02;
 
 impl Path {
-    /// Ends faint paths by chance; whether this one goes on. Faint is what has lost much of its light since the first scattering: the
-    /// pixel of a dark surface is dark itself, and its noise counts by that.
+    /// Ends faint paths by Russian roulette; true if this one goes on. A path is faint if it has lost much of its light since the first
+    /// scattering: the pixel of a dark surface is dark itself, and its noise counts by that.
     #[inline(always)]
     pub(super) fn goes_on(&mut self, limits: &Limits, u_end: f32) -> bool {
         let brightest = self.throughput.max_element();

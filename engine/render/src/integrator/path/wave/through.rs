@@ -1,4 +1,4 @@
-//! Paths through volumes: scattered on their way, dimmed on it, lit by what shines there.
+//! Paths through volumes: scattering, transmittance and emission along rays.
 
 use super::super::choice::{Chosen, power_heuristic};
 use super::super::notes::Notes;
@@ -357,9 +357,9 @@ enum Beside {
 /// Places along a ray, evenly by the angle under which a point beside it sees them.
 #[derive(Clone, Copy)]
 struct Pivot {
-    /// Along the ray, where it comes closest to the point.
+    /// Distance along the ray at which it comes closest to the point.
     closest: f32,
-    /// The point's distance from it.
+    /// Distance of the point from the ray.
     away: f32,
     /// The angles of its ends.
     angles: [f32; 2],
