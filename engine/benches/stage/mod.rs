@@ -28,7 +28,7 @@ const ROWS: [f32; 5] = [0.8, 2.0, 5.0, 12.0, 30.0];
 pub(crate) struct Dice(u32);
 
 impl Dice {
-    /// From a seed.
+    /// The numbers of a seed.
     pub(crate) fn new(seed: u32) -> Self {
         Self(mix(seed ^ 0x51ed_270b))
     }

@@ -7,9 +7,9 @@ use glam::{Vec2, Vec3A, Vec4};
 /// program of its height at three such places.
 #[derive(Clone, Copy, Debug, Default, PartialEq)]
 pub struct Shift {
-    /// Along dP/dx.
+    /// Share along dP/dx.
     pub x: f32,
-    /// Along dP/dy.
+    /// Share along dP/dy.
     pub y: f32,
 }
 
@@ -29,7 +29,7 @@ choices! {
         TrueNormal = "true_normal",
         /// The normal as the mesh has it, in object space: not turned to the viewer, between vertices not of length 1.
         MeshNormal = "mesh_normal",
-        /// From the point to the viewer.
+        /// The direction from the point to the viewer.
         Incoming = "incoming",
         Parametric = "parametric",
         Backfacing = "backfacing",
@@ -38,9 +38,9 @@ choices! {
         /// 0 to 1 through the undeformed mesh's bounds; for a world, the direction, as are position and object.
         Generated = "generated",
         Object = "object",
-        /// In the camera's space; z grows away from the camera.
+        /// The place in the camera's space; z grows away from the camera.
         Camera = "camera",
-        /// On the picture, from 0 to 1 both ways.
+        /// The place on the picture, from 0 to 1 both ways.
         Window = "window",
         /// The mirrored direction to the viewer.
         Reflection = "reflection",
@@ -84,7 +84,7 @@ choices! {
         IsReflectionRay = "is_reflection_ray",
         IsTransmissionRay = "is_transmission_ray",
         IsVolumeScatterRay = "is_volume_scatter_ray",
-        /// From where the ray began; for a camera, from where it begins to see (clip start).
+        /// The distance from the ray's origin; for a camera, from its clip start.
         RayLength = "ray_length",
         RayDepth = "ray_depth",
         DiffuseDepth = "diffuse_depth",
@@ -92,7 +92,7 @@ choices! {
         TransparentDepth = "transparent_depth",
         TransmissionDepth = "transmission_depth",
         PortalDepth = "portal_depth",
-        /// From the camera to the point in the camera's space, of length 1; z grows away from the camera.
+        /// The direction from the camera to the point in the camera's space, of length 1; z grows away from the camera.
         ViewVector = "view_vector",
         ViewDepth = "view_depth",
         ViewDistance = "view_distance",
@@ -146,11 +146,11 @@ pub struct Attribute {
 /// The settings of Ambient Occlusion.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Occlusion {
-    /// Rays.
+    /// Number of rays.
     pub samples: u8,
-    /// Looks into the surface, not away from it.
+    /// True if it looks into the surface, not away from it.
     pub inside: bool,
-    /// Only the object itself occludes.
+    /// True if only the object itself occludes.
     pub only_local: bool,
 }
 

@@ -50,7 +50,7 @@ pub struct Node {
 /// All nodes of a material, and where its outputs begin.
 #[derive(Clone, Debug, Default)]
 pub struct Graph {
-    /// In any order.
+    /// The nodes, in any order.
     pub nodes: Vec<Node>,
     /// Link to the surface's closure.
     pub surface: Option<Link>,

@@ -77,7 +77,7 @@ fn box_weights(normal: Vec3A, blend: f32) -> [f32; 3] {
     }
 }
 
-/// From the cube of 0 to 1 to a sphere about its centre.
+/// The place of a point of the cube of 0 to 1 on a sphere about its centre.
 pub(crate) fn sphere(p: Vec3A) -> Vec2 {
     let p = (p - 0.5) * 2.0;
     let length = p.length();

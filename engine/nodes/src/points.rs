@@ -27,9 +27,9 @@ impl Column {
 pub struct Points {
     fields: Vec<(Field, Column)>,
     attributes: Vec<(Attribute, Column)>,
-    /// From world space to the object's.
+    /// The transform from world space to the object's.
     pub world_to_object: Affine3A,
-    /// From world space to the camera's.
+    /// The transform from world space to the camera's.
     pub world_to_camera: Affine3A,
 }
 

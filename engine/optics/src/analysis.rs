@@ -55,17 +55,17 @@ struct View {
 /// A ray on the film.
 #[derive(Clone, Copy, Debug)]
 struct Landing {
-    /// Behind the last surface.
+    /// The ray behind the last surface.
     out: Ray,
-    /// (u, v), mm.
+    /// The point on the film, (u, v), mm.
     film: DVec2,
     /// The light it stands for; a point radiates as a matt surface does.
     weight: f64,
 }
 
 impl<'a> Analysis<'a> {
-    /// For light of these vacuum wavelengths in nm, all of one weight; `main` is the number of that by which beams are found and
-    /// distortion is counted. `azimuth_rad` is that of the fields, from +x towards +y.
+    /// The analysis for light of these vacuum wavelengths in nm, all of one weight; `main` is the number of that by which beams are found
+    /// and distortion is counted. `azimuth_rad` is that of the fields, from +x towards +y.
     ///
     /// `None` where the entrance pupil lies at infinity, or there is no such wavelength: fields are counted at the pupil.
     pub fn new(
@@ -231,7 +231,7 @@ pub(crate) struct Touching {
 }
 
 impl Touching {
-    /// At (u, v), with directions of the film's coordinates that are to lie in the plane.
+    /// The plane that touches the film at (u, v), with directions of the film's coordinates that are to lie in the plane.
     pub(crate) fn new(frame: &FilmFrame, film: DVec2, [sagittal, tangential]: [DVec2; 2]) -> Self {
         let place = frame.at(film.x, film.y);
         // Of the film's own two directions what lies in the plane: light that comes along the axis sees them as they are.

@@ -79,7 +79,7 @@ pub struct Autofocus {
 type Weighted = (Ray, f64);
 
 impl Autofocus {
-    /// For light of these vacuum wavelengths (nm) and weights, such as [`PHOTOPIC`].
+    /// A lens for light of these vacuum wavelengths (nm) and weights, such as [`PHOTOPIC`].
     pub fn new(system: &System, wavelengths: &[(f64, f64)]) -> Self {
         let lines: Vec<_> = wavelengths.iter().map(|&(nm, weight)| (system.at_wavelength(nm), weight)).collect();
         let of_map = [0, lines.len() / 2, lines.len().saturating_sub(1)];

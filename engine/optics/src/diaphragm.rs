@@ -139,7 +139,7 @@ impl Diaphragm {
         self.sides.len() as u32
     }
 
-    /// From the axis to the middle of a blade's edge, in mm: where the opening is narrowest.
+    /// Distance from the axis to the middle of a blade's edge, in mm: where the opening is narrowest.
     pub fn inner_radius_mm(&self) -> f64 {
         if self.blades() > 0 && self.curvature > 0.0 {
             let (radius, centre, _) = self.arc();

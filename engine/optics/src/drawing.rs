@@ -26,9 +26,9 @@ const APPROACH: f64 = 0.18;
 /// A surface.
 #[derive(Clone, Debug, PartialEq)]
 pub struct Profile {
-    /// From the lower rim to the upper.
+    /// Points from the lower rim to the upper.
     pub points: Vec<[f64; 2]>,
-    /// Half of the diameter of what is missing in the middle, or 0.
+    /// Half of the diameter of the missing middle, or 0.
     pub hole_mm: f64,
     /// Light is reflected.
     pub is_mirror: bool,
@@ -204,7 +204,7 @@ impl Beams<'_> {
         Some(std::iter::once(start).chain(hits).chain([end]).map(flat).collect())
     }
 
-    /// Along the axis, the film included.
+    /// The extent along the axis, the film included.
     fn extent(&self) -> [f64; 2] {
         let all = self.surfaces.iter().flat_map(|s| &s.points).map(|p| p[0]).chain([self.film.z_mm]);
         all.fold([f64::INFINITY, f64::NEG_INFINITY], |[low, high], z| [low.min(z), high.max(z)])

@@ -28,7 +28,7 @@ const AZIMUTHS: usize = 12;
 /// The clear pupil as seen from the scene.
 #[derive(Clone, Debug)]
 pub struct EntranceMap {
-    /// On the axis; directions are counted from here.
+    /// The middle of the map, on the axis; directions are counted from here.
     middle: DVec3,
     discs: Vec<Disc>,
     /// Ball that holds the front glass.
@@ -57,9 +57,9 @@ pub struct Aim {
 /// A point of the scene and the discs at right angles to the line from it to the map's middle.
 struct View {
     distance: f64,
-    /// To the point.
+    /// Direction to the point.
     towards: DVec3,
-    /// In the plane of the axis and the point; at right angles to both.
+    /// Axes in the plane of the axis and the point, and at right angles to that plane.
     axes: [DVec3; 2],
     disc: Disc,
     /// The disc that hides the whole front glass.

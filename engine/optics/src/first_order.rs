@@ -72,7 +72,7 @@ pub struct Thin {
     pub petzval_onward: f64,
 }
 
-/// From the first vertex to the last: every surface, and the travel between them.
+/// The matrix from the first vertex to the last: every surface, and the travel between them.
 pub fn between_vertices(surfaces: &[Thin]) -> Matrix {
     let mut matrix = Matrix::IDENTITY;
     for (i, s) in surfaces.iter().enumerate() {
@@ -84,7 +84,7 @@ pub fn between_vertices(surfaces: &[Thin]) -> Matrix {
     matrix
 }
 
-/// From the first vertex to the vertex plane of `stop`, before that surface acts.
+/// The matrix from the first vertex to the vertex plane of `stop`, before that surface acts.
 pub fn front_of(surfaces: &[Thin], stop: usize) -> Matrix {
     match stop.checked_sub(1) {
         None => Matrix::IDENTITY,
@@ -92,7 +92,7 @@ pub fn front_of(surfaces: &[Thin], stop: usize) -> Matrix {
     }
 }
 
-/// From the vertex plane of `stop`, after that surface has acted, to the last vertex.
+/// The matrix from the vertex plane of `stop`, after that surface has acted, to the last vertex.
 pub fn rear_of(surfaces: &[Thin], stop: usize) -> Matrix {
     if stop + 1 == surfaces.len() {
         return Matrix::IDENTITY;

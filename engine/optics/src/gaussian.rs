@@ -14,9 +14,9 @@ use crate::trace::Ray;
 /// A lens at one wavelength as two matrices, one a section.
 #[derive(Clone, Debug)]
 pub struct GaussianLens {
-    /// From the first vertex plane to the last, in x and y.
+    /// Matrices from the first vertex plane to the last, in x and y.
     whole: [Matrix; 2],
-    /// From the stop to the last vertex plane.
+    /// Matrices from the stop to the last vertex plane.
     rear: [Matrix; 2],
     last_z: f64,
     /// Signed index before the film.

@@ -163,7 +163,7 @@ mod tests {
         }
     }
 
-    /// On the axis the exact disc is that of first order where a lens is stopped down: the twice-reflected light of a triplet, brightest
+    /// The exact disc on the axis of a lens that is stopped down is that of first order: the twice-reflected light of a triplet, brightest
     /// first alike.
     #[test]
     fn discs_are_those_of_the_exact_trace() {

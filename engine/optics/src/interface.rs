@@ -20,7 +20,7 @@ pub struct Interface<R = f64> {
 const NEAR_CRITICAL: f64 = 1e-2;
 
 impl Interface {
-    /// From index `from` to index `to`.
+    /// The interface from index `from` to index `to`.
     pub fn new(from: f64, to: f64) -> Self {
         let excess = (from - to) * (from + to) / (to * to);
         Self { ratio: from / to, excess }
@@ -56,7 +56,7 @@ pub struct Interfaces<L> {
 }
 
 impl<L: Lane> Interfaces<L> {
-    /// From one index to the other, in each lane.
+    /// The interfaces from one index to the other, in each lane.
     #[inline(always)]
     pub fn between([from, to]: [L; 2]) -> Self {
         Self { ratio: from / to, excess: (from - to) * (from + to) / (to * to) }

@@ -20,9 +20,9 @@ pub struct Paraxial {
     pub wavelength_nm: f64,
     /// Focal length on the image side, n′ / power; positive if the lens converges.
     pub efl_mm: Option<f64>,
-    /// From the last vertex to the image focal point, signed along z.
+    /// Distance from the last vertex to the image focal point, signed along z.
     pub bfd_mm: Option<f64>,
-    /// From the first vertex to the object focal point, signed along z.
+    /// Distance from the first vertex to the object focal point, signed along z.
     pub ffd_mm: Option<f64>,
     /// Object principal plane.
     pub object_principal_plane_mm: Option<f64>,
@@ -44,7 +44,7 @@ pub struct Paraxial {
     pub film_z_mm: f64,
     /// Radius of the Petzval surface, −1 / (n′ P); negative is hollow towards the lens.
     pub petzval_radius_mm: Option<f64>,
-    /// From the first vertex to the film.
+    /// Distance from the first vertex to the film.
     pub total_track_mm: f64,
     /// Number of surfaces.
     pub surfaces: usize,

@@ -70,8 +70,7 @@ pub struct PupilMap {
     frames: Vec<DVec2>,
     /// The film stands upright and any turn leaves the lens as it is: only the distance from the axis counts.
     is_plain: bool,
-    /// About the outline, by node of depth, azimuth and radius; by depth and radius if only the blades know of an
-    /// azimuth.
+    /// Ellipses about the outline, by node of depth, azimuth and radius; by depth and radius if only the blades know of an azimuth.
     ellipses: Vec<Ellipse>,
     ellipses_by_azimuth: bool,
     /// Cells by depth, azimuth and radius.

@@ -10,8 +10,8 @@
 //! where it crosses the stop and how far inside of the rims it passes, for those rims that ever are the one that stops a
 //! ray. So vignetting and blades come out of the same interpolation, without an outline.
 //!
-//! In front of the lens a ray is its unit direction and its point nearest to the entrance pupil's centre: both stay
-//! finite and smooth at 90 degrees from the axis and beyond, where two planes do not.
+//! A ray in front of the lens is its unit direction and its point nearest to the entrance pupil's centre: both stay finite and smooth at 90
+//! degrees from the axis and beyond, where two planes do not.
 //!
 //! The table leaves out other wavelengths than its own, and aberrations finer than its grid. Wide open these are below 0.04 pixels of 1000
 //! across (rms) for every shipped lens but the ball, whose rays part without bound towards its rim.
@@ -35,11 +35,11 @@ use window::Window;
 /// Resolution of a table: nodes of each axis.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Grid {
-    /// From the axis to the farthest film point, of a lens that is symmetric about its axis.
+    /// Nodes from the axis to the farthest film point, of a lens that is symmetric about its axis.
     pub film_radius: usize,
-    /// Across and up the film, of any other.
+    /// Nodes across and up the film, of a lens that is not symmetric about its axis.
     pub film_side: usize,
-    /// Across and up the pupil, as one film point sees it. Fewer than four nodes of any axis count as four.
+    /// Nodes across and up the pupil, as one film point sees it. Fewer than four nodes of any axis count as four.
     pub pupil: usize,
 }
 
@@ -191,9 +191,8 @@ impl RayTable {
         }
     }
 
-    /// From the film to the scene: the ray that leaves the lens after it went from `film_point` to `target`, a point of
-    /// the reference plane; `None` if the lens stops it, or if the table does not reach so far. Its origin lies near the
-    /// first vertex.
+    /// Carries a ray from the film to the scene: the ray that leaves the lens after it went from `film_point` to `target`, a point of the
+    /// reference plane; `None` if the lens stops it, or if the table does not reach so far. Its origin lies near the first vertex.
     #[inline]
     pub fn from_film(&self, film_point: DVec3, target: DVec3) -> Option<Ray> {
         let mut pupil = target.truncate();

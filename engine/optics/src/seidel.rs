@@ -88,7 +88,7 @@ struct Rays {
 }
 
 impl Rays {
-    /// From the axial point of the object past the rim, and from the object's edge through the centre, of the
+    /// The rays from the axial point of the object past the rim, and from the object's edge through the centre, of the
     /// entrance pupil.
     fn at_first_vertex(system: &System, wavelength_nm: f64, object_z_mm: Option<f64>, field_rad: f64) -> Option<Self> {
         let pupil = Paraxial::new(system, wavelength_nm).entrance_pupil;

@@ -89,7 +89,7 @@ impl System {
     /// [`Self::at_wavelength`] with the index after each surface given instead of taken from the media; of a gradient, where its terms are
     /// 0.
     ///
-    /// For comparison with tables that state their indices. Missing ones count as 1.
+    /// It serves for comparison with tables that state their indices. Missing ones count as 1.
     pub fn with_indices(&self, wavelength_nm: f64, after: &[f64]) -> Tracer {
         let at = |i: usize| after.get(i).copied().unwrap_or(1.0);
         let index = |i: usize| [if i == 0 { 1.0 } else { at(i - 1) }, at(i)];
@@ -214,13 +214,13 @@ impl<R: Real> Tracer<R> {
         self.from_scene.steps.len()
     }
 
-    /// From the scene to the film: the ray that leaves the last surface, its origin on that surface.
+    /// Traces a ray from the scene to the film: the ray that leaves the last surface, its origin on that surface.
     #[inline(never)]
     pub fn from_scene(&self, ray: Ray) -> Result<Ray, Lost> {
         self.from_scene.run(ray, &self.diaphragm, &mut |_| {})
     }
 
-    /// From the film to the scene: the ray that leaves the first surface, its origin on that surface.
+    /// Traces a ray from the film to the scene: the ray that leaves the first surface, its origin on that surface.
     #[inline(never)]
     pub fn from_film(&self, ray: Ray) -> Result<Ray, Lost> {
         self.from_film.run(ray, &self.diaphragm, &mut |_| {})
@@ -333,7 +333,7 @@ impl<R: Real> Way<R> {
         Ray { origin: p.with_z(p.z + self.end_z), direction }
     }
 
-    /// Through all steps, each in the coordinates of its own vertex: no digits are lost to the length of the lens.
+    /// Traces a ray through all steps, each in the coordinates of its own vertex: no digits are lost to the length of the lens.
     #[inline(always)]
     fn run(&self, ray: Ray, diaphragm: &Diaphragm<R>, record: &mut impl FnMut(DVec3)) -> Result<Ray, Lost> {
         let (mut p, mut d) = self.enter(ray);

@@ -31,7 +31,7 @@ pub struct Passage {
 struct Met {
     surface: usize,
     cos: f64,
-    /// Through the medium before.
+    /// Length of the way through the medium before.
     length_mm: f64,
     /// Cosine and sine of the turn from the plane of incidence before to this.
     turn: [f64; 2],
@@ -170,7 +170,7 @@ impl<'a> Passages<'a> {
         }
     }
 
-    /// Along the axis: the part of the light of a wavelength that passes there, or would if nothing stood in the middle.
+    /// The part of the light of a wavelength that passes along the axis, or would without a central obstruction.
     pub fn on_axis(&self, wavelength_nm: f64) -> f64 {
         let mut arriving_mm = 0.0;
         let one = |surface: &crate::system::Surface| {
@@ -238,8 +238,8 @@ mod tests {
         assert!((on_axis(mirror, 550.0) - 0.98).abs() < 0.01);
     }
 
-    /// In a plane that holds the axis the planes of incidence are one: s and p each go their own way, and the parts of the two have
-    /// a mean. What polarisation changes is then (∏Ts + ∏Tp) / 2 against ∏(Ts + Tp) / 2.
+    /// Rays in a plane that holds the axis have one plane of incidence: s and p each go their own way, and the parts of the two have a
+    /// mean. The effect of polarisation is then (∏Ts + ∏Tp) / 2 against ∏(Ts + Tp) / 2.
     #[test]
     fn rays_in_one_plane_keep_s_and_p() {
         let text = "# coating: none\n40 6 1.7 40 0 0\n400 8 air 40 0 0\n-60 2 1.6 30 0 0\n50 4 air 30 0 1\n90 6 1.7 30 0 0\n-45 60 air 30 0 0";

@@ -43,7 +43,7 @@ const STEP: f64 = 0.25;
 /// Steps end when so short, in degrees: where rims are aimed at, and where areas are counted.
 const SHORTEST_STEP_DEG: f64 = 1e-8;
 const SHORTEST_STEP_BY_AREA_DEG: f64 = 1e-4;
-/// After so many steps in a row they are lengthened.
+/// Number of steps in a row after which they are lengthened.
 const SURE_STEPS: u32 = 4;
 
 impl Vignetting {

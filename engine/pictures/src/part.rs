@@ -28,9 +28,9 @@ pub(crate) struct Part {
     places: BTreeMap<String, (usize, usize)>,
     /// Names of view layers that say how many samples each pixel has.
     pub(crate) view_layers: Vec<String>,
-    /// For all of them.
+    /// Samples that every pixel has; `None` where pixels have different counts.
     samples: Option<f64>,
-    /// Seed, first, count.
+    /// Seed, first sample and count of each range.
     pub(crate) ranges: Vec<(u64, u64, u64)>,
     /// The values that decide the picture, by name; empty where the file does not say them.
     pub(crate) picture_of: BTreeMap<String, String>,

@@ -26,14 +26,14 @@ const MOST_RAYS_OF_A_SIDE: usize = 500;
 pub(crate) struct Look {
     /// Angles to the axis; none: the report's own.
     fields_deg: Vec<f64>,
-    /// In vacuum; that nearest the d line is the main one. None: F, d and C.
+    /// Wavelengths in vacuum; that nearest the d line is the main one. None: F, d and C.
     wavelengths_nm: Vec<f64>,
-    /// From right to up.
+    /// Azimuth of the fields, from right to up.
     azimuth_deg: f64,
     focus_distance_mm: Option<f64>,
-    /// The film where the axis is sharpest, instead of where paraxial rays meet.
+    /// True if the film is where the axis is sharpest, instead of where paraxial rays meet.
     best_focus: bool,
-    /// From there.
+    /// Displacement of the film from that place.
     defocus_mm: f64,
 }
 

@@ -78,7 +78,7 @@ pub struct Statistics {
     pub threads: usize,
     /// A thread failed; the picture is what was done until then.
     pub failure: Option<String>,
-    /// Statistics of keeping and resuming the render; `None` where nobody asked.
+    /// Statistics of keeping and resuming the render; `None` if not asked for.
     pub kept: Option<Kept>,
 }
 

@@ -55,7 +55,7 @@ pub(crate) enum Operation {
     Mix(Blend),
     /// [`Self::Mix`] of each part by its own factor.
     MixParts,
-    /// To 0 and 1.
+    /// Each part clamped to 0 and 1.
     Saturate,
     /// Colour, factor.
     Invert,

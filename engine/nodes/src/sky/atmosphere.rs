@@ -27,7 +27,7 @@ pub(crate) struct AtmosphereSettings {
     pub(crate) sun_diameter_rad: f32,
     pub(crate) sun_intensity: f32,
     pub(crate) sun_elevation_rad: f32,
-    /// From +y towards +x.
+    /// Rotation of the sun from +y towards +x.
     pub(crate) sun_rotation_rad: f32,
     pub(crate) altitude_m: f32,
     /// Densities of molecules, aerosols and ozone, over the Earth's.

@@ -37,7 +37,7 @@ fn bernstein(coefficients: &Polynomial, x: f32) -> f32 {
 }
 
 impl Hosek {
-    /// For the sun in a direction, at the horizon if it is below; turbidity 1 to 10, albedo of the ground 0 to 1.
+    /// The sky for the sun in a direction, at the horizon if it is below; turbidity 1 to 10, albedo of the ground 0 to 1.
     pub(crate) fn new(sun: Vec3A, turbidity: f32, albedo: f32) -> Self {
         let sun = sun.normalize_or(Vec3A::Z);
         let elevation_rad = sun.z.clamp(0.0, 1.0).asin();

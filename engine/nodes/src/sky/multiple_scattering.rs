@@ -68,7 +68,7 @@ fn to_sphere_km(p: Vec3A, direction: Vec3A, radius_km: f32) -> Option<f32> {
     Some(if above <= 0.0 { root - along } else { -root - along })
 }
 
-/// Towards the sun, whose azimuth is that of -x.
+/// The direction towards the sun, whose azimuth is that of -x.
 fn towards(cos_zenith: f32) -> Vec3A {
     Vec3A::new(-(1.0 - cos_zenith * cos_zenith).max(0.0).sqrt(), 0.0, cos_zenith)
 }
@@ -170,7 +170,7 @@ impl Transmittances {
         Self((0..columns * rows).into_par_iter().map(at).collect())
     }
 
-    /// At a height from 0, the ground, to 1.
+    /// The transmittance at a height from 0, the ground, to 1.
     fn at(&self, cos_zenith: f32, height: f32) -> Vec4 {
         let [columns, rows] = TABLE;
         let x = (0.5 * cos_zenith + 0.5).clamp(0.0, 1.0) * (columns - 1) as f32;

@@ -96,7 +96,7 @@ impl Voronoi {
         }
     }
 
-    /// Without octaves beyond the first.
+    /// True if there are no octaves beyond the first.
     fn is_plain(&self) -> bool {
         self.detail == 0.0 || self.roughness == 0.0
     }
@@ -266,7 +266,7 @@ impl Voronoi {
         edge
     }
 
-    /// In one dimension Blender looks at the own cell's point and its two neighbours.
+    /// The distance to the edge in one dimension, where Blender looks at the own cell's point and its two neighbours.
     fn edge_on_a_line<P: Space>(&self, cell: P, local: P) -> f32 {
         let middle = self.point(cell, P::ZERO);
         let edges = [-1.0, 1.0].map(|side| {

@@ -11,9 +11,9 @@ use crate::paraxial::Paraxial;
 pub struct Fans {
     /// The field's angle.
     pub angle_deg: f64,
-    /// Across the pupil in the plane of the field.
+    /// The fan across the pupil in the plane of the field.
     pub tangential: Vec<FanLine>,
-    /// At right angles to it.
+    /// The fan across the pupil at right angles to the plane of the field.
     pub sagittal: Vec<FanLine>,
 }
 
@@ -49,7 +49,7 @@ impl Analysis<'_> {
         Some(Fans { angle_deg, tangential: tangential?, sagittal: sagittal? })
     }
 
-    /// Along an axis of the field's plane, whose y lies in the plane of the field.
+    /// A fan along an axis of the field's plane, whose y lies in the plane of the field.
     fn fan(&self, view: &View, axis: DVec2, count: usize) -> Option<Vec<FanLine>> {
         let frame = self.film.frame();
         let middle = DVec2::from(frame.meet(&self.chief_out(self.main, view)?)?);

@@ -59,7 +59,7 @@ pub struct Psf {
     pub strehl: Vec<f64>,
     /// Values a side of the picture; odd, the middle one at the place (0, 0).
     pub side: usize,
-    /// From value to value, mm.
+    /// Step from value to value, mm.
     pub step_mm: f64,
     /// Rows from below, each from left to right: irradiance, all wavelengths alike, in units of the largest that this pupil would
     /// make without aberrations.

@@ -24,13 +24,13 @@ pub struct Spot {
 /// One wavelength of it.
 #[derive(Clone, Debug, PartialEq)]
 pub struct SpotLine {
-    /// In vacuum.
+    /// The wavelength in vacuum.
     pub wavelength_nm: f64,
-    /// From the centroid of all wavelengths.
+    /// Points from the centroid of all wavelengths.
     pub points_mm: Vec<[f64; 2]>,
-    /// The middle of this wavelength, from that centroid.
+    /// The centroid of this wavelength, from that of all.
     pub centroid_mm: [f64; 2],
-    /// About its own middle.
+    /// Root mean square radius about the centroid of this wavelength.
     pub rms_mm: f64,
 }
 

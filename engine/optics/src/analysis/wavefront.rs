@@ -15,7 +15,7 @@ use glam::DVec2;
 /// Rays of one wavelength, and how long they take.
 pub(super) struct Eikonal<'a> {
     tracer: &'a Tracer,
-    /// Before each surface, and before the film.
+    /// Indices before each surface, and before the film.
     indices: Vec<f64>,
     touching: Touching,
 }
@@ -24,7 +24,7 @@ pub(super) struct Eikonal<'a> {
 #[derive(Clone, Copy, Debug)]
 pub(super) struct Path {
     pub(super) out: Ray,
-    /// To the foot of the perpendicular from the film's place.
+    /// Optical path length to the foot of the perpendicular from the film's place.
     pub(super) path_mm: f64,
     /// The point at which it crosses the plane that touches the film there: sagittal and tangential, mm.
     pub(super) crossing: DVec2,

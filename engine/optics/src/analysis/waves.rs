@@ -172,7 +172,7 @@ impl<'a> Beam<'a> {
     }
 }
 
-/// In which cell of the mesh the points of a lattice were found, and the path that counts as none.
+/// The cells of the mesh in which the points of a lattice were found, and the path that counts as none.
 struct Found {
     columns: usize,
     quads: Vec<Option<usize>>,

@@ -21,7 +21,7 @@ pub enum SharpPlaneError {
     /// One of them has no sharp image.
     #[error("sharp point {number} of 3: {source}")]
     Point {
-        /// From 1.
+        /// Number of the point, from 1.
         number: usize,
         /// The cause.
         source: AutofocusError,

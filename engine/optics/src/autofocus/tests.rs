@@ -178,7 +178,8 @@ fn points_that_make_no_plane_are_refused() {
     assert!(matches!(along, Err(SharpPlaneError::TooSteep | SharpPlaneError::Collinear)), "{along:?}");
 }
 
-/// In every third shipped lens (all of them by `make test-all`), at f/8, on the axis and well off it: a film is found, and no stray rays spread the spot.
+/// Every third shipped lens (all of them by `make test-all`), at f/8, on the axis and well off it, finds a film, and no stray rays spread
+/// the spot.
 #[test]
 fn every_lens_finds_its_focus() {
     let folder = std::path::Path::new(concat!(env!("CARGO_MANIFEST_DIR"), "/../../lenses"));

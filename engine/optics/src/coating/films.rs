@@ -68,7 +68,7 @@ const MEASURED: [Measured; 4] = [
     ]),
 ];
 
-/// For messages.
+/// The names of the films, for messages.
 pub(super) fn names() -> String {
     let measured = MEASURED.iter().map(|(name, _)| *name);
     KNOWN.iter().map(|(name, _)| *name).chain(["HfO2"]).chain(measured).collect::<Vec<_>>().join(", ")

@@ -5,9 +5,9 @@ use super::{Coating, Film, Layer};
 /// A coating's plan: its films from the outside, each so many waves of the design wavelength thick.
 #[derive(Debug, PartialEq)]
 pub struct Recipe {
-    /// In lens files and on the command line.
+    /// The name in lens files and on the command line.
     pub name: &'static str,
-    /// For panels.
+    /// The title for panels.
     pub title: &'static str,
     /// The publication of the recipe.
     pub source: &'static str,
@@ -82,7 +82,7 @@ pub const RECIPES: [Recipe; 8] = [
     },
 ];
 
-/// For messages.
+/// The names of the recipes, for messages.
 pub(super) fn names() -> String {
     RECIPES.iter().map(|recipe| recipe.name).collect::<Vec<_>>().join(", ")
 }

@@ -12,7 +12,7 @@ use crate::prescription::Place;
 use super::problem::{LensFileError, Problem, at};
 use super::text::{self, finite, not_a_number, tokens};
 
-/// For which thickness extinction is turned into transmittance, mm: any would do.
+/// Thickness for which extinction is turned into transmittance, mm: any would do.
 const PLATE_MM: f64 = 10.0;
 
 /// A block of data.

@@ -18,9 +18,9 @@ const NONE: u32 = u32::MAX;
 /// A ray that gets through.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub(super) struct Through {
-    /// On the beam's disc, in radii.
+    /// The point on the beam's disc, in radii.
     pub(super) at: DVec2,
-    /// On the film, mm.
+    /// The point on the film, mm.
     pub(super) film: DVec2,
 }
 
@@ -52,7 +52,8 @@ fn ends(side: usize) -> [usize; 2] {
 }
 
 impl Edges {
-    /// In cells at these corners, all of one size. `trace` says where rays through points of the disc come to on the film.
+    /// Finds the edges in cells at these corners, all of one size. `trace` returns the points on the film of rays through points of the
+    /// disc.
     pub(super) fn find(cells: &[DVec2], size: DVec2, mut trace: impl FnMut(&[DVec2]) -> Vec<Option<DVec2>>) -> Self {
         let part = size / PARTS as f64;
         let of_cell = |corner: &DVec2| {

@@ -57,7 +57,7 @@ pub struct Window {
 /// One path at one wavelength, ready for beams.
 pub struct GhostTracer {
     exact: ReflectedTracer,
-    /// Without rims: power is known beyond them too.
+    /// The tracer without rims: power is known beyond them too.
     open: ReflectedTracer,
     single: Tracer<f32>,
 }

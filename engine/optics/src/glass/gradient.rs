@@ -17,7 +17,7 @@ pub struct GradientTerm {
     pub z: u32,
     /// Power of r, even.
     pub r: u32,
-    /// In mm^−(z + r).
+    /// The coefficient in mm^−(z + r).
     pub coefficient: f64,
 }
 
@@ -71,7 +71,7 @@ impl Gradient {
         Self { terms: self.terms.clone(), from_mm: self.from_mm - behind_mm }
     }
 
-    /// On the axis, `z_mm` behind the vertex: what is added to the index, and the coefficient of r² in mm⁻².
+    /// The addition to the index on the axis, `z_mm` behind the vertex, and the coefficient of r² in mm⁻².
     pub fn on_axis(&self, z_mm: f64) -> [f64; 2] {
         let z = z_mm - self.from_mm;
         let of_power = |r: u32| -> f64 {

@@ -35,7 +35,7 @@ pub struct Medium {
     source: String,
     transmittance: Option<Arc<InternalTransmittance>>,
     gradient: Option<Arc<Gradient>>,
-    /// Added to what the formula says, at every wavelength.
+    /// The number that is added to the formula's index, at every wavelength.
     shift: f64,
 }
 

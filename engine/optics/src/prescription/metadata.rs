@@ -3,29 +3,29 @@
 /// The purpose of a lens, as a photographer sorts lenses: a closed list.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, PartialOrd, Ord)]
 pub enum LensGroup {
-    /// Sees more than the eye at rest does.
+    /// A lens that sees more than the eye at rest does.
     WideAngle,
-    /// About as long as the film's diagonal.
+    /// A lens about as long as the film's diagonal.
     Normal,
-    /// Somewhat longer, and fast.
+    /// A lens somewhat longer than [`Self::Normal`], and fast.
     Portrait,
-    /// Corrected for near things.
+    /// A lens corrected for near subjects.
     Macro,
-    /// Long.
+    /// A long lens.
     Telephoto,
-    /// Changes its focal length.
+    /// A lens that changes its focal length.
     Zoom,
-    /// Bends straight lines to see more than a picture without distortion can hold.
+    /// A lens that bends straight lines to see more than a picture without distortion can hold.
     Fisheye,
-    /// Images by mirrors.
+    /// A lens that images by mirrors.
     Mirror,
-    /// Squeezes the picture in one direction.
+    /// A lens that squeezes the picture in one direction.
     Anamorphic,
     /// A lens of before about 1960, or known for its place in history.
     Historical,
     /// An eye.
     Eye,
-    /// Ideal or simple: its answers are known, or its faults are large.
+    /// An ideal or simple lens: its answers are known, or its faults are large.
     Test,
 }
 

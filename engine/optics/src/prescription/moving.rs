@@ -128,9 +128,9 @@ pub enum MovingError {
     /// Too many or too few numbers.
     #[error("{found} numbers where {expected} parts move; give one for each that the line 'moving' names")]
     Gaps {
-        /// In this position.
+        /// Numbers in this position.
         found: usize,
-        /// Moving ones.
+        /// Number of moving parts.
         expected: usize,
     },
     /// Some positions have a zoom, others not.

@@ -12,7 +12,7 @@ use super::{DEFENSIVE_SHARE, PupilMap};
 #[derive(Clone, Copy, Debug, Default)]
 struct Slice {
     corner: [f32; 2],
-    /// To the next corner.
+    /// Vector to the next corner.
     edge: [f32; 2],
     /// Share of the area in the sectors before it.
     start: f32,
@@ -23,15 +23,15 @@ struct Slice {
     rest: f32,
 }
 
-/// Added to a number from 0 to 2²² and no less, its lowest bits are the nearest whole one: quicker than a cast that minds
-/// all numbers.
+/// Added to a number from 0 to 2²² and no less, it makes the lowest bits of the sum the nearest whole number: quicker than a cast that
+/// minds all numbers.
 const WHOLE: f32 = (1u32 << 23) as f32;
 
 /// The sectors of a cell where only the film point's distance from the axis counts.
 #[derive(Clone, Debug)]
 pub(super) struct Slices {
     guide: [u8; GUIDE],
-    /// Behind the last one that is never reached.
+    /// The slices; behind the last one is one that is never reached.
     slices: [Slice; ANGLES + 1],
 }
 

@@ -16,7 +16,7 @@ pub(super) struct Cell {
     area: f64,
     /// One over the area; 0 if no light arrives.
     density: f64,
-    /// At equal angles. Empty if no light arrives.
+    /// Sectors at equal angles. Empty if no light arrives.
     sectors: Vec<Sector>,
     /// The sector in which each of as many equal parts of the area begins: to look there first (Chen and Asau 1974).
     guide: Vec<u8>,
@@ -28,7 +28,7 @@ pub(super) struct Cell {
 #[derive(Clone, Copy, Debug)]
 pub(super) struct Sector {
     pub(super) corner: DVec2,
-    /// To the next corner.
+    /// Vector to the next corner.
     pub(super) edge: DVec2,
     /// Share of the area in the sectors before it.
     pub(super) start: f64,
@@ -114,7 +114,7 @@ impl Cell {
         self.sectors.iter().chain(self.sectors.first()).map(|sector| sector.corner)
     }
 
-    /// At equal angles; none if no light arrives.
+    /// Sectors at equal angles; none if no light arrives.
     pub(super) fn sectors(&self) -> &[Sector] {
         &self.sectors
     }

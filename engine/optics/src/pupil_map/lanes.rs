@@ -43,7 +43,7 @@ spots! {
     /// The ellipse's centre at the near end of the cell, mm along and across the meridian.
     along,
     across,
-    /// From there to that at its far end.
+    /// The way of the ellipse's centre from the near end of the cell to the far end.
     along_way,
     across_way,
     /// The ellipse's axes at the near end, and by how much they are larger at the far end.

@@ -59,7 +59,7 @@ pub struct Crossing<L: Lane> {
     pub t: L,
     /// The hit, in mm from the vertex.
     pub point: Vector<L>,
-    /// Across the surface, towards +z at the vertex; not of unit length.
+    /// The normal, towards +z at the vertex; not of unit length.
     pub normal: Vector<L>,
     /// |N|².
     pub normal_squared: L,

@@ -13,7 +13,7 @@ const REASONS: [Failure; 7] = [
     Failure::NotConverged,
 ];
 
-/// Through, or lost somewhere.
+/// The fate of a ray: through, or lost somewhere.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub(super) struct Fate(u32);
 

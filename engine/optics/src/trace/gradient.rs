@@ -44,7 +44,7 @@ struct Field<R> {
     /// The vertex of the surface that the medium follows, and how that surface stands there.
     vertex_z: R,
     pose: Option<Pose<R>>,
-    /// From there to where z is 0.
+    /// Distance from that vertex to where z is 0.
     from: R,
 }
 

@@ -107,8 +107,8 @@ fn meetings(count: usize, turns: &[usize]) -> Option<Vec<Meeting>> {
 }
 
 impl ReflectedTracer {
-    /// For bundles, and for the ray that leaves the last surface: only [`Travel::FromScene`] is the path, and a loss names the
-    /// number of a meeting instead of a surface.
+    /// The tracer of the path, for bundles, and for the ray that leaves the last surface: only [`Travel::FromScene`] is the path, and a
+    /// loss names the number of a meeting instead of a surface.
     pub fn tracer(&self) -> &Tracer {
         &self.tracer
     }
@@ -152,7 +152,7 @@ fn cosine(passage: &Passage<f64>) -> f64 {
     (passage.crossing.cosine_squared / passage.crossing.normal_squared).sqrt().min(1.0)
 }
 
-/// From where a ray was, seen from the vertex before, to where it met the surface.
+/// Distance from the ray's place, seen from the vertex before, to its hit on the surface.
 fn length_mm(step: &Step, p: Vector<f64>, passage: &Passage<f64>) -> f64 {
     let before: DVec3 = Vector { z: p.z + step.to_here, ..p }.of(0);
     let met: DVec3 = passage.point.of(0);

@@ -24,7 +24,7 @@ pub(super) struct Step<R = f64> {
     pub(super) shape: Shape<R>,
     /// `None`: the surface stands on the axis, upright.
     pub(super) pose: Option<Pose<R>>,
-    /// Added to z when the ray leaves the surface before: from its vertex to this one.
+    /// The number added to z when the ray leaves the surface before: from its vertex to this one.
     pub(super) to_here: R,
     /// sign(N · D) of the crossing that is meant.
     pub(super) side: R,
@@ -192,7 +192,7 @@ impl<R: Real> Step<R> {
 
 /// The passage of rays at a surface, one in each lane. The other numbers of rays that did not pass are undefined.
 pub(super) struct Passage<L: Lane> {
-    /// In the surface's own coordinates.
+    /// The hits, in the surface's own coordinates.
     pub(super) crossing: Crossing<L>,
     is_inside: L::Mask,
     is_unobstructed: L::Mask,

@@ -57,7 +57,7 @@ pub(crate) struct Probe<'a> {
 }
 
 impl<'a> Probe<'a> {
-    /// For the object plane at `object_z_mm`; `None`: at infinity. No probe if the entrance pupil is there.
+    /// A probe for the object plane at `object_z_mm`; `None`: at infinity. There is no probe if the entrance pupil is there.
     pub(crate) fn new(system: &'a System, wavelength_nm: f64, object_z_mm: Option<f64>) -> Option<Self> {
         let pupil = Paraxial::new(system, wavelength_nm).entrance_pupil;
         Some(Self {
@@ -95,7 +95,7 @@ impl<'a> Probe<'a> {
         Ok(passage)
     }
 
-    /// About where rays along the axis cross the plane of their field to pass the rim of the stop.
+    /// The approximate points at which rays along the axis cross the plane of their field to pass the rim of the stop.
     pub(crate) fn paraxial_rim(&self) -> Vec<DVec2> {
         let spread = self.origin.object_z_mm.map_or(1.0, |z| z / (z - self.origin.pupil_z_mm));
         rim_targets().map(|target| target * (self.pupil_radius_mm * spread)).collect()

@@ -312,8 +312,8 @@ fn azimuths_of_an_anamorphic_lens_differ() {
     assert!((slope(UP) - 100.0).abs() < 0.2 && (slope(0.0) - 50.0).abs() < 0.2, "{} {}", slope(UP), slope(0.0));
 }
 
-/// On the axis of a real lens, by another way: rays of one meridian, their waves summed to the light of a point by a Hankel transform, and that
-/// light transformed again. Paths by the hits and the indices alone.
+/// The contrast on the axis of a real lens, by another way: rays of one meridian, their waves summed to the light of a point by a Hankel
+/// transform, and that light transformed again. Paths by the hits and the indices alone.
 #[test]
 fn on_the_axis_contrast_is_that_of_the_points_light() {
     let name = "cooke-triplet-50mm";

@@ -126,7 +126,7 @@ impl Setting {
         Self { what, system, focus, tracer }
     }
 
-    /// At infinity and near, of a zoom at every position of its table.
+    /// The settings of a lens: at infinity and near, of a zoom at every position of its table.
     fn all(shipped: &Shipped) -> Vec<Self> {
         let (name, lens) = (&shipped.name, &shipped.lens);
         let zooms = lens.moving.as_ref().map_or(Vec::new(), |moving| {

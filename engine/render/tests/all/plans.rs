@@ -88,7 +88,7 @@ fn shot(d: CameraDescription, depth: f64, width: u32) -> Shot {
     Shot { stage: wall(depth), d, moving: Vec::new(), size: [width, width * 2 / 3] }
 }
 
-/// For each effect a picture in which it grows with one number from 0 to 1.
+/// A picture for each effect in which the effect grows with one number from 0 to 1.
 fn growing(effect: Effect, x: f64) -> Shot {
     let between = |low: f64, high: f64| low * (high / low).powf(x);
     match effect {

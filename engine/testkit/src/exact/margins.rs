@@ -5,8 +5,8 @@ use super::inputs::{Inputs, Surface};
 use super::local::{Local, Triple, dot, norm, plus_times};
 use super::trace::{Hit, Status};
 
-/// For each check that a ray came to, the relative change of the case's numbers that would turn its result:
-/// positive if the ray passed the check, negative if it failed, infinite if it was not made.
+/// The margins of a ray: for each check that it came to, the relative change of the case's numbers that would turn its
+/// result: positive if the ray passed the check, negative if it failed, infinite if it was not made.
 ///
 /// A vector counts by its length, so that the rounding of every component does. A size of 1e-16 means that rounding in
 /// `f64` may turn the outcome, 1e-7 that rounding in `f32` may; a tracer that is good to some ulps may fail within some
@@ -140,11 +140,11 @@ impl Margins {
 /// Changes about a point of the ray by relative changes of the case by 1, taken as if they could add up.
 struct Changes {
     local: Local,
-    /// To the surface's function there.
+    /// Change of the surface's function there.
     value: f64,
-    /// To N · D.
+    /// Change of N · D.
     slope: f64,
-    /// To the place of the point, t kept.
+    /// Change of the place of the point, t kept.
     moved: f64,
 }
 

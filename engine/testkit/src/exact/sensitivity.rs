@@ -47,17 +47,17 @@ pub fn sensitivity(case: &Case, truth: &Truth, precision: Precision) -> Sensitiv
 /// The change by a change of one number, before anything is solved for.
 #[derive(Clone, Copy, Default)]
 struct Change {
-    /// To where the ray is at the old t.
+    /// Change of the ray's place at the old t.
     place: Triple,
-    /// To its unit direction.
+    /// Change of the ray's unit direction.
     direction: Triple,
-    /// To the surface's function at the old hit.
+    /// Change of the surface's function at the old hit.
     value: f64,
-    /// To its gradient there.
+    /// Change of the function's gradient there.
     gradient: Triple,
-    /// To the second derivative along the ray.
+    /// Change of the second derivative along the ray.
     bend: f64,
-    /// To n1 / n2, relative to it.
+    /// Change of n1 / n2, relative to it.
     ratio: f64,
 }
 
@@ -81,7 +81,7 @@ struct About<'a> {
     local: Local,
     t: f64,
     point: Triple,
-    /// From the hit outwards to the rim, and to the rim of the obstruction, in mm.
+    /// Distance from the hit outwards to the rim, and to the rim of the obstruction, in mm.
     to_rim: Option<f64>,
     to_obstruction: f64,
     /// The ray's unit direction.

@@ -75,8 +75,7 @@ pub(super) enum Crossing {
 
 /// The outcome of the ray of `case`.
 ///
-/// On one core 12 µs for a conic and 45 to 65 µs for the other shapes; a million hard rays of every category took half a
-/// minute on two.
+/// A conic takes 12 µs on one core and the other shapes 45 to 65 µs; a million hard rays of every category took half a minute on two.
 ///
 /// # Panics
 /// If a number of the case is not finite, or the direction is 0.

@@ -31,13 +31,13 @@ pub(super) fn reach(curvature: f64, conic: f64) -> f64 {
 }
 
 impl Place {
-    /// On a conic's vertex sheet, `r` from the axis at the `angle` of that cosine and sine.
+    /// A place on a conic's vertex sheet, `r` from the axis at the `angle` of that cosine and sine.
     pub(super) fn on_conic(curvature: f64, conic: f64, r: f64, angle: [f64; 2]) -> Self {
         let shape = Shape::Conic { curvature, conic };
         Self::on(shape, r * angle[0], r * angle[1]).expect("r is within the conic's reach")
     }
 
-    /// Over (x, y); `None` where the surface does not reach.
+    /// The place over (x, y); `None` where the surface does not reach.
     pub(super) fn on(shape: Shape, x: f64, y: f64) -> Option<Self> {
         let profile = shape.profile();
         let z = match &shape {

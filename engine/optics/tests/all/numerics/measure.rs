@@ -200,7 +200,7 @@ fn share(category: Category) -> u64 {
     if matches!(category, Asphere | StrongAsphere | Toroid | Cylinder) { 1 } else { 5 }
 }
 
-/// About `rays` rays of all categories on all cores; for each category the tallies of [`By::ALL`].
+/// The tallies of [`By::ALL`] for each category, by about `rays` rays of all categories on all cores.
 pub fn measure(rays: u64, seed: u64) -> Vec<(Category, [Tally; 3])> {
     const CHUNK: u64 = 500;
     let shares: u64 = Category::ALL.into_iter().map(share).sum();

@@ -116,7 +116,7 @@ impl Exact {
         Self { system, film, lines, picture_mm, pixels, pupil_z_mm, mm_per_unit }
     }
 
-    /// From camera space, Blender units, to lens space, mm.
+    /// A place of camera space, Blender units, in lens space, mm.
     pub(crate) fn to_lens(&self, at: DVec3) -> DVec3 {
         at * self.mm_per_unit + DVec3::new(0.0, 0.0, self.pupil_z_mm)
     }

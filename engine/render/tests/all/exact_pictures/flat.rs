@@ -109,7 +109,7 @@ impl Field {
     }
 }
 
-/// In standard errors.
+/// Scores in standard errors.
 #[derive(Debug)]
 struct Scores {
     worst: f64,

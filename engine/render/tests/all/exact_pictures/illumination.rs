@@ -124,8 +124,8 @@ fn behind_a_rear_stop_light_falls_off_by_the_closed_form() {
     }
 }
 
-/// From the middle to the corner, for a wide angle, telephoto, double Gauss, fisheye, mirror lens, a retina and a film
-/// that is turned.
+/// Vignetting from the middle to the corner, for a wide angle, telephoto, double Gauss, fisheye, mirror lens, a retina
+/// and a film that is turned.
 #[test]
 fn vignetting_is_that_of_counted_rays() {
     let film = |name: &str, width: f64, f_number: Option<f64>| CameraDescription {

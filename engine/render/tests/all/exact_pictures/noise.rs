@@ -115,7 +115,7 @@ impl Fit {
         assert!(self.is_good(), "{what}: {self:?}");
     }
 
-    /// For what must be told from the truth.
+    /// Asserts that a wrong picture is told from the truth.
     pub(crate) fn check_not(&self, what: &str) {
         println!("not {what}: {self:.3?}");
         assert!(!self.is_good(), "{what} fits as well: {self:?}");
