@@ -45,7 +45,8 @@ const KINDS: [(&str, AttributeKind); 7] = [
 ];
 
 impl Points {
-    /// Adds a field by its name in small letters, `true_normal`, or an attribute as `uv:UVMap`. False: no such field.
+    /// Adds a field by its name in small letters, `true_normal`, or an attribute as `uv:UVMap`. False if there is no
+    /// such field.
     pub fn add(&mut self, name: &str, column: Column) -> bool {
         if let Some((kind, name)) = name.split_once(':') {
             let Some((_, kind)) = KINDS.iter().find(|(word, _)| *word == kind) else { return false };

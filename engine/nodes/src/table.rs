@@ -6,7 +6,7 @@ use glam::{Vec3A, Vec4};
 #[derive(Clone, Debug, PartialEq)]
 pub(crate) struct Table {
     pub(crate) rows: Vec<Vec4>,
-    /// Off for a ramp of constant steps.
+    /// False for a ramp of constant steps.
     pub(crate) interpolate: bool,
     /// Positions of the first and last row.
     pub(crate) range: [f32; 2],

@@ -241,7 +241,8 @@ impl Diaphragm {
 }
 
 impl Masked {
-    /// One lane after the other, in f64: a lookup gains nothing from lanes, and so comes out alike in all.
+    /// True at the points that are open. One lane after the other, in f64: a lookup gains nothing from lanes, and so comes out alike in
+    /// all.
     #[cold]
     fn are_open<L: Lane>(&self, x_mm: L, y_mm: L) -> L::Mask {
         let mut is_open = [L::Real::ZERO; WIDEST_LANE];

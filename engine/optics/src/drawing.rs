@@ -30,7 +30,7 @@ pub struct Profile {
     pub points: Vec<[f64; 2]>,
     /// Half of the diameter of the missing middle, or 0.
     pub hole_mm: f64,
-    /// Light is reflected.
+    /// True if the surface reflects light.
     pub is_mirror: bool,
     /// The glass behind it; `None`: air, or a mirror.
     pub glass_behind: Option<String>,

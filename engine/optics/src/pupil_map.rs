@@ -68,7 +68,7 @@ pub struct PupilMap {
     period: f64,
     /// Cosine and sine of the multiples of the period.
     frames: Vec<DVec2>,
-    /// The film stands upright and any turn leaves the lens as it is: only the distance from the axis counts.
+    /// True if the film stands upright and any turn leaves the lens as it is: only the distance from the axis counts.
     is_plain: bool,
     /// Ellipses about the outline, by node of depth, azimuth and radius; by depth and radius if only the blades know of an azimuth.
     ellipses: Vec<Ellipse>,

@@ -18,7 +18,7 @@ pub struct Scatterer {
     pub path_per_height: f64,
     /// Displacement of the light on the film, for one of the angle; mm.
     pub reach_mm: f64,
-    /// Dust can lie on it: there is air on a side.
+    /// True if dust can lie on the surface: there is air on a side.
     pub is_open: bool,
 }
 

@@ -26,7 +26,7 @@ const NEARLY_FARTHEST: f32 = 1e9;
 pub struct Merged {
     /// Mean samples a pixel.
     pub samples: f64,
-    /// The picture is that of one render, to the last bit.
+    /// True if the picture is that of one render, to the last bit.
     pub is_exact: bool,
 }
 
@@ -181,7 +181,7 @@ struct Joining<'a> {
 }
 
 impl Joining<'_> {
-    /// Joins a pass; false where it is the picture, and comes out to its rounding alone.
+    /// Joins a pass; false if it is the picture, and is exact to its rounding only.
     fn pass(&self, parts: &[Part], pass: &str, channels: &[String], done: &mut Vec<(String, Vec<f32>)>) -> bool {
         if REMAINDERS.contains(&pass) {
             // With the picture.
@@ -286,7 +286,7 @@ impl Joining<'_> {
         out
     }
 
-    /// A channel of the picture with what its numbers leave out; false where that is not there.
+    /// Joins a channel of the picture with what its numbers leave out; false if a part has no such remainder.
     fn exact(&self, parts: &[Part], name: &str, done: &mut Vec<(String, Vec<f32>)>) -> bool {
         let Some((before, channel)) = name.rsplit_once(&format!("{COMBINED}.")) else { return false };
         let rests = REMAINDERS.map(|rest| format!("{before}{rest}.{channel}"));

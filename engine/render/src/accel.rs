@@ -116,7 +116,7 @@ pub struct Hit {
 pub struct Across {
     /// The sine of the angle between the outward normal and the view, -1 to 1.
     pub sine: f32,
-    /// A round strand is met from within.
+    /// True if the ray hits a round strand from within.
     pub is_within: bool,
     /// True if the part of the outward normal that is neither across nor along the strand leans away from the view.
     pub leans_away: bool,

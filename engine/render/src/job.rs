@@ -174,7 +174,7 @@ impl Job {
         self.shared.keeper.as_ref().and_then(Keeper::own_file)
     }
 
-    /// Waits until the render has ended or `timeout` is over; true where it has ended.
+    /// Waits until the render has ended or `timeout` is over; true if it has ended.
     pub fn wait(&self, timeout: Duration) -> bool {
         let running = lock(&self.shared.running);
         let (running, _) =

@@ -20,7 +20,7 @@ pub struct SurfacePoint {
     pub geometric_normal: Vec3A,
     /// The interpolated unit normal, on the same side as the triangle's.
     pub shading_normal: Vec3A,
-    /// The ray came from behind the triangle.
+    /// True if the ray came from behind the triangle.
     pub backfacing: bool,
     /// Index of the instance.
     pub instance: u32,

@@ -12,7 +12,7 @@ use std::sync::{Arc, Mutex};
 pub(crate) enum Scattering {
     /// Once; as Blender 4 tabulates it, or as 5 does.
     Once {
-        /// Blender 4.
+        /// True for Blender 4's tables, false for Blender 5's.
         older: bool,
     },
     /// Many times.

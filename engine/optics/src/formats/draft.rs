@@ -35,7 +35,7 @@ pub(super) struct DraftRow {
     pub(super) thickness_mm: f64,
     pub(super) behind: Behind,
     pub(super) semi_diameter_mm: Option<f64>,
-    /// The file means that the rim stops light, not only that the beam is so wide.
+    /// True if the file means that the rim stops light, not only that the beam is so wide.
     pub(super) has_rim: bool,
     pub(super) obstruction_mm: f64,
 }

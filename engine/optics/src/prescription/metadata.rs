@@ -77,7 +77,7 @@ pub struct Metadata {
     pub source: Option<String>,
     /// The purpose of the lens.
     pub group: Option<LensGroup>,
-    /// The lens is one of those to begin with.
+    /// True if the lens is one of those to begin with.
     pub is_first_choice: bool,
     /// Nominal focal length in mm; `None` also where the header says that none is published.
     pub focal_length_mm: Option<f64>,

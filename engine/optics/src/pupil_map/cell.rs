@@ -160,7 +160,7 @@ impl Cell {
         squared > self.surely[0] && squared < self.surely[1] || self.contains_by_sector(point)
     }
 
-    /// [`Self::contains`] where the distance alone does not say it; of no cell that is dark.
+    /// [`Self::contains`] where the distance alone does not decide it; not for a dark cell.
     pub(super) fn contains_by_sector(&self, point: DVec2) -> bool {
         let guess = nearly_sector(point);
         let next = |i: usize| if i + 1 < ANGLES { i + 1 } else { 0 };

@@ -17,9 +17,9 @@ use super::{Lost, Ray, Tracer, Travel, Way, bent};
 pub struct Meeting {
     /// Its index, counted from the scene.
     pub surface: usize,
-    /// The ray comes from the scene's side of the lens.
+    /// True if the ray comes from the scene's side of the lens.
     pub towards_film: bool,
-    /// The path turns round here; otherwise the surface does what it is made for.
+    /// True if the path turns round here; otherwise the surface does what it is made for.
     pub turns: bool,
 }
 

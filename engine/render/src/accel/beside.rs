@@ -13,7 +13,7 @@ use std::ops::ControlFlow;
 
 /// Trees beside those of still triangles.
 pub(super) trait Forest {
-    /// The nearest that is nearer than `nearest`, else that; of instances that are wanted.
+    /// The closest hit on a wanted instance if it is nearer than `nearest`, else `nearest`.
     fn closest_with<S: Simd>(
         &self,
         simd: S,
@@ -22,7 +22,7 @@ pub(super) trait Forest {
         wanted: &impl Fn(u32) -> bool,
     ) -> Option<Hit>;
 
-    /// Gives everything between the ray's ends to `pass` until that says no; whether it did not.
+    /// Visits the hits on wanted instances between the ray's ends until `pass` returns false; `Break` if it did.
     fn each_between_with<S: Simd>(
         &self,
         simd: S,
@@ -31,13 +31,13 @@ pub(super) trait Forest {
         pass: &mut dyn FnMut(&Hit) -> bool,
     ) -> ControlFlow<()>;
 
-    /// [`Self::closest_with`] in the lanes that there are.
+    /// [`Self::closest_with`] in the lanes that the processor has.
     #[inline(never)]
     fn closest(&self, level: Level, ray: &Ray, nearest: Option<Hit>, wanted: &impl Fn(u32) -> bool) -> Option<Hit> {
         dispatch!(level, simd => self.closest_with(simd, ray, nearest, wanted))
     }
 
-    /// [`Self::each_between_with`] likewise.
+    /// [`Self::each_between_with`] in the lanes that the processor has.
     #[inline(never)]
     fn each_between(
         &self,

@@ -43,7 +43,7 @@ impl Bounds {
         [self.min.w, self.max.w].map(f32::to_bits)
     }
 
-    /// Near enough for products of three distances to be numbers of single precision.
+    /// True if the box is near enough to the origin for products of three distances to be numbers of single precision.
     pub(super) fn is_within_reach(&self) -> bool {
         const REACH: f32 = 1e12;
         self.low().abs().max(self.high().abs()).cmple(Vec3A::splat(REACH)).all()

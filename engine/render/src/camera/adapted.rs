@@ -48,9 +48,9 @@ pub struct Adapted {
     maker: Maker,
     mount: Mount,
     spectrum: FilmSpectrum,
-    /// The maker has one wavelength for all of the film's.
+    /// True if the maker has one wavelength for all of the film's.
     is_grey: bool,
-    /// Everything is seen through the middle of the pupil.
+    /// True if everything is seen through the middle of the pupil.
     is_sharp: bool,
     /// The part of the maker's picture that this one is, in width and height.
     part: f32,

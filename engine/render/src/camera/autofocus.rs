@@ -38,7 +38,7 @@ pub struct Focused {
     pub tilt_rad: f64,
     /// Turn of the film about its vertical axis.
     pub swing_rad: f64,
-    /// Groups inside of the lens have moved, not the film: only the focus distance says so.
+    /// True if groups inside of the lens have moved, not the film: only the focus distance says so.
     pub moves_groups: bool,
     /// Root mean square radius of the spot on the film, the largest of three.
     pub rms_spot_mm: f64,
@@ -210,7 +210,7 @@ impl<'a> Finder<'a> {
         Ok(FilmPlane { z_mm: z_mm - sag, ..film })
     }
 
-    /// Puts the film, and the lens with it where the film is the anchor; true if it has been there.
+    /// Puts the film, and the lens with it where the film is the anchor; true if it hardly moved.
     fn put(&mut self, film: FilmPlane) -> bool {
         let before = std::mem::replace(&mut self.mount.film, film);
         self.mount.refocus(film, self.d.focusing.origin_z_mm(&self.system, self.line_nm, film.z_mm));

@@ -58,17 +58,17 @@ impl Spectrum {
 /// The effects of a traced lens that the picture shows; by default all.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub struct Shown {
-    /// Blur of what is out of focus; else everything is seen through the middle of the pupil.
+    /// Blur of what is out of focus; if false, everything is seen through the middle of the pupil.
     pub defocus: bool,
-    /// Aberrations; else Gaussian optics make the image, with all else of the lens.
+    /// Aberrations; if false, Gaussian optics make the image, with all else of the lens.
     pub aberration: bool,
-    /// Distortion; else straight lines are straight.
+    /// Distortion; if false, straight lines are straight.
     pub distortion: bool,
-    /// Vignetting; else the picture is as bright everywhere as in its middle. Blur keeps its shapes.
+    /// Vignetting; if false, the picture is as bright everywhere as in its middle. Blur keeps its shapes.
     pub vignetting: bool,
-    /// Colours of different size.
+    /// Lateral colour: the size of the image depends on the wavelength.
     pub lateral_colour: bool,
-    /// Colours of different focus.
+    /// Axial colour: the focus depends on the wavelength.
     pub axial_colour: bool,
 }
 
@@ -86,7 +86,7 @@ impl Default for Shown {
 }
 
 impl Shown {
-    /// Rays are those of the lens.
+    /// True if the rays are those of the lens: all effects but vignetting are shown.
     pub fn is_traced_plainly(&self) -> bool {
         self.defocus && self.aberration && self.distortion && self.lateral_colour && self.axial_colour
     }

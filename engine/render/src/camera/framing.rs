@@ -26,8 +26,8 @@ pub struct Framing {
     pub shift_mm: [f64; 2],
     /// Angle along the larger side.
     pub angle_rad: f64,
-    /// The rays through the middle of the exit pupil reach the film's edges there; where they do not, the picture is dim or dark
-    /// towards them.
+    /// True if the rays through the middle of the exit pupil reach the film's edges; where they do not, the picture is dim or dark towards
+    /// them.
     pub reaches_edges: bool,
 }
 

@@ -40,7 +40,7 @@ impl Precision {
 pub struct Chosen {
     /// The precision that was asked for.
     pub asked: Precision,
-    /// f32, or else f64.
+    /// True for f32, false for f64.
     pub is_single: bool,
     /// Largest displacement of a ray by single precision, pixels; infinite where it loses rays that double precision has, finds some that
     /// it has not, or cannot hold what they count.

@@ -12,8 +12,7 @@ const DEFENSIVE_SHARE: f32 = 0.05;
 /// The margin of that area about the picture, as a part of each side.
 const BEYOND: f32 = 0.15;
 
-/// A ray from the scene that is asked for is one of those that are spread over more than the picture: it has nothing to
-/// do with its pixel.
+/// True if the ray from the scene is one of those that are spread over more than the picture: it has nothing to do with its pixel.
 pub fn is_astray(request: &Request) -> bool {
     request.u_beyond < DEFENSIVE_SHARE
 }

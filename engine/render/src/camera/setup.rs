@@ -36,7 +36,7 @@ pub struct LensInfo {
     pub t_number: Option<f64>,
     /// The names of the coatings on its surfaces in air, each once.
     pub coatings: Vec<String>,
-    /// Nothing is known of some coating: one was assumed.
+    /// True if nothing is known of some coating, so that one was assumed.
     pub coating_is_assumed: bool,
     /// Glasses whose absorption is not known and that count as clear.
     pub unknown_absorption: Vec<String>,
@@ -68,7 +68,7 @@ pub struct LensInfo {
     pub entrance_pupil_diameter_mm: Option<f64>,
     /// Focal lengths that a zoom lens is made for, mm.
     pub zoom_range_mm: Option<[f64; 2]>,
-    /// Groups inside of the lens move to focus it, not the film.
+    /// True if groups inside of the lens move to focus it, not the film.
     pub focuses_inside: bool,
     /// Remarks on parts of its file that could not be used, line by line.
     pub remarks: Vec<String>,

@@ -185,8 +185,8 @@ impl Survey {
         self.system.f_number() * diaphragm.radius_mm() / (diaphragm.area_mm2() / PI).sqrt()
     }
 
-    /// The film stands upright and is flat, the lens shows both directions alike, and the world has one scale: a pinhole can
-    /// frame the same picture.
+    /// True if a pinhole can frame the same picture: the film stands upright and is flat, the lens shows both directions alike, and the
+    /// world has one scale.
     pub fn is_upright(&self) -> bool {
         !self.mount.film.is_uneven() && self.system.is_rotationally_symmetric() && self.mount.scale().is_some()
     }

@@ -25,7 +25,7 @@ pub enum MatteLayer {
     Asset,
     /// Objects by their pass index, of which a pixel has one: [`super::Film::most_seen`].
     ObjectIndex,
-    /// Materials likewise.
+    /// Materials by their pass index, of which a pixel has one: [`super::Film::most_seen`].
     MaterialIndex,
 }
 

@@ -78,13 +78,13 @@ impl TileRect {
 /// The data that a film keeps beside light.
 #[derive(Clone, Debug, Default)]
 pub struct Keep {
-    /// The surfaces that the pixels see.
+    /// True to keep the surfaces that the pixels see.
     pub surfaces: bool,
-    /// Motion vectors of these surfaces over the picture.
+    /// True to keep motion vectors of these surfaces over the picture.
     pub vectors: bool,
     /// The objects or materials of these surfaces.
     pub mattes: Mattes,
-    /// Counts of samples that differ, in [`halves`].
+    /// True to keep counts of samples that differ, in [`halves`].
     pub halves: bool,
     /// Groups of emitters whose light is kept for itself as well.
     pub groups: u16,
@@ -459,7 +459,7 @@ impl Film {
         out
     }
 
-    /// The pass index that most of each pixel's rays met, rows from below.
+    /// The pass index that most of each pixel's rays hit, rows from below.
     pub fn most_seen(&self, layer: MatteLayer) -> Vec<f32> {
         let mut out = vec![0.0; self.width as usize * self.height as usize];
         self.each_pixel(|tile, at, pixel| {

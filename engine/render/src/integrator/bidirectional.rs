@@ -96,7 +96,7 @@ impl LightPath {
     }
 }
 
-/// Nothing that could be seen, or nothing that can be added.
+/// True if the light is zero or not finite, so that there is nothing to add.
 fn is_dark(light: Rgb) -> bool {
     light == Rgb::ZERO || !light.is_finite()
 }

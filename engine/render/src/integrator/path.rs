@@ -43,7 +43,7 @@ const SETS_PER_STEP: u32 = 2;
 pub struct PathResult {
     /// Radiance along the camera ray.
     pub radiance: Rgb,
-    /// The ray reached something other than the world directly behind transparent surfaces.
+    /// True if the ray reached something other than the world directly behind transparent surfaces.
     pub hit: bool,
     /// The part of the first hit that is a hole.
     pub hole: f32,
@@ -91,7 +91,7 @@ pub struct Limits {
     pub clamp_indirect: f32,
     /// Approximations of indirect light.
     pub approximations: Approximations,
-    /// The world and suns light the scene, but the camera does not see them.
+    /// True if the world and suns light the scene but the camera does not see them.
     pub hide_sky: bool,
     /// The part of the sky that is seen from a surface, on average: see [`openness`]. Only noise depends on it.
     pub openness: f32,

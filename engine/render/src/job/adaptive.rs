@@ -128,7 +128,7 @@ impl Adaptive {
         }
     }
 
-    /// Decides on from there; false if that is of another picture.
+    /// Continues from `state`; false if that is of another picture.
     pub(super) fn restore(&mut self, state: AdaptiveState) -> bool {
         let fits = state.plans.len() == self.plans.len();
         self.plans = state.plans.into_iter().map(Mutex::new).collect();

@@ -13,9 +13,9 @@ pub const PARTS: [Part; 2] = [Part::Caught, Part::Catches];
 /// Settings for laying the picture over a photograph.
 #[derive(Clone, Copy, Debug)]
 pub struct Laying {
-    /// The film is opaque.
+    /// True if the film is opaque.
     pub is_opaque: bool,
-    /// The shadow is a pass of its own, and not in the picture.
+    /// True if the shadow is a pass of its own, and not in the picture.
     pub is_apart: bool,
 }
 
@@ -68,13 +68,13 @@ impl Job {
         }))
     }
 
-    /// The part of the light that is left on shadow catchers, rows from below; 1 where none is seen. `None` as above.
+    /// The part of the light that is left on shadow catchers, rows from below; 1 where none is seen. `None` if this keeps not [`PARTS`].
     pub fn shadow(&self, alone: &Self) -> Option<Vec<[f32; 3]>> {
         Some(self.pixels_beside(alone)?.map(|pixel| pixel.shadow().into()).collect())
     }
 
-    /// The picture to be laid over a photograph: what catches shadows is gone, and the mean of its shadow is alpha. Where there
-    /// is a render of the `sky` it is laid over that. `None` as above.
+    /// The picture to be laid over a photograph: what catches shadows is gone, and the mean of its shadow is alpha. Where there is a render
+    /// of the `sky` it is laid over that. `None` if this keeps not [`PARTS`].
     pub fn over_photograph(&self, alone: &Self, sky: Option<&Self>, laying: Laying) -> Option<Vec<[f32; 4]>> {
         let laid = self.pixels_beside(alone)?.map(|pixel| pixel.laid(laying));
         let Some(sky) = sky else {

@@ -65,7 +65,7 @@ pub struct OwnFile {
 }
 
 impl OwnFile {
-    /// Removes the file, unless another render has replaced it meanwhile; true where it was removed.
+    /// Removes the file, unless another render has replaced it meanwhile; true if it was removed.
     pub fn delete(&self) -> bool {
         Identity::of(&self.path).is_ok_and(|now| now == self.identity) && std::fs::remove_file(&self.path).is_ok()
     }

@@ -28,8 +28,8 @@ pub struct Settings {
     pub min_samples: u32,
     /// Seed of all random choices.
     pub seed: u32,
-    /// The errors of neighbouring pixels cancel once all samples are there. Not where pixels get as many as they need:
-    /// what stops them must not know of their neighbours. Ranges of samples make the whole picture only without.
+    /// True if the errors of neighbouring pixels are to cancel once all samples are there. Not where pixels get as many as they need: what
+    /// stops them must not know of their neighbours. Ranges of samples make the whole picture only without.
     pub blue_noise: bool,
     /// Factor of the finished light.
     pub film_exposure: f32,
@@ -54,11 +54,11 @@ pub struct Settings {
     pub approximations: Approximations,
     /// The pixel filter.
     pub filter: Filter,
-    /// The world is not seen by the camera; its pixels are transparent.
+    /// True if the camera does not see the world; its pixels are transparent.
     pub transparent_film: bool,
-    /// The pipeline: the direction in which camera rays are made.
+    /// The pipeline: the order in which the parts of a sample are made.
     pub pipeline: Pipeline,
-    /// Keep what surfaces the pixels see, for [`Job::data`].
+    /// True to keep the data of the surfaces that the pixels see, for [`Job::data`].
     pub with_data: bool,
     /// The integrator. Light paths carry a set of wavelengths, whatever the pipeline.
     pub integrator: Integrator,

@@ -21,7 +21,7 @@ pub struct LightBounds {
     pub normal_spread_rad: f32,
     /// Largest angle of light to its emitter's normal.
     pub emission_spread_rad: f32,
-    /// Light also leaves backwards.
+    /// True if light also leaves backwards.
     pub two_sided: bool,
 }
 

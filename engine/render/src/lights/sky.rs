@@ -33,7 +33,7 @@ pub(super) struct Sky {
     suns: Vec<u32>,
     /// The suns again, as they are chosen.
     discs: Vec<Disc>,
-    /// The world's nodes ask what kind of bounce sees them.
+    /// True if the world's nodes ask what kind of bounce sees them.
     tells_bounces_apart: bool,
 }
 

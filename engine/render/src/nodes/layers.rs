@@ -156,7 +156,7 @@ pub fn plain_values(
     with_slice(graph, &graph.slices.scattering, around, || *point, view, |value, _| plain.values(&value))
 }
 
-/// The part of a surface that lets light through unbent.
+/// The opening of a surface: the light that it lets through unbent, and the probabilities of passing and scattering.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Opening {
     /// Transmittance by channel.

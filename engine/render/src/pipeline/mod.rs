@@ -160,7 +160,7 @@ impl Counts {
     }
 }
 
-/// Adds samples `first..first + count` of every pixel of a tile to `light`; false where `stopped` said so.
+/// Adds samples `first..first + count` of every pixel of a tile to `light`; `None` where `stopped` said so.
 pub fn render_tile(
     shot: &Shot<'_>,
     rect: TileRect,
@@ -190,7 +190,7 @@ pub fn render_pixels(
     }
 }
 
-/// One sample after the other, with a path from the camera and one from a light.
+/// Renders one sample after the other, with a path from the camera and one from a light; `None` where `stopped` said so.
 fn render_light_paths(
     shot: &Shot<'_>,
     techniques: Techniques,

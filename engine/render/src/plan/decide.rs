@@ -61,13 +61,13 @@ pub struct CameraChoice {
     pub round_f_number: Option<f64>,
     /// The effects of the traced lens that are shown.
     pub shown: Shown,
-    /// Samples are taken all through the time that the shutter is open.
+    /// True if samples are taken all through the time that the shutter is open.
     pub is_moving: bool,
-    /// Reflections between the lens's surfaces are looked for.
+    /// True if reflections between the lens's surfaces are looked for.
     pub ghosts: bool,
-    /// The picture is spread by [`crate::stray::diffraction`], of the camera as it was given.
+    /// True if the picture is spread by [`crate::stray::diffraction`], of the camera as it was given.
     pub diffraction: bool,
-    /// And by [`crate::stray::glare`].
+    /// True if the picture is spread by [`crate::stray::glare`].
     pub glare: bool,
     /// True if light is lost at surfaces and in glasses.
     pub transmission: bool,

@@ -13,7 +13,7 @@ pub(super) struct Known<'a> {
     pub(super) lens: LensMeasures,
     /// The motion by changes of the lens; `None` where it stands still.
     pub(super) motion: Option<Worst>,
-    /// The motion of the scene or the camera; `None` where everything stands still.
+    /// The motion of the scene or the camera; `None` where neither moves.
     pub(super) scene_motion: Option<SceneMotion>,
     /// Ghosts of the brightest sources.
     pub(super) ghosts: Option<GhostLook>,
@@ -25,7 +25,7 @@ pub(super) struct Known<'a> {
     pub(super) seen_px: f64,
     /// Number of pixels of the picture.
     pub(super) pixels: f64,
-    /// Light paths end in a lens that is traced.
+    /// True if light paths end in a lens that is traced.
     pub(super) needs_lens: bool,
 }
 

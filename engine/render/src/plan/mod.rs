@@ -52,7 +52,7 @@ pub enum Effect {
     Diaphragm,
     /// Something moves, or the lens changes, while the shutter is open.
     MotionBlur,
-    /// Absorption by glass and coatings in each colour.
+    /// Losses in glass and at coatings in each colour.
     Transmission,
     /// Light reflected between surfaces.
     Ghosts,
@@ -115,7 +115,7 @@ impl Effect {
         }
     }
 
-    /// A lens that is traced is needed for it: it is a matter of the rays that make the picture, not of what strays from them.
+    /// True if the effect needs a lens that is traced: it is a matter of the rays that make the picture, not of what strays from them.
     pub(super) fn is_of_rays(self) -> bool {
         !matches!(self, Self::MotionBlur | Self::SpectralMaterials | Self::Ghosts | Self::Glare | Self::Diffraction)
     }
@@ -292,7 +292,7 @@ pub struct Decision {
     pub word: Word,
     /// True if the effect is simulated.
     pub is_on: bool,
-    /// The measure may be too small, and was taken for larger than it is.
+    /// True if the measure may be too small, and was taken for larger than it is.
     pub is_uncertain: bool,
     /// The reason, in a sentence.
     pub why: String,

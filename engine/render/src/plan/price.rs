@@ -17,7 +17,7 @@ pub(super) enum Price {
     Gaussian,
     /// Every ray through every surface, in f32 or f64.
     Exact {
-        /// f32.
+        /// True for f32, false for f64.
         is_single: bool,
         /// Wavelengths that a path carries.
         carried: usize,

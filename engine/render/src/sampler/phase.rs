@@ -8,7 +8,8 @@ use std::f32::consts::PI;
 pub enum PhaseLobe {
     /// Henyey and Greenstein 1941, by its mean cosine.
     HenyeyGreenstein(f32),
-    /// Draine 2003, "Scattering by interstellar dust grains", equation 4: the former times 1 + alpha cos^2.
+    /// Draine 2003, "Scattering by interstellar dust grains", equation 4: Henyey and Greenstein's times 1 + alpha
+    /// cos^2.
     Draine {
         /// The parameter g, as in Henyey and Greenstein's.
         anisotropy: f32,

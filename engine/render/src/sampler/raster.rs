@@ -13,7 +13,7 @@ pub struct Raster {
     width: u32,
     height: u32,
     filter: PixelFilter,
-    /// Each place belongs to one pixel.
+    /// True if each place belongs to one pixel.
     is_box: bool,
     columns: Columns,
 }

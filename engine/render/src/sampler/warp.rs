@@ -180,7 +180,7 @@ impl PixelFilter {
         self.reach
     }
 
-    /// False for the box.
+    /// True for all filters but the box.
     pub fn is_smooth(&self) -> bool {
         self.densities.len() > 2
     }

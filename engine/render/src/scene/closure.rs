@@ -171,7 +171,7 @@ pub enum Closure<C, N> {
     Subsurface {
         /// Albedo.
         color: C,
-        /// Mean distance by channel, times `scale`.
+        /// Distance that the light goes, by channel, times `scale`.
         radius: C,
         /// Blender units.
         scale: N,
@@ -194,7 +194,7 @@ pub enum Closure<C, N> {
         roughness_about: N,
         /// Radians by which the mirrored cone is tilted.
         offset: N,
-        /// Come through, not mirrored.
+        /// True for light that comes through, false for mirrored light.
         through: bool,
     },
     /// Blender's Principled Hair BSDF, Chiang's model.

@@ -24,10 +24,10 @@ pub struct Instance {
     pub to_object: Affine3A,
     /// Object-space normals to render space (inverse transpose), unnormalised.
     pub normal_to_render: Mat3A,
-    /// The only user of its mesh, and its matrix does not scale all directions alike: normals are made unit in render space before they are
-    /// interpolated, as by Cycles, which puts such a mesh into the world before it renders.
+    /// True if the instance is the only user of its mesh, and its matrix does not scale all directions alike: normals are made unit in
+    /// render space before they are interpolated, as by Cycles, which puts such a mesh into the world before it renders.
     pub is_stretched: bool,
-    /// The matrix mirrors: front and back are exchanged.
+    /// True if the matrix mirrors: front and back are exchanged.
     pub mirrored: bool,
     /// Material of each slot; never empty.
     pub materials: Vec<u32>,

@@ -13,7 +13,7 @@ pub enum LampKind {
     Point {
         /// Blender units.
         radius: f32,
-        /// A disk that faces whoever looks at it, rather than a sphere.
+        /// True for a disk that faces whoever looks at it, false for a sphere.
         soft: bool,
     },
     /// A sphere that emits into a cone about the lamp's -z.
@@ -24,7 +24,7 @@ pub enum LampKind {
         half_angle_rad: f32,
         /// 0 hard to 1 soft.
         blend: f32,
-        /// A disk that faces whoever looks at it, rather than a sphere.
+        /// True for a disk that faces whoever looks at it, false for a sphere.
         soft: bool,
     },
     /// A disk infinitely far along the lamp's +z.
@@ -36,7 +36,7 @@ pub enum LampKind {
     Area {
         /// Full sides in lamp space.
         size: [f32; 2],
-        /// An ellipse with these diameters rather than a rectangle.
+        /// True for an ellipse with these diameters, false for a rectangle.
         ellipse: bool,
         /// Half of the angle that it emits into; pi/2 is a plain Lambert emitter.
         half_spread_rad: f32,
@@ -62,7 +62,7 @@ pub struct Lamp {
     pub light_group: u16,
     /// Scatterings after which it no longer lights anything.
     pub max_bounces: u32,
-    /// Is shadowed by objects.
+    /// True if objects shadow the lamp's light.
     pub cast_shadow: bool,
     /// Lamp axes to render space.
     pub to_render: Affine3A,

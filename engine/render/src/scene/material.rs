@@ -17,11 +17,11 @@ pub struct Material {
     pub pass_index: i32,
     /// The values that its nodes give out beside the surface.
     pub aovs: Option<Aovs>,
-    /// The camera sees a hole instead, all else the surface.
+    /// True if the camera sees a hole instead, and all else the surface.
     pub holds_out: bool,
     /// True if its surface may emit, or be a hole to the camera: a scene's builder sets it.
     pub speaks: bool,
-    /// Any of its closures may scatter light: a scene's builder finds out.
+    /// True if any of its closures may scatter light: a scene's builder sets it.
     pub scatters: bool,
 }
 

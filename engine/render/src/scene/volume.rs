@@ -162,7 +162,7 @@ pub struct Volume {
     pub layers: Vec<VolumeLayer>,
     /// Pass index of the material.
     pub pass_index: i32,
-    /// No node asks for the place, so that it is the same along a ray, unless grids make it vary.
+    /// True if no node asks for the place, so that the volume is constant along a ray, unless grids make it vary.
     pub is_even: bool,
 }
 

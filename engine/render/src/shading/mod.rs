@@ -33,7 +33,7 @@ pub struct BsdfSample {
     pub weight: Rgb,
     /// Density per steradian; meaningless where `mirror`.
     pub pdf: f32,
-    /// A single direction, which no light sample can find.
+    /// True for a single direction, which no light sample can find.
     pub mirror: bool,
     /// True if the direction goes through the surface.
     pub transmitted: bool,

@@ -50,7 +50,7 @@ pub struct Features {
     pub mirrored: Rgb,
     /// The mean of their normals.
     pub normal: Vec3A,
-    /// Mirrors are most of it: what is seen in them tells more.
+    /// True if mirrors are most of the surface, by the probability of their choice: what is seen in them tells more.
     pub goes_on: bool,
 }
 

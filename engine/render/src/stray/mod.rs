@@ -163,7 +163,7 @@ impl Straight<'_> {
 }
 
 impl Strays {
-    /// Finds them; `None` where `stopped` said so.
+    /// Finds the stray light; `None` where `stopped` said so.
     pub fn find(&self, straight: &Straight<'_>, stopped: &(dyn Fn() -> bool + Sync)) -> Option<Strayed> {
         let mut found = Strayed::default();
         let mut start = Instant::now();

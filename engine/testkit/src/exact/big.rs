@@ -93,12 +93,12 @@ impl Big {
         self.0.is_zero()
     }
 
-    /// x < 0.
+    /// True if x < 0.
     pub fn is_negative(&self) -> bool {
         self.0.is_negative() && !self.is_zero()
     }
 
-    /// x > 0.
+    /// True if x > 0.
     pub fn is_positive(&self) -> bool {
         self.0.is_positive() && !self.is_zero()
     }

@@ -31,7 +31,7 @@ pub struct Belongs {
     first: First,
     /// True if the light is direct, or where the camera sees it, the sky.
     is_near: bool,
-    /// The path's ray met it.
+    /// True if the path's ray hit the light.
     is_met: bool,
 }
 

@@ -99,7 +99,7 @@ impl Part {
 pub struct Seen {
     to_camera: Mat3A,
     place: Vec3A,
-    /// Depth along the axis counts, not the distance.
+    /// True if depth is counted along the axis, not as distance.
     is_flat: bool,
     /// Start of the mist, the reciprocal of its depth, and the power of its falloff.
     mist: [f32; 3],

@@ -30,7 +30,7 @@ pub(super) struct Grazing {
     side: f32,
     /// The part of the way to the curved surface by which the ray's start is moved.
     amount: f32,
-    /// The smooth normal and the triangle's see it on different sides.
+    /// True if the light is on different sides of the smooth normal and of the triangle's.
     pub(super) is_beyond: bool,
 }
 

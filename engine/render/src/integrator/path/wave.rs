@@ -106,7 +106,7 @@ struct Passage {
     weight: Rgb,
     /// Distance of the surface from the ray's origin.
     t: f32,
-    /// The border of a volume alone is no surface: it is not counted.
+    /// False for the border of a volume alone, which is no surface.
     is_counted: bool,
 }
 

@@ -218,7 +218,7 @@ impl Facets {
         }
     }
 
-    /// Nothing but single directions.
+    /// True if the lobe has nothing but single directions.
     pub(super) fn is_mirror(&self) -> bool {
         // Where light passes all but unbent, half vectors are lost to rounding.
         self.slopes.is_mirror() || (self.transmits() && (self.eta - 1.0).abs() < 1e-4)

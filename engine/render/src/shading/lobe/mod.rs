@@ -38,7 +38,7 @@ enum Kind {
 pub(super) struct Local {
     /// The direction, unit.
     pub(super) wi: Vec3A,
-    /// Meant to go through the surface; a mirrored one that does is lost.
+    /// True if the direction is meant to go through the surface; a mirrored one that does is lost.
     pub(super) transmitted: bool,
     /// For a mirror: the value in that direction, and the probability of that choice within the lobe.
     pub(super) single: Option<(Rgb, f32)>,
@@ -177,7 +177,7 @@ impl Lobe {
         matches!(self.kind, Kind::Body(_))
     }
 
-    /// Single directions alone.
+    /// True if the lobe has single directions alone.
     pub(super) fn is_mirror(&self) -> bool {
         match &self.kind {
             Kind::Facets(facets) => facets.is_mirror(),
@@ -240,7 +240,7 @@ impl Lobe {
         }
     }
 
-    /// Broad enough for the shadows of a bent normal to show.
+    /// True if the lobe is broad enough for the shadows of a bent normal to show.
     fn is_matte(&self) -> bool {
         use Kind::{Lambert, Microfiber, OrenNayar, Toon, Velvet};
         matches!(self.kind, Lambert | OrenNayar(_) | Velvet(_) | Microfiber(_) | Toon(_))

@@ -94,7 +94,7 @@ impl Path {
         );
     }
 
-    /// Notes how much of what the camera sees there is a hole; whether all of it is.
+    /// Notes how much of what the camera sees there is a hole; true if all of it is.
     #[cold]
     #[inline(never)]
     fn falls_into(&self, stage: &Stage, hit: &Hit, point: &SurfacePoint, kept: f32, result: &mut PathResult) -> bool {
@@ -106,7 +106,7 @@ impl Path {
         hole >= 1.0
     }
 
-    /// Adds the light of the surface that the ray meets; true where the path ends, in a hole.
+    /// Adds the light of the surface that the ray hits; true if the path ends, in a hole.
     pub(super) fn emission<N: Notes>(
         &self,
         stage: &Stage,

@@ -95,7 +95,7 @@ impl Place<'_> {
         links.takes_light_of(light.sets).then_some(LightSample { point_like, ..light })
     }
 
-    /// A direction to go on in; whether there is one.
+    /// Samples the direction in which the path goes on; false if it ends.
     #[inline(always)]
     pub(super) fn turn<N: Notes>(
         &self,
