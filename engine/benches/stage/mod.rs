@@ -33,7 +33,7 @@ impl Dice {
         Self(mix(seed ^ 0x51ed_270b))
     }
 
-    /// The next.
+    /// Returns the next random number, from 0 to below 1.
     pub(crate) fn roll(&mut self) -> f32 {
         self.0 = self.0.wrapping_add(0x9e37_79b9);
         (mix(self.0) >> 8) as f32 / (1u32 << 24) as f32

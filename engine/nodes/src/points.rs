@@ -22,7 +22,7 @@ impl Column {
     }
 }
 
-/// All points.
+/// A table of shading points, by the columns of their values.
 #[derive(Clone, Debug, Default)]
 pub struct Points {
     fields: Vec<(Field, Column)>,

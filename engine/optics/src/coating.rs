@@ -38,10 +38,10 @@ pub enum CoatingError {
         known = recipes::names()
     )]
     Recipe(String),
-    /// The name of no film.
+    /// A name that is no film's.
     #[error("unknown film '{0}'; name one of {known}, or an index as 1.38 or 2.3-0.01i", known = films::names())]
     Film(String),
-    /// No thickness.
+    /// A text that is no thickness of a film.
     #[error(
         "'{0}' is no thickness of a film; write 100nm, or 0.25w@550 for a quarter of a wave of 550 nm inside of it"
     )]

@@ -48,7 +48,7 @@ pub struct FieldRays {
 /// The drawing.
 #[derive(Clone, Debug, PartialEq)]
 pub struct Drawing {
-    /// Scene side first.
+    /// Surfaces, scene side first.
     pub surfaces: Vec<Profile>,
     /// Index of the surface with the diaphragm.
     pub stop: usize,

@@ -48,7 +48,7 @@ struct Disc {
 /// A ray to the lens.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Aim {
-    /// Unit vector.
+    /// Direction of the ray, unit.
     pub direction: DVec3,
     /// Density of the choice per steradian, seen from where the ray starts.
     pub pdf_per_sr: f64,

@@ -8,18 +8,18 @@ use std::ops::Mul;
 /// The 2 × 2 matrix that takes (y, ν) on one plane to (y′, ν′) on another. Its determinant is 1.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Matrix {
-    /// y′ by y.
+    /// Derivative of y′ by y.
     pub a: f64,
-    /// y′ by ν, in mm.
+    /// Derivative of y′ by ν, in mm.
     pub b: f64,
-    /// ν′ by y, in 1/mm: minus the power.
+    /// Derivative of ν′ by y, in 1/mm: minus the power.
     pub c: f64,
-    /// ν′ by ν.
+    /// Derivative of ν′ by ν.
     pub d: f64,
 }
 
 impl Matrix {
-    /// Changes nothing.
+    /// The identity.
     pub const IDENTITY: Self = Self { a: 1.0, b: 0.0, c: 0.0, d: 1.0 };
 
     /// A surface of `curvature` (1/mm) from signed index `from` to signed index `to`.

@@ -250,7 +250,7 @@ pub struct FilmFrame {
 /// A point of the film.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct FilmPoint {
-    /// Lens space, mm.
+    /// The point, lens space, mm.
     pub point: DVec3,
     /// Unit normal, as [`FilmPlane::normal`].
     pub normal: DVec3,

@@ -28,13 +28,13 @@ pub trait Real: Lane<Real = Self, Mask = bool> + PartialOrd + Debug + Default + 
     const EPSILON: Self;
     /// Largest finite number.
     const LARGEST: Self;
-    /// 0.
+    /// Zero.
     const ZERO: Self;
-    /// 1.
+    /// One.
     const ONE: Self;
     /// The nearest number of this kind.
     fn from_f64(x: f64) -> Self;
-    /// Exact.
+    /// The value in f64, exactly.
     fn to_f64(self) -> f64;
     /// a b − c d with the error of one rounding or two.
     fn difference_of_products(a: Self, b: Self, c: Self, d: Self) -> Self;
@@ -76,7 +76,7 @@ pub trait Lane:
     fn load(self, numbers: &[Self::Real]) -> Self;
     /// Writes the numbers to `to`, which must hold [`Self::WIDTH`].
     fn store(self, to: &mut [Self::Real]);
-    /// Number `i`.
+    /// The number in lane `i`.
     fn of(self, i: usize) -> Self::Real;
     /// Square root; NaN of a negative number.
     fn sqrt(self) -> Self;
@@ -84,20 +84,20 @@ pub trait Lane:
     fn abs(self) -> Self;
     /// `self` ≤ `other`; false if either is NaN, as are the other comparisons.
     fn at_most(self, other: Self) -> Self::Mask;
-    /// `self` < `other`.
+    /// True in the lanes where `self` < `other`.
     fn less(self, other: Self) -> Self::Mask;
     /// `yes` where `mask` is true, else `no`.
     fn select(mask: Self::Mask, yes: Self, no: Self) -> Self;
     /// a b − c d, see [`Real::difference_of_products`]. For the rare place where the products cancel.
     fn difference_of_products(a: Self, b: Self, c: Self, d: Self) -> Self;
 
-    /// `other` ≤ `self`.
+    /// True in the lanes where `other` ≤ `self`.
     #[inline(always)]
     fn at_least(self, other: Self) -> Self::Mask {
         other.at_most(self)
     }
 
-    /// `other` < `self`.
+    /// True in the lanes where `other` < `self`.
     #[inline(always)]
     fn greater(self, other: Self) -> Self::Mask {
         other.less(self)
@@ -115,7 +115,7 @@ pub trait Lane:
         Self::select(other.less(self), self, other)
     }
 
-    /// True if finite.
+    /// True in the lanes whose number is finite.
     #[inline(always)]
     fn is_finite(self) -> Self::Mask {
         self.abs().at_most(self.like(Self::Real::LARGEST))
@@ -223,7 +223,7 @@ impl Real for f64 {
         self
     }
 
-    /// Kahan's way.
+    /// Kahan's algorithm: two fused multiplications, so that little is lost where the products cancel.
     #[cold]
     fn difference_of_products(a: Self, b: Self, c: Self, d: Self) -> Self {
         let product = c * d;

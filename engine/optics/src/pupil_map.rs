@@ -105,7 +105,7 @@ impl Located<'_> {
         self.frame.rotate(self.ellipse.in_mm(point, self.meridian, self.axes))
     }
 
-    /// Back from [`Self::to_plane`].
+    /// The inverse of [`Self::to_plane`].
     #[inline]
     fn in_cell(&self, flat: DVec2) -> DVec2 {
         self.ellipse.in_units(conjugate_rotate(self.frame, flat), self.meridian, self.axes)

@@ -67,11 +67,11 @@ pub enum SystemError {
         "the lens zooms from {from_mm:.1} to {to_mm:.1} mm, and {asked_mm} mm were asked for; stay within, or scale the lens"
     )]
     BeyondZoom {
-        /// Asked for.
+        /// The focal length that was asked for.
         asked_mm: f64,
-        /// The shortest.
+        /// The shortest focal length of the lens.
         from_mm: f64,
-        /// The longest.
+        /// The longest focal length of the lens.
         to_mm: f64,
     },
 }

@@ -5,7 +5,7 @@ use std::path::PathBuf;
 /// An error by which pictures cannot be joined.
 #[derive(Debug, thiserror::Error)]
 pub enum MergeError {
-    /// Too few.
+    /// Fewer than two pictures.
     #[error("{0} picture: name two or more")]
     TooFew(usize),
     /// A file that is none, or of a kind that is not read.
@@ -37,9 +37,9 @@ pub enum MergeError {
     TooLarge {
         /// The picture.
         file: PathBuf,
-        /// Pixels.
+        /// Width, pixels.
         width: usize,
-        /// Pixels.
+        /// Height, pixels.
         height: usize,
         /// All channels as they are in memory.
         bytes: u64,

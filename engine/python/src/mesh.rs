@@ -45,7 +45,7 @@ pub(crate) fn vectors<T: Row>(array: &PyReadonlyArray2<'_, f32>) -> Option<Vec<T
     Some(values.chunks_exact(T::LENGTH).map(T::of).collect())
 }
 
-/// Three a triangle.
+/// Reads vertex indices, three for each triangle.
 pub(crate) fn indices(array: &Bound<'_, PyAny>) -> Result<Vec<[u32; 3]>, &'static str> {
     const NOT_CONTIGUOUS: &str = "not contiguous";
     fn threes<T: Copy>(list: &[T], of: impl Fn(T) -> u32) -> Vec<[u32; 3]> {

@@ -40,9 +40,9 @@ use triangles::{Block, LANES};
 /// A half line in render space.
 #[derive(Clone, Copy, Debug)]
 pub struct Ray {
-    /// Start.
+    /// Origin of the ray.
     pub origin: Vec3A,
-    /// Unit direction.
+    /// Direction of the ray, unit.
     pub direction: Vec3A,
     /// Nothing farther than this counts, Blender units.
     pub t_max: f32,
@@ -87,9 +87,9 @@ impl Skip {
     }
 }
 
-/// See [`Hit::v`].
+/// Added to [`Hit::v`] where a round strand is hit from within.
 const FROM_WITHIN: f32 = 3.0;
-/// See [`Hit::v`].
+/// Added to [`Hit::v`] where the normal leans as it does not of a cylinder.
 const LEANS_AWAY: f32 = 6.0;
 
 /// A hit of a ray on a triangle, a segment of a curve, or a point of a cloud.
@@ -107,7 +107,7 @@ pub struct Hit {
     pub instance: u32,
     /// Index into the mesh's triangles, or a segment's or point's number.
     pub triangle: u32,
-    /// The ray's.
+    /// The ray's moment.
     pub moment: u16,
 }
 
@@ -195,7 +195,7 @@ impl Accel {
         self.bounds.map(|b| (b.low(), b.high()))
     }
 
-    /// The nearest surface.
+    /// The closest hit of a ray of this kind.
     pub fn closest(&self, ray: &Ray, kind: Rays) -> Option<Hit> {
         let found = dispatch!(self.level, simd => self.closest_with(simd, ray, kind));
         match &self.beside {

@@ -351,7 +351,7 @@ impl Shared {
         Ok(shared)
     }
 
-    /// One thread's life.
+    /// The work of one thread.
     fn work(&self) {
         if let Err(panic) = catch_unwind(AssertUnwindSafe(|| self.render())) {
             let text = panic

@@ -37,7 +37,7 @@ pub struct SurfacePoint {
     pub moment: u16,
 }
 
-/// [`SurfacePoint::strand`] of triangles.
+/// The value of [`SurfacePoint::strand`] for triangles.
 pub const NO_STRAND: u32 = u32::MAX;
 
 impl SurfacePoint {

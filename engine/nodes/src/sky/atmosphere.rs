@@ -10,12 +10,12 @@ use std::sync::{Arc, Mutex};
 /// Number of scatterings of light.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub(crate) enum Scattering {
-    /// Once; as Blender 4 tabulates it, or as 5 does.
+    /// Single scattering, as Blender 4 tabulates it or as Blender 5 does.
     Once {
         /// True for Blender 4's tables, false for Blender 5's.
         older: bool,
     },
-    /// Many times.
+    /// Multiple scattering.
     Multiple,
 }
 

@@ -76,7 +76,7 @@ fn towards(cos_zenith: f32) -> Vec3A {
 /// An atmosphere: shares of the Earth's.
 #[derive(Clone, Copy, Debug)]
 pub(super) struct Air {
-    /// Molecules, aerosols, ozone.
+    /// Densities of molecules, aerosols and ozone.
     densities: Vec3A,
     altitude_km: f32,
 }

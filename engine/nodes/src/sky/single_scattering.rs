@@ -75,7 +75,7 @@ const PLACES: [[f32; 2]; 8] = [
 /// The contents of the air, as shares of the Earth's.
 #[derive(Clone, Copy, Debug)]
 pub(super) struct Air {
-    /// Molecules, aerosols, ozone.
+    /// Densities of molecules, aerosols and ozone.
     densities: Vec3A,
     altitude_m: f32,
     place: Place,

@@ -28,7 +28,7 @@ pub enum MtfError {
     TooFine {
         /// The step that was asked for.
         step_per_mm: f64,
-        /// The finest possible.
+        /// The finest possible step.
         least_per_mm: f64,
     },
 }

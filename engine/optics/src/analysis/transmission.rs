@@ -6,7 +6,7 @@ use crate::transmission::{Passage, Passages};
 /// Rays of a beam, along a side.
 const MESH: usize = 15;
 
-/// A field's light.
+/// The transmission of a field.
 #[derive(Clone, Debug, PartialEq)]
 pub struct FieldTransmission {
     /// The field's angle to the axis.

@@ -57,9 +57,9 @@ pub struct Split {
 }
 
 impl Split {
-    /// Everything turned round.
+    /// All light is reflected.
     pub const MIRROR: Self = Self { reflected: [1.0; 2], transmitted: [0.0; 2] };
-    /// Everything let through.
+    /// All light is transmitted.
     pub const NOTHING: Self = Self { reflected: [0.0; 2], transmitted: [1.0; 2] };
 
     /// The reflected part of unpolarised light.

@@ -19,9 +19,9 @@ pub enum MaskError {
     /// No square, or a very large one.
     #[error("the aperture mask of {values} values is no square of {side} a side; give 1 to {WIDEST} values a side")]
     NotSquare {
-        /// Values a side.
+        /// Number of values along a side.
         side: usize,
-        /// Values in all.
+        /// Number of values in all.
         values: usize,
     },
     /// A value is no brightness.
@@ -79,7 +79,7 @@ impl ApertureMask {
         if mask.open_part < LEAST_PART { Err(MaskError::Dark) } else { Ok(mask) }
     }
 
-    /// Values a side.
+    /// Number of values along a side.
     pub fn side(&self) -> usize {
         self.side
     }

@@ -32,7 +32,7 @@ pub struct Shifts {
 }
 
 impl Shifts {
-    /// Number `i`.
+    /// Shift number `i`.
     pub fn at(&self, i: usize) -> f64 {
         self.first * (i as f64 / self.per_octave).exp2()
     }

@@ -59,7 +59,7 @@ impl Remarks {
         }
     }
 
-    /// All, by line.
+    /// Returns all remarks, by line.
     pub(super) fn finish(mut self, file: &str) -> Vec<Remark> {
         for (at, count) in self.kinds.values().filter(|(_, count)| *count > 1) {
             if let Some((_, text)) = self.list.get_mut(*at) {

@@ -44,9 +44,9 @@ pub struct Piece {
 /// The part of a beam that gets along a path.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Window {
-    /// Corners in radii of the beam's disc.
+    /// Low corner, in radii of the beam's disc.
     pub low: DVec2,
-    /// The other corner.
+    /// High corner, in radii of the beam's disc.
     pub high: DVec2,
     /// Bounds of the ghost of that part on the film: low and high corner, mm.
     pub film: [DVec2; 2],

@@ -9,30 +9,30 @@ pub enum Dispersion {
     Sellmeier {
         /// The constant beside 1.
         a: f64,
-        /// (b, c in µm²).
+        /// Pairs (b, c), c in µm².
         terms: Vec<[f64; 2]>,
     },
     /// n² = a + Σ b l^p, pairs (b, p).
     Polynomial {
-        /// The constant.
+        /// The constant a.
         a: f64,
-        /// (b, p).
+        /// Pairs (b, p).
         terms: Vec<[f64; 2]>,
     },
     /// n² = a + Σ b l^p + Σ b l^p / (l² − c), pairs (b, p) and triples (b, p, c).
     Rational {
-        /// The constant.
+        /// The constant a.
         a: f64,
-        /// (b, p).
+        /// Pairs (b, p).
         powers: Vec<[f64; 2]>,
-        /// (b, p, c in µm²).
+        /// Triples (b, p, c), c in µm².
         poles: Vec<[f64; 3]>,
     },
     /// n = a + Σ b l^p, pairs (b, p).
     Cauchy {
-        /// The constant.
+        /// The constant a.
         a: f64,
-        /// (b, p).
+        /// Pairs (b, p).
         terms: Vec<[f64; 2]>,
     },
     /// n = 1 + a + Σ b / (c − l⁻²), pairs (b, c).

@@ -126,7 +126,7 @@ impl Medium {
         Self::new(name, dispersion, [0.0, f64::INFINITY], "two-term Cauchy")
     }
 
-    /// The formula.
+    /// The dispersion formula.
     pub fn dispersion(&self) -> &Dispersion {
         &self.dispersion
     }

@@ -71,7 +71,7 @@ impl Slices {
     }
 }
 
-/// Several of [`super::PupilSample`].
+/// `N` of [`super::PupilSample`], by their components.
 #[derive(Clone, Copy, Debug)]
 pub struct PupilSamples<const N: usize> {
     /// x and y in lens space, mm.

@@ -44,7 +44,7 @@ pub(super) const GUIDE: usize = 256;
 const _: () = assert!(ANGLES <= 1 << u8::BITS);
 
 impl Cell {
-    /// No light arrives.
+    /// A cell at which no light arrives.
     pub(super) fn dark() -> Self {
         Self { area: 0.0, density: 0.0, sectors: Vec::new(), guide: Vec::new(), surely: [0.0; 2] }
     }

@@ -41,7 +41,7 @@ impl Ellipse {
         axes.rotate(conjugate_rotate(axes, point) * self.semi_axes) + meridian.rotate(self.centre)
     }
 
-    /// Back from [`Self::in_mm`].
+    /// The inverse of [`Self::in_mm`].
     #[inline]
     pub(super) fn in_units(self, point: DVec2, meridian: DVec2, axes: DVec2) -> DVec2 {
         axes.rotate(conjugate_rotate(axes, point - meridian.rotate(self.centre)) / self.semi_axes)

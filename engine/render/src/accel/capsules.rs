@@ -27,7 +27,7 @@ pub(super) struct Capsules {
 
 /// The capsules of a leaf that a ray hits.
 pub(super) struct Candidates {
-    /// Lanes, as bits.
+    /// The lanes that are hit, as bits.
     pub(super) lanes: u32,
     /// Distances before which the lanes' segments are not met.
     pub(super) near: [f32; LANES],

@@ -39,7 +39,7 @@ struct Slice {
     items: Vec<u32>,
 }
 
-/// One that moves.
+/// An instance that moves.
 struct Item {
     mesh: u32,
     /// The instance that stands for its first moment.

@@ -19,7 +19,7 @@ pub(super) struct PlacedMesh {
 /// A ray in the object space of an instance.
 pub(super) struct Within {
     pub(super) origin: Vec3A,
-    /// Unit.
+    /// Direction of the ray, unit.
     pub(super) direction: Vec3A,
     /// Factor of distances there.
     pub(super) scale: f32,

@@ -120,7 +120,7 @@ pub fn on_three_points(
 /// The subject at a picture point.
 #[derive(Clone, Copy, Debug)]
 enum Seen {
-    /// Render space.
+    /// A point, render space.
     Point(DVec3),
     /// Nothing, in this direction of lens space.
     Sky(DVec3),

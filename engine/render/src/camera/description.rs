@@ -18,7 +18,7 @@ pub enum Model {
     /// Every ray traced through the prescription.
     #[default]
     Lens,
-    /// A point.
+    /// A pinhole.
     Pinhole,
     /// A plane that bends light without aberration.
     Thin,
@@ -113,7 +113,7 @@ pub struct CameraDescription {
     pub lens_path: PathBuf,
     /// Focal length to scale the lens to, mm.
     pub focal_length_mm: Option<f64>,
-    /// Or its scale.
+    /// Factor by which to scale the lens, instead of [`Self::focal_length_mm`].
     pub focal_scale: Option<f64>,
     /// Stop; `None` is wide open.
     pub f_number: Option<f64>,

@@ -25,7 +25,7 @@ const FAR: f64 = 1e4;
 /// The plane ends where the cosine of the angle from the axis falls below this.
 const PLANE_ENDS: f64 = 0.3;
 
-/// The map.
+/// The map of the surface that is in focus.
 pub(super) struct FocalSurface {
     /// Directions are counted from here: the entrance pupil's middle.
     middle: DVec3,
@@ -45,7 +45,7 @@ pub(super) struct FocalSurface {
 /// A point of the surface.
 #[derive(Clone, Copy, Debug)]
 pub(super) struct FocalPoint {
-    /// Lens space, mm.
+    /// The point, lens space, mm.
     pub(super) point: DVec3,
     /// Element of the surface for one of the film, as a vector along its normal.
     pub(super) area_per_film_area: DVec3,

@@ -112,7 +112,7 @@ pub enum CameraError {
 /// A ray into the scene and what its radiance adds to the picture's colour.
 #[derive(Clone, Copy, Debug)]
 pub struct CameraRay {
-    /// Render space.
+    /// The ray, render space.
     pub ray: Ray,
     /// Averages to the picture's brightness: to the identity in the middle of the film.
     pub weight: Mat3,
@@ -128,13 +128,13 @@ impl CameraRay {
 /// A camera ready to photograph. A clone shares its tables.
 #[derive(Clone)]
 pub enum Camera {
-    /// A point.
+    /// A pinhole.
     Pinhole(Pinhole),
     /// A thin lens.
     Thin(Thin),
-    /// A real one.
+    /// A real lens.
     Lens(Arc<RealLens>),
-    /// A real one to first order.
+    /// A real lens to first order.
     Gaussian(Arc<Gaussian>),
     /// A real one as a table.
     ImageBased(Arc<ImageBased>),

@@ -143,7 +143,7 @@ impl<R: Real> World<R> {
     }
 }
 
-/// Row times column.
+/// The product of a row and a column.
 #[inline(always)]
 fn dot<R: Real>(row: &[R; 3], x: R, y: R, z: R) -> R {
     row[0] * x + row[1] * y + row[2] * z
@@ -167,7 +167,7 @@ impl<R: Traced> Outward<R> {
         }
     }
 
-    /// An empty one.
+    /// An empty batch.
     pub(super) fn batch(&self) -> OutwardBatch<R> {
         OutwardBatch { rays: self.tracer.bundle(Travel::FromFilm, 1), densities: Vec::new(), parts: Vec::new() }
     }

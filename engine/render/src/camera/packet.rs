@@ -17,7 +17,7 @@ use petzval_optics::trace::{LINES, Lost, Ray as LensRay};
 pub struct Arrival {
     /// Column of the pixel that gets its light.
     pub x: u32,
-    /// Row.
+    /// Row of the pixel.
     pub y: u32,
     /// Contribution of radiance along the ray to the pixel, for each unit of etendue and pixel area, before the film's response.
     pub importance: f32,
@@ -33,7 +33,7 @@ pub type Arrivals = [Option<Arrival>; SET_SIZE];
 pub struct Splat {
     /// Column of the pixel.
     pub x: u32,
-    /// Row.
+    /// Row of the pixel.
     pub y: u32,
     /// Number of the film's wavelength, for [`RealLens::response`].
     pub wavelength: u32,
@@ -49,7 +49,7 @@ pub struct Splats {
 }
 
 impl Splats {
-    /// One.
+    /// A list of one splat.
     pub fn one(splat: Splat) -> Self {
         let mut all = Self::default();
         all.push(splat);
@@ -80,7 +80,7 @@ impl Splats {
         self.count += 1;
     }
 
-    /// All of them.
+    /// All splats.
     #[inline]
     pub fn as_slice(&self) -> &[Splat] {
         &self.list[..self.count as usize]
@@ -180,7 +180,7 @@ impl RealLens {
 /// A ray that one wavelength led to, and what its radiance adds to which pixels.
 #[derive(Clone, Copy, Debug)]
 pub struct Led {
-    /// Render space.
+    /// The ray, render space.
     pub ray: Ray,
     /// The contributions of its radiance to pixels.
     pub splats: Splats,

@@ -19,7 +19,7 @@ impl Default for Scattering {
 }
 
 impl Scattering {
-    /// Nothing is scattered.
+    /// No scattering.
     pub const NONE: Self = Self { roughness_nm: 0.0, cleanliness: 0.0, veiling_index: 0.0 };
 
     /// Checks the numbers; the error says what is wrong and what to do.

@@ -39,7 +39,7 @@ pub struct SharpPoint {
     pub far: Option<f64>,
 }
 
-/// All of it.
+/// The zone of sharpness of a picture, by points.
 #[derive(Clone, Debug, PartialEq)]
 pub struct Sharpness {
     /// Diameter of the circle of confusion, mm on the film.
@@ -98,7 +98,7 @@ struct Look<'a> {
     confusion_mm: f64,
 }
 
-/// Lens space, mm.
+/// The sharp distances of a place in the picture, lens space, mm.
 struct Found {
     place: Vec2,
     mean: Ray,

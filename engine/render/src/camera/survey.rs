@@ -53,7 +53,7 @@ const GREEN_NM: f64 = 550.0;
 /// The largest value over the picture, and where.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Worst {
-    /// Pixels or stops.
+    /// The value, pixels or stops.
     pub value: f64,
     /// Fractions of the picture's width and height from its centre.
     pub place: Vec2,

@@ -23,7 +23,7 @@ pub struct DataSums {
 }
 
 impl DataSums {
-    /// Adds a ray.
+    /// Adds the surface that a ray found.
     #[inline]
     pub fn add(&mut self, found: Option<FirstSurface>) {
         self.rays += 1.0;
@@ -56,7 +56,7 @@ pub struct VectorSums {
 }
 
 impl VectorSums {
-    /// Adds a ray's.
+    /// Adds the motion vector of a ray.
     #[inline]
     pub fn add(&mut self, vector: [f32; 4]) {
         self.rays += 1.0;

@@ -33,7 +33,7 @@ pub struct SplatState {
 }
 
 impl SplatSums {
-    /// Nothing yet.
+    /// Sums of zero for so many pixels.
     pub fn new(pixels: usize) -> Self {
         Self { pixels, ..Self::default() }
     }

@@ -23,7 +23,7 @@ use vertex::Vertex;
 /// The techniques by which paths are made.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub enum Techniques {
-    /// All of them.
+    /// All techniques.
     All,
     /// Light that ends in the lens after at least one scattering, and nothing else.
     LightAlone,

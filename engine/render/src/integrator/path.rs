@@ -53,10 +53,10 @@ pub struct PathResult {
     pub first: Option<FirstSurface>,
 }
 
-/// A surface that a camera ray met.
+/// A surface that a camera ray hit.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct FirstSurface {
-    /// Render space.
+    /// Position, render space.
     pub position: Vec3A,
     /// Unit, towards the ray's origin.
     pub normal: Vec3A,
@@ -109,7 +109,7 @@ pub struct KindLimits {
     pub glossy: u32,
     /// Let through and scattered.
     pub transmission: u32,
-    /// Scattered in volumes.
+    /// Scatterings in volumes.
     pub volume: u32,
     /// Surfaces passed unbent.
     pub transparent: u32,

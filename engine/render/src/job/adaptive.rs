@@ -24,7 +24,7 @@ const ROUND: u32 = 4;
 /// Samples that all pixels take that have not enough.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub(super) struct Pass {
-    /// Number of the first.
+    /// Number of the first sample.
     pub first: u32,
     /// Number of samples.
     pub count: u32,
@@ -54,7 +54,7 @@ pub(super) struct AdaptiveState {
 /// The plans of a render.
 pub(super) struct Adaptive {
     pub passes: Vec<Pass>,
-    /// Squared.
+    /// Square of the noise threshold of the settings.
     threshold: f32,
     most: u32,
     plans: Vec<Mutex<Plan>>,

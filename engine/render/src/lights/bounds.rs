@@ -11,7 +11,7 @@ const LEAST_TURN_RAD: f32 = 1e-5;
 pub struct LightBounds {
     /// Least corner of the box.
     pub min: Vec3A,
-    /// Greatest corner.
+    /// Greatest corner of the box.
     pub max: Vec3A,
     /// Emitted power, any unit.
     pub power: f32,

@@ -30,7 +30,7 @@ pub struct Emission {
 /// A ray that left a source.
 #[derive(Clone, Copy, Debug)]
 pub struct EmittedRay {
-    /// Render space.
+    /// The ray, render space.
     pub ray: Ray,
     source: Source,
     /// Radiance; intensity of a lamp without extent, irradiance of a sun without extent.

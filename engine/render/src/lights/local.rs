@@ -17,7 +17,7 @@ use std::collections::{HashMap, HashSet};
 use std::f32::consts::PI;
 use std::sync::Arc;
 
-/// One of them.
+/// An emitter at a finite distance.
 #[derive(Clone, Copy, Debug)]
 pub(super) enum Emitter<'a> {
     Triangle(&'a LitTriangle),

@@ -14,7 +14,7 @@ use std::f32::consts::{FRAC_PI_2, PI};
 /// The view for emission that does not depend on the direction.
 const FROM_LIGHTS: View = View { direction: Vec3A::NEG_Z, distance: 1.0, way: Way::LIGHT, moment: MIDDLE };
 
-/// Render space.
+/// A triangle that emits, render space.
 #[derive(Clone, Copy, Debug)]
 pub(super) struct LitTriangle {
     /// Index of the instance.
@@ -28,7 +28,7 @@ pub(super) struct LitTriangle {
     sets: Sets,
     /// Emitted power, for choosing.
     pub(super) power: f32,
-    /// Blender units squared.
+    /// Area, Blender units squared.
     pub(super) area: f32,
     /// Unit, on the front.
     normal: Vec3,
@@ -116,7 +116,7 @@ impl LitTriangle {
         nodes::emission(material, scene.into(), [self.instance, self.triangle], barycentric, view)
     }
 
-    /// Light at `from`.
+    /// Samples the light that arrives at `from`.
     #[inline]
     pub(super) fn sample(&self, scene: &Scene, from: Vec3A, u: [f32; 2], way: Way) -> Option<LightSample> {
         let [v, w] = warp::sample_triangle(u);

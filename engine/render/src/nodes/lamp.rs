@@ -14,7 +14,7 @@ use std::sync::Arc;
 /// A place on a lamp that something looks at.
 #[derive(Clone, Copy, Debug)]
 pub struct LampPoint {
-    /// Blender's world.
+    /// Position, in Blender's world space.
     pub position: Vec3A,
     /// Away from the lamp.
     pub normal: Vec3A,

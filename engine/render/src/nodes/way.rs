@@ -11,13 +11,13 @@ pub struct Way {
     is: u8,
     /// Diffuse reflections; at most 255 are counted.
     pub diffuse: u8,
-    /// Glossy reflections.
+    /// Number of glossy reflections.
     pub glossy: u8,
-    /// Transmissions with scattering.
+    /// Number of transmissions with scattering.
     pub transmission: u8,
     /// Scatterings of all kinds.
     pub depth: u16,
-    /// Surfaces passed unbent.
+    /// Number of surfaces passed unbent.
     pub transparent: u16,
 }
 

@@ -148,7 +148,7 @@ pub struct Counts {
 }
 
 impl Counts {
-    /// Adds another's.
+    /// Adds the counts of `other`.
     pub fn add(&mut self, other: &Self) {
         self.camera_rays += other.camera_rays;
         self.camera_rays_lost += other.camera_rays_lost;

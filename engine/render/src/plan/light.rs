@@ -47,7 +47,7 @@ struct Arrival {
 pub(super) struct Arriving(Vec<Arrival>);
 
 impl Arriving {
-    /// Takes light samples.
+    /// Samples the lights of the scene.
     pub(super) fn new(stage: &Stage) -> Self {
         let to = stage.lights.receiver_between(Vec3A::ZERO);
         let points = Evenly::<3>::default();

@@ -14,7 +14,7 @@ use rayon::prelude::*;
 
 /// Number of rays that are followed as paths, to know the picture's brightness.
 const FOLLOWED: usize = 512;
-/// Bounces of those.
+/// Bounces of the paths that are followed.
 const BOUNCES: u32 = 3;
 /// The part of the paths that is brightest does not count: a source in the picture is not its exposure.
 const TRIMMED: f32 = 0.02;

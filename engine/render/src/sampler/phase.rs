@@ -43,7 +43,7 @@ impl PhaseLobe {
         Self::HenyeyGreenstein(within(anisotropy))
     }
 
-    /// Draine's.
+    /// Draine's phase function.
     pub fn draine(anisotropy: f32, alpha: f32) -> Self {
         Self::Draine { anisotropy: within(anisotropy), alpha: alpha.clamp(0.0, 1e4) }
     }

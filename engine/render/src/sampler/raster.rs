@@ -23,7 +23,7 @@ pub struct Raster {
 pub struct Landing {
     /// Column of the pixel that gets it.
     pub x: u32,
-    /// Row.
+    /// Row of the pixel that gets it.
     pub y: u32,
     /// Density of sample places there, in samples for each pixel's area, where every pixel has one.
     pub density: f32,
@@ -35,7 +35,7 @@ pub struct Landings<const N: usize> {
     pub x: [u32; N],
     /// Rows.
     pub y: [u32; N],
-    /// Densities.
+    /// Density of sample places at each, as [`Landing::density`].
     pub density: [f32; N],
 }
 

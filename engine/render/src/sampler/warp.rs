@@ -67,7 +67,7 @@ pub fn sample_triangle(u: [f32; 2]) -> [f32; 2] {
     }
 }
 
-/// The sphere, uniformly.
+/// A point of the unit sphere, sampled uniformly.
 #[inline]
 pub fn sample_sphere(u: [f32; 2]) -> Vec3A {
     let z = 1.0 - 2.0 * u[0];
@@ -103,7 +103,7 @@ pub fn to_local(frame: &[Vec3A; 3], v: Vec3A) -> Vec3A {
 /// The shape of a pixel filter, as Cycles defines it; widths in pixels.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub enum Filter {
-    /// One pixel, evenly.
+    /// A constant over one pixel.
     Box,
     /// A Gaussian function, e⁻⁸ at the width's distance from the pixel's centre; it ends at one and a half times that.
     Gaussian(f32),

@@ -64,7 +64,7 @@ pub enum Closure<C, N> {
     Diffuse {
         /// Albedo.
         color: C,
-        /// 0 to 1.
+        /// Roughness, 0 to 1.
         roughness: N,
     },
     /// Lambert's on the far side.
@@ -76,9 +76,9 @@ pub enum Closure<C, N> {
     Glossy {
         /// Colour of the reflection.
         color: C,
-        /// Perceptual.
+        /// Perceptual roughness.
         roughness: N,
-        /// -1 to 1, as the Glossy node has it.
+        /// Anisotropy, -1 to 1, as the Glossy node has it.
         anisotropy: N,
         /// Turns of the tangent.
         rotation: N,
@@ -93,9 +93,9 @@ pub enum Closure<C, N> {
         edge: C,
         /// The meaning of the two colours.
         kind: MetalKind,
-        /// Perceptual.
+        /// Perceptual roughness.
         roughness: N,
-        /// 0 to 1, as Principled has it.
+        /// Anisotropy, 0 to 1, as Principled has it.
         anisotropy: N,
         /// Turns of the tangent.
         rotation: N,
@@ -108,7 +108,7 @@ pub enum Closure<C, N> {
     Glass {
         /// Tint of both.
         color: C,
-        /// Perceptual.
+        /// Perceptual roughness.
         roughness: N,
         /// Index of refraction.
         ior: N,
@@ -121,7 +121,7 @@ pub enum Closure<C, N> {
     Refraction {
         /// Tint.
         color: C,
-        /// Perceptual.
+        /// Perceptual roughness.
         roughness: N,
         /// Index of refraction.
         ior: N,
@@ -130,12 +130,12 @@ pub enum Closure<C, N> {
     },
     /// Lets light through unbent.
     Transparent {
-        /// The part of the light, by channel.
+        /// Transmittance by channel.
         color: C,
     },
     /// A hole in the picture.
     Holdout,
-    /// Emits.
+    /// Emission.
     Emission {
         /// Colour.
         color: C,
@@ -146,7 +146,7 @@ pub enum Closure<C, N> {
     Microfiber {
         /// Tint.
         color: C,
-        /// 0 to 1.
+        /// Roughness, 0 to 1.
         roughness: N,
     },
     /// Cloth, by Ashikhmin's distribution.
@@ -160,7 +160,7 @@ pub enum Closure<C, N> {
     Toon {
         /// Tint.
         color: C,
-        /// 0 to 1: of a right angle.
+        /// Size, 0 to 1: of a right angle.
         size: N,
         /// Width of the smooth transition behind `size`.
         smooth: N,
@@ -173,13 +173,13 @@ pub enum Closure<C, N> {
         color: C,
         /// Distance that the light goes, by channel, times `scale`.
         radius: C,
-        /// Blender units.
+        /// Factor of `radius`, Blender units.
         scale: N,
         /// Index of refraction where it enters.
         ior: N,
-        /// Perceptual, where it enters.
+        /// Perceptual roughness where it enters.
         roughness: N,
-        /// Forwards or backwards, -1 to 1.
+        /// Anisotropy of the scattering: backwards at -1, forwards at 1.
         anisotropy: N,
         /// Method of the walk.
         method: SubsurfaceMethod,
@@ -247,7 +247,7 @@ pub struct PrincipledHair<C, N> {
 /// A film on a surface, thin enough to colour what it reflects.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct ThinFilm<N> {
-    /// Nanometres; none at 0.
+    /// Thickness, nanometres; no film at 0.
     pub thickness_nm: N,
     /// Index of refraction.
     pub ior: N,
@@ -260,7 +260,7 @@ pub struct Principled<C, N> {
     pub base_color: C,
     /// 0 dielectric to 1 metal.
     pub metallic: N,
-    /// Perceptual.
+    /// Perceptual roughness.
     pub roughness: N,
     /// Index of refraction.
     pub ior: N,
@@ -272,11 +272,11 @@ pub struct Principled<C, N> {
     pub subsurface_weight: N,
     /// Distance of subsurface scattering by channel, times the scale.
     pub subsurface_radius: C,
-    /// Blender units.
+    /// Factor of `subsurface_radius`, Blender units.
     pub subsurface_scale: N,
     /// Index of refraction where it enters skin; else it is Principled's own.
     pub subsurface_ior: N,
-    /// Forwards or backwards, -1 to 1.
+    /// Anisotropy of the scattering: backwards at -1, forwards at 1.
     pub subsurface_anisotropy: N,
     /// Method of the subsurface walk.
     pub subsurface_method: SubsurfaceMethod,
@@ -284,7 +284,7 @@ pub struct Principled<C, N> {
     pub specular_ior_level: N,
     /// Tint of reflections at normal incidence (dielectric), near grazing (metal).
     pub specular_tint: C,
-    /// 0 to 1.
+    /// Anisotropy, 0 to 1.
     pub anisotropic: N,
     /// Turns of the tangent.
     pub anisotropic_rotation: N,
@@ -302,7 +302,7 @@ pub struct Principled<C, N> {
     pub sheen_weight: N,
     /// Roughness of the cloth, 0 to 1.
     pub sheen_roughness: N,
-    /// Tint.
+    /// Tint of the cloth.
     pub sheen_tint: C,
     /// Emitted colour.
     pub emission_color: C,

@@ -7,13 +7,13 @@ use glam::{Vec2, Vec3, Vec4};
 /// Values by what they belong to; [`super::mesh::Mesh::at_corners`] finds those of a triangle.
 #[derive(Clone, Debug, PartialEq)]
 pub enum Corners<T> {
-    /// One a vertex.
+    /// One value for each vertex.
     Vertices(Vec<T>),
-    /// One a corner of a face, as the mesh's `loops` number them.
+    /// One value for each corner of a face, as the mesh's `loops` number them.
     Loops(Vec<T>),
-    /// One a triangle.
+    /// One value for each triangle.
     Triangles(Vec<T>),
-    /// Three a triangle.
+    /// Three values for each triangle.
     Each(Vec<[T; 3]>),
 }
 
@@ -69,7 +69,7 @@ impl<T: Copy> Corners<T> {
         }
     }
 
-    /// Every value once.
+    /// All values, each once.
     pub(super) fn values_mut(&mut self) -> &mut [T] {
         match self {
             Self::Vertices(values) | Self::Loops(values) | Self::Triangles(values) => values,

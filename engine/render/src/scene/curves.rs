@@ -68,7 +68,7 @@ pub struct Curves {
     pub moved_keys: Option<[Vec<Vec3>; 2]>,
 }
 
-/// The strands' numbers.
+/// The numbers of the strands, from which their random numbers are made.
 #[derive(Clone, Debug)]
 enum Numbers {
     From(u32),

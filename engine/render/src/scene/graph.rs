@@ -121,7 +121,7 @@ impl Source {
     }
 }
 
-/// One closure.
+/// A closure and its weight.
 #[derive(Clone, Debug)]
 pub struct GraphLayer {
     /// Weight, 0 to 1.
@@ -272,7 +272,7 @@ pub enum Displacement {
     Bump,
     /// Moves the mesh's vertices.
     Vertices,
-    /// Both.
+    /// Moves vertices, and bends normals.
     Both,
 }
 

@@ -11,16 +11,16 @@ use std::sync::Arc;
 pub enum LampKind {
     /// A sphere.
     Point {
-        /// Blender units.
+        /// Radius, Blender units.
         radius: f32,
         /// True for a disk that faces whoever looks at it, false for a sphere.
         soft: bool,
     },
     /// A sphere that emits into a cone about the lamp's -z.
     Spot {
-        /// Blender units.
+        /// Radius, Blender units.
         radius: f32,
-        /// Half of the cone.
+        /// Half of the cone's angle.
         half_angle_rad: f32,
         /// 0 hard to 1 soft.
         blend: f32,

@@ -108,7 +108,7 @@ pub struct Poses {
 /// Between which shapes of its mesh an instance is.
 #[derive(Clone, Copy, Debug, Default, PartialEq)]
 pub struct Pose {
-    /// The key before.
+    /// The number of the key before.
     pub key: u32,
     /// The part of the way to the next key, 0 to 1.
     pub part: f32,

@@ -8,12 +8,12 @@ use std::sync::LazyLock;
 /// The continuation of an image outside of the unit square (Blender's Image Texture node).
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
 pub enum Extension {
-    /// Tiles.
+    /// Repeats the image.
     #[default]
     Repeat,
     /// Continues its edge pixels.
     Extend,
-    /// Is transparent black.
+    /// Transparent black outside.
     Clip,
     /// Tiles, every other one mirrored.
     Mirror,

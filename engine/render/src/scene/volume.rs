@@ -74,32 +74,32 @@ pub enum VolumeClosure {
     Absorption {
         /// The colour that is not absorbed.
         color: Source,
-        /// Per unit.
+        /// Density, per unit.
         density: Source,
     },
     /// Scatters its colour times its density, and absorbs nothing.
     Scatter {
         /// Albedo.
         color: Source,
-        /// Per unit.
+        /// Density, per unit.
         density: Source,
         /// The phase function.
         phase: Phase,
     },
     /// Coefficients as they are.
     Coefficients {
-        /// Absorbed.
+        /// Absorption coefficient.
         absorption: Source,
-        /// Scattered.
+        /// Scattering coefficient.
         scattering: Source,
-        /// Emitted.
+        /// Emission coefficient.
         emission: Source,
         /// The phase function.
         phase: Phase,
     },
     /// Smoke and fire.
     Principled(Box<PrincipledVolume>),
-    /// Emits.
+    /// Emission.
     Emission {
         /// Colour.
         color: Source,
@@ -113,27 +113,27 @@ pub enum VolumeClosure {
 pub struct PrincipledVolume {
     /// Albedo.
     pub color: Source,
-    /// The grid that it is multiplied by, if the object has it.
+    /// The grid that the colour is multiplied by, if the object has it.
     pub color_grid: String,
-    /// Per unit.
+    /// Density, per unit.
     pub density: Source,
-    /// The grid that it is multiplied by.
+    /// The grid that the density is multiplied by.
     pub density_grid: String,
     /// Mean cosine.
     pub anisotropy: Source,
     /// Tint of what goes through.
     pub absorption_color: Source,
-    /// Radiance per unit, times the next.
+    /// Radiance per unit, times [`Self::emission_color`].
     pub emission_strength: Source,
-    /// Colour.
+    /// Colour of the emission.
     pub emission_color: Source,
-    /// 1: as a black body.
+    /// Intensity of the emission as a black body, 1 for a black body's own.
     pub blackbody: Source,
     /// Tint of the black body's emission.
     pub blackbody_tint: Source,
-    /// Kelvin.
+    /// Temperature of the black body, kelvin.
     pub temperature: Source,
-    /// The grid that it is multiplied by.
+    /// The grid that the temperature is multiplied by.
     pub temperature_grid: String,
 }
 
@@ -147,7 +147,7 @@ impl PrincipledVolume {
 /// A closure and what it counts.
 #[derive(Clone, Debug)]
 pub struct VolumeLayer {
-    /// 0 to 1.
+    /// Weight, 0 to 1.
     pub weight: Source,
     /// The closure.
     pub closure: VolumeClosure,

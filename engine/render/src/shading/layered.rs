@@ -13,7 +13,7 @@ use crate::Rgb;
 use crate::scene::closure::{Distribution, MetalKind, Principled, SubsurfaceMethod};
 use glam::Vec3A;
 
-/// Weights that count.
+/// Least weight that counts.
 const LEAST: f32 = 1e-5;
 
 impl Mixture {

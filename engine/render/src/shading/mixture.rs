@@ -100,7 +100,7 @@ impl Mixture {
         self.strand = Some((strand, tangent));
     }
 
-    /// These.
+    /// The strand and its tangent, as [`Self::set_strand`] has set them.
     pub(super) fn strand(&self) -> Option<(Strand, Option<Vec3A>)> {
         self.strand
     }
@@ -285,7 +285,7 @@ impl Here {
         }
     }
 
-    /// Beyond over before.
+    /// Index of refraction beyond the surface over that before it.
     pub(super) fn relative_index(&self, ior: f32) -> f32 {
         let ior = ior.max(1e-5);
         if self.backfacing { 1.0 / ior } else { ior }

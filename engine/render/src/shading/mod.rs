@@ -51,7 +51,7 @@ pub struct Caustics {
 }
 
 impl Caustics {
-    /// All there are.
+    /// All caustics.
     pub const ALL: Self = Self { reflective: true, refractive: true };
 }
 

@@ -32,7 +32,7 @@ impl Medium {
 pub enum Entry {
     /// Light walks through the body.
     Walk {
-        /// Unit.
+        /// Direction into the body, unit.
         direction: Vec3A,
         /// Light that the path carries.
         light: Rgb,
@@ -161,7 +161,7 @@ pub struct Profile {
 impl Profile {
     /// Beyond so many d there is no light.
     const CUT: f32 = 16.0;
-    /// The light within.
+    /// The part of the light within [`Self::CUT`].
     const WITHIN: f32 = 0.996_379;
 
     /// A distance by a channel that a uniform number chooses, and the farthest there is for the channel.

@@ -31,7 +31,7 @@ const PLACES: [f32; 3] = [-0.5, 0.0, 0.5];
 /// The diffraction of a lens in a picture.
 pub struct Diffraction {
     size: [usize; 2],
-    /// mm.
+    /// Width and height of a pixel, mm.
     pixel: [f64; 2],
     spectrum: FilmSpectrum,
     /// Pupils by row and column of [`PLACES`], from below; or one for all of the picture.

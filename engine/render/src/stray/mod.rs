@@ -91,7 +91,7 @@ pub enum StrayPass {
 }
 
 impl StrayPass {
-    /// All of them.
+    /// All passes.
     pub const ALL: [Self; 3] = [Self::Ghosts, Self::Glare, Self::Diffraction];
 
     /// Its name for programs.

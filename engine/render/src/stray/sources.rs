@@ -33,13 +33,13 @@ const HIDDEN: f32 = 0.5;
 /// A source of light that strays.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Source {
-    /// Lens space.
+    /// The place of the source, lens space.
     pub place: beam::Source,
     /// Irradiance on the front glass, facing the source: radiance times steradians.
     pub irradiance: Rgb,
     /// Radius of an even disc as wide as the source, seen from the lens.
     pub radius_rad: f32,
-    /// Render space, unit.
+    /// Direction towards the source, render space, unit.
     pub towards: DVec3,
     /// Its place in the picture, pixels from the lower left corner; `None` if the picture does not show it.
     pub pixel: Option<Vec2>,

@@ -21,7 +21,7 @@ pub(super) fn plus_times(a: Triple, b: Triple, x: f64) -> Triple {
 /// Changes by a change of one number of the surface by 1.
 #[derive(Clone, Copy)]
 pub(super) struct Derivative {
-    /// The number itself.
+    /// Value of the number.
     pub(super) number: f64,
     /// Change of the surface's function G at the hit.
     pub(super) value: f64,

@@ -77,7 +77,7 @@ struct Neighbour {
 }
 
 impl Fan {
-    /// Not traced yet.
+    /// A fan that is not traced yet.
     pub(super) fn new(mount: &Mount, map: &PupilMap, place: Vec2) -> Self {
         let film = mount.film_at(place).point;
         let targets = std::array::from_fn(|i| {

@@ -26,7 +26,7 @@ pub(super) struct Vertex {
     values: Option<PlainValues>,
     /// Weight of the surface over the probability that it was not passed.
     kept: f32,
-    /// Seen from there.
+    /// BSDF, seen from the direction that the path came from.
     pub(super) bsdf: Surface,
     /// Unit direction to where the path came from.
     pub(super) back: Vec3A,

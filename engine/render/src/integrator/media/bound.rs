@@ -46,7 +46,7 @@ pub(super) enum Bound {
         /// The rate of each, x runs fastest.
         rates: Arc<Vec<f32>>,
     },
-    /// One rate everywhere.
+    /// A constant rate.
     Everywhere(f32),
 }
 

@@ -42,7 +42,7 @@ impl Belongs {
     }
 }
 
-/// A path's own.
+/// The part of a path's light, and its features.
 #[derive(Clone, Copy, Debug)]
 struct Path {
     first: First,

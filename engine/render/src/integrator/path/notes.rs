@@ -116,7 +116,7 @@ impl Notes for NoNotes {
 pub struct Noted {
     groups: u16,
     parts: ByPart,
-    /// Path by path.
+    /// Sums of light, path by path.
     sums: Vec<Rgb>,
 }
 

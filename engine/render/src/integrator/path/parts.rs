@@ -52,7 +52,7 @@ pub enum LobeKind {
 }
 
 impl Part {
-    /// One for each.
+    /// The number of the part, a different one for each.
     fn number(self) -> usize {
         match self {
             Self::Light(lobe, is_direct) => 2 * lobe as usize + usize::from(is_direct),

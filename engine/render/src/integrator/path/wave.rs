@@ -42,7 +42,7 @@ pub struct Wave<N: Notes = NoNotes, const VOLUMES: bool = false> {
     order: Vec<u32>,
     /// Number of meetings by material: all 0 between steps.
     counts: Vec<u32>,
-    /// The materials met.
+    /// The materials that are hit in this step.
     met: Vec<u32>,
     shadows: Vec<Shadow<N::Of>>,
     /// True for the paths that go on.

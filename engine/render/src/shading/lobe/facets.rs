@@ -146,10 +146,10 @@ impl Fresnel {
 pub(super) struct Facets {
     slopes: Slopes,
     fresnel: Fresnel,
-    /// Beyond over before.
+    /// Index of refraction beyond the surface over that before it.
     pub(super) eta: f32,
     lambda_o: f32,
-    /// [`Slopes::visible_area`] from there.
+    /// [`Slopes::visible_area`] from the direction of the view.
     visible_area: f32,
 }
 

@@ -108,7 +108,7 @@ pub(super) struct Chiang {
 /// The properties of a fibre.
 #[derive(Clone, Copy, Debug)]
 pub(in crate::shading) struct FibreShape {
-    /// Absorption by radius.
+    /// Absorption along a radius, by channel.
     pub(in crate::shading) sigma: Rgb,
     /// Roughness along and about the fibre, 0 to 1.
     pub(in crate::shading) roughness: [f32; 2],
