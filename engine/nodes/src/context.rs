@@ -161,7 +161,7 @@ pub trait Context {
         true
     }
 
-    /// The share of rays about a normal, in proportion to the cosine, that meet nothing as far as a distance. Who cannot
+    /// The share of rays about a normal, in proportion to the cosine, that hit nothing as far as a distance. Who cannot
     /// follow rays sees nothing.
     fn open(&self, _: Occlusion, _normal: Vec3A, _distance: f32) -> f32 {
         1.0

@@ -58,7 +58,7 @@ impl Points {
         field.is_some()
     }
 
-    /// One of them, for a program that reads these attributes.
+    /// The point of this number, for a program that reads these attributes.
     pub fn point<'a>(&'a self, number: usize, attributes: &'a [Attribute]) -> impl Context + 'a {
         Point { table: self, number, attributes }
     }

@@ -155,7 +155,7 @@ impl<'a> Analysis<'a> {
         Some(View { field: self.field(angle_deg), window })
     }
 
-    /// Rays of a field, `side` by `side` evenly over its window, that come through at the line's wavelength and meet the film.
+    /// Rays of a field, `side` by `side` evenly over its window, that come through at the line's wavelength and hit the film.
     fn landings(&self, line: usize, view: &View, side: usize) -> Vec<Landing> {
         let Line { tracer, probe, .. } = &self.lines[line];
         let mut bundle = tracer.bundle(Travel::FromScene);

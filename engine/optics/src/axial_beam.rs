@@ -19,7 +19,7 @@ const HALVINGS: u32 = 40;
 pub struct AxialBeam {
     /// Twice the largest height of a ray along the axis, in the y-z plane, that comes through; mm, by exact rays.
     pub diameter_mm: f64,
-    /// Index of the surface that stops the next ray outside; `None`: all that meets the first surface comes through.
+    /// Index of the surface that stops the next ray outside; `None`: all that hits the first surface comes through.
     pub ended_by: Option<usize>,
 }
 

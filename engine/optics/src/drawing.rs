@@ -56,7 +56,7 @@ pub struct Drawing {
     pub stop_semi_diameter_mm: f64,
     /// Rays of each field angle.
     pub fields: Vec<FieldRays>,
-    /// Points of the film from the lowest to the highest place where drawn rays meet it.
+    /// Points of the film from the lowest to the highest place where drawn rays hit it.
     pub film: Vec<[f64; 2]>,
 }
 

@@ -1,6 +1,6 @@
 //! Gaussian optics: what a row of surfaces does to rays close to the axis.
 //!
-//! A ray is (y, ν) with height y in mm and ν = n u, the reduced slope; light that has met an odd number of mirrors
+//! A ray is (y, ν) with height y in mm and ν = n u, the reduced slope; light that has hit an odd number of mirrors
 //! travels in a medium of negative index, so that u stays dy/dz (Welford, *Aberrations of Optical Systems*, §3).
 
 use std::ops::Mul;

@@ -73,7 +73,7 @@ impl Conjugates {
 
     /// Object plane in lens space of the film plane `film_z_mm`; infinite if that is the focal plane.
     fn object_z_mm(&self, film_z_mm: f64) -> f64 {
-        // The ray (y, ν) on the last vertex plane that meets the film on the axis, taken back: the inverse matrix.
+        // The ray (y, ν) on the last vertex plane that hits the film on the axis, taken back: the inverse matrix.
         let distance = (film_z_mm - self.last_z_mm) / self.image_index;
         let Matrix { a, b, c, d } = self.matrix;
         let (y, nu) = (-d * distance - b, c * distance + a);
@@ -284,7 +284,7 @@ impl FilmFrame {
         }
     }
 
-    /// The point at which a ray from the lens meets the film: its coordinates (u, v), mm. `None` if it misses it or goes away.
+    /// The point at which a ray from the lens hits the film: its coordinates (u, v), mm. `None` if it misses it or goes away.
     #[inline]
     pub fn meet(&self, ray: &Ray) -> Option<[f64; 2]> {
         let to = self.axes.transpose();

@@ -81,7 +81,7 @@ impl GaussianLens {
     }
 }
 
-/// Back the same way: the determinant is 1.
+/// The inverse of a matrix whose determinant is 1.
 fn inverse(m: Matrix) -> Matrix {
     Matrix { a: m.d, b: -m.b, c: -m.c, d: m.a }
 }

@@ -20,7 +20,7 @@ use crate::system::System;
 /// A path with two reflections.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Ghost {
-    /// The surfaces that reflect, the earlier on the lens first; light meets the later one first.
+    /// The surfaces that reflect, the earlier on the lens first; light hits the later one first.
     pub surfaces: [usize; 2],
     /// The product of both reflectances.
     pub reflectance: f64,

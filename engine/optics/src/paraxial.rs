@@ -104,7 +104,7 @@ fn size_mm(system: &System) -> f64 {
     system.surfaces().iter().map(|s| s.thickness_mm.abs() + s.semi_diameter_mm).sum()
 }
 
-/// The stop through the surfaces before it: (y, ν) from the first vertex meets its centre if A y + B ν = 0.
+/// The stop through the surfaces before it: (y, ν) from the first vertex hits its centre if A y + B ν = 0.
 fn entrance_pupil(system: &System, surfaces: &[Thin]) -> Pupil {
     let front = front_of(surfaces, system.stop());
     let finite = |x: f64| (x.abs() < INFINITE * size_mm(system)).then_some(x);

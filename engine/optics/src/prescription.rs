@@ -180,7 +180,7 @@ pub struct Prescription {
 const RIM_ROUNDING: f64 = 1e-9;
 
 impl SurfaceRow {
-    /// Says what is wrong with the row, which has index `surface`.
+    /// Checks the row, which has index `surface`; the error says what is wrong with it.
     pub fn check(&self, surface: usize) -> Result<(), PrescriptionError> {
         let profile = self.shape.profile();
         let mut numbers = vec![
@@ -306,7 +306,7 @@ impl Prescription {
             && self.in_air().into_iter().any(|i| self.surfaces[i].coating.is_none())
     }
 
-    /// Says what is wrong with the lens; readers of files call it last.
+    /// Checks the lens; the error says what is wrong with it. Readers of files call it last.
     pub fn check(&self) -> Result<(), PrescriptionError> {
         if self.surfaces.is_empty() {
             return Err(PrescriptionError::Empty);

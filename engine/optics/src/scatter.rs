@@ -1,6 +1,6 @@
 //! The place on the film of light that a surface scatters by a small angle, to first order.
 //!
-//! A surface that changes the direction of a ray by a small angle moves the place where it meets the film by the angle times the element
+//! A surface that changes the direction of a ray by a small angle moves the place where it hits the film by the angle times the element
 //! B of the matrix from the surface to the film (Peterson, "Analytic expressions for in-field scattered light distributions", Proc.
 //! SPIE 5178, 2004). Angles here are changes of the direction's sine times the index, which refraction keeps: of a
 //! grating of f lines per mm, λ f.

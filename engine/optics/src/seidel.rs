@@ -148,7 +148,7 @@ fn seidel_terms(s: &Thin, asphericity: f64, rays: Rays, after: [f64; 2], lagrang
         -a * ac * y * delta + asphere * y.powi(3) * yc,
         -ac * ac * y * delta + asphere * y * y * yc * yc,
         -lagrange * lagrange * c * inverse,
-        // The form without a division by A, which is 0 where the marginal ray meets the surface at right angles.
+        // The form without a division by A, which is 0 where the marginal ray hits the surface at right angles.
         -ac * (ac * ac * inverse_square * y - (ac * y - lagrange) * yc * c * inverse) + asphere * y * yc.powi(3),
     ]
 }

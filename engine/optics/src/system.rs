@@ -467,7 +467,7 @@ fn focal_length_mm(surfaces: &[Surface]) -> Option<f64> {
 
 /// |efl| / diameter of the entrance pupil at d.
 ///
-/// The entrance pupil is the stop seen through the surfaces before it: a ray of height y there meets the stop at
+/// The entrance pupil is the stop seen through the surfaces before it: a ray of height y there hits the stop at
 /// the height A y, so the pupil's diameter is the stop's over |A|.
 fn widest_f_number(surfaces: &[Surface], stop: usize) -> Option<f64> {
     let thin = thin(surfaces, Section::Y, line_nm::D);

@@ -233,7 +233,7 @@ impl<R: Real> Tracer<R> {
     }
 
     /// [`Self::from_scene`] that appends the length of the way to each surface from the one before, the first from the ray's origin, to
-    /// `lengths_mm`. A length is negative where the ray meets a surface before it has left the one in front of that. In a gradient it is
+    /// `lengths_mm`. A length is negative where the ray hits a surface before it has left the one in front of that. In a gradient it is
     /// the optical path over the index on the axis just before the next surface.
     pub fn from_scene_measuring(&self, ray: Ray, lengths_mm: &mut Vec<f64>) -> Result<Ray, Lost> {
         self.from_scene.run_measuring(ray, &self.diaphragm, lengths_mm)

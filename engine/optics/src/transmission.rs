@@ -1,7 +1,7 @@
 //! Transmission of a lens along one ray: reflection and absorption at its surfaces, and absorption in its glasses.
 //!
 //! Light that is reflected twice is not counted here: it is a ghost. Between two surfaces the planes of incidence turn, so the light
-//! that one has polarised meets the next in another way: amplitudes go on along s and p of each surface in turn (Chipman, *Opt. Eng.*
+//! that one has polarised hits the next in another way: amplitudes go on along s and p of each surface in turn (Chipman, *Opt. Eng.*
 //! 34, 1636, 1995), without the phases by which films delay one against the other, since those change only what two surfaces'
 //! differences between s and p make together.
 
@@ -261,7 +261,7 @@ mod tests {
         assert!((all.part(&back, 550.0) - expected).abs() < 1e-10);
     }
 
-    /// A stop bends nothing and turns nothing, nor does a surface that is met at right angles.
+    /// A stop bends nothing and turns nothing, nor does a surface that is hit at right angles.
     #[test]
     fn turns_are_turns() {
         let text = "# coating: none\n40 6 1.7 40 0 0\n400 8 air 40 0 0\n-60 2 1.6 30 0 0\n50 4 air 30 0 0\n0 3 air 20 0 1\n90 6 1.7 30 0 0\n-45 60 air 30 0 0";

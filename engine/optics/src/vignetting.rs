@@ -1,7 +1,7 @@
 //! Vignetting: the field angles at which the rims of a lens let its beam through, by exact rays.
 //!
 //! The beam of a field angle is all light from there that the present opening of the stop would let through if it were
-//! alone. Rays are traced through the lens without its rims, and looked at where they meet each surface: a rim cuts
+//! alone. Rays are traced through the lens without its rims, and looked at where they hit each surface: a rim cuts
 //! those that pass outside of it. A polygon of blades counts as the circle through its corners, and central
 //! obstructions do not count.
 

@@ -125,7 +125,7 @@ impl Part {
         Ok(vec![samples; width * height])
     }
 
-    /// Says how many samples there are now, and which.
+    /// Writes the number of samples, and their ranges, into the picture's attributes.
     pub(crate) fn tell(&mut self, samples: Option<f64>, ranges: &[(u64, u64, u64)]) {
         let told: Vec<String> = ranges.iter().map(|(seed, first, count)| format!("{seed}:{first}+{count}")).collect();
         let values = [(RANGES, (!told.is_empty()).then(|| told.join(" "))), (SAMPLES, samples.map(|n| format!("{n}")))];

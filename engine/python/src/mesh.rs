@@ -39,7 +39,7 @@ row!(Vec2, 2);
 row!(Vec3, 3);
 row!(Vec4, 4);
 
-/// One a row; `None` where the rows have another length, or do not lie one after the other.
+/// Reads one vector from each row; `None` where the rows have another length, or do not lie one after the other.
 pub(crate) fn vectors<T: Row>(array: &PyReadonlyArray2<'_, f32>) -> Option<Vec<T>> {
     let values = array.as_slice().ok().filter(|_| array.shape()[1] == T::LENGTH)?;
     Some(values.chunks_exact(T::LENGTH).map(T::of).collect())

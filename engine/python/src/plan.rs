@@ -86,7 +86,7 @@ impl Plan {
 }
 
 impl Plan {
-    /// Everything that is told of it.
+    /// The report of the plan.
     fn value(&self) -> Value {
         let plan = &self.plan;
         let look = &plan.look;

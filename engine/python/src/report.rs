@@ -52,7 +52,7 @@ impl Look {
         lines[self.main(lines)]
     }
 
-    /// Everything that was asked for, checked.
+    /// The analysis that was asked for, checked.
     fn analysis<'a>(&self, system: &'a System) -> Result<Analysis<'a>, Error> {
         let lines = self.lines();
         lines.iter().try_for_each(|&nm| check_wavelength(nm))?;

@@ -1,4 +1,4 @@
-//! Finding what a ray meets. Meshes that stand in the scene once share one tree in render space; those that stand in
+//! Finding what a ray hits. Meshes that stand in the scene once share one tree in render space; those that stand in
 //! it several times have one each, in object space, below a tree of their instances. docs/design/tree.md says why.
 
 mod apart;
@@ -66,7 +66,7 @@ impl Ray {
     }
 }
 
-/// A triangle, a strand of hair or a point of a cloud that a ray does not meet, as in Cycles: what leaves it does not come back to it.
+/// A triangle, a strand of hair or a point of a cloud that a ray does not hit, as in Cycles: what leaves it does not come back to it.
 /// A triangle is flat, but the distance to a large one is known less well than how far from it a ray starts; a ribbon that turns to
 /// every ray would hide from itself.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
@@ -100,7 +100,7 @@ pub struct Hit {
     /// Barycentric weight of the triangle's second corner; along a segment, 0 to 1 (beyond on a round end, by
     /// which way the normal leans there). Of a point this and `v` are which way its surface looks: [`points::folded`].
     pub u: f32,
-    /// Barycentric weight of the third; across a segment, -1 to 1, and more where a round strand is met from within or its normal
+    /// Barycentric weight of the third; across a segment, -1 to 1, and more where a round strand is hit from within or its normal
     /// leans the other way: see [`Across`].
     pub v: f32,
     /// Index into the scene's instances.

@@ -100,7 +100,7 @@ struct Shared {
     tiles: Vec<usize>,
     /// First sample and count of each pass.
     passes: Vec<(u32, u32)>,
-    /// Instead of them, where pixels get as many samples as they need.
+    /// The decisions by which pixels get as many samples as they need; `None` where all get as many.
     adaptive: Option<Adaptive>,
     next: AtomicUsize,
     stop: AtomicBool,

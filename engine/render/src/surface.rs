@@ -1,4 +1,4 @@
-//! A point on a surface, from what a ray met: where it is, which way it faces, and its texture coordinates.
+//! A point on a surface, from what a ray hit: where it is, which way it faces, and its texture coordinates.
 
 use crate::accel::curves::radius_scale;
 use crate::accel::points::folded;
@@ -166,7 +166,7 @@ impl SurfacePoint {
         }
     }
 
-    /// A ray without end that leaves it at `origin`: it does not meet the triangle, strand or point that it leaves.
+    /// A ray without end that leaves it at `origin`: it does not hit the triangle, strand or point that it leaves.
     #[inline(always)]
     pub fn leaving(&self, origin: Vec3A, direction: Vec3A) -> Ray {
         let part = if self.strand == NO_STRAND { self.triangle } else { self.strand };

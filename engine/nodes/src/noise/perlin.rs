@@ -86,7 +86,7 @@ fn where_set(hash: u32x8, bit: u32) -> u32x8 {
     u32x8::ZERO - ((hash >> bit) & u32x8::splat(1))
 }
 
-/// One or the other, bit by bit.
+/// Returns the bits of `set` where those of `mask` are 1, and those of `clear` elsewhere.
 #[inline(always)]
 fn choose(mask: u32x8, set: u32x8, clear: u32x8) -> u32x8 {
     clear ^ (mask & (set ^ clear))

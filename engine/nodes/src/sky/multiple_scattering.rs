@@ -54,7 +54,7 @@ struct Matter {
     extinction: Vec4,
 }
 
-/// Distance to a sphere around the Earth's middle, if the ray meets it.
+/// Distance to a sphere around the Earth's middle, if the ray hits it.
 fn to_sphere_km(p: Vec3A, direction: Vec3A, radius_km: f32) -> Option<f32> {
     let (along, above) = (p.dot(direction), p.dot(p) - radius_km * radius_km);
     if above > 0.0 && along > 0.0 {

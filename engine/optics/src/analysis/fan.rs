@@ -29,13 +29,13 @@ pub struct FanLine {
 /// A ray of a fan.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct FanRay {
-    /// The place at which it meets the stop, in radii of its opening, along the fan.
+    /// The place at which it hits the stop, in radii of its opening, along the fan.
     pub pupil: f64,
-    /// The place at which it meets the film, along the fan: the tangential part of a tangential fan, the sagittal one of the other; from
+    /// The place at which it hits the film, along the fan: the tangential part of a tangential fan, the sagittal one of the other; from
     /// the ray of the main wavelength through the middle of the stop.
     pub error_mm: f64,
     /// Path difference to the middle ray of the same wavelength, in wavelengths: to the sphere through the middle of the exit pupil whose
-    /// centre is where that ray meets the film, the plane at infinity if the exit pupil is there.
+    /// centre is where that ray hits the film, the plane at infinity if the exit pupil is there.
     pub path_waves: f64,
 }
 

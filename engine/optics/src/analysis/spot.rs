@@ -1,4 +1,4 @@
-//! Spots: where the rays of a field meet the film.
+//! Spots: where the rays of a field hit the film.
 
 use glam::DVec2;
 
@@ -77,7 +77,7 @@ impl Analysis<'_> {
         })
     }
 
-    /// The points on the film of rays of the main wavelength that meet the stop at these places, in radii of its opening: sagittal and
+    /// The points on the film of rays of the main wavelength that hit the stop at these places, in radii of its opening: sagittal and
     /// tangential, mm from the film's middle. `None`: a rim or a surface keeps that ray.
     pub fn through_stop(&self, angle_deg: f64, stops: &[[f64; 2]]) -> Vec<Option<[f64; 2]>> {
         let Some(view) = self.view(angle_deg) else { return vec![None; stops.len()] };

@@ -18,7 +18,7 @@ const SETTLED: f64 = 1e-11;
 /// An error by which no film makes three points sharp.
 #[derive(Clone, Copy, Debug, PartialEq, Error)]
 pub enum SharpPlaneError {
-    /// One of them has no sharp image.
+    /// One of the points has no sharp image.
     #[error("sharp point {number} of 3: {source}")]
     Point {
         /// Number of the point, from 1.

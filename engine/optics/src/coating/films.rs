@@ -82,7 +82,7 @@ impl Film {
         Self { name, dispersion: Dispersion::Constant(n), extinction }
     }
 
-    /// One of the known, in any case; `None`: there is none of that name.
+    /// The known film of this name, in any case; `None` if there is none.
     pub fn named(name: &str) -> Option<Self> {
         if name.eq_ignore_ascii_case("HfO2") {
             let [a, b, c] = HFO2;

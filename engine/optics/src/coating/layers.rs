@@ -114,7 +114,7 @@ fn bare(from: f64, to: f64, cos: f64) -> Split {
     Split { reflected, transmitted: reflected.map(|r| 1.0 - r) }
 }
 
-/// The parts of light that comes from a medium of real index `from` through layers, in the order that it meets them, to one of index
+/// The parts of light that comes from a medium of real index `from` through layers, in the order that it hits them, to one of index
 /// `to`.
 pub(super) fn split<'a>(
     layers: impl Iterator<Item = &'a Layer>,

@@ -27,7 +27,7 @@ pub enum MaskError {
     /// A value is no brightness.
     #[error("the aperture mask holds a value that is not finite; give numbers from 0 to 1")]
     NotFinite,
-    /// Nothing is brighter than half.
+    /// No value is brighter than half.
     #[error("the aperture mask is dark; light passes where it is brighter than half")]
     Dark,
 }

@@ -22,7 +22,7 @@ pub(super) struct Sheaf {
     pub(super) origin: Option<[f64; 2]>,
     /// Slope of the chief ray, at first order.
     pub(super) slope: f64,
-    /// The height at which the chief ray meets the first vertex plane, and the beam's half width there.
+    /// The height at which the chief ray hits the first vertex plane, and the beam's half width there.
     pub(super) middle: f64,
     pub(super) half_width: f64,
     /// Parts of the stop's radius that are left below and above.

@@ -127,7 +127,7 @@ impl<'a> Draft<'a> {
         }
     }
 
-    /// Says a line of a header, as `.lens` files have them.
+    /// Adds a line of a header, as `.lens` files have them.
     pub(super) fn header(&mut self, key: &str, value: impl ToString) {
         self.metadata.all.push((key.to_owned(), value.to_string()));
     }

@@ -241,7 +241,7 @@ impl<'a> Glasses<'a> {
         self.catalogue.medium(first)
     }
 
-    /// Says whose glass is taken, if those of the others differ.
+    /// Adds a remark on whose glass is taken, if those of the makers differ.
     fn of_several(&self, name: &str, makers: &[&str], place: Place, remarks: &mut Remarks) {
         let index =
             |maker: &&str| self.catalogue.medium(&format!("{maker}:{name}")).ok().map(|medium| medium.index(500.0));

@@ -242,7 +242,7 @@ impl Power {
     }
 }
 
-/// Between the nodes `cell` and the next of so many, at the part `t` of the way.
+/// The cubic interpolation of `side` nodes, between node `cell` and the next at the part `t` of the way.
 fn cubic(side: usize, cell: usize, t: f64, node: impl Fn(usize) -> f64) -> f64 {
     let (b, c) = (node(cell), node(cell + 1));
     // Beyond the ends as a parabola through the last three.

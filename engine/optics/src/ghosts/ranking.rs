@@ -41,7 +41,7 @@ fn part_on_film([a, b, c]: &[DVec2; 3], is_film: &impl Fn(DVec2) -> bool) -> f64
     inside as f64 / (PARTS * PARTS)
 }
 
-/// Into so many parts each side of a piece is cut to see what of it lies on the film.
+/// Number of parts into which each side of a piece is cut to see what of it lies on the film.
 const PARTS: f64 = 4.0;
 
 /// All ghosts of a beam at the tracer's wavelength with so many reflections, 2 or 4. `is_film` tells which points (u, v), mm, the

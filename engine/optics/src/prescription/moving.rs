@@ -239,8 +239,8 @@ impl MovingParts {
         &self.parts
     }
 
-    /// Says if one of the parts is the index of what is no medium of its own, or what is wrong with the lens in one of the
-    /// positions, as they were given, and in which.
+    /// Checks the parts: the error says that one of them is the index of what is no medium of its own, or what is wrong with the lens in
+    /// one of the positions, as they were given, and in which.
     pub fn check(&self, rows: &[SurfaceRow], given: &[Position]) -> Result<(), (Option<usize>, MovingError)> {
         let is_medium = |row: &SurfaceRow| matches!(&row.behind, Behind::Medium(medium) if *medium != Medium::air());
         let bad = |part: &&Part| part.quantity == Quantity::IndexShift && !is_medium(&rows[part.surface]);

@@ -34,7 +34,7 @@ impl Outline {
     }
 }
 
-/// Asks tracers which targets are clear.
+/// A test, by tracers, of the targets that are clear.
 pub(super) struct Probe {
     /// Tracers without obstructions and masks: the pupil's hole is found apart, and the outline of a mask's circle
     /// holds all of its openings.

@@ -1,4 +1,4 @@
-//! The shapes of optical surfaces: where a ray meets one, and the normal there (Wu et al. 2011, §3.1 and §3.2.1).
+//! The shapes of optical surfaces: where a ray hits one, and the normal there (Wu et al. 2011, §3.1 and §3.2.1).
 //!
 //! Coordinates are those of the surface: the origin at its vertex, z along its axis. Nothing here knows of glass or of
 //! rims; callers are the tracer and the surface tests. Every shape is written once for all [`Lane`]s.
@@ -22,7 +22,7 @@ pub use toroid::Toroid;
 pub enum Failure {
     /// The ray passes by the surface.
     Missed,
-    /// The ray meets the mathematical surface, but only on the part that is not the lens: a hyperboloid's second
+    /// The ray hits the mathematical surface, but only on the part that is not the lens: a hyperboloid's second
     /// sheet, the far half of an ellipsoid.
     WrongSheet,
     /// The hit lies outside of the clear aperture.
@@ -67,11 +67,11 @@ pub struct Crossing<L: Lane> {
     pub cosine_squared: L,
     /// |N · D|.
     pub cosine: L,
-    /// True if the ray meets the surface with sign(N · D) = side.
+    /// True if the ray hits the surface with sign(N · D) = side.
     pub met: L::Mask,
-    /// Not met, for [`Failure::WrongSheet`].
+    /// Not hit, for [`Failure::WrongSheet`].
     pub wrong_sheet: L::Mask,
-    /// Not met, for [`Failure::NotConverged`].
+    /// Not hit, for [`Failure::NotConverged`].
     pub not_converged: L::Mask,
 }
 

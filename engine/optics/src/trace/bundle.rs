@@ -387,8 +387,8 @@ impl<R: Real> Block<'_, R> {
         }
     }
 
-    /// [`Self::step`] for [`Step::plain`] surfaces. This one and the next two are functions of their own: the kernels share them, and the
-    /// time of the compiler grows faster than a function does.
+    /// [`Self::step`] for [`Step::plain`] surfaces. It, [`Self::pass_any`] and [`Self::pass_beside_gradient`] are functions of their own:
+    /// the kernels share them, and the time of the compiler grows faster than a function does.
     #[inline(never)]
     fn pass_plain<L: Lane<Real = R>, const IS_FAR: bool>(
         &mut self,

@@ -18,7 +18,7 @@ const REASONS: [Failure; 7] = [
 pub(super) struct Fate(u32);
 
 impl Fate {
-    /// Not lost so far.
+    /// The fate of a ray that is not lost so far.
     pub(super) const THROUGH: Self = Self(0);
 
     #[inline]

@@ -162,7 +162,7 @@ impl<R: Real> Gradients<R> {
     }
 
     /// Carries rays from `p` along `d`, in the coordinates of the vertex of `step`, to where they need only go straight on
-    /// to meet its surface, by some roundings; and which of them come so far.
+    /// to hit its surface, by some roundings; and which of them come so far.
     #[inline(always)]
     pub(super) fn carry<L: Lane<Real = R>>(
         &self,

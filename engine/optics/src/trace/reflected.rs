@@ -43,7 +43,7 @@ pub struct ReflectedTracer {
 }
 
 impl Tracer {
-    /// The path from the scene to the film that turns round at these surfaces one after the other: the first is met on the way to the
+    /// The path from the scene to the film that turns round at these surfaces one after the other: the first is hit on the way to the
     /// film, the next on the way back, nearer to the scene, and so on. Rims and diaphragm are asked each time the path
     /// comes by. `None` if the turns are an odd number or not in that order.
     pub fn reflected(&self, turns: &[usize]) -> Option<ReflectedTracer> {
@@ -113,7 +113,7 @@ impl ReflectedTracer {
         &self.tracer
     }
 
-    /// The surfaces that the path meets, in the order of travel.
+    /// The surfaces that the path hits, in the order of travel.
     pub fn meetings(&self) -> &[Meeting] {
         &self.meetings
     }
@@ -175,9 +175,9 @@ pub struct Wanderer<'a> {
 pub enum Encounter {
     /// A surface that it may go on through or turn round at, by [`Wanderer::go`].
     Surface(Incidence),
-    /// Nothing more: it has left the lens towards the film.
+    /// The end of the path: it has left the lens towards the film.
     Film(Ray),
-    /// Nothing more: it has left the lens towards the scene.
+    /// The end of the path: it has left the lens towards the scene.
     Scene,
     /// A rim, or no surface at all.
     Lost(Lost),
@@ -325,7 +325,7 @@ mod tests {
                         let meeting = Meeting { turns, ..incidence.meeting };
                         own.push(Incidence { meeting, ..incidence });
                         if let Err(reason) = wanderer.go(turns) {
-                            // It met the surface, and the path as a whole did not say so.
+                            // It hit the surface, and the path as a whole did not say so.
                             own.pop();
                             break Err(Lost { surface: meeting.surface, reason });
                         }

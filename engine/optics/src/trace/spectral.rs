@@ -240,7 +240,7 @@ mod tests {
         })
     }
 
-    /// Rays to all places of the glass that they meet first, some beyond the rims.
+    /// Rays to all places of the glass that they hit first, some beyond the rims.
     fn rays(system: &System, travel: Travel) -> Vec<Ray> {
         let surfaces = system.surfaces();
         let (semi, z, start) = match travel {

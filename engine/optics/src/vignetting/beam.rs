@@ -27,19 +27,19 @@ pub(super) const LOST: f64 = 4.0;
 
 /// The path of a ray.
 pub(crate) struct Passage {
-    /// The point at which it meets the stop, in radii of its opening.
+    /// The point at which it hits the stop, in radii of its opening.
     pub(crate) stop: DVec2,
     /// Its largest distance from the axis at the other surfaces, in radii of the rim there.
     pub(super) reach: f64,
     /// The surface where that is.
     pub(super) surface: usize,
-    /// The point at which it meets the first surface.
+    /// The point at which it hits the first surface.
     first: DVec3,
 }
 
 /// The rays past the rim of the stop.
 pub(super) struct RimOfBeam {
-    /// The points at which they meet the first surface: rays of a neighbouring field through the same places are near its own, however much
+    /// The points at which they hit the first surface: rays of a neighbouring field through the same places are near its own, however much
     /// the beam is foreshortened.
     pub(super) points: Vec<DVec3>,
     /// The largest reach of all.
@@ -115,7 +115,7 @@ impl<'a> Probe<'a> {
         Ok(rim)
     }
 
-    /// The point at which the ray of `field` that meets the stop at `target` crosses its plane, by Newton's method from `start`; the error
+    /// The point at which the ray of `field` that hits the stop at `target` crosses its plane, by Newton's method from `start`; the error
     /// is a surface that keeps rays from there.
     pub(crate) fn aim(&self, field: &Field, target: DVec2, start: DVec2) -> Result<DVec2, usize> {
         let miss = |at: DVec2| self.pass(field, at).map(|passage| passage.stop - target);

@@ -37,7 +37,7 @@ pub(crate) struct Survey {
 struct Node {
     /// The point at which it crosses the plane of its field.
     at: DVec2,
-    /// The point at which it meets the stop.
+    /// The point at which it hits the stop.
     stop: DVec2,
     /// Distance by which it goes outside of the worst rim, in its radii; not above 0: it passes.
     excess: f64,

@@ -14,7 +14,7 @@ fn focusing(anchor: Anchor, relation: Relation) -> Focusing {
     Focusing { anchor, relation }
 }
 
-/// The z at which a ray from the axis at `object_z` that meets the first vertex 1e-5 of the focal length beside it crosses the axis again.
+/// The z at which a ray from the axis at `object_z` that hits the first vertex 1e-5 of the focal length beside it crosses the axis again.
 fn crossing(system: &System, object_z: f64, size: f64) -> f64 {
     let origin = DVec3::new(0.0, 0.0, object_z);
     let direction = (DVec3::new(1e-5 * size, 0.0, 0.0) - origin).normalize();

@@ -1,4 +1,4 @@
-//! Balls, eight at a time. As in Cycles they are met from outside alone: a ray that has gone into one does not meet it again.
+//! Balls, eight at a time. As in Cycles they are hit from outside alone: a ray that has gone into one does not hit it again.
 
 use super::triangles::LANES;
 use fearless_simd::{Simd, SimdBase, SimdFloat, SimdMask, f32x8};
@@ -24,7 +24,7 @@ pub(super) struct Beam {
 
 /// The hits of a ray in the lanes of a leaf.
 pub(super) struct Met {
-    /// Lanes that the ray meets, as bits.
+    /// Lanes that the ray hits, as bits.
     pub(super) lanes: u32,
     /// Distances of the hits.
     pub(super) t: [f32; LANES],

@@ -1,4 +1,4 @@
-//! Bounding capsules of curve segments, eight at a time: a ray must meet one before the keys of its segment are read.
+//! Bounding capsules of curve segments, eight at a time: a ray must hit one before the keys of its segment are read.
 //!
 //! A box along the axes is mostly empty where a strand runs across them, and eight such boxes overlap; a capsule about the chord
 //! fits a strand whichever way it runs. Oriented boxes serve the same purpose in the BVH of Woop, Benthin, Wald, Johnson and Tabellion (2014,
@@ -29,7 +29,7 @@ pub(super) struct Capsules {
 pub(super) struct Candidates {
     /// The lanes that are hit, as bits.
     pub(super) lanes: u32,
-    /// Distances before which the lanes' segments are not met.
+    /// Distances before which the lanes' segments are not hit.
     pub(super) near: [f32; LANES],
 }
 
@@ -78,7 +78,7 @@ impl Capsules {
         self.radius[lane] = thinnest * (1.0 + ROUNDING) + rounding;
     }
 
-    /// The capsules that a ray meets before `t_max`, or may meet.
+    /// The capsules that a ray hits before `t_max`, or may hit.
     #[inline(always)]
     pub(super) fn meet<S: Simd>(&self, simd: S, gaze: &Gaze, t_max: f32) -> Option<Candidates> {
         let [ax, ay, az] = self.seen(simd, gaze, 0);

@@ -365,7 +365,7 @@ impl CurveTree {
         tree
     }
 
-    /// Puts segments into this order, and strands into that of their first segments: what one ray meets lies together in memory.
+    /// Puts segments into this order, and strands into that of their first segments: what one ray hits lies together in memory.
     fn set_order(&mut self, order: impl Iterator<Item = usize>, strands: &[Range<usize>], strand_of: &[u32]) {
         let mut segments = Vec::with_capacity(self.segments.len());
         let mut keys = Vec::with_capacity(self.keys.len());
@@ -405,7 +405,7 @@ impl CurveTree {
         *self.keys[first..first + 4].first_chunk().expect("four")
     }
 
-    /// Offers what a ray meets of wanted segments; `met` gives the ray's end from then on.
+    /// Offers what a ray hits of wanted segments; `met` gives the ray's end from then on.
     #[inline(always)]
     fn follow<S: Simd>(
         &self,

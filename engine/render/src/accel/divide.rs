@@ -25,7 +25,7 @@ pub(super) fn divide(
     balls: &mut Vec<Vec4>,
     take: &mut impl FnMut(Range<u16>, Bounds),
 ) {
-    // Round pieces overlap, and what overlaps would be met in both halves.
+    // Round pieces overlap, and what overlaps would be hit in both halves.
     let is_divided = matches!(cut, Cut::Ribbon(_));
     let halvings = (1..=HALVINGS).rev().find(|&halvings| is_divided && segments << halvings <= MOST_PARTS).unwrap_or(0);
     let whole = 0..cut.pieces();

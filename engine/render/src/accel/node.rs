@@ -175,7 +175,7 @@ fn on_grid(low: f32, high: f32, origin: f32, step: f32) -> [u8; 2] {
 /// A ray for testing boxes.
 #[derive(Clone, Copy, Debug)]
 pub(super) struct BoxRay {
-    // Two starts, a little ahead and a little behind, so that boxes are met that rounding would miss.
+    // Two starts, a little ahead and a little behind, so that boxes are hit that rounding would miss.
     origin_near: [f32; 3],
     origin_far: [f32; 3],
     inverse: [f32; 3],

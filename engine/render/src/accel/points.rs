@@ -1,6 +1,6 @@
 //! Trees of point clouds, beside those of triangles: who has none pays nothing. Leaves hold eight balls.
 //!
-//! A cloud that stands in the scene once, and is as large along all its axes, is met in render space; others in their own, where
+//! A cloud that stands in the scene once, and is as large along all its axes, is hit in render space; others in their own, where
 //! balls are balls however they are stretched.
 
 use super::balls::{Balls, Beam};
@@ -144,7 +144,7 @@ impl PointForest {
         places.into_iter().chain(self.common.bounds()).chain(moving).reduce(|a, b| a.union(&b))
     }
 
-    /// Offers the balls of an instance that a ray meets to `met`, which gives the end of the ray from then on; gives it, too.
+    /// Offers the balls of an instance that a ray hits to `met`, which gives the end of the ray from then on; gives it, too.
     #[inline(always)]
     fn follow_placed<S: Simd>(
         &self,
@@ -179,7 +179,7 @@ impl PointForest {
         ControlFlow::Continue(t_max)
     }
 
-    /// Offers all balls that a ray meets to `met`, as [`Self::follow_placed`].
+    /// Offers all balls that a ray hits to `met`, as [`Self::follow_placed`].
     #[inline(always)]
     fn follow<S: Simd>(
         &self,
@@ -335,7 +335,7 @@ impl PointTree {
         self.nodes.first().map(Node::bounds)
     }
 
-    /// Offers what a ray meets of balls that it does not pass by: instance, point, distance, from the middle outwards, and the
+    /// Offers what a ray hits of balls that it does not pass by: instance, point, distance, from the middle outwards, and the
     /// ray's end, which `met` gives anew.
     #[inline(always)]
     fn follow<S: Simd>(

@@ -12,7 +12,7 @@ use arrayvec::ArrayVec;
 use rayon::prelude::*;
 use std::sync::Arc;
 
-/// A tree whose boxes come to this many times the surface that they had when it was built is built anew: a ray meets
+/// A tree whose boxes come to this many times the surface that they had when it was built is built anew: a ray hits
 /// boxes in proportion to their surface (MacDonald and Booth 1990).
 const WORSE: f32 = 1.25;
 

@@ -4,7 +4,7 @@
 //! through its two joints at right angles to the curve; neighbours share a plane to the last bit, so that nothing passes between
 //! them. Ribbons are even between joints and face the ray (Nakamaru and Ohno 2002; Woop, Benthin, Wald, Johnson and Tabellion
 //! 2014, as Cycles has them); round strands are cones about the line between joints (in the manner of the phantom intersector of
-//! Reshetov and Luebke 2018, with the planes instead of its iteration), met on their way in and on their way out.
+//! Reshetov and Luebke 2018, with the planes instead of its iteration), hit on their way in and on their way out.
 
 use super::LEANS_AWAY;
 use crate::scene::curves::{Controls, CurveShape};
@@ -15,7 +15,7 @@ use std::ops::Range;
 const LANES: usize = 8;
 /// Pieces of a round segment at most.
 const MOST_PIECES: f32 = 64.0;
-/// Ribbons are met from twice their radius away on, as in Embree: nearer ones of other strands would show cuts.
+/// Ribbons are hit from twice their radius away on, as in Embree: nearer ones of other strands would show cuts.
 const RIBBON_ROOM: f32 = 2.0;
 
 /// Round pieces reach so many radii over the joint before and the one behind them: two cones do not meet the plane between them in
@@ -113,7 +113,7 @@ impl Cut {
         // The edges between round pieces stick out.
         let reach = if matches!(self, Self::Round(_)) { 1.04 } else { 1.0 };
         // As far as a curve is from the chord of a piece: an eighth of the second difference. A ribbon, whose pieces end at right angles to the
-        // curve and not to their chords, is met less far outside of them.
+        // curve and not to their chords, is hit less far outside of them.
         let [_, _, c, d] = if self == Self::Straight { [Vec4::ZERO; 4] } else { controls.coefficients() };
         let second = (2.0 * c).truncate().length().max((2.0 * c + 6.0 * d).truncate().length());
         let bend = second / (8.0 * f32::from(pieces) * f32::from(pieces));
@@ -141,7 +141,7 @@ fn round_pieces(controls: &Controls) -> u16 {
     pieces.clamp(LANES as f32, MOST_PIECES) as u16
 }
 
-/// The nearest places before `t_max` where a part of a segment is met, some of its pieces.
+/// The nearest places before `t_max` where a part of a segment is hit, some of its pieces.
 #[inline(always)]
 pub(super) fn meet<S: Simd>(
     simd: S,
@@ -206,7 +206,7 @@ fn in_pieces<S: Simd, const ROUND: bool>(
     if ROUND { both.map(|met| met.map(|met| on_curve(&coefficients, met))) } else { both }
 }
 
-/// The place of the curve that is nearest to where a piece was met, instead of that of the chord.
+/// The place of the curve that is nearest to where a piece was hit, instead of that of the chord.
 fn on_curve([a, b, c, d]: &[Vec4; 4], met: CurveMet) -> CurveMet {
     let at = |u: f32| *a + u * (*b + u * (*c + u * *d));
     let slope = |u: f32| (*b + u * (2.0 * *c + 3.0 * u * *d)).truncate();

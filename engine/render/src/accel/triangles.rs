@@ -20,7 +20,7 @@ pub(super) struct Block {
 
 /// The hits of a ray in the lanes of a block.
 pub(super) struct Met {
-    /// Lanes that the ray meets, as bits.
+    /// Lanes that the ray hits, as bits.
     pub(super) lanes: u32,
     /// Distances of the hits.
     pub(super) t: [f32; LANES],
@@ -64,7 +64,7 @@ impl Block {
         self.corners.map(|p| Vec3::new(p[0][lane], p[1][lane], p[2][lane]))
     }
 
-    /// The triangles that a ray meets before `t_max`.
+    /// The triangles that a ray hits before `t_max`.
     #[inline(always)]
     pub(super) fn meet<S: Simd>(&self, simd: S, ray: &Shear, t_max: f32) -> Option<Met> {
         let (ax, ay, az) = self.seen(simd, ray, 0);

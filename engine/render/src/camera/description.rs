@@ -32,7 +32,7 @@ pub enum Model {
     Orthographic,
 }
 
-/// Into what the film parts the light.
+/// The wavelengths into which the film divides the light.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
 pub enum Spectrum {
     /// All visible wavelengths.

@@ -2,7 +2,7 @@
 //! distortion out of a picture, or to put it in.
 //!
 //! A picture point of the lens stands for the mean of the rays from its film point through all of the clear pupil, at one
-//! wavelength. Where it meets the plane that is sharp, the pinhole sees the same thing; a lens focused at infinity is
+//! wavelength. Where it hits the plane that is sharp, the pinhole sees the same thing; a lens focused at infinity is
 //! compared by direction. The pinhole is that of [`LensInfo::viewport_focal_length_mm`](super::setup::LensInfo).
 
 use super::beam;

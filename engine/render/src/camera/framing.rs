@@ -155,7 +155,7 @@ impl<'a> Search<'a> {
         self.between(wide, narrow)
     }
 
-    /// Between a value that sees as much or more and one that sees less.
+    /// Bisects between a value that sees as much or more and one that sees less.
     fn between(&self, mut wide: f64, mut narrow: f64) -> Result<f64, CameraError> {
         for _ in 0..HALVINGS {
             let middle = (wide * narrow).sqrt();

@@ -56,7 +56,7 @@ impl Mount {
         self.frame.at(-p.x as f64 * self.info.picture_width_mm, -p.y as f64 * self.info.picture_height_mm)
     }
 
-    /// The picture point where a ray from the lens meets the film.
+    /// The picture point where a ray from the lens hits the film.
     #[inline]
     pub(super) fn picture_point(&self, ray: &LensRay) -> Option<Vec2> {
         let [u, v] = self.frame.meet(ray)?;

@@ -60,7 +60,7 @@ impl CameraDescription {
         script.written()
     }
 
-    /// Says what of the lens cannot be written.
+    /// Checks that the lens can be written; the error says what cannot.
     fn refuse(&self, setup: &Setup) -> Result<(), CameraError> {
         let system = &setup.system;
         for (i, s) in system.surfaces().iter().enumerate() {

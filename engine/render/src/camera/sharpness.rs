@@ -93,7 +93,7 @@ struct Look<'a> {
     mount: &'a Mount,
     tracer: &'a Tracer,
     map: &'a PupilMap,
-    /// Between neighbours on the film, mm.
+    /// Distance between neighbours on the film, mm.
     step: f64,
     confusion_mm: f64,
 }

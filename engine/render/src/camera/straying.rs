@@ -12,7 +12,7 @@ use petzval_optics::pupil_map::on_axis_throughput;
 use petzval_optics::system::System;
 use petzval_optics::transmission::Passages;
 
-/// Between the colours that are seen best, nm.
+/// A wavelength between the colours that are seen best, nm.
 const GREEN_NM: f64 = 550.0;
 /// The radius of the smallest ghost that is told apart from a point, pixels.
 const LEAST_PX: f64 = 2.0;

@@ -105,7 +105,7 @@ pub struct LensMeasures {
 pub struct LensShape {
     /// Planes, spheres and conics.
     pub plain: usize,
-    /// Surfaces that take several steps to meet.
+    /// Surfaces that take several steps to hit.
     pub aspheres: usize,
 }
 

@@ -134,7 +134,7 @@ impl MatteNotes {
         Self { rays: vec![0; pixels], met: Vec::new() }
     }
 
-    /// Notes a ray of a pixel, with the instance and the material that it met.
+    /// Notes a ray of a pixel, with the instance and the material that it hit.
     #[inline]
     pub(super) fn add(&mut self, pixel: usize, met: Option<[u32; 2]>) {
         self.rays[pixel] += 1;
@@ -183,7 +183,7 @@ impl MatteSums {
         }
     }
 
-    /// The id that most of a pixel's rays met; what met nothing counts as 0.
+    /// The id that most of a pixel's rays hit; what hit nothing counts as 0.
     pub(super) fn most_seen(&self, mattes: &Mattes, layer: MatteLayer, pixel: usize) -> u32 {
         let Some((at, _)) = mattes.table(layer) else { return 0 };
         let (Some(counts), Some(&rays)) = (self.counts.get(at), self.rays.get(pixel)) else { return 0 };
@@ -208,7 +208,7 @@ impl MatteSums {
     }
 }
 
-/// Keeps at most so many names of a pixel: those that most rays met.
+/// Keeps at most so many names of a pixel: those that most rays hit.
 fn forget_the_weakest(counts: &mut Vec<Count>, most: usize) {
     if counts.chunk_by(|a, b| a.pixel == b.pixel).all(|of_pixel| of_pixel.len() <= most) {
         return;
@@ -290,7 +290,7 @@ mod tests {
         assert_eq!(of_pixel(&mattes, &sums, 1), [(1007, 0.375), (1002, 0.25), (1005, 0.125), (0, 0.0)]);
     }
 
-    /// The index that most rays met; what met nothing, or what has index 0, counts as 0.
+    /// The index that most rays hit; what hit nothing, or what has index 0, counts as 0.
     #[test]
     fn an_index_is_that_of_most_rays() {
         let table = Table { ids: vec![0, 7, 300], names: BTreeMap::new() };

@@ -63,7 +63,7 @@ pub struct LightPath {
 }
 
 impl LightPath {
-    /// Says when the next ones go, as in [`Ray::moment`].
+    /// Sets the moment of the path's rays, as in [`Ray::moment`].
     pub fn set_moment(&mut self, moment: u16) {
         self.moment = moment;
     }

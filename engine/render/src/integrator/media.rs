@@ -1,7 +1,7 @@
 //! Participating media along rays: the media that a path is in, distances between collisions in them, and transmittance.
 //!
 //! Media that are the same everywhere are crossed by closed forms, a channel chosen for each distance. In the others light
-//! meets tentative particles at a rate that bounds their density cell by cell; those that are none do nothing (null
+//! hits tentative particles at a rate that bounds their density cell by cell; those that are none do nothing (null
 //! collisions). Bounds come from samples, so that a medium may be denser than its bound: the weights of Galtier et al. 2013
 //! stay right there, negative for once, and [`Media::denser_than_bound`] counts it.
 
@@ -127,7 +127,7 @@ pub(super) enum Event {
         /// Density per unit of the scattering there; 0 where the medium varies and nothing competes.
         density: f32,
     },
-    /// Nothing is left of it.
+    /// The light is absorbed: nothing is left of it.
     Absorbed,
 }
 

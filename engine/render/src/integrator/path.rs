@@ -103,11 +103,11 @@ pub struct Limits {
 /// The most scatterings of each kind, and whether caustics are computed.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub struct KindLimits {
-    /// Reflected without a peak.
+    /// Reflections without a peak.
     pub diffuse: u32,
-    /// Reflected about a peak, or mirrored.
+    /// Reflections about a peak, or mirrored.
     pub glossy: u32,
-    /// Let through and scattered.
+    /// Transmissions with scattering.
     pub transmission: u32,
     /// Scatterings in volumes.
     pub volume: u32,
@@ -170,7 +170,7 @@ impl Limits {
         if mean > most { light * (most / mean) } else { light }
     }
 
-    /// Light of an emitter that a path met after `bounce` bounces, as far as it counts: a light sample would have found it a bounce
+    /// Light of an emitter that a path hit after `bounce` bounces, as far as it counts: a light sample would have found it a bounce
     /// before.
     #[inline]
     pub(super) fn clamp_met(&self, light: Rgb, bounce: u32) -> Rgb {

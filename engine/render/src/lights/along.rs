@@ -18,7 +18,7 @@ pub struct Line {
     pub t_max: f32,
 }
 
-/// Light that a ray meets.
+/// Light that a ray hits.
 #[derive(Clone, Copy, Debug)]
 pub struct Shining {
     /// The source of the light.
@@ -32,8 +32,8 @@ pub struct Shining {
 }
 
 impl Lights {
-    /// Tells of each lamp with extent that a ray meets; `to` is where a light sample would have been taken. Lamps do not hide
-    /// what is behind them, as in Cycles.
+    /// Passes `found` each lamp with extent that a ray hits; `to` is where a light sample would have been taken. Lamps do not hide what is
+    /// behind them, as in Cycles.
     #[inline(always)]
     pub fn lamps_along(
         &self,
@@ -60,7 +60,8 @@ impl Lights {
         });
     }
 
-    /// Tells of each emitter at infinity along a ray: the world, and suns with extent. `to` is where a light sample would have been taken.
+    /// Passes `found` each emitter at infinity along a ray: the world, and suns with extent. `to` is where a light sample would have been
+    /// taken.
     pub fn sky_along(
         &self,
         scene: &Scene,

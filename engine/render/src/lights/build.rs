@@ -19,9 +19,9 @@ const WORTH_FULL: f32 = 1.3;
 /// The method by which nodes of eight are made of halves.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub(super) enum Filling {
-    /// Each is opened as far as it goes: the best estimates.
+    /// Each node is opened as far as it goes: the best estimates.
     Loose,
-    /// Few and full ones: of many, less memory is faster.
+    /// Nodes are few and full: of many, less memory is faster.
     Full,
 }
 

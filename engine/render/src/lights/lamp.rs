@@ -252,7 +252,7 @@ impl PreparedLamp {
         }
     }
 
-    /// Radiance along a ray that meets the lamp before `t_max`, the density of [`PreparedLamp::sample`], and how far it is.
+    /// Radiance along a ray that hits the lamp before `t_max`, the density of [`PreparedLamp::sample`], and how far it is.
     pub(super) fn hit(&self, origin: Vec3A, d: Vec3A, t_max: f32) -> Option<(Rgb, f32, f32)> {
         match self.kind {
             LampKind::Point { radius, soft: true } => self.hit_facing_disk(origin, d, t_max, radius),

@@ -140,7 +140,7 @@ pub(super) fn emissive_triangles(scene: &Scene, local: &mut Local, bounds: &mut 
 
 /// The bounds around a moving triangle: its positions and directions of emission at any of its moments.
 fn swept(scene: &Scene, lit: &LitTriangle, moving: u32) -> LightBounds {
-    /// Moments that are looked at; between them it goes on much as before.
+    /// Most moments that are looked at; between them the motion goes on much as before.
     const MOST_LOOKS: u32 = 64;
     let one = &scene.moving[moving as usize];
     let step = (one.count() / MOST_LOOKS).max(1);

@@ -48,7 +48,7 @@ pub struct Lights {
     // By instance: by triangle, 1 + its index in `local`; empty where the instance emits nothing.
     emitter_of: Vec<Arc<[u32]>>,
     lamps: Vec<PreparedLamp>,
-    // Of those that rays meet.
+    // The lamps that rays can hit.
     met: LampTree,
     sky: Sky,
     is_linked: bool,
@@ -208,7 +208,7 @@ impl Lights {
     }
 
     /// The density with which [`Lights::sample`] at `to` would have found a point on an emissive triangle:
-    /// `distance` away, met at `cos` to its normal.
+    /// `distance` away, hit at `cos` to its normal.
     pub fn triangle_pdf(&self, scene: &Scene, to: &Receiver, hit: (u32, u32), distance: f32, cos: f32) -> f32 {
         let (Some(Source(index)), Some(tree)) = (self.triangle_source(hit.0, hit.1), self.tree(to)) else { return 0.0 };
         let area = match self.local.get(index) {

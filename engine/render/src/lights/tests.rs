@@ -70,7 +70,7 @@ fn lamps_light_a_floor_as_closed_forms_say() {
     }
 }
 
-/// A ray that happens to meet a lamp reports the density with which it would have been sampled.
+/// A ray that happens to hit a lamp reports the density with which it would have been sampled.
 #[test]
 fn densities_of_hits_are_those_of_samples() {
     for kind in [
@@ -306,7 +306,7 @@ fn samples_of_many_emitters_bring_what_all_bring_together() {
             let light = f64::from(s.radiance.x * s.wi.z.max(0.0) / s.pdf);
             sum += light / f64::from(n);
             squares += light * light / f64::from(n);
-            // A ray that met the triangle would say the same of its density.
+            // A ray that hit the triangle would say the same of its density.
             if let Some(Emitter::Triangle(triangle)) = lights.local.get(source.0) {
                 let hit = (triangle.instance, triangle.triangle);
                 let pdf =

@@ -27,14 +27,14 @@ impl<'a> From<&'a Scene> for Around<'a> {
 const STEPS: [f32; 2] = [0.754_877_7, 0.569_840_3];
 
 impl Around<'_> {
-    /// The share of rays from a point, about a normal and in proportion to the cosine, that meet nothing so far.
+    /// The share of rays from a point, about a normal and in proportion to the cosine, that hit nothing so far.
     pub(super) fn open(&self, point: &SurfacePoint, asked: Occlusion, normal: Vec3A, distance: f32) -> f32 {
         let (Some(accel), Some(normal)) = (self.accel, normal.try_normalize()) else { return 1.0 };
         if distance.is_nan() || distance <= 0.0 {
             return 1.0;
         }
         let axes = frame(if asked.inside { -normal } else { normal });
-        // No two paths meet a surface at the same place: it is as good as a random number.
+        // No two paths hit a surface at the same place: it is as good as a random number.
         let [x, y, z] = point.position.to_array().map(f32::to_bits);
         let seed = x ^ y.rotate_left(11) ^ z.rotate_left(22);
         let start = [random_of(seed), random_of(!seed)];

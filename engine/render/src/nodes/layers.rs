@@ -21,11 +21,11 @@ pub struct EvaluatedLayer {
     pub weight: f32,
     /// The closure.
     pub closure: Closure<Rgb, f32>,
-    /// Instead of the surface's own, unit.
+    /// Normal to use instead of the surface's own, unit.
     pub normal: Option<Vec3A>,
-    /// The coat's, instead of the surface's own, unit.
+    /// Normal of the coat to use instead of the surface's own, unit.
     pub coat_normal: Option<Vec3A>,
-    /// Instead of the surface's own, unit.
+    /// Tangent to use instead of the surface's own, unit.
     pub tangent: Option<Vec3A>,
 }
 

@@ -82,7 +82,7 @@ pub struct Shot<'a> {
     pub cameras: &'a [Camera],
     /// The clip planes of their rays; `None`: none.
     pub clip: Option<Clip>,
-    /// One that the camera can.
+    /// The pipeline: one that the camera supports.
     pub pipeline: Pipeline,
     /// The techniques of light paths, if these are traced: with the real lens alone.
     pub light_paths: Option<Techniques>,

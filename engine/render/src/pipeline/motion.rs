@@ -1,6 +1,6 @@
 //! Motion vectors of a ray's hit over the picture: to its place a frame before, and from its place a frame after.
 //!
-//! The point that a camera ray met is taken along with the surface to the neighbouring frame, and looked at from there
+//! The point that a camera ray hit is taken along with the surface to the neighbouring frame, and looked at from there
 //! through the same point of the pupil, by the same light. So out of focus each ray tells the way of its own picture, and
 //! their mean is the way of the blurred one. The background lies infinitely far: only turns of the camera move it.
 

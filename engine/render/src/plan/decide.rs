@@ -23,9 +23,9 @@ pub enum Way {
     Given,
     /// The lens, every ray traced through its surfaces.
     Exact,
-    /// Gaussian optics: by the measure nothing else can be seen.
+    /// Gaussian optics: by the measure, nothing that they leave out can be seen.
     Gaussian,
-    /// Not even that: everything is sharp.
+    /// A pinhole: everything is sharp.
     Pinhole {
         /// Focal length of the pinhole that frames the same picture, mm.
         focal_length_mm: f64,

@@ -17,7 +17,7 @@ const SAMPLES: u32 = 512;
 const FRONT_RAYS: u32 = 512;
 /// Sources within this angle count as one.
 const TOGETHER_RAD: f32 = 0.05;
-/// Told of so many.
+/// The most directions that are reported.
 const MOST: usize = 64;
 
 /// Light from one direction.

@@ -44,7 +44,7 @@ impl Look {
     }
 
     /// Looks along `rays` (render space) of places all over the picture. `backwards` is the camera's axis, from the scene to
-    /// the film; `has_front` where there is a lens for light to arrive at. Also what each ray meets.
+    /// the film; `has_front` where there is a lens for light to arrive at. Also what each ray hits.
     pub(super) fn along(
         stage: &Stage,
         rays: &[Option<Ray>],

@@ -256,7 +256,7 @@ impl Wishes {
         self.words[effect as usize]
     }
 
-    /// Says one word more.
+    /// Sets the user's word on one effect.
     pub fn say(&mut self, effect: Effect, word: Word) {
         self.words[effect as usize] = word;
     }
@@ -268,7 +268,7 @@ pub enum PlanError {
     /// The camera cannot photograph.
     #[error(transparent)]
     Camera(#[from] CameraError),
-    /// Something was asked for that there is not.
+    /// An effect was asked for that cannot be simulated yet.
     #[error("effect {}=on: it cannot be simulated yet; set it to auto or off", .0.name())]
     NotYet(Effect),
     /// Two wishes are against each other.

@@ -41,10 +41,10 @@ pub(super) fn scene_motion(
     Some(SceneMotion { px, text: format!("{}, {what}", size(px, Unit::Pixels)) })
 }
 
-/// The angle that what a ray meets goes as the camera sees it, rad: the sum of its steps.
+/// The angle that what a ray hits goes as the camera sees it, rad: the sum of its steps.
 fn way(exposure: &Exposure, ray: &Ray, seen: Option<DVec3>) -> f64 {
     let origin = ray.origin.as_dvec3();
-    // What is not met lies as good as infinitely far.
+    // What is not hit lies as good as infinitely far.
     const FAR: f64 = 1e6;
     let point = seen.unwrap_or_else(|| origin + FAR * ray.direction.as_dvec3());
     let moments = (0..=LOOKS).map(|look| (look * 65_535 / LOOKS) as u16);

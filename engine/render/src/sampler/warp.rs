@@ -174,7 +174,7 @@ impl PixelFilter {
         Self { inverse, reach, densities, steps_per_pixel: Self::STEPS as f32 / reach }
     }
 
-    /// No offset is larger, pixels.
+    /// Largest offset, pixels.
     #[inline]
     pub fn reach(&self) -> f32 {
         self.reach

@@ -2,7 +2,7 @@
 //! moment of it.
 //!
 //! The shutter's time is cut into moments, and a moving instance stands once in the scene for each of its own: a ray of some
-//! moment meets one of these, and whatever asks for that instance afterwards finds it where the ray met it. How many moments an
+//! moment hits one of these, and whatever asks for that instance afterwards finds it where the ray hit it. How many moments an
 //! instance has goes by how far it moves over the picture.
 
 use super::corners::{Corners, Numbers};
@@ -105,7 +105,7 @@ pub struct Poses {
     pub corner_normals: Option<Vec<Corners<Vec3>>>,
 }
 
-/// Between which shapes of its mesh an instance is.
+/// The two shapes of its mesh between which an instance is.
 #[derive(Clone, Copy, Debug, Default, PartialEq)]
 pub struct Pose {
     /// The number of the key before.

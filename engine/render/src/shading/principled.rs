@@ -73,7 +73,7 @@ pub struct Bsdf {
     diffuse: Rgb,
     // Chance of each lobe: metal, glass, coat, diffuse.
     chance: [f32; 4],
-    /// Nothing where the surface is diffuse alone, as most are.
+    /// The lobes of facets; `None` if the surface is diffuse only, as most are.
     facets: Option<Facets>,
 }
 
@@ -339,7 +339,7 @@ impl Bsdf {
         let world = warp::to_world(&self.frame, wi).normalize();
         let above = self.geometric_normal.dot(world) > 0.0;
         // A tilted facet can bend light back to the side it came from, or mirror it below the surface: that
-        // light would meet another facet, which the restored energy accounts for.
+        // light would hit another facet, which the restored energy accounts for.
         if above == transmit || (!matte && (wi.z > 0.0) == transmit) {
             return None;
         }

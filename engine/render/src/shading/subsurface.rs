@@ -1,4 +1,4 @@
-//! Bodies that light goes into: how it enters, and what it meets there.
+//! Bodies that light goes into: how it enters, and what it hits there.
 
 use super::microfacet::{Ggx, refract};
 use crate::Rgb;
@@ -19,7 +19,7 @@ pub struct Medium {
 }
 
 impl Medium {
-    /// One that scatters to all sides alike, and looks the same after many scatterings (similarity theory).
+    /// The medium that scatters to all sides alike, and looks the same after many scatterings (similarity theory).
     pub fn even(&self) -> Self {
         let scattering = self.albedo * (1.0 - self.anisotropy);
         let kept = Rgb::ONE - self.albedo * self.anisotropy;

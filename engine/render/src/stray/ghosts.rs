@@ -98,7 +98,7 @@ impl Paths {
     }
 }
 
-/// Into how many bands a ghost is parted.
+/// Number of bands into which a ghost is divided.
 fn bands(one: &Candidate) -> usize {
     // Each band comes from another place of the source.
     let for_blur = if one.blur_px > BLUR_PX { 2.0 * one.blur_px } else { 0.0 };

@@ -112,7 +112,7 @@ pub struct Strayed {
     pub ghosts: Option<ghosts::Report>,
 }
 
-/// One kind of it.
+/// One kind of stray light.
 #[derive(Clone, Debug)]
 struct Part {
     pass: StrayPass,

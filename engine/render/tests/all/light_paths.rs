@@ -215,7 +215,7 @@ fn a_point_is_where_the_camera_sees_it() {
     let made = centre(&light_alone(&stage, &d, 64, 2, 0));
     // Right of the middle and above it, in a picture whose rows start from below.
     assert!(seen[1] > 30.0 && seen[2] > 20.0, "{seen:?}");
-    // Some thousand of the camera's samples meet the square's few pixels.
+    // Some thousand of the camera's samples hit the square's few pixels.
     assert!((made[0] / seen[0] - 1.0).abs() < 0.03, "{made:?} {seen:?}");
     assert!((made[1] - seen[1]).abs() < 0.05 && (made[2] - seen[2]).abs() < 0.05, "{made:?} {seen:?}");
 }

@@ -43,7 +43,7 @@ impl Shape {
     }
 }
 
-/// A ray that meets a surface, exact as given. Lengths in mm, in the frame of the surface.
+/// A ray that hits a surface, exact as given. Lengths in mm, in the frame of the surface.
 #[derive(Clone, Debug, PartialEq)]
 pub struct Case {
     /// The surface.

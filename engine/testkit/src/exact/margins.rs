@@ -14,9 +14,9 @@ use super::trace::{Hit, Status};
 /// nearly always does, but for conics of huge k and for hits near infinity, whose margins may be far too small.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Margins {
-    /// Margin of q = B² − A C, or of its equivalent where there is no conic: does the ray meet the surface?
+    /// Margin of q = B² − A C, or of its equivalent where there is no conic: does the ray hit the surface?
     pub discriminant: f64,
-    /// Margin of N_z, and of the end of a profile: does the ray meet the vertex sheet?
+    /// Margin of N_z, and of the end of a profile: does the ray hit the vertex sheet?
     pub sheet: f64,
     /// Margin of the distance from the rim.
     pub aperture: f64,

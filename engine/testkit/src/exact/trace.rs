@@ -12,9 +12,9 @@ use super::search;
 pub enum Status {
     /// The ray passed.
     Ok,
-    /// The ray meets no part of the surface with the right sign of N · D.
+    /// The ray hits no part of the surface with the right sign of N · D.
     Missed,
-    /// The ray meets the mathematical surface off the vertex sheet only; never said of aspheres, which have no other sheet.
+    /// The ray hits the mathematical surface off the vertex sheet only; never said of aspheres, which have no other sheet.
     WrongSheet,
     /// The hit lies outside of the clear aperture.
     OutsideAperture,

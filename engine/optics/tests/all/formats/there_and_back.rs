@@ -7,7 +7,7 @@ use petzval_optics::prescription::{Behind, Prescription};
 use super::{foreign, parse};
 use crate::common::repository;
 
-/// All that a ray meets is the same, to the last bit.
+/// All that a ray hits is the same, to the last bit.
 pub(super) fn assert_same(name: &str, a: &Prescription, b: &Prescription) {
     assert_eq!(a.surfaces.len(), b.surfaces.len(), "{name}");
     for (i, (a, b)) in a.surfaces.iter().zip(&b.surfaces).enumerate() {

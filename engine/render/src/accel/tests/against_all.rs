@@ -28,7 +28,7 @@ fn meets(ray: &Ray, corners: [Vec3; 3], t_max: f32) -> Option<f32> {
     (t > 0.0 && t < t_max).then_some(t)
 }
 
-/// Every distance at which the ray meets something that shows.
+/// Every distance at which the ray hits something that shows.
 fn all_hits(scene: &Scene, ray: &Ray, kind: Rays) -> Vec<f32> {
     let mut found = vec![];
     for instance in &scene.instances {

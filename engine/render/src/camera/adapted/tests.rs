@@ -20,7 +20,7 @@ fn rays(camera: &Camera, place: Vec2, u_wavelength: f32) -> Vec<CameraRay> {
     (0..256).filter_map(|i| camera.sample(place, u(i), u_wavelength)).collect()
 }
 
-/// The mean point at which a place's rays meet the sharp plane, at three metres; and their spread there.
+/// The mean point at which a place's rays hit the sharp plane, at three metres; and their spread there.
 fn spot(camera: &Camera, place: Vec2, u_wavelength: f32, depth: f32) -> (DVec2, f64) {
     let met: Vec<DVec2> = rays(camera, place, u_wavelength)
         .iter()
@@ -61,7 +61,7 @@ fn straight_lines_are_straight() {
     assert!((spot(&whole, PLACES[4], 0.5, 3.0).0 - corner).length() > 1e-3 * per_width);
 }
 
-/// All rays of a place without aberrations meet the sharp plane in one point; distortion is unchanged.
+/// All rays of a place without aberrations hit the sharp plane in one point; distortion is unchanged.
 #[test]
 fn without_aberrations_points_are_points() {
     let d = CameraDescription { wavelength_nm: Some(587.6), ..wide() };

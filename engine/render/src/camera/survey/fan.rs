@@ -28,12 +28,12 @@ const LEAST_COSINE: f64 = 0.3;
 pub enum Subject {
     /// A point.
     At(DVec3),
-    /// Nothing.
+    /// No point: the subject is infinitely far.
     Far,
 }
 
 impl Subject {
-    /// The point at which `ray` meets the plane through the subject at right angles to `mean`; for a subject infinitely far its direction.
+    /// The point at which `ray` hits the plane through the subject at right angles to `mean`; for a subject infinitely far its direction.
     pub(super) fn met_by(self, ray: &Ray, mean: &Ray) -> Option<DVec3> {
         match self {
             Self::Far => Some(ray.direction),
@@ -245,7 +245,7 @@ impl<'a> Ideal<'a> {
         ideal
     }
 
-    /// The point at which a ray meets the subject's plane; for a far subject the ray's slopes.
+    /// The point at which a ray hits the subject's plane; for a far subject the ray's slopes.
     fn seen(&self, film: DVec3, slopes: DVec2) -> DVec2 {
         let ray = self.gaussian.into_scene(film, slopes);
         let along = ray.direction.truncate() / -ray.direction.z;

@@ -12,7 +12,7 @@ fn measured(d: &CameraDescription, size: [u32; 2], depth: Option<f64>) -> LensMe
     fans.measure(&seen)
 }
 
-/// The point at which a ray meets the plane at a depth before the camera.
+/// The point at which a ray hits the plane at a depth before the camera.
 fn on_plane(ray: &Ray, depth: f64) -> Option<DVec3> {
     let (origin, direction) = (ray.origin.as_dvec3(), ray.direction.as_dvec3());
     let t = (depth + origin.z) / -direction.z;

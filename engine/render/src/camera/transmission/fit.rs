@@ -3,7 +3,7 @@
 use std::ops::Range;
 use wide::f32x8;
 
-/// Up to this power, of a lens without symmetry and of one with it, whose numbers are themselves of the second power.
+/// Largest powers, of a lens without symmetry and of one with it, whose numbers are themselves of the second power.
 const LARGEST: [usize; 2] = [4, 6];
 /// Rays must be so many times the terms.
 const RAYS_PER_TERM: usize = 4;

@@ -1,4 +1,4 @@
-//! Paths that begin at the camera: what they meet, what they find by light samples, and what light paths bring to them.
+//! Paths that begin at the camera: what they hit, what they find by light samples, and what light paths bring to them.
 
 use super::vertex::{Vertex, Walk, material};
 use super::weights::{Partial, squared, weight};
@@ -129,7 +129,7 @@ impl Met<'_> {
         let to = self.receiver();
         let line = Line { from: origin, towards: direction, t_max };
         lights.lamps_along(scene, line, self.way(), to.as_ref(), |Shining { source, radiance, pdf, .. }| {
-            // Every lamp that can be met has extent: the distance does not matter.
+            // Every lamp that can be hit has extent: the distance does not matter.
             found(
                 radiance * self.weight(pdf, emission.density(scene, lights, source, direction, 1.0, self.ray.moment)),
             );

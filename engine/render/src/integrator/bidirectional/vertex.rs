@@ -20,7 +20,7 @@ const SETS_PER_STEP: u32 = 3;
 
 /// A point where a path scatters.
 pub(super) struct Vertex {
-    /// Seen from the side that made it.
+    /// The point, seen from the side that made it.
     pub(super) point: SurfacePoint,
     /// Inputs of a plain surface.
     values: Option<PlainValues>,

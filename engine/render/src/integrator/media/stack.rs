@@ -70,7 +70,7 @@ impl Stack {
         }
     }
 
-    /// Crosses a surface, from the side that the point was met on.
+    /// Crosses a surface, from the side that the point was hit on.
     pub(crate) fn cross(&mut self, scene: &Scene, point: &SurfacePoint) {
         if scene.materials[point.material as usize].volume().is_none() {
             return;
@@ -83,7 +83,7 @@ impl Stack {
         }
     }
 
-    /// Leaves all objects: a ray that meets nothing more is in none.
+    /// Leaves all objects: a ray that hits nothing more is in none.
     pub(crate) fn leave_objects(&mut self) {
         self.0.retain(|entry| *entry == Entry::WORLD);
     }
@@ -117,7 +117,7 @@ impl Stack {
     }
 }
 
-/// The borders of media that a ray meets, nearest first, with how far they are.
+/// The borders of media that a ray hits, nearest first, with how far they are.
 pub(crate) fn crossings(scene: &Scene, accel: &Accel, ray: &Ray, kind: Rays) -> Vec<(f32, SurfacePoint)> {
     let mut found: Vec<(f32, SurfacePoint)> = Vec::new();
     let mut note = |hit: &Hit| {

@@ -217,7 +217,7 @@ fn spike(dense: f32, above: f32, part: f32) -> Stage {
     stage
 }
 
-/// A spike that no sample found before the render is met all the same, on average rightly; and counted.
+/// A spike that no sample found before the render is hit all the same, on average rightly; and counted.
 #[test]
 fn what_is_denser_than_its_bound_is_no_bias() {
     // Density 0.5, and 40 more in the last hundredth.

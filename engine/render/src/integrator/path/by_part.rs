@@ -96,7 +96,7 @@ impl ByPart {
         }
     }
 
-    /// Light that the path's ray meets.
+    /// Light that the path's ray hits.
     pub(super) fn met(&self, path: u32, way: Way, is_sky: bool) -> Belongs {
         match self.paths.get(path as usize).map_or(First::None, |path| path.first) {
             First::None => Belongs { first: First::None, is_near: is_sky, is_met: true },

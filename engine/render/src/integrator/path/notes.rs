@@ -15,7 +15,7 @@ pub trait Notes {
     /// The origin of light, as far as it is known.
     type Of: Copy;
 
-    /// Light that a path's ray meets: of the sky, or of anything else; `number` is its emitter's group, 0 is none.
+    /// Light that a path's ray hits: of the sky, or of anything else; `number` is its emitter's group, 0 is none.
     fn met(&self, path: u32, way: Way, is_sky: bool, number: impl FnOnce() -> u16) -> Self::Of;
 
     /// Light that a path's surface scatters, with the shares of its lobes.

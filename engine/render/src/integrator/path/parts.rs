@@ -144,7 +144,7 @@ pub struct Parts {
 }
 
 impl Parts {
-    /// These, and what they are relative to.
+    /// The parts that are wanted, and those that they are relative to.
     pub fn new(wanted: &[Part], seen: Seen) -> Self {
         let mut list: Vec<Part> = Vec::new();
         for part in wanted {

@@ -9,12 +9,12 @@ use crate::surface::SurfacePoint;
 
 /// Surfaces that light comes to one after the other.
 const BOUNCES: u32 = 2;
-/// Told of a picture that sees no surface.
+/// The openness of a picture that sees no surface.
 const UNKNOWN: f32 = 0.5;
 /// Part of the paths that are not counted: the brightest would decide it all.
 const TRIMMED: f32 = 0.02;
 
-/// The part of cosine-distributed rays that meet nothing, from the surfaces that `rays` see and from those that these
+/// The part of cosine-distributed rays that hit nothing, from the surfaces that `rays` see and from those that these
 /// see.
 pub fn openness(stage: &Stage, rays: &[Ray]) -> f32 {
     let (mut seen, mut open) = (0u32, 0u32);

@@ -169,7 +169,7 @@ fn alpha_lets_light_through() {
     let found = trace(&stage, ray, &limits(0), &mut sampler).radiance.x;
     let pi = std::f32::consts::PI;
     let expected = 100.0 / (4.0 * pi) / 4.0 / pi * 0.75;
-    // The floor is met 0.02 off the lamp's axis: cos^4 of a hundredth of a radian.
+    // The floor is hit 0.02 off the lamp's axis: cos^4 of a hundredth of a radian.
     assert!((found / expected - 1.0).abs() < 5e-4, "{found} {expected}");
 }
 
@@ -183,7 +183,7 @@ fn clamping_tells_direct_light_from_indirect() {
         trace(&stage, Ray::new(Vec3A::new(0.3, -0.2, 0.5), Vec3A::X), &limits, &mut sampler).radiance.x
     };
     let no_limit = f32::INFINITY;
-    // Glow 100, seen directly, and what is scattered once: found by a light sample, and met by the path.
+    // Glow 100, seen directly, and what is scattered once: found by a light sample, and hit by the path.
     let direct = one(0, no_limit, 1e-3);
     assert!(direct > 101.0, "{direct}");
     let clamped = one(0, 1.0, no_limit);

@@ -1,4 +1,4 @@
-//! Paths that advance together, step by step: all rays are traced, then all that meet a surface are looked at in the
+//! Paths that advance together, step by step: all rays are traced, then all that hit a surface are looked at in the
 //! order of their materials, then all shadow rays are traced. Each step does one kind of work on memory that stays in
 //! the cache. What a path finds does not depend on which others go with it.
 
@@ -218,7 +218,7 @@ impl<N: Notes, const VOLUMES: bool> Wave<N, VOLUMES> {
         }
     }
 
-    /// Finds what the rays meet.
+    /// Finds what the rays hit.
     fn trace(&mut self, stage: &Stage) {
         self.hits.clear();
         for &i in &self.live {
@@ -311,7 +311,7 @@ impl<N: Notes, const VOLUMES: bool> Wave<N, VOLUMES> {
         }
     }
 
-    /// Brings the meetings in the order of their materials, first met first.
+    /// Sorts the meetings by material, the material that is hit first in front.
     fn sort(&mut self, stage: &Stage) {
         self.counts.resize(stage.scene.materials.len(), 0);
         self.met.clear();

@@ -148,7 +148,7 @@ struct Guide {
     extinction: f32,
     /// Probability of a guided direction.
     share: f32,
-    /// The depth below the start in which a stretch straight on meets the body's other side, Blender units.
+    /// The depth below the start in which a stretch straight on hits the body's other side, Blender units.
     far_side: Option<f32>,
 }
 

@@ -95,7 +95,7 @@ fn all_kinds() -> Vec<(&'static str, Lit)> {
     ]
 }
 
-/// The first point at which a ray meets a sphere about the origin that holds all lamps: distance and place.
+/// The first point at which a ray hits a sphere about the origin that holds all lamps: distance and place.
 fn at_sphere(ray: &Ray, radius: f32) -> Option<(f32, Vec3A)> {
     let b = ray.origin.dot(ray.direction);
     let c = ray.origin.length_squared() - radius * radius;
@@ -120,7 +120,7 @@ fn light_paths_bring_what_light_samples_find() {
         let mut by_paths = glam::DVec3::ZERO;
         let mut by_samples = glam::DVec3::ZERO;
         let from_afar = ["sun", "wide sun", "even sky", "image sky"].contains(&name);
-        // Most of the sky's rays are to meet it.
+        // Most of the sky's rays are to hit it.
         let radius = if from_afar { 9.0 } else { 3.0 };
         // Weighted with the height, so that a wrong direction shows.
         let height = |p: Vec3A| 1.0 + (p.z + 0.5 * p.x) / radius;

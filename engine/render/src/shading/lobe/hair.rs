@@ -117,7 +117,7 @@ pub(in crate::shading) struct FibreShape {
     pub(in crate::shading) ior: f32,
     /// Tilt of the scales, radians.
     pub(in crate::shading) tilt: f32,
-    /// -1 to 1: where across its width the fibre is met.
+    /// -1 to 1: where across its width the fibre is hit.
     pub(in crate::shading) offset: f32,
 }
 

@@ -156,7 +156,7 @@ impl Lobe {
         self.frame[2]
     }
 
-    /// Beyond over before, where it refracts.
+    /// Index of refraction beyond the surface over that before it; `None` if the lobe does not refract.
     pub(super) fn relative_index(&self) -> Option<f32> {
         if let Kind::Facets(facets) = &self.kind { facets.transmits().then_some(facets.eta) } else { None }
     }

@@ -58,7 +58,7 @@ impl Counter {
             let cosines = (direction.z * direction.dot(film.normal)).abs();
             if passes { cosines / to.length_squared() } else { 0.0 }
         };
-        // A bulging rear glass is met beyond its rim's shadow on the plane.
+        // A bulging rear glass is hit beyond its rim's shadow on the plane.
         let mut bounds = [DVec2::splat(-1.3 * self.rear_radius_mm), DVec2::splat(1.3 * self.rear_radius_mm)];
         for side in [SEARCH, SEARCH, COUNT] {
             let size = bounds[1] - bounds[0];

@@ -1,4 +1,4 @@
-//! Light that a path's ray meets: of lamps, of the sky, and of the surface at its end.
+//! Light that a path's ray hits: of lamps, of the sky, and of the surface at its end.
 
 use super::super::notes::Notes;
 use super::super::{Limits, PathResult};
@@ -46,7 +46,7 @@ impl Path {
         stage.scene.instances[self.from as usize].links.takes_light_of(sets) && (is_alone || sets.blockers == 0)
     }
 
-    /// Adds the light of lamps that the ray meets within `t_max` of where it was scattered: from there a light sample
+    /// Adds the light of lamps that the ray hits within `t_max` of where it was scattered: from there a light sample
     /// would have been taken, whatever surfaces it passed since.
     #[inline(always)]
     pub(super) fn lamps_before<N: Notes>(&self, stage: &Stage, limits: &Limits, t_max: f32, found: &mut Found<'_, N>) {

@@ -61,7 +61,7 @@ impl Inside {
         self.bounces <= limits.kinds.volume
     }
 
-    /// Follows a path to what its ray meets, and adds the light of lamps on the way.
+    /// Follows a path to what its ray hits, and adds the light of lamps on the way.
     pub(super) fn bring<N: Notes>(
         &mut self,
         stage: &Stage,
@@ -88,7 +88,7 @@ impl Inside {
         if self.stack.is_empty() {
             return Brought::ToTheEnd;
         }
-        // A last ray that meets nothing goes on through what fills all space, and may be scattered there; one that meets a surface
+        // A last ray that hits nothing goes on through what fills all space, and may be scattered there; one that hits a surface
         // ends there.
         let is_last = limits.approximations.fast_gi.last_ray(path.way).is_some();
         let t_max = if is_last && hit.is_none() { f32::INFINITY } else { t_max };
