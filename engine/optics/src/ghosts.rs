@@ -1,6 +1,7 @@
 //! Light that is reflected twice inside of a lens.
 //!
-//! Here to first order: how bright the disc is that it makes of a far source. [`packet`] traces it exactly, [`ranking`] says how bright each is, [`brute`] finds all of them without looking.
+//! Here to first order: how bright the disc is that it makes of a far source. [`packet`] traces it exactly, [`ranking`] says how bright
+//! each is, [`brute`] finds all of them without looking.
 //!
 //! The reflectance of a surface near the axis is that of its coating. A path that is reflected at surface j and then at i < j goes through
 //! all surfaces up to j, back to i, and on to the film: its matrix says how wide the beam is there, and at every surface on its way whose

@@ -1,10 +1,10 @@
 //! Renders of the same picture with other samples, joined into one: each pixel by how many samples it has in each.
 //!
-//! A pass is the mean over a pixel's samples, so the whole is the mean of the parts by their counts. Where all parts hold what
-//! their numbers leave out of the sums (the passes "Remainder" and "Remainder Fine") in files without loss, the joined picture is that of one render
-//! with all the samples, to the last bit. Depth, position and normal are means over surfaces; mattes are joined by name. Light of
-//! a kind of lobe is divided by its colour: it is joined times that, as far as the colour is there. Pass indices are those of the
-//! most samples.
+//! A pass is the mean over a pixel's samples, so the whole is the mean of the parts by their counts. Where all parts hold what their
+//! numbers leave out of the sums (the passes "Remainder" and "Remainder Fine") in files without loss, the joined picture is that of one
+//! render with all the samples, to the last bit. Depth, position and normal are means over surfaces; mattes are joined by name. Light of a
+//! kind of lobe is divided by its colour: it is joined times that, as far as the colour is there. Pass indices are those of the most
+//! samples.
 
 use crate::channels::replace;
 use crate::error::MergeError;

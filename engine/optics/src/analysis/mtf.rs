@@ -2,8 +2,8 @@
 //!
 //! The light near a place of the film is a sum of plane waves over their direction cosines (α, β), of phase 2π W / λ
 //! ([`super::wavefront`]). Its power spectrum at the frequency ν along α is the autocorrelation of that sum for the shift λ ν: Duffieux's
-//! integral (Goodman, Introduction to Fourier Optics, 4th ed., section 7.3), here without the approximation of small angles and over the pupil
-//! as rays find it. The waves are taken on a square lattice ([`super::waves`]) whose cell goes into λ ν a whole number of times.
+//! integral (Goodman, Introduction to Fourier Optics, 4th ed., section 7.3), here without the approximation of small angles and over the
+//! pupil as rays find it. The waves are taken on a square lattice ([`super::waves`]) whose cell goes into λ ν a whole number of times.
 
 use glam::DVec2;
 use thiserror::Error;

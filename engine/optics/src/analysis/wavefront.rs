@@ -1,10 +1,10 @@
 //! Optical path lengths of the light of a point: the angle characteristic of the rays behind the lens.
 //!
-//! A ray's *path* is its optical path from the source (from its plane wave, at infinity) to the foot of the perpendicular on
-//! it from the place Q of the film. As a function W(α, β) of the ray's direction cosines, times the index before the film, in the
-//! plane that touches the film at Q, it is Hamilton's mixed characteristic: its slopes are the places where the rays
-//! cross that plane, ∂W/∂α = −x, ∂W/∂β = −y (Born and Wolf, Principles of Optics, 7th ed., section 4.1), and the light near Q is the sum of the plane waves
-//! exp 2πi W / λ, without an approximation of small angles.
+//! A ray's *path* is its optical path from the source (from its plane wave, at infinity) to the foot of the perpendicular on it from the
+//! place Q of the film. As a function W(α, β) of the ray's direction cosines, times the index before the film, in the plane that touches
+//! the film at Q, it is Hamilton's mixed characteristic: its slopes are the places where the rays cross that plane, ∂W/∂α = −x, ∂W/∂β = −y
+//! (Born and Wolf, Principles of Optics, 7th ed., section 4.1), and the light near Q is the sum of the plane waves exp 2πi W / λ, without
+//! an approximation of small angles.
 
 use crate::system::{Element, System};
 use crate::trace::{Ray, Tracer};

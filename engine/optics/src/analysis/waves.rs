@@ -194,7 +194,8 @@ fn cosines(eikonal: &Eikonal<'_>, path: &Path) -> DVec2 {
     eikonal.touching().cosines(path.out.direction) * eikonal.image_index()
 }
 
-/// The place of the field's plane whose ray has these cosines, if it lies in a cell of the mesh, and the plane's area for an area of cosines.
+/// The place of the field's plane whose ray has these cosines, if it lies in a cell of the mesh, and the plane's area for an area of
+/// cosines.
 fn find([a, b, c, d]: &[Node; 4], target: DVec2) -> Option<(DVec2, f64)> {
     let blend = |of: fn(&Node) -> DVec2, s: DVec2| {
         let [a, b, c, d] = [a, b, c, d].map(of);

@@ -57,9 +57,9 @@
 //! An element moves as one by a line of the header, surfaces counted from 0, about the vertex of its first:
 //! `# element: 2-3 decenter_x=0.05 tilt_y=0.1`.
 //!
-//! A glass that stands in no catalogue is defined before the rows, by the formula's name, the wavelengths in nm that it holds for
-//! and its numbers, as `lenses/glass/README.md` has them; what it lets through may follow as wavelength in nm, part, and the thickness
-//! in mm for that. Or a catalogue that lies beside the lens file is named: `.agf` of a maker, or `.yml` of refractiveindex.info, whose medium is then
+//! A glass that stands in no catalogue is defined before the rows, by the formula's name, the wavelengths in nm that it holds for and its
+//! numbers, as `lenses/glass/README.md` has them; what it lets through may follow as wavelength in nm, part, and the thickness in mm for
+//! that. Or a catalogue that lies beside the lens file is named: `.agf` of a maker, or `.yml` of refractiveindex.info, whose medium is then
 //! called as its file. A radius may be written `1/C` by its curvature.
 //!
 //! ```text

@@ -1,9 +1,9 @@
 //! A ghost as it lies on the film: a beam's rays traced along a path with reflections as a grid that the lens warps.
 //!
-//! Between the rays of a small cell light spreads evenly, so a cell's light over the area that it covers on the film is the
-//! irradiance there, however the grid is folded (Hullin et al. 2011, "Physically-based real-time lens flare rendering", section 4).
-//! Cells on the edge of what rims and diaphragm let through are cut along it ([`super::edges`]). Power changes slowly over the beam: it is known
-//! exactly at a few points and evened out between them.
+//! Between the rays of a small cell light spreads evenly, so a cell's light over the area that it covers on the film is the irradiance
+//! there, however the grid is folded (Hullin et al. 2011, "Physically-based real-time lens flare rendering", section 4). Cells on the edge
+//! of what rims and diaphragm let through are cut along it ([`super::edges`]). Power changes slowly over the beam: it is known exactly at a
+//! few points and evened out between them.
 
 use glam::DVec2;
 

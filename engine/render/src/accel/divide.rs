@@ -16,8 +16,8 @@ const WORTH_HALVING: f32 = 0.7;
 /// Parts of all segments of a tree at most where segments are halved; a part takes some 60 bytes.
 const MOST_PARTS: usize = 1 << 23;
 
-/// Divides a segment of a tree with so many segments, and gives the parts, pieces each, with their boxes to `take`. Segments beyond the reach
-/// of single precision have no parts. `balls` is scratch.
+/// Divides a segment of a tree with so many segments, and gives the parts, pieces each, with their boxes to `take`. Segments beyond the
+/// reach of single precision have no parts. `balls` is scratch.
 pub(super) fn divide(
     cut: Cut,
     controls: &Controls,

@@ -112,8 +112,8 @@ impl Cut {
         let pieces = self.pieces();
         // The edges between round pieces stick out.
         let reach = if matches!(self, Self::Round(_)) { 1.04 } else { 1.0 };
-        // As far as a curve is from the chord of a piece: an eighth of the second difference. A ribbon, whose pieces end at right angles to the
-        // curve and not to their chords, is hit less far outside of them.
+        // As far as a curve is from the chord of a piece: an eighth of the second difference. A ribbon, whose pieces end at right angles to
+        // the curve and not to their chords, is hit less far outside of them.
         let [_, _, c, d] = if self == Self::Straight { [Vec4::ZERO; 4] } else { controls.coefficients() };
         let second = (2.0 * c).truncate().length().max((2.0 * c + 6.0 * d).truncate().length());
         let bend = second / (8.0 * f32::from(pieces) * f32::from(pieces));

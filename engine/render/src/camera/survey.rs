@@ -202,8 +202,8 @@ impl Survey {
         [info.picture_width_mm / self.size_px.x, info.picture_height_mm / self.size_px.y]
     }
 
-    /// The clear pupil as a place of the picture sees it, in direction cosines to the right and up the film; its edge is held to `tolerance`. `None`
-    /// where no light arrives.
+    /// The clear pupil as a place of the picture sees it, in direction cosines to the right and up the film; its edge is held to
+    /// `tolerance`. `None` where no light arrives.
     pub(crate) fn outline(&self, place: Vec2, tolerance: f64) -> Option<Outline> {
         let info = &self.mount.info;
         let film =

@@ -41,7 +41,8 @@ pub struct Source(usize);
 /// Every emitter of a scene, ready to be sampled.
 pub struct Lights {
     local: Local,
-    // The choice of local emitters by what they may send to a place. First that over all of them; then one for each way in which objects take part in links.
+    // The choice of local emitters by what they may send to a place. First that over all of them; then one for each way in which objects
+    // take part in links.
     trees: Vec<Option<LightTree>>,
     // By instance, which of these is for it; empty where there are no links.
     tree_of: Vec<u32>,

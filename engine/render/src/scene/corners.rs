@@ -1,6 +1,6 @@
-//! Values at the corners of a mesh's triangles, as often as there are different ones: by vertex where all faces about it share
-//! them, by the corners of Blender's faces, of which two triangles share some, or by triangle. Every corner of every triangle by itself takes two to
-//! six times the memory.
+//! Values at the corners of a mesh's triangles, as often as there are different ones: by vertex where all faces about it share them, by the
+//! corners of Blender's faces, of which two triangles share some, or by triangle. Every corner of every triangle by itself takes two to six
+//! times the memory.
 
 use glam::{Vec2, Vec3, Vec4};
 

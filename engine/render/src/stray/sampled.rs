@@ -15,8 +15,8 @@ pub(super) struct Sampled {
 }
 
 impl Sampled {
-    /// `kernel` says what part of a pixel's light arrives so many pixels to the right and up, or to the left and down; `taken` is all that it
-    /// takes, also what arrives beyond the picture.
+    /// `kernel` says what part of a pixel's light arrives so many pixels to the right and up, or to the left and down; `taken` is all that
+    /// it takes, also what arrives beyond the picture.
     pub(super) fn new(size: [usize; 2], taken: Rgb, kernel: impl Fn(usize, usize) -> Rgb + Sync) -> Self {
         let sides = spread::padded(size);
         let [width, height] = sides;

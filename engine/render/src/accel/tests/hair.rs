@@ -140,8 +140,8 @@ fn no_ray_passes_a_joint() {
 proptest! {
     #![proptest_config(ProptestConfig::with_cases(200))]
 
-    /// A ribbon is hit where the ray passes the curve, as it is seen along the ray, at less than the radius; across the axes, too, where its
-    /// segments are divided.
+    /// A ribbon is hit where the ray passes the curve, as it is seen along the ray, at less than the radius; across the axes, too, where
+    /// its segments are divided.
     #[test]
     fn ribbons_are_as_wide_as_they_should_be(seed in 0u32..60000, far in 3f32..30.0, is_across in any::<bool>()) {
         let turn = if is_across { Quat::from_rotation_arc(Vec3::X, Vec3::ONE.normalize()) } else { Quat::IDENTITY };

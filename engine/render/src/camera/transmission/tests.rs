@@ -35,7 +35,8 @@ fn white(camera: &Camera, place: Vec2) -> Rgb {
     rays.iter().flatten().map(|ray| ray.white()).sum::<Rgb>() / RAYS as f32
 }
 
-/// The fit's error over every third lens (all by `make test-all`), on their own film, is within what it is allowed; those that are not are known.
+/// The fit's error over every third lens (all by `make test-all`), on their own film, is within what it is allowed; those that are not are
+/// known.
 #[test]
 fn every_lens_is_fitted() {
     let folder = std::path::Path::new(env!("CARGO_MANIFEST_DIR")).join("../../lenses");

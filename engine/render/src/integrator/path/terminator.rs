@@ -10,7 +10,8 @@ use crate::scene::Scene;
 use crate::surface::{SurfacePoint, mesh_of};
 use glam::Vec3A;
 
-/// The part of light along `d` that counts, at a point whose shading normal a displacement may have bent to `normal`, where an object's shading is dimmed towards the edge of light.
+/// The part of light along `d` that counts, at a point whose shading normal a displacement may have bent to `normal`, where an object's
+/// shading is dimmed towards the edge of light.
 #[inline]
 pub(super) fn dimmed(scene: &Scene, point: &SurfacePoint, normal: Vec3A, d: Vec3A) -> f32 {
     if scene.dims { dimmed_by_object(scene, point, normal, d) } else { 1.0 }

@@ -387,8 +387,8 @@ impl<N: Notes, const VOLUMES: bool> Wave<N, VOLUMES> {
         }
     }
 
-    /// A light sample at a meeting, whose shading normal may be bent, and a direction; where that leads into a body, the same at the place where it comes
-    /// out.
+    /// A light sample at a meeting, whose shading normal may be bent, and a direction; where that leads into a body, the same at the place
+    /// where it comes out.
     #[inline(always)]
     fn go_on(
         &mut self,

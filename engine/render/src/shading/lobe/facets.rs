@@ -66,8 +66,8 @@ impl Slopes {
         if a < 1.6 { (1.0 - 1.259 * a + 0.396 * a * a) / (3.535 * a + 2.181 * a * a) } else { 0.0 }
     }
 
-    /// Area of the facets visible from `w`, projected along `w`, over that of the surface, for a `w` of that [`Slopes::lambda`]. Beckmann's is
-    /// exact, where `lambda` is a fit: it normalizes the density of [`Slopes::sample`].
+    /// Area of the facets visible from `w`, projected along `w`, over that of the surface, for a `w` of that [`Slopes::lambda`]. Beckmann's
+    /// is exact, where `lambda` is a fit: it normalizes the density of [`Slopes::sample`].
     fn visible_area(&self, w: Vec3A, lambda: f32) -> f32 {
         if !self.is_beckmann() {
             return w.z * (1.0 + lambda);

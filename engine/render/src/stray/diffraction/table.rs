@@ -147,8 +147,8 @@ fn smooth(values: &mut [[f32; 9]], width: f64) {
     }
 }
 
-/// The weight of a frequency in sampling rates, 1 − 3 f² + 2 |f|³: its copies around all multiples of the rate sum to one, and it is zero at all of
-/// them but 0. Its transform, a pixel's light, so has the integral one, is zero at all other pixels' middles, falls as the fourth
+/// The weight of a frequency in sampling rates, 1 − 3 f² + 2 |f|³: its copies around all multiples of the rate sum to one, and it is zero
+/// at all of them but 0. Its transform, a pixel's light, so has the integral one, is zero at all other pixels' middles, falls as the fourth
 /// power of the distance, and is nowhere below −2.2 %.
 fn weight(frequency: f32) -> f32 {
     let x = frequency.abs().min(1.0);
