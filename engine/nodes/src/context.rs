@@ -148,7 +148,7 @@ pub struct Attribute {
 pub struct Occlusion {
     /// Number of rays.
     pub samples: u8,
-    /// True if it looks into the surface, not away from it.
+    /// True if the occlusion looks into the surface, not away from it.
     pub inside: bool,
     /// True if only the object itself occludes.
     pub only_local: bool,

@@ -7,9 +7,9 @@ use crate::system::System;
 /// The image of the stop on one side of the lens.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Pupil {
-    /// Its place in lens space; `None`: at infinity (telecentric).
+    /// Place of the pupil in lens space; `None`: at infinity (telecentric).
     pub z_mm: Option<f64>,
-    /// Its diameter; `None`: infinite.
+    /// Diameter of the pupil; `None`: infinite.
     pub diameter_mm: Option<f64>,
 }
 

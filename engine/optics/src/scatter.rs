@@ -12,7 +12,7 @@ use crate::system::System;
 /// A surface that scatters.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Scatterer {
-    /// Its number in the lens.
+    /// Number of the surface in the lens.
     pub surface: usize,
     /// Path difference through a bump of height one: the step of the index; of a mirror twice the index.
     pub path_per_height: f64,

@@ -110,7 +110,7 @@ impl Element {
 pub struct Surface {
     /// Shape.
     pub shape: Shape,
-    /// Its pose at its place on the axis.
+    /// Pose of the surface at its place on the axis.
     pub pose: Pose,
     /// Vertex in lens space.
     pub z_mm: f64,

@@ -174,7 +174,7 @@ impl SurfacePoint {
         Ray { origin, direction, t_max: f32::INFINITY, skip, moment: self.moment }
     }
 
-    /// True if it is on hair or a point, and a ray hit the same strand or point.
+    /// True if the point is on hair or a point, and a ray hit the same strand or point.
     pub fn is_on_strand_of(&self, scene: &Scene, hit: &Hit) -> bool {
         let met = |curves: &Curves| curves.strand_of(hit.triangle);
         self.strand != NO_STRAND

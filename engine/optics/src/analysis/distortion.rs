@@ -15,9 +15,9 @@ pub struct ChiefRay {
     pub angle_deg: f64,
     /// Height at which it hits the film, tangential, mm from the axis, at the main wavelength.
     pub height_mm: f64,
-    /// Its height in a picture without distortion, by the tangent of the angle; `None` from 90 degrees on.
+    /// Height of the chief ray in a picture without distortion, by the tangent of the angle; `None` from 90 degrees on.
     pub straight_height_mm: Option<f64>,
-    /// Its height in a picture whose heights go with the angle itself (f-theta).
+    /// Height of the chief ray in a picture whose heights go with the angle itself (f-theta).
     pub even_height_mm: f64,
     /// The place at which the rays beside it in the plane of the field cross it, along z from the film; `None`: nowhere.
     pub tangential_focus_mm: Option<f64>,

@@ -101,7 +101,7 @@ impl Medium {
         self.transmittance.as_ref().map(|known| known.at(wavelength_nm, thickness_mm))
     }
 
-    /// Its internal transmittance, if known.
+    /// The internal transmittance, if known.
     pub fn transmittance(&self) -> Option<&InternalTransmittance> {
         self.transmittance.as_deref()
     }

@@ -54,7 +54,7 @@ impl Pose {
         DMat3::from_cols(x, y, z)
     }
 
-    /// True if it changes nothing.
+    /// True if the pose changes nothing.
     pub fn is_identity(&self) -> bool {
         *self == Self::identity()
     }

@@ -15,7 +15,7 @@ use super::{Lost, Ray, Tracer, Travel, Way, bent};
 /// A surface as a path comes to it.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub struct Meeting {
-    /// Its index, counted from the scene.
+    /// Index of the surface, counted from the scene.
     pub surface: usize,
     /// True if the ray comes from the scene's side of the lens.
     pub towards_film: bool,

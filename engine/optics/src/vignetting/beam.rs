@@ -29,7 +29,7 @@ pub(super) const LOST: f64 = 4.0;
 pub(crate) struct Passage {
     /// The point at which it hits the stop, in radii of its opening.
     pub(crate) stop: DVec2,
-    /// Its largest distance from the axis at the other surfaces, in radii of the rim there.
+    /// The ray's largest distance from the axis at the other surfaces, in radii of the rim there.
     pub(super) reach: f64,
     /// The surface where that is.
     pub(super) surface: usize,

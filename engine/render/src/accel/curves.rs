@@ -55,7 +55,7 @@ struct Segment {
     /// Index of the instance; undefined in trees of one mesh.
     instance: u32,
     strand: u32,
-    /// Its number in the curves.
+    /// Number of the segment in the curves.
     number: u32,
     cut: Cut,
     /// The range of its pieces.

@@ -220,7 +220,7 @@ impl Camera {
         }
     }
 
-    /// Its name in reports.
+    /// Name of the camera model in reports.
     pub fn name(&self) -> &str {
         match self {
             Self::Pinhole(_) => "pinhole",

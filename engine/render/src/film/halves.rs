@@ -68,7 +68,7 @@ impl Half {
         }
     }
 
-    /// True if it is of the same tile and film.
+    /// True if both are of the same tile and film.
     pub(super) fn is_like(&self, other: &Self) -> bool {
         self.pixels == other.pixels
             && self.sums.len() == other.sums.len()

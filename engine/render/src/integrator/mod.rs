@@ -28,7 +28,7 @@ pub enum Integrator {
 }
 
 impl Integrator {
-    /// Its name in reports and on the command line.
+    /// Name of the integrator in reports and on the command line.
     pub fn name(self) -> &'static str {
         match self {
             Self::Path => "path",

@@ -10,11 +10,11 @@ use glam::Vec3A;
 /// A stretch of a ray.
 #[derive(Clone, Copy, Debug)]
 pub struct Line {
-    /// Its origin, render space.
+    /// Origin of the line, render space.
     pub from: Vec3A,
-    /// Its direction, unit.
+    /// Direction of the line, unit.
     pub towards: Vec3A,
-    /// Its length, Blender units.
+    /// Length of the line, Blender units.
     pub t_max: f32,
 }
 

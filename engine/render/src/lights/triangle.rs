@@ -21,7 +21,7 @@ pub(super) struct LitTriangle {
     pub(super) instance: u32,
     /// Index of the triangle in its mesh.
     pub(super) triangle: u32,
-    /// True if its back is worth a light sample, too.
+    /// True if the triangle's back is worth a light sample, too.
     pub(super) two_sided: bool,
     /// The kinds of ray that its object shows itself to.
     reaches: Rays,
@@ -36,7 +36,7 @@ pub(super) struct LitTriangle {
     edges: [Vec3; 2],
     /// Bound of the rounding error of its position, Blender units.
     error: f32,
-    /// Its radiance, if that is spatially constant.
+    /// Radiance of the triangle, if that is spatially constant.
     radiance: Option<Vec3>,
 }
 
@@ -92,7 +92,7 @@ impl LitTriangle {
         self.normal.into()
     }
 
-    /// Its position and directions of emission.
+    /// The triangle's position and directions of emission.
     pub(super) fn bounds(&self) -> LightBounds {
         let corners = [self.corner, self.corner + self.edges[0], self.corner + self.edges[1]].map(Vec3A::from);
         LightBounds {

@@ -100,7 +100,7 @@ impl Way {
         self.is & CAMERA != 0
     }
 
-    /// True if its last scattering was diffuse.
+    /// True if the path's last scattering was diffuse.
     #[inline]
     pub fn is_diffuse(self) -> bool {
         self.is & DIFFUSE != 0

@@ -63,7 +63,7 @@ impl Pipeline {
         }
     }
 
-    /// Its name in reports and on the command line.
+    /// Name of the pipeline in reports and on the command line.
     pub fn name(self) -> &'static str {
         match self {
             Self::Auto => "auto",

@@ -37,7 +37,7 @@ pub enum Way {
 }
 
 impl Way {
-    /// Its name in reports.
+    /// Name of the camera model in reports.
     pub fn name(&self) -> &'static str {
         match self {
             Self::Given => "as given",

@@ -65,7 +65,7 @@ pub enum Effect {
 }
 
 impl Effect {
-    /// All of them, in the order of panels and reports.
+    /// All effects, in the order of panels and reports.
     pub const ALL: [Self; 13] = [
         Self::Defocus,
         Self::Aberration,
@@ -82,7 +82,7 @@ impl Effect {
         Self::SpectralMaterials,
     ];
 
-    /// Its name on the command line and in files.
+    /// Name of the effect on the command line and in files.
     pub fn name(self) -> &'static str {
         match self {
             Self::Defocus => "defocus",
@@ -101,7 +101,7 @@ impl Effect {
         }
     }
 
-    /// The one of that name.
+    /// The effect of this name.
     pub fn named(name: &str) -> Option<Self> {
         Self::ALL.into_iter().find(|effect| effect.name() == name)
     }
@@ -171,7 +171,7 @@ pub enum Word {
 }
 
 impl Word {
-    /// Its name on the command line and in files.
+    /// Name of the word on the command line and in files.
     pub fn name(self) -> &'static str {
         match self {
             Self::Auto => "auto",
@@ -180,7 +180,7 @@ impl Word {
         }
     }
 
-    /// The one of that name.
+    /// The word of this name.
     pub fn named(name: &str) -> Option<Self> {
         [Self::Auto, Self::On, Self::Off].into_iter().find(|word| word.name() == name)
     }

@@ -463,7 +463,7 @@ impl<C> Closure<C, f32> {
         matches!(self, Self::Hair { .. } | Self::PrincipledHair(_))
     }
 
-    /// True if its facets are stretched along the surface's tangent.
+    /// True if the closure's facets are stretched along the surface's tangent.
     pub fn is_brushed(&self) -> bool {
         match self {
             Self::Glossy { anisotropy, .. } | Self::Metal { anisotropy, .. } => *anisotropy != 0.0,

@@ -87,7 +87,7 @@ pub enum Source {
 }
 
 impl Source {
-    /// Its value once the program has run. A number stands in all three parts.
+    /// The source's value once the program has run. A number stands in all three parts.
     #[inline]
     pub fn value(self, program: &Program, registers: &Registers) -> Vec3A {
         match self {
@@ -96,7 +96,7 @@ impl Source {
         }
     }
 
-    /// Its value if that is spatially constant.
+    /// The source's value if that is spatially constant.
     pub fn constant(self, program: &Program) -> Option<Vec3A> {
         match self {
             Self::Of(operand) => program.constant(operand),
@@ -258,7 +258,7 @@ impl Principled<Source, Source> {
         self.alpha.constant(program) != Some(Vec3A::ONE)
     }
 
-    /// True if it may emit.
+    /// True if the closure may emit.
     pub fn shines(&self, program: &Program) -> bool {
         self.emission_strength.constant(program) != Some(Vec3A::ZERO)
     }
@@ -277,12 +277,12 @@ pub enum Displacement {
 }
 
 impl Displacement {
-    /// True if it bends normals.
+    /// True if the displacement bends normals.
     pub fn bends(self) -> bool {
         self != Self::Vertices
     }
 
-    /// True if it moves vertices.
+    /// True if the displacement moves vertices.
     pub fn moves(self) -> bool {
         self != Self::Bump
     }
@@ -377,22 +377,22 @@ impl Graph {
         self.volume.is_some() && self.program.surface.is_empty()
     }
 
-    /// True if its displacement bends normals.
+    /// True if the graph's displacement bends normals.
     pub fn bends_normals(&self) -> bool {
         self.displacement.bends() && self.program.displacement.is_some()
     }
 
-    /// True if its closures are the same everywhere.
+    /// True if the graph's closures are spatially constant.
     pub fn is_even(&self) -> bool {
         self.slices.scattering.is_empty() && !self.bends_normals()
     }
 
-    /// True if it moves the vertices of meshes.
+    /// True if the graph's displacement moves the vertices of meshes.
     pub fn moves_vertices(&self) -> bool {
         self.displacement.moves() && self.program.displacement.is_some()
     }
 
-    /// True if its program reads any of these fields.
+    /// True if the graph's program reads any of these fields.
     pub fn reads_any(&self, fields: &[Field]) -> bool {
         self.program.reads().any(|field| fields.contains(&field))
     }
@@ -423,7 +423,7 @@ impl Graph {
         self.layers.iter().map(of).sum::<f32>().max(1e-6)
     }
 
-    /// True if its emission is spatially constant.
+    /// True if the graph's emission is spatially constant.
     pub fn emits_evenly(&self) -> bool {
         let stands = |source: &Source| source.constant(&self.program).is_some();
         self.layers.iter().all(|layer| match &layer.closure {

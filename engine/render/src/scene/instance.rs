@@ -33,7 +33,7 @@ pub struct Instance {
     pub materials: Vec<u32>,
     /// The kinds of ray that see it.
     pub visible: Rays,
-    /// Its part in light linking.
+    /// The instance's part in light linking.
     pub links: Links,
     /// The number of the light group of what it emits; 0 is none.
     pub light_group: u16,
@@ -47,7 +47,7 @@ pub struct Instance {
     pub info: ObjectInfo,
     /// The shape of its mesh at its moment, where the mesh has several.
     pub pose: Pose,
-    /// True if it stands for an object in the photograph that the picture is laid over: only its shadows are wanted.
+    /// True if the instance stands for an object in the photograph that the picture is laid over: only its shadows are wanted.
     pub is_catcher: bool,
 }
 
@@ -88,7 +88,7 @@ impl Instance {
         self.mirrored = linear.determinant() < 0.0;
     }
 
-    /// True if its matrix scales directions differently, so that angles change.
+    /// True if the instance's matrix scales directions differently, so that angles change.
     pub(super) fn changes_angles(&self) -> bool {
         let Mat3A { x_axis: x, y_axis: y, z_axis: z } = self.to_render.matrix3;
         let most = x.length_squared().max(y.length_squared()).max(z.length_squared());

@@ -11,7 +11,7 @@ use std::sync::Arc;
 pub struct Material {
     /// The name for messages.
     pub name: String,
-    /// Its surface, volume and displacement.
+    /// The shader graph: surface, volume and displacement.
     pub graph: Arc<Graph>,
     /// Pass index for masks.
     pub pass_index: i32,
@@ -19,7 +19,7 @@ pub struct Material {
     pub aovs: Option<Aovs>,
     /// True if the camera sees a hole instead, and all else the surface.
     pub holds_out: bool,
-    /// True if its surface may emit, or be a hole to the camera: a scene's builder sets it.
+    /// True if the material's surface may emit, or be a hole to the camera: a scene's builder sets it.
     pub speaks: bool,
     /// True if any of its closures may scatter light: a scene's builder sets it.
     pub scatters: bool,
@@ -83,7 +83,7 @@ impl Material {
         self.graph.volume.as_ref()
     }
 
-    /// True if its emission is constant over the surface.
+    /// True if the material's emission is constant over the surface.
     pub fn emits_evenly(&self) -> bool {
         self.graph.emits_evenly()
     }

@@ -32,11 +32,11 @@ pub struct MeshDescription {
     pub material_slots: Option<Vec<u32>>,
     /// `positions` a frame before and a frame after; `None` where the mesh keeps its shape.
     pub moved_positions: Option<[Vec<Vec3>; 2]>,
-    /// Its shapes while the shutter is open; `None` where it keeps its shape.
+    /// The mesh's shapes while the shutter is open; `None` where it keeps its shape.
     pub poses: Option<Poses>,
     /// Values known in its space, for volumes.
     pub grids: Vec<Grid>,
-    /// True if its volume has the same opacity whatever the object's size.
+    /// True if the mesh's volume has the same opacity whatever the object's size.
     pub keeps_opacity: bool,
 }
 
@@ -63,7 +63,7 @@ pub struct Mesh {
     pub moved_positions: Option<[Vec<Vec3>; 2]>,
     /// Values known in its space, for volumes.
     pub grids: Vec<Grid>,
-    /// True if its volume has the same opacity whatever the object's size.
+    /// True if the mesh's volume has the same opacity whatever the object's size.
     pub keeps_opacity: bool,
     /// The corners of the box that holds `positions`.
     pub bounds: [Vec3; 2],
@@ -71,9 +71,9 @@ pub struct Mesh {
     pub curves: Option<Box<Curves>>,
     /// A point cloud, instead of triangles.
     pub points: Option<Box<Points>>,
-    /// Its shapes while the shutter is open.
+    /// The mesh's shapes while the shutter is open.
     pub poses: Option<Box<Poses>>,
-    /// True if it has curves, points or several shapes: one test for what most meshes do not have.
+    /// True if the mesh has curves, points or several shapes: one test for what most meshes do not have.
     pub is_special: bool,
 }
 
@@ -178,7 +178,7 @@ impl Mesh {
         self.material_slots.as_ref().map_or(0, |s| s[triangle as usize])
     }
 
-    /// True if it is neither hair nor a point cloud.
+    /// True if the mesh is neither hair nor a point cloud.
     pub fn is_of_triangles(&self) -> bool {
         self.curves.is_none() && self.points.is_none()
     }

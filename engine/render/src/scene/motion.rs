@@ -147,13 +147,13 @@ impl Poses {
 /// An instance that moves or changes its shape.
 #[derive(Clone, Debug)]
 pub struct Moving {
-    /// Its own number among the instances.
+    /// Number of the moving instance among the instances.
     pub instance: u32,
     /// The number of the instance that stands for its first moment; the others follow.
     pub first: u32,
     /// Number of bits by which a ray's moment is finer than the instance's.
     pub shift: u32,
-    /// Its transforms; `None` where it changes its shape alone.
+    /// Transforms of the instance; `None` where it changes its shape alone.
     pub way: Option<Way>,
 }
 

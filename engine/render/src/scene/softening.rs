@@ -15,7 +15,7 @@ impl Softening {
         Self { lift_below: geometry_offset.max(0.0), dark: (0.5 * shading_offset).clamp(0.0, 0.5) }
     }
 
-    /// True if it takes light away.
+    /// True if the softening takes light away.
     #[inline]
     pub fn dims(&self) -> bool {
         self.dark > 0.0

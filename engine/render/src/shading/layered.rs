@@ -17,7 +17,7 @@ use glam::Vec3A;
 const LEAST: f32 = 1e-5;
 
 impl Mixture {
-    /// All of it about one normal, but for the coat, which has its own; what its alpha lets through is counted elsewhere.
+    /// Adds all of Principled about one normal, but for the coat, which has its own; what its alpha lets through is counted elsewhere.
     pub(super) fn add_principled(&mut self, weight: f32, p: &Principled<Rgb, f32>, normal: Vec3A) {
         let here = self.here;
         let mut left = Rgb::splat(weight * p.alpha.clamp(0.0, 1.0));

@@ -31,7 +31,7 @@ impl Ggx {
         self.alpha
     }
 
-    /// True if it is so narrow that it is treated as a perfect mirror.
+    /// True if the distribution is so narrow that it is treated as a perfect mirror.
     #[inline]
     pub fn is_mirror(&self) -> bool {
         self.alpha < MIRROR_BELOW

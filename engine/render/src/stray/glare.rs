@@ -53,7 +53,7 @@ pub struct Glare {
 
 /// The light of one wavelength that surfaces scatter.
 struct Halo {
-    /// All of it, as a part of the light.
+    /// The scattered light, as a part of all light.
     part: f64,
     /// The first distance, mm.
     first_mm: f64,
@@ -205,7 +205,7 @@ impl Shape {
         Self { values, whole }
     }
 
-    /// All of it one.
+    /// Harvey's shape with this shoulder, whose integral is 1.
     fn harvey(shoulder: f64) -> Self {
         let mut shape = Self::of(|sine| (1.0 + (sine / shoulder).powi(2)).powf(0.5 * SLOPE));
         shape.values.iter_mut().for_each(|value| *value /= shape.whole);

@@ -94,7 +94,7 @@ impl StrayPass {
     /// All passes.
     pub const ALL: [Self; 3] = [Self::Ghosts, Self::Glare, Self::Diffraction];
 
-    /// Its name for programs.
+    /// Name of the pass for programs.
     pub fn name(self) -> &'static str {
         match self {
             Self::Ghosts => "GHOSTS",

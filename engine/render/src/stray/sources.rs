@@ -41,7 +41,7 @@ pub struct Source {
     pub radius_rad: f32,
     /// Direction towards the source, render space, unit.
     pub towards: DVec3,
-    /// Its place in the picture, pixels from the lower left corner; `None` if the picture does not show it.
+    /// Place of the source in the picture, pixels from the lower left corner; `None` if the picture does not show it.
     pub pixel: Option<Vec2>,
 }
 

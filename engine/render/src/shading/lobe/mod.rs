@@ -166,7 +166,7 @@ impl Lobe {
         matches!(self.kind, Kind::Translucent) || self.is_hair() || self.relative_index().is_some()
     }
 
-    /// True if it scatters about a fibre, independent of the surface's sides.
+    /// True if the lobe scatters about a fibre, independent of the surface's sides.
     #[inline]
     pub(super) fn is_hair(&self) -> bool {
         matches!(self.kind, Kind::Fibre(_) | Kind::Chiang(_))

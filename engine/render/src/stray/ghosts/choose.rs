@@ -18,7 +18,7 @@ pub(super) struct Candidate {
     pub(super) path: usize,
     /// Luminance in the picture, evenly over its bounds.
     pub(super) value: f32,
-    /// Its bounds' corners, pixels from the picture's lower left corner.
+    /// Corners of the ghost's bounds, pixels from the picture's lower left corner.
     pub(super) bounds: [DVec2; 2],
     /// Distance between its images at the ends of the spectrum, pixels.
     pub(super) spread_px: f64,
