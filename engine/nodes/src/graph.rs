@@ -40,7 +40,7 @@ pub enum Input {
 pub struct Node {
     /// Blender's `bl_idname`, such as `ShaderNodeTexNoise`.
     pub kind: String,
-    /// The user's name for it, for messages.
+    /// The user's name for the node, for messages.
     pub name: String,
     /// Inputs by socket identifier. One that is absent has the node's own default, such as the surface's normal.
     pub inputs: Vec<(String, Input)>,

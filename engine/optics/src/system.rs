@@ -122,7 +122,7 @@ pub struct Surface {
     pub obstruction_mm: f64,
     /// Refraction or reflection.
     pub element: Element,
-    /// Thin films on it.
+    /// Thin films on the surface.
     pub coating: Coating,
 }
 

@@ -28,7 +28,7 @@ pub use spectral::{LINES, Leaving, SpectralBundle, SpectralTracer};
 /// A ray in lens space, mm.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Ray {
-    /// A point on it.
+    /// A point on the ray.
     pub origin: DVec3,
     /// The direction: a unit vector.
     pub direction: DVec3,

@@ -84,7 +84,7 @@ impl Category {
         Self::Cylinder,
     ];
 
-    /// The word for it in tables.
+    /// The word for the category in tables.
     pub fn name(self) -> &'static str {
         match self {
             Self::Ordinary => "ordinary",

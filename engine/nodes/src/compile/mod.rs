@@ -81,7 +81,7 @@ struct Compiler<'g> {
     code: Vec<Instruction>,
     program: Program,
     constants: HashMap<[u32; 3], Operand>,
-    /// `None` for nodes that are not known.
+    /// Results of the nodes that have been lowered; `None` for nodes that are not known.
     lowered: HashMap<(usize, [u32; 2]), Option<Outputs>>,
     /// Nodes that are being lowered, outermost first.
     open: Vec<usize>,

@@ -19,9 +19,9 @@ const LEAST: f64 = 1e-4;
 /// Light at a place of the film.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Illumination {
-    /// Angle of the field whose light is there.
+    /// Angle of the field.
     pub angle_deg: f64,
-    /// Tangential, mm from the axis.
+    /// Tangential height of the field's light on the film, mm from the axis.
     pub height_mm: f64,
     /// Irradiance over that on the axis. `None` where the axis is dark: a mirror in front hides it.
     pub relative: Option<f64>,

@@ -17,11 +17,11 @@ pub struct Spot {
     pub chief_mm: Option<[f64; 2]>,
     /// Root of the mean square distance from the centroid, all wavelengths together.
     pub rms_mm: f64,
-    /// The ray that is farthest from it.
+    /// Distance of the farthest ray from the centroid.
     pub largest_mm: f64,
 }
 
-/// One wavelength of it.
+/// The spot of one wavelength.
 #[derive(Clone, Debug, PartialEq)]
 pub struct SpotLine {
     /// The wavelength in vacuum.

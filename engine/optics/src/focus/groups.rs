@@ -17,7 +17,7 @@ pub enum GroupsError {
     /// The lens cannot be set.
     #[error(transparent)]
     System(#[from] SystemError),
-    /// Nothing can be sharp there.
+    /// Nothing can be sharp at the distance.
     #[error(transparent)]
     Focus(#[from] FocusError),
 }

@@ -35,7 +35,7 @@ pub enum Problem {
     Malformed {
         /// The text found.
         found: String,
-        /// The text that should stand there.
+        /// The text that was expected.
         expected: String,
     },
     /// Something that the engine has no means for, without which the lens would be another.
@@ -65,7 +65,7 @@ pub enum Problem {
     HeaderOrder {
         /// The word found.
         found: String,
-        /// The word that belongs there.
+        /// The word that was expected.
         expected: &'static str,
     },
     /// The header row names a column that is not supported.

@@ -37,7 +37,7 @@ const PROBES: [DVec2; 6] = [
 pub struct Piece {
     /// A triangle (u, v), mm from the picture's middle; of no size where only its place is known.
     pub corners: [DVec2; 3],
-    /// The light on it for one of irradiance in the middle of the beam's disc, mm².
+    /// The light on the piece for one of irradiance in the middle of the beam's disc, mm².
     pub light_mm2: f64,
 }
 

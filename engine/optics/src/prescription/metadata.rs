@@ -46,7 +46,7 @@ impl LensGroup {
         Self::Test,
     ];
 
-    /// The word for it in lens files.
+    /// The word for the group in lens files.
     pub fn word(self) -> &'static str {
         match self {
             Self::WideAngle => "wide angle",

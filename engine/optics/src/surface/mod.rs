@@ -38,7 +38,7 @@ pub enum Failure {
 }
 
 impl Failure {
-    /// The word for it in tables and on the command line.
+    /// The word for the failure in tables and on the command line.
     pub fn name(self) -> &'static str {
         match self {
             Self::Missed => "missed",

@@ -68,7 +68,7 @@ impl Tracer {
         Some(ReflectedTracer { tracer, meetings: meetings.into() })
     }
 
-    /// The step of a ray at a surface there.
+    /// The step of a ray at the surface of a meeting, and the gradients of the direction of travel.
     fn step_at(&self, meeting: Meeting) -> (Step, Option<&super::Gradients<f64>>) {
         let (way, i) = match meeting.towards_film {
             true => (&self.from_scene, meeting.surface),

@@ -22,7 +22,7 @@ pub(super) enum Action<R> {
 #[derive(Clone, Copy, Debug)]
 pub(super) struct Step<R = f64> {
     pub(super) shape: Shape<R>,
-    /// `None`: the surface stands on the axis, upright.
+    /// Pose of the surface; `None` if it stands on the axis, upright.
     pub(super) pose: Option<Pose<R>>,
     /// The number added to z when the ray leaves the surface before: from its vertex to this one.
     pub(super) to_here: R,

@@ -58,7 +58,7 @@ pub(super) struct Forests {
 }
 
 impl Forests {
-    /// `None` where there is nothing of it.
+    /// The trees of a scene beside those of triangles; `None` if there are none.
     pub(super) fn new(scene: &Scene, parts: &Parts) -> Option<Box<Self>> {
         let (curves, points) = (CurveForest::new(scene, parts), PointForest::new(scene, parts));
         let moving = MovingForest::new(scene);

@@ -90,7 +90,7 @@ impl<'a> Span<'a> {
         Self { items, first, bounds, middles }
     }
 
-    /// Two parts of it; gives it back where that does not pay.
+    /// Divides the span into two parts; gives it back where that does not pay.
     fn split(self, most: usize, by_number: bool) -> Result<[Self; 2], Self> {
         let must = self.items.len() > most;
         let best = if by_number { None } else { Bins::new(&self).best(most) };

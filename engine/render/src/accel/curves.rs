@@ -63,7 +63,7 @@ struct Segment {
 }
 
 impl CurveForest {
-    /// `None` where the scene has no curves.
+    /// The trees of the scene's curves; `None` if it has none.
     pub(super) fn new(scene: &Scene, parts: &Parts) -> Option<Box<Self>> {
         if scene.meshes.iter().all(|mesh| mesh.curves.is_none()) {
             return None;

@@ -124,7 +124,7 @@ pub(super) struct MovingForest {
 }
 
 impl MovingForest {
-    /// `None` where no mesh moves.
+    /// The trees of the scene's meshes that move; `None` if none does.
     pub(super) fn new(scene: &Scene) -> Option<Self> {
         let is_of_triangles = |one: &Moving| mesh_of(scene, one.instance).is_of_triangles();
         let mut moves = vec![false; scene.meshes.len()];

@@ -21,7 +21,7 @@ pub(super) struct Within {
     pub(super) origin: Vec3A,
     /// Direction of the ray, unit.
     pub(super) direction: Vec3A,
-    /// Factor of distances there.
+    /// Factor of distances in object space.
     pub(super) scale: f32,
 }
 

@@ -96,7 +96,7 @@ fn even_scale(instance: &Instance) -> Option<f32> {
 }
 
 impl PointForest {
-    /// `None` where the scene has no points.
+    /// The trees of the scene's points; `None` if it has none.
     pub(super) fn new(scene: &Scene, parts: &Parts) -> Option<Box<Self>> {
         if scene.meshes.iter().all(|mesh| mesh.points.is_none()) {
             return None;

@@ -80,7 +80,7 @@ impl<'a> TriangleSource<'a> {
         }
     }
 
-    /// Boxes around all of them.
+    /// Boxes around all triangles.
     pub(super) fn boxes(&self) -> Vec<Bounds> {
         let mut boxes = Vec::with_capacity(self.count());
         let mut add = |instance: u32, mesh: &Mesh| {

@@ -36,7 +36,7 @@ struct Set {
 }
 
 impl ShortFilm {
-    /// `None` for a film that is curved.
+    /// The film of a mount and the data of its lines; `None` if the film is curved.
     pub(super) fn new(mount: &Mount, vertex_z_mm: f64, lines: &[Line], sets: usize, size: usize) -> Option<Self> {
         let (axes, middle) = mount.frame.flat()?;
         let from_vertex = middle - DVec3::new(0.0, 0.0, vertex_z_mm);

@@ -8,7 +8,7 @@ use super::real_lens::{Lead, RealLens};
 use crate::sampler::raster::Raster;
 use petzval_optics::trace::{LINES, SpectralBundle, Travel};
 
-/// The way out in the numbers that were chosen for it.
+/// The way out of the lens, in the numbers that were chosen for it.
 pub(super) enum Out {
     Single(Outward<f32>),
     Double(Outward<f64>),

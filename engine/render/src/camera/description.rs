@@ -164,7 +164,7 @@ pub struct CameraDescription {
     pub exposes_by_f_number: bool,
     /// Precision of the numbers in which rays are traced from the film through the lens.
     pub precision: Precision,
-    /// `None`: a uniform world of radiance one makes the middle of the film one, whatever the f-number.
+    /// Exposure by physical settings; `None`: a uniform world of radiance one makes the middle of the film one, whatever the f-number.
     pub exposure: Option<PhysicalExposure>,
     /// Width of an orthographic picture, Blender units.
     pub orthographic_width: f64,

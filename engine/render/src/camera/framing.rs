@@ -4,7 +4,7 @@
 use super::setup::Setup;
 use super::{CameraDescription, CameraError, Model};
 
-/// The settings that may be changed for it.
+/// The settings that may be changed to frame like Blender's camera.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub enum Framed {
     /// The lens is scaled, a zoom lens zoomed; the film becomes Blender's sensor.
@@ -13,10 +13,10 @@ pub enum Framed {
     ByFilm,
 }
 
-/// The settings that frame so.
+/// The settings that frame like Blender's camera.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Framing {
-    /// `None`: as it was.
+    /// Focal length, mm; `None`: as it was.
     pub focal_length_mm: Option<f64>,
     /// Width of the picture, mm.
     pub film_width_mm: f64,

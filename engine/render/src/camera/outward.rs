@@ -17,9 +17,9 @@ use wide::f32x8;
 /// The way out, ready for rays.
 pub(super) struct Outward<R: Traced> {
     tracer: SpectralTracer<R>,
-    /// `None` for a film that is curved.
+    /// The film; `None` if it is curved.
     film: Option<FlatFilm<R>>,
-    /// `None` where the axes of the world have different scales.
+    /// The world; `None` if its axes have different scales.
     world: Option<World<R>>,
     /// The film's response at each wavelength in the picture's colours, and the gain.
     responses: Vec<Mat3>,

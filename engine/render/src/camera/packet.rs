@@ -186,7 +186,7 @@ pub struct Led {
     pub splats: Splats,
     /// The number of the set.
     pub set: usize,
-    /// The sum of the densities with which each wavelength would have led to it.
+    /// The sum of the densities with which each wavelength would have led to this ray.
     pub density: f64,
 }
 

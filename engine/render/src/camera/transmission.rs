@@ -43,7 +43,7 @@ pub(super) struct Middle {
 }
 
 impl Middle {
-    /// `None` where no light arrives at all.
+    /// The transmission in the middle of the film; `None` if no light arrives there at all.
     pub(super) fn new(
         d: &CameraDescription,
         passages: &Passages<'_>,
@@ -107,7 +107,7 @@ pub(super) struct Transmission {
 }
 
 impl Transmission {
-    /// `None` where the middle of the film is dark.
+    /// The transmission over the picture; `None` if the middle of the film is dark.
     pub(super) fn new(
         d: &CameraDescription,
         mount: &Mount,

@@ -178,7 +178,7 @@ impl Stretch<'_> {
         }
     }
 
-    /// The part of light that gets through all of it, on average.
+    /// The part of light that gets through all of the stretch, on average.
     pub(super) fn transmittance(&self, numbers: &mut HashedNumbers) -> Rgb {
         if self.is_even() {
             return through(self.medium(self.ray.origin).extinction, self.ray.t_max);

@@ -33,7 +33,7 @@ pub(super) const SURE_BOUNCES: u32 = 3;
 pub(super) const MOST_STEPS: u32 = 512;
 /// The sampler's sets of four numbers that the camera uses before the path begins.
 pub const CAMERA_SETS: u32 = 3;
-/// The last of them: its first number is the time.
+/// The last of the sampler's sets for the camera: its first number is the time.
 pub const TIME_SET: u32 = 2;
 /// Sets used at each surface.
 const SETS_PER_STEP: u32 = 2;

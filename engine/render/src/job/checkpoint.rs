@@ -50,7 +50,7 @@ pub struct Kept {
     pub resumed_seconds: f64,
     /// Checkpoints written by this render.
     pub written: u32,
-    /// Wall time of the longest stop of all threads for it, s.
+    /// Wall time of the longest stop of all threads for a checkpoint, s.
     pub longest_stop_s: f64,
     /// The reason why the kept render was not resumed, or why nothing can be written.
     pub problem: Option<String>,

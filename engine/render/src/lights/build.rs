@@ -76,7 +76,7 @@ impl Half {
         parts
     }
 
-    /// Number of emitters in it.
+    /// Number of emitters in the half.
     fn count(&self) -> usize {
         match self {
             Self::Leaf(_) => 1,

@@ -14,11 +14,11 @@ pub struct Receiver {
     pub normal: Option<Vec3A>,
     /// The number of its light tree.
     pub(super) tree: u32,
-    /// The light that each part under the tree's root may send here.
+    /// The light that each part under the tree's root may send to the place.
     pub(super) weights: [f32; WIDTH],
     /// The sum of the weights.
     pub(super) total: f32,
-    /// The light that the sky may send here, in brightness.
+    /// The light that the sky may send to the place, in brightness.
     pub(super) sky: f32,
     /// Probability of choosing the sky rather than something within the scene.
     pub(crate) sky_chance: f32,

@@ -87,8 +87,8 @@ impl Sky {
         Self { image, world, suns, discs, tells_bounces_apart }
     }
 
-    /// Light that may arrive from it at a surface with this normal, in brightness, where nothing stands in the way; without one, from
-    /// all sides. Sources are chosen by it. A world of one colour is not counted: it is not sampled.
+    /// Light that may arrive from the sky at a surface with this normal, in brightness, where nothing stands in the way; without one, from
+    /// all sides. Sources are chosen by this. A world of one colour is not counted: it is not sampled.
     #[inline]
     pub(super) fn irradiance(&self, normal: Option<Vec3A>) -> f32 {
         self.discs.iter().fold(self.world, |sum, disc| sum + disc.on(normal))

@@ -25,7 +25,7 @@ pub struct LightTree {
 }
 
 impl LightTree {
-    /// `None` where nothing emits.
+    /// The tree of these emitters; `None` if none of them emits.
     pub fn new(emitters: &[LightBounds]) -> Option<Self> {
         let mut order: Vec<u32> = (0..emitters.len() as u32).filter(|&i| emitters[i as usize].power > 0.0).collect();
         if order.is_empty() {

@@ -106,7 +106,7 @@ impl LitTriangle {
         }
     }
 
-    /// The radiance that leaves a point of it towards either side, for a view along that way.
+    /// The radiance that leaves a point of the triangle towards either side, for a view along that way.
     pub(super) fn radiance(&self, scene: &Scene, barycentric: [f32; 2], view: &View) -> Rgb {
         if let Some(radiance) = self.radiance {
             return radiance;

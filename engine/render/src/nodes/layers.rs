@@ -191,13 +191,13 @@ impl Opening {
 /// Sums over the closures of a surface, by what they do with light.
 #[derive(Default)]
 struct Parts {
-    /// Transmittance of those that let light through unbent.
+    /// Transmittance of the closures that let light through unbent.
     light: Rgb,
-    /// The weight of those that scatter.
+    /// Weight of the closures that scatter.
     rest: f32,
-    /// The weight of those that glow alone.
+    /// Weight of the closures that only emit.
     glowing: f32,
-    /// The weight of those that scatter, each times about the part of the light that it scatters.
+    /// Weight of the closures that scatter, each times about the part of the light that it scatters.
     scattering: f32,
 }
 

@@ -80,7 +80,7 @@ impl Way {
         Self { transparent: self.transparent.saturating_add(1), ..self }
     }
 
-    /// The state of a shadow ray from there.
+    /// The state of a shadow ray from the place that this path has reached.
     #[inline]
     #[must_use]
     pub fn shadow(self) -> Self {

@@ -29,11 +29,11 @@ pub(super) struct Known<'a> {
     pub(super) needs_lens: bool,
 }
 
-/// An effect's size, and what is said of it.
+/// The size of an effect, and its description.
 pub(super) struct Measured {
     /// The measure, as [`super::Decision::measure`].
     pub(super) value: Option<f64>,
-    /// The size and what goes with it.
+    /// The size, in words.
     pub(super) text: String,
 }
 

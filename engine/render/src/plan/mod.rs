@@ -208,7 +208,7 @@ struct GhostLook {
     picture_s: f64,
 }
 
-/// `None` where there are no sources.
+/// Looks for the ghosts of the brightest sources before the lens; `None` if there are no sources.
 fn ghosts_of(
     d: &CameraDescription,
     [width, height]: [u32; 2],
@@ -236,7 +236,7 @@ fn ghosts_of(
 #[derive(Clone, Debug, PartialEq)]
 pub struct Wishes {
     words: [Word; Effect::ALL.len()],
-    /// All tolerances are divided by it.
+    /// The quality, by which all tolerances are divided.
     pub quality: f64,
     /// The way that light is followed, if the user has chosen.
     pub pipeline: Pipeline,

@@ -14,7 +14,7 @@ struct Bin {
 }
 
 impl AliasTable {
-    /// `None` where no weight is positive and finite, since then nothing can be chosen.
+    /// The table of these weights; `None` if no weight is positive and finite, since then nothing can be chosen.
     pub fn new(weights: &[f32]) -> Option<Self> {
         let usable = |w: f32| if w.is_finite() && w > 0.0 { w as f64 } else { 0.0 };
         let total: f64 = weights.iter().map(|&w| usable(w)).sum();

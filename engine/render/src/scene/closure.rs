@@ -101,7 +101,7 @@ pub enum Closure<C, N> {
         rotation: N,
         /// Distribution of the facets.
         distribution: Distribution,
-        /// Thin film over it.
+        /// Thin film over the metal.
         film: ThinFilm<N>,
     },
     /// Reflects and refracts by Fresnel's law.
@@ -114,7 +114,7 @@ pub enum Closure<C, N> {
         ior: N,
         /// Distribution of the facets.
         distribution: Distribution,
-        /// Thin film over it.
+        /// Thin film over the glass.
         film: ThinFilm<N>,
     },
     /// Refracts all that is not totally reflected, and reflects nothing.

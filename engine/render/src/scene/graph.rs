@@ -176,7 +176,7 @@ impl GraphLayer {
 pub struct Graph {
     /// The program, to be run at each point.
     pub program: Program,
-    /// The parts of it that are run.
+    /// The parts of the program that are run.
     pub slices: Slices,
     /// The closures, which add up.
     pub layers: Vec<GraphLayer>,

@@ -39,7 +39,7 @@ pub struct Instance {
     pub light_group: u16,
     /// Softening of the shadow terminator on its smooth faces.
     pub softening: Softening,
-    /// Length of the ambient occlusion rays that end a path and start on it; 0: that of all others.
+    /// Length of the ambient occlusion rays that end a path and start on the instance; 0: that of all others.
     pub occlusion_distance: f32,
     /// Object space to render space a frame before and a frame after; `None` where it stands still.
     pub moved: Option<Box<[DAffine3; 2]>>,
@@ -69,7 +69,7 @@ impl Default for ObjectInfo {
 }
 
 impl Instance {
-    /// Length of a ray from it that ends a path with ambient occlusion, if those of other instances have this length.
+    /// Length of a ray from the instance that ends a path with ambient occlusion, if those of other instances have this length.
     #[inline]
     pub fn last_ray_distance(&self, of_others: f32) -> f32 {
         if self.occlusion_distance == 0.0 { of_others } else { self.occlusion_distance }

@@ -88,7 +88,7 @@ impl Material {
         self.graph.emits_evenly()
     }
 
-    /// Finds out what of it a path has to be asked for.
+    /// Finds out what a path has to ask the material for.
     pub(super) fn prepare(&mut self) {
         self.speaks = self.emits() || self.may_hold_out();
         self.scatters = !self.graph.scattering.is_empty();

@@ -71,7 +71,7 @@ pub enum SceneError {
         kind: &'static str,
         /// The index that it asked for.
         index: usize,
-        /// Number of those that were added.
+        /// Number of items that were added.
         count: usize,
     },
     /// A matrix with NaN, infinities, or no inverse.

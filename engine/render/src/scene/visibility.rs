@@ -24,7 +24,7 @@ impl Rays {
     /// Every kind.
     pub const ALL: Self = Self(63);
 
-    /// The kind that Blender calls so.
+    /// The kind of this name in Blender.
     pub fn named(name: &str) -> Option<Self> {
         Some(match name {
             "CAMERA" => Self::CAMERA,

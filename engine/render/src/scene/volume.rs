@@ -199,7 +199,7 @@ impl Volume {
         principled.flat_map(|principled| principled.grids()).filter(|name| !name.is_empty())
     }
 
-    /// True if any of it may emit.
+    /// True if any closure of the volume may emit.
     pub fn emits(&self) -> bool {
         let is_dark = |source: Source| source.constant(&self.program) == Some(Vec3A::ZERO);
         self.layers.iter().any(|layer| match &layer.closure {

@@ -30,9 +30,10 @@ pub trait Transfer: Sync {
 
 /// A part of the picture and the kernel of its light.
 pub struct Zone<'a> {
-    /// The part of a pixel's light that is spread so, by column: the product of this and [`Self::rows`]. All zones' together are 1.
+    /// The part of a pixel's light that is spread by this kernel, by column: the product of this and [`Self::rows`]. All zones' together
+    /// are 1.
     pub columns: Vec<f32>,
-    /// The part of a pixel's light that is spread so, by row.
+    /// The part of a pixel's light that is spread by this kernel, by row.
     pub rows: Vec<f32>,
     /// The transfer function.
     pub transfer: &'a dyn Transfer,

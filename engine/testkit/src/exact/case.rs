@@ -74,7 +74,7 @@ impl Case {
         case
     }
 
-    /// True if no number of it is infinite or NaN.
+    /// True if no number of the case is infinite or NaN.
     pub fn is_finite(&self) -> bool {
         let mut is_finite = true;
         self.clone().for_each_number(|x| is_finite &= x.is_finite());

@@ -140,7 +140,7 @@ impl Margins {
 /// Changes about a point of the ray by relative changes of the case by 1, taken as if they could add up.
 struct Changes {
     local: Local,
-    /// Change of the surface's function there.
+    /// Change of the surface's function at the hit.
     value: f64,
     /// Change of N · D.
     slope: f64,

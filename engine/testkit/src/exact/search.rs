@@ -88,7 +88,7 @@ impl Walk<'_> {
         if self.is_back { &self.start - u } else { &self.start + u }
     }
 
-    /// `None` where the profile has ended.
+    /// The place at the distance `u` from the start; `None` where the profile has ended.
     fn at(&self, u: &Big) -> Option<Place> {
         let Inputs { origin, direction, surface, case, .. } = self.inputs;
         let at = surface.at(&plus_times(origin, direction, &self.t(u)))?;

@@ -53,11 +53,11 @@ struct Change {
     direction: Triple,
     /// Change of the surface's function at the old hit.
     value: f64,
-    /// Change of the function's gradient there.
+    /// Change of the function's gradient at the old hit.
     gradient: Triple,
     /// Change of the second derivative along the ray.
     bend: f64,
-    /// Change of n1 / n2, relative to it.
+    /// Relative change of n1 / n2.
     ratio: f64,
 }
 

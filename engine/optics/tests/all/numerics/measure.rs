@@ -79,7 +79,7 @@ pub struct Tally {
     pub other_status: u64,
     /// Largest relative change of the data, in roundings, that would have been needed to turn such a status.
     pub worst_margin: f64,
-    /// The case of it.
+    /// The case of the largest such change.
     pub worst_case: Option<(Category, u64)>,
     pub point: Errors,
     pub direction: Errors,

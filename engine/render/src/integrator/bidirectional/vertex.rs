@@ -47,7 +47,7 @@ impl Vertex {
         Self { point, values, kept, bsdf, back, carried, partial }
     }
 
-    /// The scattering there, seen from the other end of `d`.
+    /// The scattering at the vertex, seen from the other end of `d`.
     pub(super) fn seen_from(&self, stage: &Stage, d: Vec3A) -> Surface {
         Surface::new(stage, self.values.as_ref(), self.kept, &self.point.seen_from(d), d)
     }

@@ -23,7 +23,7 @@ pub enum FastGi {
         /// Number of the bounce with which a path ends; 0 is off. Bounces through a surface do not count, nor does the first that is
         /// glossy.
         bounces: u32,
-        /// Length of these rays.
+        /// Length of the last rays.
         distance: f32,
         /// Factor of the world's light; 0 is off.
         factor: f32,

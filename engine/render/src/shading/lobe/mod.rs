@@ -85,7 +85,7 @@ impl Lobe {
         Self::new(weight, warp::frame(normal), wo, |_| Kind::Velvet(Velvet::new(sigma)))
     }
 
-    /// `None` where there is nothing to see of it.
+    /// The lobe of cloth by transformed cosines; `None` if there is nothing to see of it.
     pub(super) fn microfiber(weight: Rgb, roughness: f32, normal: Vec3A, wo: Vec3A) -> Option<Self> {
         let (cloth, albedo) = Microfiber::new(roughness, normal.dot(wo));
         let x = (wo - normal * normal.dot(wo)).normalize_or(warp::frame(normal)[0]);
@@ -230,7 +230,7 @@ impl Lobe {
         if let Kind::Facets(facets) = &self.kind { facets.width_squared() } else { 1.0 }
     }
 
-    /// Makes it at least so wide, of those that Cycles blurs (`bsdf_blur` in bsdf.h): facets and Principled Hair.
+    /// Makes the lobe at least so wide, of those that Cycles blurs (`bsdf_blur` in bsdf.h): facets and Principled Hair.
     pub(super) fn widen(&mut self, alpha: f32) {
         match &mut self.kind {
             Kind::Facets(facets) => facets.widen(alpha, self.wo),

@@ -55,7 +55,7 @@ pub(crate) struct Truth {
     pub(crate) counts: Vec<[u32; 3]>,
     /// The centroid of the light in the picture, pixels, by channel.
     pub(crate) centroids: [DVec2; 3],
-    /// The root of the mean squared distance from it, pixels.
+    /// The root of the mean squared distance from the centroid, pixels.
     pub(crate) spread_px: f64,
 }
 
