@@ -139,7 +139,7 @@ pub enum AttributeKind {
 pub struct Attribute {
     /// The kind of the attribute.
     pub kind: AttributeKind,
-    /// Blender's name of it.
+    /// Name of the attribute in Blender.
     pub name: String,
 }
 

@@ -32,7 +32,7 @@ pub struct Profile {
     pub hole_mm: f64,
     /// True if the surface reflects light.
     pub is_mirror: bool,
-    /// The glass behind it; `None`: air, or a mirror.
+    /// The glass behind the surface; `None`: air, or a mirror.
     pub glass_behind: Option<String>,
 }
 

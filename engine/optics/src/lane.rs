@@ -46,7 +46,7 @@ pub trait Real: Lane<Real = Self, Mask = bool> + PartialOrd + Debug + Default + 
 pub trait LaneKernel<R: Real> {
     /// The result.
     type Output;
-    /// Runs it. `zero` is a lane of zeros, from which others are made; mark the function `#[inline(always)]`.
+    /// Runs the kernel. `zero` is a lane of zeros, from which others are made; mark the function `#[inline(always)]`.
     fn run<L: Lane<Real = R>>(self, zero: L) -> Self::Output;
 }
 

@@ -49,7 +49,7 @@ const DEFENSIVE_SHARE: f64 = 0.005;
 pub struct PupilSample {
     /// The point in lens space, mm.
     pub target: DVec3,
-    /// Density with which it was chosen, per mm² of the reference plane.
+    /// Density with which the sample was chosen, per mm² of the reference plane.
     pub pdf_per_mm2: f64,
 }
 

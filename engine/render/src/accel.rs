@@ -185,7 +185,7 @@ impl Accel {
         Self { level, common, meshes, places, placed, beside, visible, all_visible, bounds, topology, refitted }
     }
 
-    /// Number of its trees that were there before, see [`Self::new_after`].
+    /// Number of the trees that were there before, see [`Self::new_after`].
     pub fn refitted(&self) -> usize {
         self.refitted
     }

@@ -93,7 +93,7 @@ struct Shared {
     motion: Option<Motion>,
     exposure: Option<Exposure>,
     parts: Parts,
-    /// Found by the first thread that asks.
+    /// Limits of light transport, found by the first thread that asks.
     limits: OnceLock<Limits>,
     film: Film,
     /// The tiles that are rendered, in their order, where these have as many samples as others.

@@ -20,7 +20,7 @@ pub(crate) const REGISTERS: usize = 256;
 /// Working memory of programs: make one a thread, and run any program in it.
 pub struct Registers {
     values: [Vec3A; REGISTERS],
-    /// Further results of the last instruction that has some.
+    /// Further results of the last instruction that has any.
     further: [Vec3A; 3],
 }
 
@@ -140,7 +140,7 @@ impl Program {
         })
     }
 
-    /// The suns that its skies show.
+    /// The suns that the program's skies show.
     pub fn suns(&self) -> impl Iterator<Item = SunDisc> + '_ {
         self.skies.iter().filter_map(Sky::sun)
     }

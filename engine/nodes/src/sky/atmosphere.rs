@@ -78,7 +78,7 @@ impl Atmosphere {
         Self { settings, sun, table: table(&settings), disc, horizon_rad }
     }
 
-    /// The sun, if its disc is to be seen.
+    /// The sun; `None` if its disc is not to be seen.
     pub(super) fn sun(&self) -> Option<SunDisc> {
         let AtmosphereSettings { sun_disc, sun_diameter_rad, .. } = self.settings;
         sun_disc.then_some(SunDisc { direction: self.sun, diameter_rad: sun_diameter_rad })

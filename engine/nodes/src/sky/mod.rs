@@ -45,7 +45,7 @@ impl Sky {
         }
     }
 
-    /// The sun that it shows.
+    /// The sun that the sky shows.
     pub(crate) fn sun(&self) -> Option<SunDisc> {
         match self {
             Self::Atmosphere(sky) => sky.sun(),

@@ -13,7 +13,7 @@ const BESIDE: f64 = 1e-4;
 pub struct ChiefRay {
     /// The field's angle.
     pub angle_deg: f64,
-    /// Height at which it hits the film, tangential, mm from the axis, at the main wavelength.
+    /// Height at which the chief ray hits the film, tangential, mm from the axis, at the main wavelength.
     pub height_mm: f64,
     /// Height of the chief ray in a picture without distortion, by the tangent of the angle; `None` from 90 degrees on.
     pub straight_height_mm: Option<f64>,

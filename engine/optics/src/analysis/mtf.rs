@@ -38,7 +38,7 @@ pub enum MtfError {
 pub struct Mtf {
     /// The field's angle.
     pub angle_deg: f64,
-    /// Height of its light on the film, from the middle: tangential, mm.
+    /// Height of the field's light on the film, from the middle: tangential, mm.
     pub height_mm: f64,
     /// The curve of lines that run tangentially: the frequency is sagittal.
     pub sagittal: Curve,

@@ -53,7 +53,7 @@ pub enum PsfError {
 pub struct Psf {
     /// The field's angle.
     pub angle_deg: f64,
-    /// Height of its light on the film, from the middle: tangential, mm.
+    /// Height of the field's light on the film, from the middle: tangential, mm.
     pub height_mm: f64,
     /// The brightest value over that of the same pupil without aberrations, by wavelength.
     pub strehl: Vec<f64>,

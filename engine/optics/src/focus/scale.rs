@@ -33,9 +33,9 @@ pub enum Relation {
 /// The meaning of focus distances.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
 pub struct Focusing {
-    /// The point that they are counted from, and that stays put.
+    /// The point that distances are counted from, and that stays put.
     pub anchor: Anchor,
-    /// The relation by which they move the film.
+    /// The relation by which focus distances move the film.
     pub relation: Relation,
 }
 

@@ -68,7 +68,7 @@ impl Medium {
         self
     }
 
-    /// The gradient of its index; `None`: the index is spatially constant.
+    /// The gradient of the medium's index; `None`: the index is spatially constant.
     pub fn gradient(&self) -> Option<&Gradient> {
         self.gradient.as_deref()
     }
@@ -91,7 +91,7 @@ impl Medium {
         Self { shift, ..self.clone() }
     }
 
-    /// The medium as its formula has it, without what [`Self::with_index_shift`] has added.
+    /// The medium by its formula alone, without what [`Self::with_index_shift`] has added.
     pub fn as_defined(&self) -> Self {
         Self { shift: 0.0, ..self.clone() }
     }

@@ -17,7 +17,7 @@ use crate::surface::Conic;
 /// A quantity of a surface that may change.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub enum Quantity {
-    /// The thickness behind it, mm.
+    /// The thickness behind the surface, mm.
     Gap,
     /// The radius of curvature, mm; 0 is a plane. Between positions it is the curvature that changes evenly.
     Radius,

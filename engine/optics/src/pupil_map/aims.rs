@@ -16,7 +16,7 @@ struct Slice {
     edge: [f32; 2],
     /// Share of the area in the sectors before it.
     start: f32,
-    /// One over its own share.
+    /// Reciprocal of the slice's own share.
     inverse_share: f32,
     /// Squared, where it begins on the way to its outer edge; and what there is from there to the edge.
     begin: f32,
@@ -76,7 +76,7 @@ impl Slices {
 pub struct PupilSamples<const N: usize> {
     /// x and y in lens space, mm.
     pub target: [[f32; N]; 2],
-    /// Densities with which they were chosen, per mm² of the reference plane.
+    /// Densities with which the samples were chosen, per mm² of the reference plane.
     pub pdf_per_mm2: [f32; N],
 }
 

@@ -25,7 +25,7 @@ pub(super) struct Outline {
 }
 
 impl Outline {
-    /// Grows until it holds `other`.
+    /// Grows the outline until it holds `other`.
     pub(super) fn join(&mut self, other: &Self) {
         for i in 0..ANGLES {
             self.outer[i] = self.outer[i].max(other.outer[i]);

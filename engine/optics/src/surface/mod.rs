@@ -241,7 +241,7 @@ impl Shape {
         }
     }
 
-    /// True if all its numbers are finite.
+    /// True if all numbers of the shape are finite.
     pub fn is_finite(&self) -> bool {
         let across = if let Self::Toroid(toroid) = self { toroid.across } else { 0.0 };
         across.is_finite() && self.profile().is_finite()

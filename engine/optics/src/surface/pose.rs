@@ -17,17 +17,17 @@ pub struct Pose<R = f64> {
 }
 
 impl Pose {
-    /// Stands where it should.
+    /// The pose of a surface that stands where it should.
     pub fn identity() -> Self {
         Self::new(DVec3::ZERO, DMat3::IDENTITY)
     }
 
-    /// Moved by `moved` mm and turned by `turn`, a rotation.
+    /// The pose of a surface moved by `moved` mm and turned by `turn`, a rotation.
     pub fn new(moved: DVec3, turn: DMat3) -> Self {
         Self { axes: [turn.x_axis, turn.y_axis, turn.z_axis].map(Vector::from_f64), moved: Vector::from_f64(moved) }
     }
 
-    /// Moved across the axis by `decenter_mm` (x, y), then turned about its vertex by `tilt_rad`: right-handed about
+    /// The pose of a surface moved across the axis by `decenter_mm` (x, y), then turned about its vertex by `tilt_rad`: right-handed about
     /// x, then about its own y, then about its own z.
     pub fn misaligned(decenter_mm: [f64; 2], tilt_rad: [f64; 3]) -> Self {
         let [x, y, z] = tilt_rad;
@@ -64,7 +64,7 @@ impl Pose {
         Self { moved: self.moved * factor, ..*self }
     }
 
-    /// True if all its numbers are finite.
+    /// True if all numbers of the pose are finite.
     pub fn is_finite(&self) -> bool {
         self.moved.of(0).is_finite() && self.turn().is_finite()
     }

@@ -122,7 +122,7 @@ impl<R: Real> Bundle<R> {
         self.numbers.iter_mut().for_each(|column| column.resize(room, R::ZERO));
     }
 
-    /// Marks it as traced, which is to be done once.
+    /// Marks the bundle as traced, which is to be done once.
     pub(super) fn begin(&mut self) {
         assert!(!self.is_traced, "a bundle is traced once; clear it and fill it again");
         self.is_traced = true;
@@ -319,7 +319,7 @@ impl<R: Real> LaneKernel<R> for Trace<'_, R> {
 pub(super) struct Losses<'a> {
     /// Fates of the rays of a block.
     pub(super) fates: &'a mut [Fate],
-    /// The surface that they are at.
+    /// The surface that the rays are at.
     pub(super) surface: usize,
 }
 

@@ -165,7 +165,7 @@ pub struct Wanderer<'a> {
     tracer: &'a Tracer,
     p: Vector<f64>,
     d: Vector<f64>,
-    /// The surface that it comes to; `None` once it is out on the film's side.
+    /// The surface that the ray comes to; `None` once the ray is out on the film's side.
     next: Option<usize>,
     towards_film: bool,
 }
@@ -173,7 +173,7 @@ pub struct Wanderer<'a> {
 /// The next event of a wanderer.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub enum Encounter {
-    /// A surface that it may go on through or turn round at, by [`Wanderer::go`].
+    /// A surface that the ray may go on through or turn round at, by [`Wanderer::go`].
     Surface(Incidence),
     /// The end of the path: it has left the lens towards the film.
     Film(Ray),

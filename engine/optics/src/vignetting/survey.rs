@@ -39,7 +39,7 @@ struct Node {
     at: DVec2,
     /// The point at which it hits the stop.
     stop: DVec2,
-    /// Distance by which it goes outside of the worst rim, in its radii; not above 0: it passes.
+    /// Distance by which the ray goes outside of the worst rim, in its radii; not above 0: it passes.
     excess: f64,
 }
 

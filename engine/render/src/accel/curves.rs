@@ -58,7 +58,7 @@ struct Segment {
     /// Number of the segment in the curves.
     number: u32,
     cut: Cut,
-    /// The range of its pieces.
+    /// The range of the segment's pieces.
     part: Range<u16>,
 }
 
@@ -286,7 +286,7 @@ pub(crate) fn radius_scale(instance: &Instance) -> f32 {
 }
 
 impl Segment {
-    /// Gives both of its hits to `pass`.
+    /// Gives both hits of the segment to `pass`.
     #[inline(always)]
     fn pass_hits(
         &self,

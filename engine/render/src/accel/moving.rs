@@ -45,7 +45,7 @@ struct Item {
     /// The instance that stands for its first moment.
     instance: u32,
     shift: u32,
-    /// The first of its stands.
+    /// Number of the first stand of the instance.
     stand: u32,
 }
 

@@ -31,7 +31,7 @@ impl PlacedMesh {
         Self { to_object: instance.to_object, mesh: instance.mesh, instance: i }
     }
 
-    /// The ray in its object space; `None` where that has no extent along it.
+    /// The ray in the instance's object space; `None` where that has no extent along it.
     #[inline(always)]
     pub(super) fn enter(&self, ray: &Ray) -> Option<Within> {
         let origin = self.to_object.transform_point3a(ray.origin);

@@ -184,7 +184,7 @@ struct Sight {
     mount: Mount,
     system: System,
     map: PupilMap,
-    /// The size of its film as a multiple of the picture's; places are those of the picture.
+    /// The size of the film as a multiple of the picture's; places are those of the picture.
     beyond: f64,
     pupil: DVec3,
     distance_mm: f64,

@@ -182,7 +182,7 @@ impl RealLens {
 pub struct Led {
     /// The ray, render space.
     pub ray: Ray,
-    /// The contributions of its radiance to pixels.
+    /// The contributions of the ray's radiance to pixels.
     pub splats: Splats,
     /// The number of the set.
     pub set: usize,

@@ -15,7 +15,7 @@ use petzval_optics::trace::{Traced, Tracer};
 /// The precision that is asked for.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
 pub enum Precision {
-    /// Single where its error is below [`TOLERANCE_PX`].
+    /// Single where the error of single precision is below [`TOLERANCE_PX`].
     #[default]
     Auto,
     /// f32.

@@ -76,7 +76,7 @@ pub(super) struct Line {
 pub(super) struct Lead {
     /// The ray in front of the lens, lens space.
     pub(super) out: LensRay,
-    /// The density of its choice, for each mm² sr of projected solid angle at the film point.
+    /// The density of the choice of the ray, for each mm² sr of projected solid angle at the film point.
     pub(super) density: f64,
     /// The part of the light that the lens lets through along it.
     pub(super) part: f32,

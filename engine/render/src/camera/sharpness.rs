@@ -16,7 +16,7 @@ use petzval_optics::trace::{Ray, Tracer};
 
 /// Rays of a film point.
 const RAYS: u32 = 192;
-/// Rays of its neighbours, for the scale of the picture.
+/// Rays of a place's neighbours, for the scale of the picture.
 const NEIGHBOUR_RAYS: u32 = 48;
 /// Distance of the neighbours, parts of the picture's diagonal.
 const BESIDE: f64 = 1e-3;

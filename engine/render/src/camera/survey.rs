@@ -167,7 +167,7 @@ impl Survey {
         &self.mount.info
     }
 
-    /// Counts of its surfaces, for the cost of tracing.
+    /// Counts of the lens's surfaces, for the cost of tracing.
     pub fn shape(&self) -> LensShape {
         let surfaces = self.system.surfaces();
         let aspheres = surfaces.iter().filter(|surface| !matches!(surface.shape, Shape::Conic(_))).count();

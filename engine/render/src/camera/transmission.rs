@@ -24,7 +24,7 @@ use wide::f32x8;
 /// Rays by which the polynomial is found, and others by which it is judged.
 const RAYS: usize = 420;
 const JUDGES: usize = 120;
-/// Wavelengths at which it is fitted, at most.
+/// Wavelengths at which the transmission is fitted, at most.
 const NODES: usize = 7;
 /// A quarter of the rays start at the edge of the picture, and rays reach so far beyond it.
 const BEYOND: f32 = 1.04;

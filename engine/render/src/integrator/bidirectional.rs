@@ -43,9 +43,9 @@ pub struct CameraEnd<'a> {
 
 /// The lens and film that light paths are connected to.
 pub struct FilmEnd<'a> {
-    /// The lens that they aim at.
+    /// The lens that light paths aim at.
     pub lens: &'a RealLens,
-    /// The picture behind it.
+    /// The picture behind the lens.
     pub raster: &'a Raster,
     /// The clip planes of the camera; `None` if it has none.
     pub clip: Option<Clip>,

@@ -54,7 +54,7 @@ pub struct Stage {
     pub plain_tables: Vec<Option<Arc<PrincipledTables>>>,
     /// Warnings on parts of the scene that were left out.
     pub warnings: Vec<String>,
-    /// Wall time that it took, s.
+    /// Wall time that the preparation took, s.
     pub build_seconds: f64,
 }
 

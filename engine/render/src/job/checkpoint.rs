@@ -23,11 +23,11 @@ use std::time::{Duration, Instant};
 const MAGIC: &[u8; 16] = b"Petzval film   2";
 /// The part of [`MAGIC`] that all layouts share.
 const MAGIC_STEM: &[u8] = b"Petzval film";
-/// A header has a version and a fingerprint.
+/// Length of the longest header, bytes; it has a version and a fingerprint.
 const LONGEST_HEADER: u32 = 1 << 16;
 /// The bytes after the body: its length and its checksum.
 const TAIL_BYTES: u64 = 12;
-/// Besides the fingerprint, the engine and whether products and sums are rounded together decide the bits of a picture.
+/// Version of the engine, and true if products and sums are rounded together: besides the fingerprint, these decide the bits of a picture.
 const MADE_BY: (&str, bool) = (env!("CARGO_PKG_VERSION"), cfg!(target_feature = "fma"));
 
 /// The file in which a render is kept, and the interval.

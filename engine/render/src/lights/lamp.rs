@@ -103,7 +103,7 @@ impl PreparedLamp {
         self.reaches.all_of(way.finds())
     }
 
-    /// The objects that it lights, and those that throw shadows in its light.
+    /// The objects that the lamp lights, and those that throw shadows in its light.
     pub(super) fn sets(&self) -> Sets {
         self.sets
     }
@@ -118,7 +118,7 @@ impl PreparedLamp {
         luminance(self.color.abs()) * self.graph.as_ref().map_or(1.0, |graph| graph.brightness())
     }
 
-    /// The factor of its nodes on its light that arrives at `from` along a ray towards it.
+    /// The factor of the lamp's nodes on its light that arrives at `from` along a ray towards it.
     pub(super) fn shine(&self, scene: &Scene, from: Vec3A, wi: Vec3A, distance: f32, way: Way) -> Rgb {
         let Some(graph) = &self.graph else { return Rgb::ONE };
         let is_sun = matches!(self.kind, LampKind::Sun { .. });

@@ -12,7 +12,7 @@ pub struct Receiver {
     pub position: Vec3A,
     /// The normal of a surface that light from behind does not matter to; `None` takes light from all sides.
     pub normal: Option<Vec3A>,
-    /// The number of its light tree.
+    /// The number of the place's light tree.
     pub(super) tree: u32,
     /// The light that each part under the tree's root may send to the place.
     pub(super) weights: [f32; WIDTH],

@@ -31,7 +31,7 @@ pub struct LightSample {
 /// The departure of light from a surface.
 #[derive(Clone, Copy, Debug)]
 pub struct Leaving {
-    /// The cosine to its normal, positive.
+    /// The cosine to the emitter's normal, positive.
     pub cos: f32,
     /// Bound of the rounding error of the surface's position, Blender units.
     pub error: f32,

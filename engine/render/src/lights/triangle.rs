@@ -82,7 +82,7 @@ impl LitTriangle {
         }
     }
 
-    /// The objects that it lights, and those that throw shadows in its light.
+    /// The objects that the triangle lights, and those that throw shadows in its light.
     pub(super) fn sets(&self) -> Sets {
         self.sets
     }

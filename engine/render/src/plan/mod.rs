@@ -106,7 +106,7 @@ impl Effect {
         Self::ALL.into_iter().find(|effect| effect.name() == name)
     }
 
-    /// The unit of its measure.
+    /// The unit of the effect's measure.
     pub fn unit(self) -> Unit {
         match self {
             Self::Vignetting | Self::Transmission => Unit::Stops,
@@ -317,7 +317,7 @@ pub struct Plan {
     pub camera_ns: f64,
     /// Number of reflections of ghosts at most.
     pub ghost_reflections: Reflections,
-    /// Wall time that it took, s.
+    /// Wall time that the plan took, s.
     pub seconds: f64,
 }
 

@@ -8,7 +8,7 @@ use crate::scene::Scene;
 use crate::scene::motion::Moving;
 use glam::DVec3;
 
-/// Moments at which it is asked where the camera is.
+/// Moments at which the place of the camera is looked up.
 const LOOKS: u32 = 16;
 
 /// The motion before the lens or of the camera.

@@ -175,9 +175,9 @@ pub enum Closure<C, N> {
         radius: C,
         /// Factor of `radius`, Blender units.
         scale: N,
-        /// Index of refraction where it enters.
+        /// Index of refraction where the light enters.
         ior: N,
-        /// Perceptual roughness where it enters.
+        /// Perceptual roughness where the light enters.
         roughness: N,
         /// Anisotropy of the scattering: backwards at -1, forwards at 1.
         anisotropy: N,
@@ -234,7 +234,7 @@ pub struct PrincipledHair<C, N> {
     pub coat: N,
     /// Index of refraction.
     pub ior: N,
-    /// Radians by which its scales are tilted.
+    /// Radians by which the fibre's scales are tilted.
     pub offset: N,
     /// Variation of melanin from strand to strand.
     pub random_color: N,

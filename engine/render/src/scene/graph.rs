@@ -137,7 +137,7 @@ pub struct GraphLayer {
 }
 
 impl GraphLayer {
-    /// The sources of its weight, its inputs and its directions.
+    /// The sources of the layer's weight, inputs and directions.
     fn sources(&self) -> Vec<Source> {
         let (mut colors, mut numbers) = (Vec::new(), Vec::new());
         self.closure.map(|color| colors.push(*color), |number| numbers.push(*number));

@@ -75,7 +75,7 @@ impl Instance {
         if self.occlusion_distance == 0.0 { of_others } else { self.occlusion_distance }
     }
 
-    /// Puts it elsewhere: `to_world` takes object space to world space, `origin` is render space's.
+    /// Puts the instance elsewhere: `to_world` takes object space to world space, `origin` is render space's.
     pub(super) fn stand(&mut self, to_world: &DAffine3, origin: DVec3) {
         let moved = DAffine3::from_translation(-origin) * *to_world;
         let single = |map: DAffine3| Affine3A::from_mat4(DMat4::from(map).as_mat4());

@@ -29,7 +29,7 @@ pub enum LampKind {
     },
     /// A disk infinitely far along the lamp's +z.
     Sun {
-        /// Half of its angular diameter.
+        /// Half of the sun's angular diameter.
         half_angle_rad: f32,
     },
     /// A flat shape in the lamp's xy plane that emits along -z.
@@ -56,11 +56,11 @@ pub struct Lamp {
     pub graph: Option<Arc<Graph>>,
     /// The kinds of ray that find it: of those that a surface scatters, the closures that it lights.
     pub reaches: Rays,
-    /// The objects that it lights, and those that throw shadows in its light.
+    /// The objects that the lamp lights, and those that throw shadows in its light.
     pub sets: Sets,
-    /// The number of its light group; 0 is none.
+    /// The number of the lamp's light group; 0 is none.
     pub light_group: u16,
-    /// Scatterings after which it no longer lights anything.
+    /// Scatterings after which the lamp no longer lights anything.
     pub max_bounces: u32,
     /// True if objects shadow the lamp's light.
     pub cast_shadow: bool,

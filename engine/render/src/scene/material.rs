@@ -15,7 +15,7 @@ pub struct Material {
     pub graph: Arc<Graph>,
     /// Pass index for masks.
     pub pass_index: i32,
-    /// The values that its nodes give out beside the surface.
+    /// The values that the material's nodes give out beside the surface.
     pub aovs: Option<Aovs>,
     /// True if the camera sees a hole instead, and all else the surface.
     pub holds_out: bool,
@@ -77,7 +77,7 @@ impl Material {
         self.graph.may_be_transparent()
     }
 
-    /// The volume behind its surface.
+    /// The volume behind the material's surface.
     #[inline]
     pub fn volume(&self) -> Option<&Volume> {
         self.graph.volume.as_ref()

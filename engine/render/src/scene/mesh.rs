@@ -34,7 +34,7 @@ pub struct MeshDescription {
     pub moved_positions: Option<[Vec<Vec3>; 2]>,
     /// The mesh's shapes while the shutter is open; `None` where it keeps its shape.
     pub poses: Option<Poses>,
-    /// Values known in its space, for volumes.
+    /// Values known in the mesh's space, for volumes.
     pub grids: Vec<Grid>,
     /// True if the mesh's volume has the same opacity whatever the object's size.
     pub keeps_opacity: bool,
@@ -61,7 +61,7 @@ pub struct Mesh {
     pub material_slots: Option<Vec<u32>>,
     /// `positions` a frame before and a frame after.
     pub moved_positions: Option<[Vec<Vec3>; 2]>,
-    /// Values known in its space, for volumes.
+    /// Values known in the mesh's space, for volumes.
     pub grids: Vec<Grid>,
     /// True if the mesh's volume has the same opacity whatever the object's size.
     pub keeps_opacity: bool,

@@ -19,7 +19,7 @@ const MOST_BITS: u32 = 12;
 const PER_PIXEL: f64 = 4.0;
 /// Moments of all instances together, beyond which each has fewer.
 const MOST_IN_ALL: usize = 1 << 20;
-/// Times at which it is asked how far an instance moves.
+/// Times at which the distance that an instance moves is looked up.
 const LOOKS: usize = 32;
 
 /// The moment of a part of the time that the shutter is open, 0 to 1.

@@ -8,7 +8,7 @@ use glam::{Affine3A, DAffine3, DMat4, DVec2, DVec3, Vec2, Vec3A};
 pub struct ViewportDescription {
     /// The viewport's axes to the world; it looks along its -z. Scale counts nothing.
     pub matrix: DMat4,
-    /// Focal length over its picture's width and height.
+    /// Focal length over the picture's width and height.
     pub focal: DVec2,
     /// The point of the picture on the camera's axis, from 0 to 1 both ways.
     pub center: DVec2,

@@ -5,13 +5,13 @@
 pub struct Rays(u8);
 
 impl Rays {
-    /// Straight from the camera.
+    /// Rays straight from the camera.
     pub const CAMERA: Self = Self(1);
-    /// Reflected without a peak.
+    /// Rays that a surface reflected without a peak.
     pub const DIFFUSE: Self = Self(2);
-    /// Reflected about a peak, or mirrored.
+    /// Rays that a surface reflected about a peak, or mirrored.
     pub const GLOSSY: Self = Self(4);
-    /// Let through by the last surface that it was scattered at.
+    /// Rays that were let through by the last surface that scattered them.
     pub const TRANSMISSION: Self = Self(8);
     /// Shadow rays.
     pub const SHADOW: Self = Self(16);

@@ -138,7 +138,7 @@ pub struct PrincipledVolume {
 }
 
 impl PrincipledVolume {
-    /// The grids that it asks for.
+    /// The grids that the volume asks for.
     pub fn grids(&self) -> [&str; 3] {
         [&self.color_grid, &self.density_grid, &self.temperature_grid]
     }

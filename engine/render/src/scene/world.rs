@@ -20,7 +20,7 @@ pub struct World {
     pub rotation: Mat3A,
     /// The kinds of ray that see it.
     pub visible: Rays,
-    /// The number of its light group; 0 is none.
+    /// The number of the world's light group; 0 is none.
     pub light_group: u16,
     /// The world as the camera sees it, where nodes compute it; the rest is then what surfaces see.
     pub graph: Option<Arc<Graph>>,

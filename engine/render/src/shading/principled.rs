@@ -207,7 +207,7 @@ impl Bsdf {
         });
     }
 
-    /// Multiplies all that it scatters.
+    /// Multiplies all that the BSDF scatters.
     #[inline]
     pub fn scale(&mut self, factor: f32) {
         if factor == 1.0 {

@@ -23,7 +23,7 @@ use table::Table;
 
 /// Pupils whose breadths, over their areas, differ by less than this part from that of the middle are taken for the same.
 const ALIKE: f64 = 0.1;
-/// Directions in which they are compared.
+/// Directions in which the pupils are compared.
 const COMPARED: usize = 16;
 /// Places of the kernels of a picture whose pupil changes, fractions of its width or height.
 const PLACES: [f32; 3] = [-0.5, 0.0, 0.5];

@@ -47,7 +47,7 @@ pub enum LobeKind {
     Diffuse,
     /// Lobes of reflection about a peak.
     Glossy,
-    /// Let through and bent, or scattered about a peak.
+    /// Lobes of light that is let through and bent, or scattered about a peak.
     Transmission,
 }
 

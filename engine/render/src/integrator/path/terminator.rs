@@ -27,7 +27,7 @@ fn dimmed_by_object(scene: &Scene, point: &SurfacePoint, normal: Vec3A, d: Vec3A
 /// Light that grazes a smooth triangle so that its shadow is asked for from elsewhere.
 #[derive(Clone, Copy)]
 pub(super) struct Grazing {
-    /// 1 where it comes from the side of the point's normal.
+    /// 1 where the light comes from the side of the point's normal.
     side: f32,
     /// The part of the way to the curved surface by which the ray's start is moved.
     amount: f32,

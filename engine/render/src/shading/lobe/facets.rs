@@ -168,7 +168,7 @@ impl Facets {
         }
     }
 
-    /// Makes them at least so wide along both axes.
+    /// Makes the facets at least so wide along both axes.
     pub(super) fn widen(&mut self, alpha: f32, wo: Vec3A) {
         self.slopes.alpha = self.slopes.alpha.map(|own| own.max(alpha));
         self.look_from(wo);

@@ -194,7 +194,7 @@ impl AshikhminShirley {
         2.0 / alpha.clamp(1e-4, 1.0).powi(2) - 2.0
     }
 
-    /// Makes it at least so wide along both axes.
+    /// Makes the lobe at least so wide along both axes.
     pub(super) fn widen(&mut self, alpha: f32) {
         self.exponents = self.exponents.map(|own| own.min(Self::exponent_of(alpha)));
     }

@@ -49,7 +49,7 @@ pub(super) struct Local {
 pub(super) struct Lobe {
     /// Weight of the lobe.
     pub(super) weight: Rgb,
-    /// Probability of its choice, up to a factor; of all lobes together 1 in the end.
+    /// Probability of the lobe's choice, up to a factor; of all lobes together 1 in the end.
     pub(super) chance: f32,
     frame: [Vec3A; 3],
     /// The view, in the frame.
@@ -304,7 +304,7 @@ impl Lobe {
         }
     }
 
-    /// A direction of its own; what is mirrored or refracted is chosen by `u_choice`.
+    /// A direction that the lobe samples; what is mirrored or refracted is chosen by `u_choice`.
     pub(super) fn sample(&self, u_choice: f32, u: [f32; 2]) -> Option<Local> {
         let (wo, broad) = (self.wo, |wi| Some(Local { wi, transmitted: false, single: None }));
         match &self.kind {

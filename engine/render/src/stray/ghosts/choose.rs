@@ -12,15 +12,15 @@ use rayon::prelude::*;
 /// A ghost of a source.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub(super) struct Candidate {
-    /// The number of its source.
+    /// The number of the ghost's source.
     pub(super) source: usize,
-    /// The number of its path.
+    /// The number of the ghost's path.
     pub(super) path: usize,
     /// Luminance in the picture, evenly over its bounds.
     pub(super) value: f32,
     /// Corners of the ghost's bounds, pixels from the picture's lower left corner.
     pub(super) bounds: [DVec2; 2],
-    /// Distance between its images at the ends of the spectrum, pixels.
+    /// Distance between the ghost's images at the ends of the spectrum, pixels.
     pub(super) spread_px: f64,
     /// Distance between the images of the source's edge and of its middle, pixels.
     pub(super) blur_px: f64,

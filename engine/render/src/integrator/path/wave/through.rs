@@ -361,7 +361,7 @@ struct Pivot {
     closest: f32,
     /// Distance of the point from the ray.
     away: f32,
-    /// The angles of its ends.
+    /// The angles of the ends of the ray.
     angles: [f32; 2],
 }
 
