@@ -60,11 +60,11 @@ impl Mul for Matrix {
 /// One surface as Gaussian optics sees it.
 #[derive(Clone, Copy, Debug)]
 pub struct Thin {
-    /// Curvature in 1/mm.
+    /// Curvature of the surface, 1/mm.
     pub curvature: f64,
-    /// Signed index before.
+    /// Signed index before the surface.
     pub from: f64,
-    /// Signed index after.
+    /// Signed index after the surface.
     pub to: f64,
     /// The way to the next vertex; behind the last surface as far as the film is published.
     pub onward: Matrix,

@@ -25,7 +25,7 @@ pub enum Behind {
 /// The place of a row in its file, counted from 1. Row and column 0: not from a file.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
 pub struct Place {
-    /// Line.
+    /// Line in the file.
     pub line: usize,
     /// Column, in characters.
     pub column: usize,
@@ -34,7 +34,7 @@ pub struct Place {
 /// One surface of a prescription. Lengths in mm.
 #[derive(Clone, Debug, PartialEq)]
 pub struct SurfaceRow {
-    /// Shape.
+    /// Shape of the surface.
     pub shape: Shape,
     /// The pose of the surface at its place on the axis: decentred and tilted, if at all.
     pub pose: Pose,
@@ -160,7 +160,7 @@ impl PrescriptionError {
 /// and exact tracing shows it.
 #[derive(Clone, Debug, PartialEq)]
 pub struct Prescription {
-    /// Name.
+    /// Name of the lens.
     pub name: String,
     /// The surfaces, scene side first.
     pub surfaces: Vec<SurfaceRow>,

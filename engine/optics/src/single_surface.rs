@@ -12,7 +12,7 @@ use crate::vector::Vector;
 /// A surface between two media, its vertex at the origin. Lengths in mm.
 #[derive(Clone, Debug, PartialEq)]
 pub struct SingleSurface {
-    /// Shape.
+    /// Shape of the surface.
     pub shape: Shape,
     /// sign(N · D) of the crossing that is meant, N towards +z at the vertex: +1 or −1.
     pub side: f64,

@@ -108,7 +108,7 @@ impl Element {
 /// One surface in its place. Lengths in mm.
 #[derive(Clone, Debug, PartialEq)]
 pub struct Surface {
-    /// Shape.
+    /// Shape of the surface.
     pub shape: Shape,
     /// Pose of the surface at its place on the axis.
     pub pose: Pose,

@@ -121,7 +121,7 @@ struct Shared {
 pub struct Job {
     shared: Arc<Shared>,
     threads: Vec<JoinHandle<()>>,
-    /// Writes checkpoints.
+    /// The thread that writes checkpoints, if there is one.
     keeping: Mutex<Option<JoinHandle<()>>>,
 }
 
@@ -263,7 +263,7 @@ impl Job {
         &self.shared.stage
     }
 
-    /// Statistics so far.
+    /// The statistics so far.
     pub fn statistics(&self) -> Statistics {
         let ended = *lock(&self.shared.ended_at);
         let counts = self.shared.film.sample_counts();

@@ -18,9 +18,9 @@ use preetham::Preetham;
 /// A sky for one place of the sun.
 #[derive(Clone, Debug)]
 pub(crate) enum Sky {
-    /// A formula.
+    /// Preetham's formula.
     Preetham(Preetham),
-    /// A formula with fitted numbers.
+    /// Hosek's formula with fitted numbers.
     Hosek(Box<Hosek>),
     /// Light scattered in air, computed.
     Atmosphere(Box<Atmosphere>),

@@ -28,7 +28,7 @@ pub(super) struct DraftRow {
     pub(super) place: Place,
     pub(super) curvature: f64,
     pub(super) conic: f64,
-    /// (power, coefficient).
+    /// Pairs (power, coefficient).
     pub(super) terms: Vec<(u32, f64)>,
     /// The radius in the x-z plane, if it is another; 0 flat.
     pub(super) radius_x_mm: Option<f64>,

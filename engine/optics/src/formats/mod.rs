@@ -30,7 +30,7 @@ const LARGEST_FILE: usize = 8 << 20;
 /// The kinds of lens files.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub enum Kind {
-    /// The engine's own.
+    /// The engine's own `.lens`.
     Lens,
     /// Zemax OpticStudio's `.zmx`.
     Zmx,

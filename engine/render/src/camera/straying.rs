@@ -102,7 +102,7 @@ impl StrayLens {
         ghosts.first().map_or(0.0, |ghost| ghost.irradiance * self.gain / self.brightness)
     }
 
-    /// Columns and rows.
+    /// Width and height of the picture, pixels.
     pub fn size_px(&self) -> DVec2 {
         self.size_px
     }

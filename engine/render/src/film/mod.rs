@@ -35,13 +35,13 @@ pub const SPREAD: u32 = 8;
 /// A part of the picture: lower left corner and size, pixels.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, Serialize, Deserialize)]
 pub struct TileRect {
-    /// Left edge.
+    /// Column of the left edge.
     pub x: u32,
-    /// Lower edge.
+    /// Row of the lower edge.
     pub y: u32,
-    /// Columns.
+    /// Width, pixels.
     pub width: u32,
-    /// Rows.
+    /// Height, pixels.
     pub height: u32,
 }
 
@@ -303,7 +303,7 @@ impl Film {
         (self.exposure, &self.gains)
     }
 
-    /// Columns and rows.
+    /// Width and height of the picture, pixels.
     pub fn size(&self) -> (u32, u32) {
         (self.width, self.height)
     }

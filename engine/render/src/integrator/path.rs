@@ -111,7 +111,7 @@ pub struct KindLimits {
     pub transmission: u32,
     /// Scatterings in volumes.
     pub volume: u32,
-    /// Surfaces passed unbent.
+    /// Surfaces that a path passes unbent.
     pub transparent: u32,
     /// Surfaces that a shadow ray may pass unbent, those of the path before it included.
     pub transparent_shadows: u32,

@@ -71,7 +71,7 @@ impl OwnFile {
     }
 }
 
-/// Keeps a render.
+/// The keeper of a render's checkpoints.
 pub(super) struct Keeper {
     settings: Checkpoints,
     kept: Mutex<Kept>,

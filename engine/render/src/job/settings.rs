@@ -16,9 +16,9 @@ pub const MIN_SAMPLES: u32 = 16;
 /// Settings as they arrive.
 #[derive(Clone, Debug)]
 pub struct Settings {
-    /// Columns.
+    /// Width of the picture, pixels.
     pub width: u32,
-    /// Rows.
+    /// Height of the picture, pixels.
     pub height: u32,
     /// Samples a pixel, at most.
     pub samples: u32,
@@ -96,12 +96,12 @@ impl Default for Settings {
 /// A setting out of range.
 #[derive(Debug, thiserror::Error)]
 pub enum SettingsError {
-    /// The picture's size.
+    /// The picture's size is out of range.
     #[error("resolution {width} x {height}: set each side from 1 to {MOST_PIXELS} pixels")]
     Resolution {
-        /// Columns.
+        /// Width of the picture, pixels.
         width: u32,
-        /// Rows.
+        /// Height of the picture, pixels.
         height: u32,
     },
     /// No samples, or more than can be counted.
@@ -112,16 +112,16 @@ pub enum SettingsError {
         /// Number of the first sample.
         offset: u32,
     },
-    /// The error that is good enough.
+    /// The noise threshold is out of range.
     #[error("noise threshold {0}: set the relative error of a pixel, as 0.01, or zero for as many samples everywhere")]
     Noise(f32),
-    /// A limit on light.
+    /// A limit on light is out of range.
     #[error("light clamped at {0}: set a radiance, or zero for no limit")]
     Clamp(f32),
-    /// The filter of indirect light.
+    /// The filter of glossy light is out of range.
     #[error("glossy light filtered at {0}: set a density of directions, as 1, or zero for none")]
     FilterGlossy(f32),
-    /// Ambient occlusion.
+    /// A number of fast global illumination is out of range.
     #[error("fast GI of distance {distance} and factor {factor}: set numbers of zero or more")]
     FastGi {
         /// Length of the occlusion rays.
@@ -132,7 +132,7 @@ pub enum SettingsError {
     /// No camera is given.
     #[error("no camera: give one")]
     Camera,
-    /// The filter.
+    /// The width of the pixel filter is out of range.
     #[error("filter width {0} pixels: set it above 0, up to 10")]
     Filter(f32),
     /// Light paths end in a real lens alone.
@@ -207,7 +207,7 @@ impl Settings {
         }
     }
 
-    /// Threads to use.
+    /// Number of threads to use.
     pub fn thread_count(&self) -> usize {
         let cores = std::thread::available_parallelism().map_or(1, |n| n.get());
         if self.threads == 0 { cores } else { self.threads.min(1024) }

@@ -40,7 +40,7 @@ pub enum Effect {
     Defocus,
     /// Spherical aberration, coma, astigmatism, field curvature.
     Aberration,
-    /// Straight lines bent.
+    /// Distortion: straight lines are bent.
     Distortion,
     /// Colours of different size.
     LateralColour,

@@ -66,7 +66,7 @@ impl Raster {
         Self { width, height, filter, is_box, columns }
     }
 
-    /// Columns and rows.
+    /// Width and height of the picture, pixels.
     pub fn size(&self) -> (u32, u32) {
         (self.width, self.height)
     }

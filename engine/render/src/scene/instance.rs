@@ -56,7 +56,7 @@ pub struct Instance {
 pub struct ObjectInfo {
     /// Colour in the viewport; with alpha.
     pub color: Vec4,
-    /// Pass index.
+    /// Pass index of the object.
     pub pass_index: i32,
     /// 0 to 1, another for each object and instance.
     pub random: f32,

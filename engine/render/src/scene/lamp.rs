@@ -48,7 +48,7 @@ pub enum LampKind {
 pub struct Lamp {
     /// The Blender object.
     pub object_name: String,
-    /// Shape.
+    /// Shape of the lamp.
     pub kind: LampKind,
     /// Watts by channel; for a sun, watts per square metre.
     pub color: Rgb,

@@ -91,11 +91,11 @@ pub enum SceneError {
     BadImage {
         /// The image's name.
         image: String,
-        /// Values given.
+        /// Number of values that were given.
         pixels: usize,
-        /// Columns.
+        /// Width, pixels.
         width: usize,
-        /// Rows.
+        /// Height, pixels.
         height: usize,
     },
 }

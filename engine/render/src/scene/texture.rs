@@ -79,7 +79,7 @@ impl Texture {
         &self.name
     }
 
-    /// Columns and rows.
+    /// Width and height of the image, pixels.
     pub fn size(&self) -> (usize, usize) {
         (self.width, self.height)
     }

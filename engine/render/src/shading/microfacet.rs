@@ -26,7 +26,7 @@ impl Ggx {
         Self { alpha }
     }
 
-    /// Alpha.
+    /// The width alpha.
     pub fn width(&self) -> f32 {
         self.alpha
     }

@@ -33,7 +33,7 @@ const AT_ONCE: usize = 16;
 /// A report on the simulation of ghosts.
 #[derive(Clone, Debug, Default, PartialEq)]
 pub struct Report {
-    /// Sources looked at.
+    /// Number of sources that were looked at.
     pub sources: usize,
     /// Ghosts of all sources that reach the film.
     pub found: usize,
@@ -149,7 +149,7 @@ fn triangles(lens: &StrayLens, source: &Source, one: &Candidate, paths: &Paths) 
 pub struct Glimpse {
     /// The value that the brightest ghost has in the picture, luminance; 0 where none reaches the film.
     pub brightest: f32,
-    /// Sources looked at.
+    /// Number of sources that were looked at.
     pub sources: usize,
     /// Paths of each that were tried.
     pub paths: usize,

@@ -22,9 +22,9 @@ use std::time::Instant;
 /// A picture as the film has it: linear, rows from below.
 #[derive(Clone, Debug, PartialEq)]
 pub struct Picture {
-    /// Columns.
+    /// Width, pixels.
     pub width: u32,
-    /// Rows.
+    /// Height, pixels.
     pub height: u32,
     /// Light by pixel.
     pub light: Vec<Rgb>,

@@ -61,7 +61,7 @@ pub trait Notes {
     fn found(&self, path: usize) -> &[Rgb];
 }
 
-/// Notes nothing.
+/// Notes of nothing.
 #[derive(Default)]
 pub struct NoNotes;
 
