@@ -43,7 +43,7 @@ fn run(program: &Program) -> Registers {
     registers
 }
 
-/// The colour that the only layer glows with.
+/// The colour that the only layer emits.
 fn colour(program: &Program) -> Vec3A {
     let [layer] = &program.surface[..] else { panic!("one layer, not {:?}", program.surface) };
     program.value(layer.input("Color").expect("a colour"), &run(program))

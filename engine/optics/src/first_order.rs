@@ -1,4 +1,4 @@
-//! Gaussian optics: what a row of surfaces does to rays close to the axis.
+//! Gaussian optics: the effect of a row of surfaces on rays close to the axis.
 //!
 //! A ray is (y, ν) with height y in mm and ν = n u, the reduced slope; light that has hit an odd number of mirrors
 //! travels in a medium of negative index, so that u stays dy/dz (Welford, *Aberrations of Optical Systems*, §3).

@@ -149,7 +149,7 @@ fn wishes(effects: &BTreeMap<String, String>, quality: f64, settings: &Settings)
     Ok(wishes)
 }
 
-/// Name and unit of each effect, in the order of reports, and whether it can be simulated.
+/// Name, unit and tolerance at quality 1 of each effect, in the order of reports, and true if it can be simulated.
 #[pyfunction]
 pub(crate) fn effects_json() -> String {
     let one = |effect: Effect| {

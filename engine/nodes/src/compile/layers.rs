@@ -146,7 +146,7 @@ impl Compiler<'_> {
         walk.layers.push((index, Layer { kind, weight, inputs, options }));
     }
 
-    /// A colour where a shader belongs glows with that colour.
+    /// A colour where a shader belongs emits that colour.
     fn bare_colour(&mut self, link: &Link, weight: Operand, walk: &mut Walk) {
         let Some(colour) = self.linked(link, Kind::Colour, Shift::NONE) else { return };
         let one = self.constant(Vec3A::ONE);

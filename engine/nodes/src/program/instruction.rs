@@ -76,7 +76,7 @@ pub(crate) enum Operation {
     Fresnel,
     LayerFresnel,
     Facing,
-    /// Size, distance to the nearest side; whether the size is in pixels.
+    /// Size, distance to the nearest side; `true`: the size is in pixels.
     Wireframe(bool),
     /// Strength, smooth.
     Falloff(i8),

@@ -126,7 +126,7 @@ impl Program {
         }
     }
 
-    /// The value of an operand that is the same everywhere.
+    /// The value of an operand that is spatially constant.
     pub fn constant(&self, operand: Operand) -> Option<Vec3A> {
         (operand.0 >= FIRST_CONSTANT).then(|| self.constants[usize::from(operand.0 - FIRST_CONSTANT)])
     }

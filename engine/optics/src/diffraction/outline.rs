@@ -134,7 +134,7 @@ struct Lattice {
     is_open: Vec<bool>,
 }
 
-/// A side of the lattice's cells: its lower or left point, and whether it goes up.
+/// A side of the lattice's cells: its lower or left point, and true if it goes up.
 type Side = (usize, bool);
 
 impl Lattice {

@@ -180,7 +180,7 @@ struct Reader<'a> {
     rows: Vec<SurfaceRow>,
     /// Index, line and column of the stop.
     stop: Option<(usize, usize)>,
-    /// The place at which the first row says whether it is the stop.
+    /// The place at which the first row says if it is the stop.
     first_flag: Place,
     metadata: Metadata,
 }

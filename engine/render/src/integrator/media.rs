@@ -1,6 +1,6 @@
 //! Participating media along rays: the media that a path is in, distances between collisions in them, and transmittance.
 //!
-//! Media that are the same everywhere are crossed by closed forms, a channel chosen for each distance. In the others light
+//! Media that are spatially constant are crossed by closed forms, a channel chosen for each distance. In the others light
 //! hits tentative particles at a rate that bounds their density cell by cell; those that are none do nothing (null
 //! collisions). Bounds come from samples, so that a medium may be denser than its bound: the weights of Galtier et al. 2013
 //! stay right there, negative for once, and [`Media::denser_than_bound`] counts it.

@@ -118,7 +118,7 @@ fn keys(scene: &Scene) -> impl Iterator<Item = Option<(u32, u32, bool, bool)>> {
     scene.materials.iter().map(|material| material.graph.plain.as_ref().map(PrincipledTables::key))
 }
 
-/// The indices of refraction that are the same everywhere on a surface.
+/// The indices of refraction that are constant over a surface.
 fn indices(scene: &Scene) -> Vec<f32> {
     let mut found: Vec<f32> = scene.materials.iter().flat_map(|material| material.graph.indices()).collect();
     found.sort_by(f32::total_cmp);

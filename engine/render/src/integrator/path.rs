@@ -100,7 +100,7 @@ pub struct Limits {
     pub roulette: f32,
 }
 
-/// The most scatterings of each kind, and whether caustics are computed.
+/// The most scatterings of each kind, and the caustics that are computed.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub struct KindLimits {
     /// Reflections without a peak.

@@ -88,7 +88,7 @@ struct Header {
     fingerprint: String,
 }
 
-/// The second part of a file: what is done.
+/// The second part of a file: the state of the render.
 #[derive(Serialize, Deserialize)]
 struct Body {
     seconds: f64,

@@ -1,7 +1,6 @@
 //! Choosing and sampling what emits: lamps, emissive triangles, suns and the world.
 //!
-//! Knows where light leaves from; knows nothing of the surfaces that it arrives at, nor whether anything stands in
-//! between.
+//! Knows the places that light leaves from; nothing of the surfaces that it arrives at, nor of what stands in between.
 
 mod along;
 pub mod bounds;

@@ -28,7 +28,7 @@ const BRIGHTEST: f32 = 1e30;
 pub(super) struct Sky {
     // `None` where the world has one colour: a surface's own scattering samples that better.
     image: Option<Grid2d>,
-    /// Irradiance by the world's image, nearly: what it is chosen by.
+    /// Approximate irradiance by the world's image, by which the world is chosen.
     world: f32,
     suns: Vec<u32>,
     /// The suns again, as they are chosen.

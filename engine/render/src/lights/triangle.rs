@@ -1,4 +1,4 @@
-//! A triangle that emits, placed: what choosing a point of it needs, worked out once.
+//! A placed triangle that emits, with the data for sampling a point of it, worked out once.
 
 use super::bounds::LightBounds;
 use super::{Leaving, LightSample};

@@ -1,4 +1,4 @@
-//! Closures: what a surface does with light, as Blender's shader nodes name it.
+//! Closures: the ways in which a surface scatters or emits light, as Blender's shader nodes name them.
 //!
 //! A closure is generic over how its inputs are given: `C` colours, `N` numbers.
 

@@ -158,7 +158,7 @@ impl GraphLayer {
         Some(Self { closure, ..self.clone() })
     }
 
-    /// This layer with values for the inputs that are the same everywhere.
+    /// This layer with values for the inputs that are spatially constant.
     fn settled(&self, program: &Program) -> Self {
         let settle = |source: &Source| source.settled(program);
         Self {
@@ -323,7 +323,7 @@ impl Graph {
         (Self::assembled(program, layers, pass_index), reports)
     }
 
-    /// A graph of closures with weights, the same everywhere.
+    /// A spatially constant graph of closures with weights.
     pub fn even(closures: impl IntoIterator<Item = (f32, Closure<Rgb, f32>)>) -> Self {
         let color = |color: &Rgb| Source::Always(Vec3A::from(*color));
         let number = |number: &f32| Source::Always(Vec3A::splat(*number));

@@ -1,4 +1,4 @@
-//! Values at the points of a lattice in an object's space: what smoke and clouds are made of.
+//! Values at the points of a lattice in an object's space, of which smoke and clouds are made.
 
 use super::SceneError;
 use glam::{Affine3A, Vec3A, Vec4};

@@ -40,17 +40,17 @@ impl Material {
         Self { name: name.into(), graph, pass_index: 0, aovs: None, holds_out: false, speaks: false, scatters: true }
     }
 
-    /// A material of closures with weights, the same everywhere.
+    /// A spatially constant material of closures with weights.
     pub fn even(name: impl Into<String>, closures: impl IntoIterator<Item = (f32, Closure<Rgb, f32>)>) -> Self {
         Self::new(name, Arc::new(Graph::even(closures)))
     }
 
-    /// A Principled BSDF, the same everywhere.
+    /// A spatially constant Principled BSDF.
     pub fn principled(name: impl Into<String>, principled: Principled<Rgb, f32>) -> Self {
         Self::even(name, [(1.0, Closure::Principled(principled))])
     }
 
-    /// A Lambert surface, the same everywhere, that emits a radiance.
+    /// A spatially constant Lambert surface that emits a radiance.
     pub fn diffuse(name: impl Into<String>, color: Rgb, radiance: Rgb) -> Self {
         let emission = Closure::Emission { color: radiance, strength: 1.0 };
         let diffuse = Closure::Diffuse { color, roughness: 0.0 };

@@ -1,4 +1,4 @@
-//! Kinds of ray: what objects show themselves to, and what lights reach.
+//! Kinds of ray, to which objects are visible and which lights reach.
 
 /// A set of kinds of ray, as Blender's ray visibility has them.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]

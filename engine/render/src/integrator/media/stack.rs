@@ -14,7 +14,7 @@ use glam::Vec3A;
 /// Media that a path may be in at once; further ones are not entered.
 const MOST_MEDIA: usize = 8;
 
-/// A medium: what a material fills an object with.
+/// The medium with which a material fills an object.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, Hash)]
 pub(crate) struct Entry {
     /// Index of the instance.

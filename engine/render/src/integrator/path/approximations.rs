@@ -18,7 +18,7 @@ pub enum FastGi {
     /// No approximation.
     #[default]
     Off,
-    /// The last rays of a path find what glows within `distance`, and where nothing is within it the world, times `factor`.
+    /// The last rays of a path find what emits within `distance`, and where nothing is within it the world, times `factor`.
     Replace {
         /// Number of the bounce with which a path ends; 0 is off. Bounces through a surface do not count, nor does the first that is
         /// glossy.

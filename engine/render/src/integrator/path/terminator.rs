@@ -53,7 +53,7 @@ pub(super) fn grazing(scene: &Scene, point: &SurfacePoint, normal: Vec3A, d: Vec
 }
 
 impl Grazing {
-    /// A ray that asks whether light arrives, from above the triangle.
+    /// The shadow ray of the light, from above the triangle.
     #[cold]
     pub(super) fn ray(self, scene: &Scene, point: &SurfacePoint, light: &LightSample) -> Ray {
         let LightSample { wi: d, distance, .. } = *light;

@@ -55,7 +55,7 @@ fn plain(albedo: f32, emission: f32) -> Material {
     Material::diffuse("plain", Rgb::splat(albedo), Rgb::splat(emission))
 }
 
-/// A closed box that glows with radiance 1 and reflects half: 1 + 1/2 + 1/4 ... = 2, seen from anywhere inside.
+/// A closed box that emits radiance 1 and reflects half: 1 + 1/2 + 1/4 ... = 2, seen from anywhere inside.
 /// Every bounce is found by light samples and by scattering; their weights must add to one.
 #[test]
 fn a_glowing_box_sums_its_series() {
@@ -70,7 +70,7 @@ fn a_glowing_box_sums_its_series() {
     }
 }
 
-/// A small square that glows close to a floor, far from where numbers are fine: it must not shadow its own light.
+/// A small square that emits light close to a floor, far from where numbers are fine: it must not shadow its own light.
 #[test]
 fn what_glows_nearby_lights_fully() {
     let square = |half: f32, z: f32| MeshDescription {
@@ -211,7 +211,7 @@ fn openness_is_what_is_seen_of_the_sky() {
     assert_eq!(openness(&stage, &[]), 0.5);
 }
 
-/// Paths find the same light however soon Russian roulette ends them: a box of albedo 0.8 that glows, where each bounce counts.
+/// Paths find the same light however soon Russian roulette ends them: a box of albedo 0.8 that emits light, where each bounce counts.
 #[test]
 fn paths_that_end_by_chance_find_the_same_light() {
     let stage = stage(plain(0.8, 1.0), Rgb::ZERO, 1.0);

@@ -61,7 +61,7 @@ struct Path {
     throughput: Rgb,
     chosen: Chosen,
     way: Way,
-    /// Distance since the last scattering, over surfaces passed unbent: what densities by area need.
+    /// Distance since the last scattering, over surfaces passed unbent; densities by area need it.
     travelled: f32,
     /// The point where the ray was scattered.
     start: Vec3A,

@@ -188,7 +188,7 @@ impl Chiang {
         (value, pdf)
     }
 
-    /// A direction, and whether it is mirrored. The way is chosen by `u_choice`.
+    /// A sampled direction, and true if it is mirrored. The way is chosen by `u_choice`.
     pub(super) fn sample(&self, u_choice: f32, u: [f32; 2]) -> (Vec3A, bool) {
         let (mut way, mut left) = (0, u_choice);
         while way + 1 < WAYS && left >= self.parts[way].1 {

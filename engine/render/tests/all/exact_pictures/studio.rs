@@ -35,7 +35,7 @@ pub(crate) fn in_three(d: &CameraDescription) -> CameraDescription {
     CameraDescription { wavelength_nm: None, spectrum: Spectrum::Three, ..d.clone() }
 }
 
-/// A square that glows with radiance one, upright before the camera.
+/// A square that emits radiance one, upright before the camera.
 #[derive(Clone, Copy, Debug)]
 pub(crate) struct Lamp {
     /// Camera space, Blender units.
