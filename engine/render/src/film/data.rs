@@ -3,7 +3,7 @@
 //! A pixel sees many places through a lens. Each ray that gets through the lens counts alike, with the first surface that it does not pass;
 //! the pass is their mean. In focus that is the surface; out of focus it is blurred as the picture is, with the same rays, so that a
 //! compositor's masks fit the picture. By hero the ray is that of the wavelength that leads; scene-first, the ray that the pixel started.
-//! Where less than half of the rays hit anything the pixel is background.
+//! If less than half of the rays hit anything, the pixel is background.
 
 use crate::integrator::path::FirstSurface;
 use glam::{Vec3, Vec4};
