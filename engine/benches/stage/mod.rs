@@ -28,12 +28,12 @@ const ROWS: [f32; 5] = [0.8, 2.0, 5.0, 12.0, 30.0];
 pub(crate) struct Dice(u32);
 
 impl Dice {
-    /// From a seed.
+    /// The numbers of a seed.
     pub(crate) fn new(seed: u32) -> Self {
         Self(mix(seed ^ 0x51ed_270b))
     }
 
-    /// The next.
+    /// Returns the next random number, from 0 to below 1.
     pub(crate) fn roll(&mut self) -> f32 {
         self.0 = self.0.wrapping_add(0x9e37_79b9);
         (mix(self.0) >> 8) as f32 / (1u32 << 24) as f32
@@ -177,7 +177,7 @@ pub(crate) fn scene(n: u32) -> Scene {
     builder.build(EYE)
 }
 
-/// The same, ready to be rendered.
+/// The stage of [`scene`]`(n)`, ready to be rendered.
 pub(crate) fn stage(n: u32) -> Stage {
     Stage::new(scene(n))
 }
@@ -187,7 +187,7 @@ pub(crate) fn camera(model: Model, wavelength_nm: Option<f64>, [width, height]: 
     Camera::new(&description(model, wavelength_nm), width, height).unwrap()
 }
 
-/// Of that camera.
+/// The description of the camera at [`EYE`].
 pub(crate) fn description(model: Model, wavelength_nm: Option<f64>) -> CameraDescription {
     let up = Affine3A::from_rotation_x(PI / 2.0);
     let matrix = DMat4::from_translation(EYE) * glam::Mat4::from(up).as_dmat4();

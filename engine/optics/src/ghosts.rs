@@ -1,11 +1,11 @@
 //! Light that is reflected twice inside of a lens.
 //!
-//! Here to first order: how bright the disc is that it makes of a far source. [`packet`] traces it exactly, [`ranking`] says how bright each is, [`brute`] finds all of them without looking.
+//! Here to first order: how bright the disc is that it makes of a far source. [`packet`] traces it exactly, [`ranking`] says how bright
+//! each is, [`brute`] finds all of them without looking.
 //!
-//! What a surface reflects near the axis its coating says. A path that is reflected at surface j
-//! and then at i < j goes through all surfaces up to j, back to i, and on to the film: its matrix says how wide the beam is
-//! there, and at every surface on its way whose rim may narrow it. A parallel beam of radius h that fills a disc of radius r is
-//! h² / r² times as bright there, times both reflectances.
+//! The reflectance of a surface near the axis is that of its coating. A path that is reflected at surface j and then at i < j goes through
+//! all surfaces up to j, back to i, and on to the film: its matrix says how wide the beam is there, and at every surface on its way whose
+//! rim may narrow it. A parallel beam of radius h that fills a disc of radius r is h² / r² times as bright there, times both reflectances.
 
 pub mod beam;
 pub mod brute;
@@ -21,7 +21,7 @@ use crate::system::System;
 /// A path with two reflections.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Ghost {
-    /// The surfaces that reflect, the earlier on the lens first; light meets the later one first.
+    /// The surfaces that reflect, the earlier on the lens first; light hits the later one first.
     pub surfaces: [usize; 2],
     /// The product of both reflectances.
     pub reflectance: f64,
@@ -164,7 +164,7 @@ mod tests {
         }
     }
 
-    /// On the axis the exact disc is that of first order where a lens is stopped down: the twice-reflected light of a triplet, brightest
+    /// The exact disc on the axis of a lens that is stopped down is that of first order: the twice-reflected light of a triplet, brightest
     /// first alike.
     #[test]
     fn discs_are_those_of_the_exact_trace() {

@@ -198,7 +198,7 @@ impl TryFrom<PyCamera> for CameraDescription {
     }
 }
 
-/// What the panel shows and the viewport needs.
+/// Data of the camera for the panel and the viewport.
 #[pyfunction]
 pub(crate) fn camera_info_json(py: Python<'_>, camera: PyCamera, width: u32, height: u32) -> Result<String, Error> {
     let description: CameraDescription = camera.try_into()?;

@@ -9,7 +9,7 @@ use std::sync::Arc;
 /// A graph, and what of it the engine does otherwise than Blender.
 type Compiled = (Arc<Graph>, Vec<String>);
 
-/// By a graph's text, and the pass index and displacement of what shows it.
+/// Compiled graphs by a graph's text, and the pass index and displacement of its material.
 #[derive(Default)]
 pub(crate) struct Graphs {
     known: HashMap<(String, i32, Displacement), Compiled>,

@@ -7,7 +7,7 @@ use petzval_render::scene::curves::{CurveShape, CurvesDescription, StrandValues}
 use pyo3::prelude::*;
 use pyo3::types::PyDict;
 
-/// What `SceneBuilder.add_curves` takes beside keys and strands.
+/// The arguments of `SceneBuilder.add_curves` beside keys and strands.
 pub(crate) struct More<'py> {
     pub(crate) shape: String,
     pub(crate) pieces: u16,

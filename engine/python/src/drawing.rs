@@ -9,7 +9,7 @@ use petzval_optics::paraxial::{Paraxial, Pupil};
 use pyo3::prelude::*;
 use serde_json::json;
 
-/// More rays make no drawing.
+/// Largest number of rays: more make no drawing.
 const MOST_RAYS: usize = 1000;
 
 /// See the stub.

@@ -1,4 +1,4 @@
-//! What a mesh's edges tell of its vertices.
+//! Vertex data from a mesh's edges.
 
 use crate::doorway::away;
 use crate::error::{Error, bad_scene};
@@ -18,7 +18,7 @@ pub(crate) fn random_per_island<'py>(
     Ok(PyArray1::from_vec(py, away(py, || edges::random_per_island(vertices, &edges))?))
 }
 
-/// How pointed a mesh is at each vertex.
+/// Pointiness of a mesh at each vertex.
 #[pyfunction]
 pub(crate) fn pointiness<'py>(
     py: Python<'py>,

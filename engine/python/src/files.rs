@@ -26,7 +26,7 @@ fn os_error(error: &io::Error, file: &Path) -> PyErr {
 #[pyclass]
 pub(crate) struct FileReplacement {
     place: PathBuf,
-    /// Until it is committed or abandoned.
+    /// The replacement, until it is committed or abandoned.
     replacement: Option<Replacement>,
 }
 

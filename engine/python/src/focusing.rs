@@ -39,8 +39,8 @@ pub(crate) fn autofocus_json(
     Ok(text(&found))
 }
 
-/// The same where the caller's own rays find what there is: `distance_to(origin, direction)` gets a world ray of unit
-/// direction and gives the distance to what it meets, or None. The caller's lock is held: a panel asks so, for one point.
+/// Focuses on the hit of a picture point's rays, which the caller traces: `distance_to(origin, direction)` gets a world ray of unit
+/// direction and returns the distance to its hit, or None. It runs with the GIL held: a panel calls it for one point.
 #[pyfunction]
 pub(crate) fn autofocus_by_json(
     camera: PyCamera,
@@ -86,7 +86,7 @@ pub(crate) fn sharp_points_json(
     Ok(text(&found))
 }
 
-/// Where the camera is sharp, over a grid of its picture.
+/// The sharp distances of a camera, over a grid of its picture.
 #[pyfunction]
 #[pyo3(signature = (camera, width, height, columns, rows, confusion_mm = None))]
 pub(crate) fn sharpness_json(

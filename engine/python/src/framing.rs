@@ -12,10 +12,10 @@ use pyo3::prelude::*;
 use serde_json::json;
 use std::path::PathBuf;
 
-/// By wavelength, then pixel.
+/// Maps by wavelength, then pixel.
 type Maps = Vec<Vec<[f32; 4]>>;
 
-/// More pixels are no map that anybody wants.
+/// Largest number of pixels of a map.
 const MOST_PIXELS: u64 = 1 << 28;
 
 /// The settings that frame what Blender's camera frames.
@@ -83,8 +83,8 @@ pub(crate) fn distortion_map<'py>(
     Ok(PyArray1::from_vec(py, values).reshape([height as usize, width as usize, 4])?)
 }
 
-/// The same into an OpenEXR file: the first wavelength's map its picture, the others layers of these names. Gives for each the share
-/// of its pixels that lie in the other picture.
+/// Writes distortion maps to an OpenEXR file: the first wavelength's map as its picture, the others as layers of these names. Returns for
+/// each map the share of its pixels that lie in the other picture.
 #[pyfunction]
 #[expect(clippy::too_many_arguments, reason = "what a map is of")]
 pub(crate) fn write_distortion_map(

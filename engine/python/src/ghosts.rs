@@ -12,7 +12,7 @@ use petzval_optics::paraxial::Paraxial;
 use pyo3::prelude::*;
 use serde_json::json;
 
-/// More take hours.
+/// Largest number of rays: more take hours.
 const MOST_RAYS: usize = 100_000_000;
 /// A disc is told apart from a point where its radius is this part of the film's diagonal.
 const LEAST_PART: f64 = 1e-3;

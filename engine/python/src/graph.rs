@@ -9,7 +9,7 @@ use pyo3::prelude::*;
 use pyo3::types::PyDict;
 use std::collections::BTreeMap;
 
-/// What a graph gives at each point.
+/// The values of a graph at each point.
 #[pyfunction]
 #[pyo3(signature = (graph_json, points, *, images = Vec::new(), world_to_object = None, world_to_camera = None))]
 pub(crate) fn evaluate_graph<'py>(

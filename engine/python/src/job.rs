@@ -140,7 +140,7 @@ impl TryFrom<PySettings> for Settings {
     }
 }
 
-/// How the shutter opens, and where the camera stands meanwhile.
+/// The opening of the shutter, and the camera's places meanwhile.
 #[derive(FromPyObject)]
 pub(crate) struct PyShutter {
     openness: Vec<f32>,
@@ -170,9 +170,9 @@ pub(crate) fn film_bytes_a_pixel(surfaces: bool, vectors: bool, mattes: bool, ha
 #[pyclass(frozen)]
 pub(crate) struct Job {
     job: engine::Job,
-    /// That planning took.
+    /// Seconds that planning took.
     plan_seconds: f64,
-    /// What decides of the light that strays, and the camera before its decisions.
+    /// The plan that decides on stray light, and the camera before its decisions.
     strays: Option<(engine_plan::Plan, CameraDescription)>,
 }
 

@@ -185,7 +185,7 @@ impl Lens {
     }
 }
 
-/// Why there are no Seidel sums; `None`: there are.
+/// The reason why there are no Seidel sums; `None`: there are.
 fn no_seidel(system: &System, p: &Paraxial) -> Option<&'static str> {
     if system.has_gradients() {
         return Some("a medium has a gradient, whose own share is not worked out");
@@ -193,7 +193,7 @@ fn no_seidel(system: &System, p: &Paraxial) -> Option<&'static str> {
     p.entrance_pupil.z_mm.is_none().then_some("the entrance pupil is at infinity")
 }
 
-/// How much wider in radius than a round opening of the diaphragm's own area is the circle that holds it.
+/// Radius of the circle that holds the diaphragm's opening, over that of a round opening of equal area.
 fn rounded(system: &System) -> f64 {
     let diaphragm = system.diaphragm();
     diaphragm.radius_mm() * (PI / diaphragm.area_mm2()).sqrt()

@@ -31,7 +31,7 @@ mod surface;
 
 use pyo3::prelude::*;
 
-/// What this module was compiled for: a level of x86-64 (`petzval/processors.py`), or the kind of processor.
+/// The target of this module's compilation: a level of x86-64 (`petzval/processors.py`), or the kind of processor.
 const PROCESSOR: &str = if cfg!(not(target_arch = "x86_64")) {
     std::env::consts::ARCH
 } else if cfg!(all(target_feature = "avx512f", target_feature = "avx512vl")) {

@@ -16,7 +16,7 @@ use pyo3::prelude::*;
 use serde_json::{Value, json};
 use std::collections::BTreeMap;
 
-/// What is simulated in one picture, and why.
+/// A plan: the effects that are simulated in one picture, and the reasons.
 #[pyclass(frozen)]
 pub(crate) struct Plan {
     pub(crate) plan: plan::Plan,
@@ -86,7 +86,7 @@ impl Plan {
 }
 
 impl Plan {
-    /// Everything that is told of it.
+    /// The report of the plan.
     fn value(&self) -> Value {
         let plan = &self.plan;
         let look = &plan.look;
@@ -149,7 +149,7 @@ fn wishes(effects: &BTreeMap<String, String>, quality: f64, settings: &Settings)
     Ok(wishes)
 }
 
-/// Name and unit of each effect, in the order of reports, and whether it can be simulated.
+/// Name, unit and tolerance at quality 1 of each effect, in the order of reports, and true if it can be simulated.
 #[pyfunction]
 pub(crate) fn effects_json() -> String {
     let one = |effect: Effect| {

@@ -7,7 +7,7 @@ use petzval_render::scene::points::PointsDescription;
 use pyo3::prelude::*;
 use pyo3::types::PyDict;
 
-/// What `SceneBuilder.add_points` takes beside points.
+/// The arguments of `SceneBuilder.add_points` beside points.
 pub(crate) struct More<'py> {
     pub(crate) attributes: Option<Bound<'py, PyDict>>,
     pub(crate) moved_points: Option<[PyReadonlyArray2<'py, f32>; 2]>,

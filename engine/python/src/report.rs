@@ -17,23 +17,23 @@ use petzval_render::camera::t_number;
 use pyo3::prelude::*;
 use serde_json::{Value, json};
 
-/// More make no picture.
+/// Largest number of fields, wavelengths, rays, steps or heights of a report.
 const MOST: usize = 2000;
 const MOST_RAYS_OF_A_SIDE: usize = 500;
 
-/// How a lens is looked at. Read by attribute; `petzval/lens_setting.py` has the dataclass.
+/// The settings of a lens report. Read by attribute; `petzval/lens_setting.py` has the dataclass.
 #[derive(FromPyObject)]
 pub(crate) struct Look {
     /// Angles to the axis; none: the report's own.
     fields_deg: Vec<f64>,
-    /// In vacuum; that nearest the d line is the main one. None: F, d and C.
+    /// Wavelengths in vacuum; that nearest the d line is the main one. None: F, d and C.
     wavelengths_nm: Vec<f64>,
-    /// From right to up.
+    /// Azimuth of the fields, from right to up.
     azimuth_deg: f64,
     focus_distance_mm: Option<f64>,
-    /// The film where the axis is sharpest, instead of where paraxial rays meet.
+    /// True if the film is where the axis is sharpest, instead of where paraxial rays meet.
     best_focus: bool,
-    /// From there.
+    /// Displacement of the film from that place.
     defocus_mm: f64,
 }
 
@@ -52,7 +52,7 @@ impl Look {
         lines[self.main(lines)]
     }
 
-    /// Everything that was asked for, checked.
+    /// The analysis that was asked for, checked.
     fn analysis<'a>(&self, system: &'a System) -> Result<Analysis<'a>, Error> {
         let lines = self.lines();
         lines.iter().try_for_each(|&nm| check_wavelength(nm))?;

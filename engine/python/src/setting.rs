@@ -1,4 +1,4 @@
-//! How a lens is set, as the commands of `petzval lens` say it.
+//! The settings of a lens, as the commands of `petzval lens` give them.
 
 use crate::camera::PyApertureMask;
 use crate::error::{Error, refused};

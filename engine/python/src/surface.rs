@@ -8,7 +8,7 @@ use petzval_optics::surface::{Conic, LAST_POWER, Shape};
 use pyo3::prelude::*;
 use serde_json::{Value, json};
 
-/// A ray and the surface that it is to meet.
+/// A ray and the surface that it is to hit.
 struct Case {
     id: Value,
     surface: SingleSurface,

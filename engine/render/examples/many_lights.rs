@@ -1,9 +1,9 @@
-//! What many emitters cost: `cargo run --release -p petzval-render --example many_lights`.
+//! The cost of many emitters: `cargo run --release -p petzval-render --example many_lights`.
 //!
-//! A floor of 10 x 10 under lamps or emitting triangles that hang at random over it and send as much light all together,
-//! however many they are. Prints the time of a sample, and its noise: relative mean squared error times samples; the least time of
-//! some rounds, place by place, which others on the machine disturb least. Beside many that shine, as many of which ten do: what more things in
-//! the scene cost, whatever shines. A number in the command says how many there are at most.
+//! A floor of 10 x 10 under lamps or emitting triangles that hang at random over it and send as much light all together, however many they
+//! are. Prints the time of a sample, and its noise: relative mean squared error times samples; the least time of some rounds, place by
+//! place, which others on the machine disturb least. Beside many that shine, as many of which ten do: what more things in the scene cost,
+//! whatever shines. A number in the command says how many there are at most.
 
 use glam::{DMat4, DVec3, Vec3, Vec3A};
 use petzval_render::Rgb;
@@ -17,7 +17,7 @@ use petzval_render::scene::material::Material;
 use petzval_render::scene::mesh::MeshDescription;
 use std::time::Instant;
 
-/// Of the floor's places that are looked at, along each side.
+/// Number of the floor's places that are looked at, along each side.
 const SIDE: u32 = 16;
 const SAMPLES: u32 = 128;
 const ROUNDS: u32 = 30;
@@ -37,7 +37,7 @@ fn quad(half: f32) -> MeshDescription {
     }
 }
 
-/// `shining` of `count` things shine.
+/// A room with `count` objects of which `shining` emit.
 fn room(kind: &str, count: u32, shining: u32) -> Result<Stage, Box<dyn std::error::Error>> {
     let mut builder = SceneBuilder::new();
     let floor = builder.add_mesh(quad(5.0))?;

@@ -38,31 +38,30 @@ use std::time::{Duration, Instant};
 /// The most samples a pixel gets in one pass. More cost less overhead; fewer show a picture and stop sooner.
 const MOST_PER_PASS: u32 = 16;
 
-/// What a render shall find beside the picture and [`Settings::with_data`].
+/// The results of a render beside the picture and [`Settings::with_data`].
 #[derive(Default)]
 pub struct Beside {
-    /// For [`Job::matte`].
+    /// The mattes for [`Job::matte`].
     pub mattes: Vec<MatteLayer>,
     /// Names that a pixel of a matte holds.
     pub matte_levels: u32,
-    /// For [`DataPass::Vector`].
+    /// The motion for [`DataPass::Vector`].
     pub motion: Option<Motion>,
-    /// What of the scene the camera's rays see; `None`: all of it.
+    /// The clip planes of the camera's rays; `None`: none.
     pub clip: Option<Clip>,
-    /// By what each pixel's light is multiplied, rows from below; `None`: by one ([`crate::camera::shade`]).
+    /// Factor of each pixel's light, rows from below; `None`: one ([`crate::camera::shade`]).
     pub gains: Option<Vec<f32>>,
     /// Groups of emitters, from number 1 on, for [`Film::groups`]; bidirectional paths leave them black.
     pub light_groups: u16,
-    /// For [`Job::part`]; black as well.
+    /// The parts for [`Job::part`]; bidirectional paths leave them black.
     pub parts: Parts,
-    /// Where the render is kept while it goes on, and taken up again.
+    /// The file in which the render is kept while it goes on, and from which it is resumed; `None`: none.
     pub checkpoints: Option<Checkpoints>,
-    /// When samples are taken and where the camera is then; `None`: all in the middle of the exposure, but for what the lens
-    /// does meanwhile.
+    /// Times of the samples, and places of the camera; `None`: all in the middle of the exposure, but for changes of the lens.
     pub exposure: Option<Exposure>,
 }
 
-/// What a render did.
+/// Statistics of a render.
 #[derive(Clone, Debug)]
 pub struct Statistics {
     /// Wall time from the start to now or to the end, s.
@@ -75,11 +74,11 @@ pub struct Statistics {
     pub most_samples: u32,
     /// Counts over all threads.
     pub counts: Counts,
-    /// Threads used.
+    /// Number of threads used.
     pub threads: usize,
     /// A thread failed; the picture is what was done until then.
     pub failure: Option<String>,
-    /// What was kept of the render, and had again; `None` where nobody asked.
+    /// Statistics of keeping and resuming the render; `None` if not asked for.
     pub kept: Option<Kept>,
 }
 
@@ -94,14 +93,14 @@ struct Shared {
     motion: Option<Motion>,
     exposure: Option<Exposure>,
     parts: Parts,
-    /// Found by the first thread that asks.
+    /// Limits of light transport, found by the first thread that asks.
     limits: OnceLock<Limits>,
     film: Film,
     /// The tiles that are rendered, in their order, where these have as many samples as others.
     tiles: Vec<usize>,
     /// First sample and count of each pass.
     passes: Vec<(u32, u32)>,
-    /// Instead of them, where pixels get as many samples as they need.
+    /// The decisions by which pixels get as many samples as they need; `None` where all get as many.
     adaptive: Option<Adaptive>,
     next: AtomicUsize,
     stop: AtomicBool,
@@ -122,7 +121,7 @@ struct Shared {
 pub struct Job {
     shared: Arc<Shared>,
     threads: Vec<JoinHandle<()>>,
-    /// Writes checkpoints.
+    /// The thread that writes checkpoints, if there is one.
     keeping: Mutex<Option<JoinHandle<()>>>,
 }
 
@@ -135,8 +134,8 @@ impl Job {
         Self::start_moving(stage, vec![camera], settings)
     }
 
-    /// The same with a camera that changes while the shutter is open: as it is at times that lie evenly over it, each
-    /// the middle of an equal part. Every sample has one of them.
+    /// Starts rendering with a camera that changes while the shutter is open: `cameras` has its states at times that lie evenly over the
+    /// exposure, each the middle of an equal part. Every sample has one of them.
     ///
     /// # Errors
     /// [`SettingsError`], also if there is no camera.
@@ -144,7 +143,7 @@ impl Job {
         Self::start_with(stage, cameras, settings, Beside::default())
     }
 
-    /// The same with more to be found.
+    /// Starts rendering like [`Self::start_moving`], with more to be found: `beside`.
     ///
     /// # Errors
     /// [`SettingsError`].
@@ -175,7 +174,7 @@ impl Job {
         self.shared.keeper.as_ref().and_then(Keeper::own_file)
     }
 
-    /// Waits until the render has ended or `timeout` is over; true where it has ended.
+    /// Waits until the render has ended or `timeout` is over; true if it has ended.
     pub fn wait(&self, timeout: Duration) -> bool {
         let running = lock(&self.shared.running);
         let (running, _) =
@@ -264,7 +263,7 @@ impl Job {
         &self.shared.stage
     }
 
-    /// What was done so far.
+    /// The statistics so far.
     pub fn statistics(&self) -> Statistics {
         let ended = *lock(&self.shared.ended_at);
         let counts = self.shared.film.sample_counts();
@@ -295,7 +294,7 @@ impl Drop for Job {
 }
 
 impl Shared {
-    /// Before the first thread.
+    /// The state before the first thread.
     fn new(stage: Arc<Stage>, cameras: Vec<Camera>, settings: Settings, beside: Beside) -> Result<Self, SettingsError> {
         settings.check()?;
         let first = cameras.first().ok_or(SettingsError::Camera)?;
@@ -352,7 +351,7 @@ impl Shared {
         Ok(shared)
     }
 
-    /// One thread's life.
+    /// The work of one thread.
     fn work(&self) {
         if let Err(panic) = catch_unwind(AssertUnwindSafe(|| self.render())) {
             let text = panic
@@ -371,7 +370,7 @@ impl Shared {
         self.ended.notify_all();
     }
 
-    /// With what rays that lie evenly over the picture tell of it.
+    /// The limits, with statistics from rays that lie evenly over the picture.
     fn find_limits(&self) -> Limits {
         let unless_zero = |most: f32| if most > 0.0 { most } else { f32::INFINITY };
         const SIDE: u32 = 16;
@@ -401,7 +400,7 @@ impl Shared {
         Limits { roulette: path::roulette(&self.stage, &limits, &rays), ..limits }
     }
 
-    /// What is the same for every sample.
+    /// The data that all samples share.
     fn shot(&self) -> Shot<'_> {
         let s = &self.settings;
         if self.pipeline == Pipeline::SceneFirst {

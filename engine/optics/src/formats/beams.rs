@@ -1,5 +1,5 @@
-//! How far out the beams of a lens reach on its surfaces, by exact rays in the y-z plane that only the stop limits: what design
-//! programs open surfaces for that have no rim of their own.
+//! Extents of the beams of a lens on its surfaces, by exact rays in the y-z plane that only the stop limits: design programs open surfaces
+//! without a rim of their own by these.
 
 use glam::DVec3;
 
@@ -12,7 +12,7 @@ use super::draft::DraftRow;
 
 /// Rays of one beam. Heights are good to about one in a hundred of the beam.
 const RAYS: usize = 200;
-/// How much wider than at first order a beam may be before the lens, in radii.
+/// Half width of the fan of rays before the lens, in half widths of the beam at first order.
 const REACH: f64 = 3.0;
 
 /// Rays from one point of the field.
@@ -22,7 +22,7 @@ pub(super) struct Sheaf {
     pub(super) origin: Option<[f64; 2]>,
     /// Slope of the chief ray, at first order.
     pub(super) slope: f64,
-    /// Where it meets the first vertex plane, and the beam's half width there.
+    /// The height at which the chief ray hits the first vertex plane, and the beam's half width there.
     pub(super) middle: f64,
     pub(super) half_width: f64,
     /// Parts of the stop's radius that are left below and above.

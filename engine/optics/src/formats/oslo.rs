@@ -42,7 +42,7 @@ struct Reader<'a> {
     /// The number of the surface that is read; 0 is the object.
     number: usize,
     wavelengths_um: Vec<f64>,
-    /// By how much the power rises from `AS1` to `AS2`.
+    /// The step of the power from `AS1` to `AS2`.
     asphere_step: Option<u32>,
     /// The last surface's distance is to be where the image is at first order.
     to_focus: Option<Place>,

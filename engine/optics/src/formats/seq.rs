@@ -108,7 +108,7 @@ struct Reader<'a> {
     /// The surface that commands are about: `None` before any, 0 the object.
     current: Option<usize>,
     has_film: bool,
-    /// From the film's place to where it is meant to be.
+    /// Distance from the film's place to where it is meant to be.
     defocus_mm: f64,
     wavelengths_nm: Vec<f64>,
     reference: usize,
@@ -444,7 +444,7 @@ fn fictitious(name: &str) -> Option<(f64, f64)> {
     (abbe > 0.0).then_some((round(nd), abbe))
 }
 
-/// Without what adding 1 left beyond the digits that were written.
+/// The index without the digits that adding 1 left beyond those that were written.
 fn round(nd: f64) -> f64 {
     format!("{nd:.10}").parse().unwrap_or(nd)
 }

@@ -12,7 +12,7 @@ use super::text::{Token, finite, not_a_number, tokens};
 /// pbrt's: radius, thickness, index behind the surface and diameter, mm, object side first; radius 0 is the stop, and 0 the index
 /// there. (Pharr, Jakob and Humphreys, *Physically Based Rendering*, third edition, §6.4.1.)
 ///
-/// So pbrt cannot write a flat glass surface. Here a row of radius 0 is the stop where nothing is refracted: the medium is the same
+/// A flat glass surface cannot be written by pbrt. Here a row of radius 0 is the stop where nothing is refracted: the medium is the same
 /// before and behind. Further ones are fixed stops; where the medium changes, the surface is taken for a flat one. Both are said. If the
 /// medium changes at every one of them, the first is the stop, on its glass.
 pub fn parse_pbrt(text: &str, file: &str, catalogue: &Catalogue) -> Result<Reading, LensFileError> {

@@ -12,15 +12,15 @@ use crate::trace::{Encounter, Ray, Tracer};
 
 /// A ray that is reflected so often is given up: of glass without coatings less than 1e-8 of the light is left.
 const MOST_TURNS: usize = 8;
-/// Of rays that have less than this part of their power left only some go on, with so much.
+/// Russian roulette: of rays that have less than this part of their power left only some go on, with that power.
 const LEAST_POWER: f64 = 1e-6;
 
 /// Light that arrives at the film, by how often it was reflected.
 #[derive(Clone, Debug, Default, PartialEq)]
 pub struct Arrived {
-    /// For irradiance one in the middle of the beam's disc, mm², by the number of reflections.
+    /// Light for irradiance one in the middle of the beam's disc, mm², by the number of reflections.
     pub light_mm2: [f64; MOST_TURNS + 1],
-    /// Standard errors of the same.
+    /// Standard errors of [`Self::light_mm2`].
     pub error_mm2: [f64; MOST_TURNS + 1],
 }
 

@@ -122,18 +122,18 @@ impl<R: Real> Bundle<R> {
         self.numbers.iter_mut().for_each(|column| column.resize(room, R::ZERO));
     }
 
-    /// Marks it as traced, which is to be done once.
+    /// Marks the bundle as traced, which is to be done once.
     pub(super) fn begin(&mut self) {
         assert!(!self.is_traced, "a bundle is traced once; clear it and fill it again");
         self.is_traced = true;
     }
 
-    /// Which way its rays go.
+    /// The direction in which the bundle's rays go.
     pub(super) fn travel(&self) -> Travel {
         self.way.travel
     }
 
-    /// What became of ray `i`: as [`Tracer::from_scene`] and [`Tracer::from_film`] say it.
+    /// The result of ray `i`: that of [`Tracer::from_scene`] and [`Tracer::from_film`].
     #[inline]
     pub fn result(&self, i: usize) -> Result<Ray, Lost> {
         debug_assert!(self.is_traced, "trace the bundle first");
@@ -171,7 +171,7 @@ impl<R: Real> Bundle<R> {
         through
     }
 
-    /// What became of the [`LINES`] rays from `first` on.
+    /// The results of the [`LINES`] rays from `first` on.
     #[inline]
     pub(super) fn leaving(&self, first: usize) -> Leaving<'_, R> {
         debug_assert!(self.is_traced, "trace the bundle first");
@@ -196,7 +196,7 @@ impl<R: Real> Bundle<R> {
         self.fates[i].is_through()
     }
 
-    /// How many rays got through.
+    /// Number of rays that got through.
     pub fn passed(&self) -> usize {
         self.fates.iter().filter(|fate| fate.is_through()).count()
     }
@@ -209,7 +209,7 @@ fn group<R>(column: &[R], first: usize) -> &[R; LINES] {
 
 /// A lens's interfaces at several lines, and which of them the rays of a bundle have.
 pub(super) struct Lines<'a, R> {
-    /// By step: ratios, then excesses, by line; beside a gradient the indices before and behind.
+    /// Ratios, then excesses, by step and line; beside a gradient the indices before and behind.
     pub(super) tables: &'a [[Box<[R]>; 2]],
     /// The first line of each group of rays; the others of a group have those that follow.
     pub(super) first: &'a [u32],
@@ -315,11 +315,11 @@ impl<R: Real> LaneKernel<R> for Trace<'_, R> {
     }
 }
 
-/// Where lost rays are noted.
+/// The list in which lost rays are noted.
 pub(super) struct Losses<'a> {
-    /// Of the rays of a block.
+    /// Fates of the rays of a block.
     pub(super) fates: &'a mut [Fate],
-    /// The surface that they are at.
+    /// The surface that the rays are at.
     pub(super) surface: usize,
 }
 
@@ -387,8 +387,8 @@ impl<R: Real> Block<'_, R> {
         }
     }
 
-    /// [`Self::step`] for [`Step::plain`] surfaces. This one and the next two are functions of their own: the kernels share them, and the
-    /// time of the compiler grows faster than a function does.
+    /// [`Self::step`] for [`Step::plain`] surfaces. It, [`Self::pass_any`] and [`Self::pass_beside_gradient`] are functions of their own:
+    /// the kernels share them, and the time of the compiler grows faster than a function does.
     #[inline(never)]
     fn pass_plain<L: Lane<Real = R>, const IS_FAR: bool>(
         &mut self,

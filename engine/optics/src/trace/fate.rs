@@ -1,8 +1,8 @@
-//! What became of a ray, in four bytes: many at a time are soon looked through.
+//! The fate of a ray, in four bytes: many are searched quickly.
 
 use super::{Failure, Lost};
 
-/// Why a ray was lost, by number from 1.
+/// The reasons of losses, by number from 1.
 const REASONS: [Failure; 7] = [
     Failure::Missed,
     Failure::WrongSheet,
@@ -13,12 +13,12 @@ const REASONS: [Failure; 7] = [
     Failure::NotConverged,
 ];
 
-/// Through, or lost somewhere.
+/// The fate of a ray: through, or lost somewhere.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub(super) struct Fate(u32);
 
 impl Fate {
-    /// Not lost so far.
+    /// The fate of a ray that is not lost so far.
     pub(super) const THROUGH: Self = Self(0);
 
     #[inline]
@@ -26,7 +26,7 @@ impl Fate {
         self == Self::THROUGH
     }
 
-    /// Why and where the ray was lost.
+    /// The reason and the surface of the ray's loss.
     #[inline]
     pub(super) fn lost(self) -> Option<Lost> {
         let reason = REASONS[((self.0 & 7) as usize).checked_sub(1)?];

@@ -18,7 +18,7 @@ use super::step::Step;
 /// Steps are as short as it takes for the place at the other end to change by less than this when they are halved, in
 /// lengths of the way: 1e-10 mm in an eye's lens.
 const TOLERANCE: f64 = 3e-11;
-/// How many steps are tried for a way along the axis.
+/// Numbers of steps that are tried for a way along the axis.
 const STEPS: [u32; 17] = [2, 3, 4, 6, 8, 12, 16, 24, 32, 48, 64, 96, 128, 192, 256, 384, 512];
 /// A ray that needs so many times the steps of the axis does not arrive.
 const LONGEST: u32 = 4;
@@ -44,11 +44,11 @@ struct Field<R> {
     /// The vertex of the surface that the medium follows, and how that surface stands there.
     vertex_z: R,
     pose: Option<Pose<R>>,
-    /// From there to where z is 0.
+    /// Distance from that vertex to where z is 0.
     from: R,
 }
 
-/// How long the steps are, in t, and how many are made at most.
+/// The length of the steps, in t, and the largest number of them.
 #[derive(Clone, Copy, Debug)]
 struct March<R> {
     step: R,
@@ -183,8 +183,8 @@ impl<R: Real> Gradients<R> {
         Some((whole + way(&here, t)) / vertex)
     }
 
-    /// Where one ray from `p` along `d` begins each of its steps, the last, shorter one to the surface of `step` included; none where the
-    /// medium before is no gradient.
+    /// The points at which one ray from `p` along `d` begins each of its steps, the last, shorter one to the surface of `step` included;
+    /// none where the medium before is no gradient.
     fn stations(&self, step: &Step<R>, p: Vector<R>, d: Vector<R>) -> Vec<Flight<R>> {
         let Some((field, march)) = &self.before else { return Vec::new() };
         let base = self.indices[0];
@@ -208,7 +208,7 @@ impl<R: Real> Gradients<R> {
     }
 
     /// Carries rays from `p` along `d`, in the coordinates of the vertex of `step`, to where they need only go straight on
-    /// to meet its surface, by some roundings; and which of them come so far.
+    /// to hit its surface, by some roundings; and which of them come so far.
     #[inline(always)]
     pub(super) fn carry<L: Lane<Real = R>>(
         &self,

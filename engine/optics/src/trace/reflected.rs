@@ -15,23 +15,23 @@ use super::{Lost, Ray, Tracer, Travel, Way, bent};
 /// A surface as a path comes to it.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub struct Meeting {
-    /// Its index, counted from the scene.
+    /// Index of the surface, counted from the scene.
     pub surface: usize,
-    /// The ray comes from the scene's side of the lens.
+    /// True if the ray comes from the scene's side of the lens.
     pub towards_film: bool,
-    /// The path turns round here; otherwise the surface does what it is made for.
+    /// True if the path turns round here; otherwise the surface does what it is made for.
     pub turns: bool,
 }
 
-/// What happened at a surface on a path.
+/// The incidence of a path on a surface.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Incidence {
-    /// Which, and on what way.
+    /// The surface, and the direction of travel.
     pub meeting: Meeting,
-    /// Of the angle to the normal, 0 to 1.
+    /// Cosine of the angle to the normal, 0 to 1.
     pub cos: f64,
-    /// From the surface before, mm along the ray; the first from where the ray was nearest to the first vertex. In a gradient it is
-    /// that of the straight line.
+    /// Distance from the surface before, mm along the ray; the first from where the ray was nearest to the first vertex. In a gradient it
+    /// is that of the straight line.
     pub length_mm: f64,
 }
 
@@ -43,7 +43,7 @@ pub struct ReflectedTracer {
 }
 
 impl Tracer {
-    /// The path from the scene to the film that turns round at these surfaces one after the other: the first is met on the way to the
+    /// The path from the scene to the film that turns round at these surfaces one after the other: the first is hit on the way to the
     /// film, the next on the way back, nearer to the scene, and so on. Rims and diaphragm are asked each time the path
     /// comes by. `None` if the turns are an odd number or not in that order.
     pub fn reflected(&self, turns: &[usize]) -> Option<ReflectedTracer> {
@@ -68,7 +68,7 @@ impl Tracer {
         Some(ReflectedTracer { tracer, meetings: meetings.into() })
     }
 
-    /// What a ray sees of a surface there.
+    /// The step of a ray at the surface of a meeting, and the gradients of the direction of travel.
     fn step_at(&self, meeting: Meeting) -> (Step, Option<&super::Gradients<f64>>) {
         let (way, i) = match meeting.towards_film {
             true => (&self.from_scene, meeting.surface),
@@ -107,13 +107,13 @@ fn meetings(count: usize, turns: &[usize]) -> Option<Vec<Meeting>> {
 }
 
 impl ReflectedTracer {
-    /// For bundles, and for the ray that leaves the last surface: only [`Travel::FromScene`] is the path, and a loss names the
-    /// number of a meeting instead of a surface.
+    /// The tracer of the path, for bundles, and for the ray that leaves the last surface: only [`Travel::FromScene`] is the path, and a
+    /// loss names the number of a meeting instead of a surface.
     pub fn tracer(&self) -> &Tracer {
         &self.tracer
     }
 
-    /// The surfaces that the path meets, in the order of travel.
+    /// The surfaces that the path hits, in the order of travel.
     pub fn meetings(&self) -> &[Meeting] {
         &self.meetings
     }
@@ -147,12 +147,12 @@ fn pass(
     }
 }
 
-/// Of the angle of incidence.
+/// Cosine of the angle of incidence.
 fn cosine(passage: &Passage<f64>) -> f64 {
     (passage.crossing.cosine_squared / passage.crossing.normal_squared).sqrt().min(1.0)
 }
 
-/// From where a ray was, seen from the vertex before, to where it met the surface.
+/// Distance from the ray's place, seen from the vertex before, to its hit on the surface.
 fn length_mm(step: &Step, p: Vector<f64>, passage: &Passage<f64>) -> f64 {
     let before: DVec3 = Vector { z: p.z + step.to_here, ..p }.of(0);
     let met: DVec3 = passage.point.of(0);
@@ -165,26 +165,26 @@ pub struct Wanderer<'a> {
     tracer: &'a Tracer,
     p: Vector<f64>,
     d: Vector<f64>,
-    /// The surface that it comes to; `None` once it is out on the film's side.
+    /// The surface that the ray comes to; `None` once the ray is out on the film's side.
     next: Option<usize>,
     towards_film: bool,
 }
 
-/// What a wanderer comes to.
+/// The next event of a wanderer.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub enum Encounter {
-    /// A surface that it may go on through or turn round at, by [`Wanderer::go`].
+    /// A surface that the ray may go on through or turn round at, by [`Wanderer::go`].
     Surface(Incidence),
-    /// Nothing more: it has left the lens towards the film.
+    /// The end of the path: it has left the lens towards the film.
     Film(Ray),
-    /// Nothing more: it has left the lens towards the scene.
+    /// The end of the path: it has left the lens towards the scene.
     Scene,
     /// A rim, or no surface at all.
     Lost(Lost),
 }
 
 impl Wanderer<'_> {
-    /// What the ray comes to next.
+    /// The next event of the ray.
     pub fn encounter(&self) -> Encounter {
         let Some(surface) = self.next else { return Encounter::Scene };
         if surface >= self.tracer.surface_count() {
@@ -325,7 +325,7 @@ mod tests {
                         let meeting = Meeting { turns, ..incidence.meeting };
                         own.push(Incidence { meeting, ..incidence });
                         if let Err(reason) = wanderer.go(turns) {
-                            // It met the surface, and the path as a whole did not say so.
+                            // It hit the surface, and the path as a whole did not say so.
                             own.pop();
                             break Err(Lost { surface: meeting.surface, reason });
                         }

@@ -1,7 +1,6 @@
 //! Many rays at a time, each at a wavelength of its own.
 //!
-//! What a path found along a ray holds for every wavelength: a group of neighbouring lines, one in each lane, says where
-//! each of them leaves the lens.
+//! A path along a ray holds for every wavelength: a group of neighbouring lines, one in each lane, says where each of them leaves the lens.
 
 use std::sync::Arc;
 
@@ -17,7 +16,7 @@ use crate::lane::{Lane, LaneKernel, Level, Real};
 /// Lines in a group: a multiple of the numbers in the widest register of f64.
 pub const LINES: usize = 8;
 
-/// By step: ratios and excesses of the interfaces, by line; beside a gradient the indices before and behind without it.
+/// Ratios and excesses of the interfaces, by step and line; beside a gradient the indices before and behind without it.
 type Tables<R> = Arc<[[Box<[R]>; 2]]>;
 
 /// A lens at several wavelengths: its lines, in the order in which they were given.
@@ -47,7 +46,7 @@ pub struct Leaving<'a, R> {
 }
 
 impl<R> Leaving<'_, R> {
-    /// A bit for each that got through, the first the lowest. What the numbers of the others mean, nobody knows.
+    /// A bit for each that got through, the first the lowest. The numbers of the others are undefined.
     #[inline]
     pub fn through(&self) -> u32 {
         self.fates.iter().enumerate().fold(0, |bits, (i, fate)| bits | u32::from(fate.is_through()) << i)
@@ -55,7 +54,7 @@ impl<R> Leaving<'_, R> {
 }
 
 impl SpectralTracer {
-    /// Of the tracers of one lens: at least one.
+    /// The tracer of one lens at several lines: at least one.
     pub fn new(lines: &[&Tracer]) -> Self {
         Self {
             from_scene: along(&lines.iter().map(|line| &line.from_scene).collect::<Vec<_>>()),
@@ -65,7 +64,7 @@ impl SpectralTracer {
         }
     }
 
-    /// The same lens traced in numbers of another kind.
+    /// This lens traced in numbers of another kind.
     pub fn cast<R: Real>(&self) -> SpectralTracer<R> {
         let number = |numbers: &[f64]| -> Box<[R]> { numbers.iter().map(|&n| R::from_f64(n)).collect() };
         let along = |(way, tables): &(Way<f64>, Tables<f64>)| {
@@ -81,7 +80,7 @@ impl SpectralTracer {
         }
     }
 
-    /// As [`Tracer::from_scene`] at each of the [`LINES`] lines from `first` on, to the last bit.
+    /// [`Tracer::from_scene`] at each of the [`LINES`] lines from `first` on, to the last bit.
     // Not inline: its code for all instructions would be made in every program.
     pub fn from_scene(&self, ray: Ray, first: usize) -> [Result<Ray, Lost>; LINES] {
         f64::run_wide(Level::new(), Packet { tracer: self, ray, first })
@@ -177,7 +176,7 @@ impl<R: Real> SpectralBundle<R> {
         self.first.extend(lines.map(|line| line as u32));
     }
 
-    /// What became of the group that was added as number `i`, of [`LINES`] rays.
+    /// The results of the group that was added as number `i`, of [`LINES`] rays.
     #[inline]
     pub fn leaving(&self, i: usize) -> Leaving<'_, R> {
         assert!(self.group == LINES, "rays of one line are read one by one");
@@ -194,7 +193,7 @@ impl<R: Real> SpectralBundle<R> {
         self.rays.results(first, rays)
     }
 
-    /// What became of ray `i`.
+    /// The result of ray `i`.
     #[inline]
     pub fn result(&self, i: usize) -> Result<Ray, Lost> {
         self.rays.result(i)
@@ -241,7 +240,7 @@ mod tests {
         })
     }
 
-    /// Rays to all places of the glass that they meet first, some beyond the rims.
+    /// Rays to all places of the glass that they hit first, some beyond the rims.
     fn rays(system: &System, travel: Travel) -> Vec<Ray> {
         let surfaces = system.surfaces();
         let (semi, z, start) = match travel {

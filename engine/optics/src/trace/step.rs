@@ -9,12 +9,12 @@ use crate::vector::Vector;
 
 use super::gradient::Gradients;
 
-/// What a surface does to the direction.
+/// The change of a ray's direction at a surface.
 #[derive(Clone, Copy, Debug)]
 pub enum Action<R> {
     /// Refraction between two media.
     Refract(Interface<R>),
-    /// The same medium on both sides.
+    /// No change of direction: the medium is the same on both sides.
     Pass,
     /// Reflection.
     Reflect,
@@ -25,9 +25,9 @@ pub enum Action<R> {
 pub struct Step<R = f64> {
     /// The shape of the surface.
     pub shape: Shape<R>,
-    /// `None`: the surface stands on the axis, upright.
+    /// Pose of the surface; `None` if it stands on the axis, upright.
     pub pose: Option<Pose<R>>,
-    /// Added to z when the ray leaves the surface before: from its vertex to this one.
+    /// The number added to z when the ray leaves the surface before: from its vertex to this one.
     pub to_here: R,
     /// sign(N · D) of the crossing that is meant.
     pub side: R,
@@ -89,7 +89,7 @@ impl<R: Real> Step<R> {
         }
     }
 
-    /// Where rays from `p` along `d`, seen from the vertex on the axis, meet the surface, in its own coordinates.
+    /// The hits of rays from `p` along `d`, seen from the vertex on the axis, on the surface, in its own coordinates.
     #[inline(always)]
     pub(super) fn meet<L: Lane<Real = R>>(&self, p: Vector<L>, d: Vector<L>) -> Crossing<L> {
         let (p, d) = self.own(p, d);
@@ -128,8 +128,8 @@ impl<R: Real> Step<R> {
         self.act(d, crossing, diaphragm, interfaces)
     }
 
-    /// As [`Self::pass`] where `gradients` are beside the surface; `numbers` are then the indices before and behind it without
-    /// what the gradients add.
+    /// [`Self::pass`] with `gradients` beside the surface; `numbers` are then the indices before and behind it without what the gradients
+    /// add.
     #[inline(always)]
     pub(super) fn pass_gradients<L: Lane<Real = R>>(
         &self,
@@ -152,7 +152,7 @@ impl<R: Real> Step<R> {
         self.act(self.own(p, d).1, crossing, diaphragm, Some(interface))
     }
 
-    /// What the surface does to rays that have come to it along `d`, in its own coordinates.
+    /// The passage of rays that have come to the surface along `d`, in its own coordinates.
     #[inline(always)]
     fn act<L: Lane<Real = R>>(
         &self,
@@ -197,9 +197,9 @@ impl<R: Real> Step<R> {
     }
 }
 
-/// What became of rays at a surface, one in each lane. Where they did not pass, the other numbers mean nothing.
+/// The passage of rays at a surface, one in each lane. The other numbers of rays that did not pass are undefined.
 pub(super) struct Passage<L: Lane> {
-    /// In the surface's own coordinates.
+    /// The hits, in the surface's own coordinates.
     pub(super) crossing: Crossing<L>,
     is_inside: L::Mask,
     is_unobstructed: L::Mask,
@@ -216,7 +216,7 @@ impl<L: Lane> Passage<L> {
         self.crossing.met & self.is_inside & self.is_unobstructed & self.is_open & self.is_transmitted
     }
 
-    /// What became of the rays, as bits.
+    /// The fates of the rays, as bits.
     #[inline(always)]
     pub(super) fn fates(&self) -> Fates {
         Fates {
@@ -231,7 +231,7 @@ impl<L: Lane> Passage<L> {
     }
 }
 
-/// What became of rays at a surface: a bit for each, in the order of the lanes.
+/// The fates of rays at a surface: a bit for each, in the order of the lanes.
 pub(super) struct Fates {
     passed: u64,
     met: u64,
@@ -243,7 +243,7 @@ pub(super) struct Fates {
 }
 
 impl Fates {
-    /// Why ray `i` did not pass; `None` if it did.
+    /// The reason why ray `i` did not pass; `None` if it did.
     pub(super) fn failure(&self, i: usize) -> Option<Failure> {
         let is = |bits: u64| bits >> i & 1 != 0;
         if is(self.passed) {

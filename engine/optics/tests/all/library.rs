@@ -126,7 +126,7 @@ impl Setting {
         Self { what, system, focus, tracer }
     }
 
-    /// At infinity and near, of a zoom at every position of its table.
+    /// The settings of a lens: at infinity and near, of a zoom at every position of its table.
     fn all(shipped: &Shipped) -> Vec<Self> {
         let (name, lens) = (&shipped.name, &shipped.lens);
         let zooms = lens.moving.as_ref().map_or(Vec::new(), |moving| {
@@ -176,7 +176,7 @@ impl Setting {
         }
     }
 
-    /// How far from the axis the light of a field comes to the film, by exact rays in the meridian; `None`: none comes.
+    /// Distance from the axis of the light of a field on the film, by exact rays in the meridian; `None`: none comes.
     fn height_mm(&self, angle_deg: f64) -> Option<f64> {
         let drawing = Drawing::new(&self.system, &self.focus, line_nm::D, &[angle_deg], 9);
         let ends: Vec<f64> = drawing.fields[0].rays.iter().map(|ray| ray.last().unwrap()[1].abs()).collect();

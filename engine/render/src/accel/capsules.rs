@@ -1,7 +1,7 @@
-//! Bounding capsules of curve segments, eight at a time: a ray must meet one before the keys of its segment are read.
+//! Bounding capsules of curve segments, eight at a time: a ray must hit one before the keys of its segment are read.
 //!
-//! A box along the axes is mostly empty where a strand runs across them, and eight such boxes overlap; a capsule about the chord
-//! fits a strand whichever way it runs. Oriented boxes serve the same purpose in the BVH of Woop, Benthin, Wald, Johnson and Tabellion (2014,
+//! A box along the axes is mostly empty where a strand runs across them, and eight such boxes overlap; a capsule about the chord fits a
+//! strand whichever way it runs. Oriented boxes serve the same purpose in the BVH of Woop, Benthin, Wald, Johnson and Tabellion (2014,
 //! "Exploiting Local Orientation Similarity for Efficient Ray Traversal of Hair and Fur"); here the leaves alone are oriented.
 
 use super::bounds::Bounds;
@@ -27,9 +27,9 @@ pub(super) struct Capsules {
 
 /// The capsules of a leaf that a ray hits.
 pub(super) struct Candidates {
-    /// Lanes, as bits.
+    /// The lanes that are hit, as bits.
     pub(super) lanes: u32,
-    /// Distances before which the lanes' segments are not met.
+    /// Distances before which the lanes' segments are not hit.
     pub(super) near: [f32; LANES],
 }
 
@@ -39,8 +39,8 @@ impl Capsules {
         Self { ends: [[[0.0; LANES]; 3]; 2], radius: [f32::NAN; LANES], first }
     }
 
-    /// Puts a capsule into a lane, around all that is between each two neighbours of some balls. Its axis has the direction of the line from
-    /// the first to the last, and lies beside that line where the balls do.
+    /// Puts a capsule into a lane, around all that is between each two neighbours of some balls. Its axis has the direction of the line
+    /// from the first to the last, and lies beside that line where the balls do.
     pub(super) fn set(&mut self, lane: usize, balls: &[Vec4]) {
         /// Steps towards the axis of the thinnest capsule: the first is the last one of a plain bend, an S takes some.
         const STEPS: usize = 6;
@@ -48,8 +48,8 @@ impl Capsules {
         let direction = (end - start).normalize_or_zero();
         let from = |ball: &Vec4| Vec3A::from_vec4(*ball) - start;
         let aside = |ball: &Vec4| from(ball).reject_from_normalized(direction);
-        // How far balls reach is a convex function of where they are and of their radii: the largest value is at one of them. The centre of the
-        // smallest ball around others is found by going towards the farthest, ever less far (Badoiu and Clarkson 2003, "Smaller
+        // How far balls reach is a convex function of where they are and of their radii: the largest value is at one of them. The centre of
+        // the smallest ball around others is found by going towards the farthest, ever less far (Badoiu and Clarkson 2003, "Smaller
         // Core-Sets for Balls").
         let (mut shift, mut best, mut thinnest) = (Vec3A::ZERO, Vec3A::ZERO, f32::INFINITY);
         for step in 0..=STEPS {
@@ -78,7 +78,7 @@ impl Capsules {
         self.radius[lane] = thinnest * (1.0 + ROUNDING) + rounding;
     }
 
-    /// The capsules that a ray meets before `t_max`, or may meet.
+    /// The capsules that a ray hits before `t_max`, or may hit.
     #[inline(always)]
     pub(super) fn meet<S: Simd>(&self, simd: S, gaze: &Gaze, t_max: f32) -> Option<Candidates> {
         let [ax, ay, az] = self.seen(simd, gaze, 0);

@@ -8,7 +8,7 @@ use super::real_lens::{Lead, RealLens};
 use crate::sampler::raster::Raster;
 use petzval_optics::trace::{LINES, SpectralBundle, Travel};
 
-/// The way out in the numbers that were chosen for it.
+/// The way out of the lens, in the numbers that were chosen for it.
 pub(super) enum Out {
     Single(Outward<f32>),
     Double(Outward<f64>),
@@ -37,7 +37,7 @@ macro_rules! on_the_way_out {
 }
 
 impl RealLens {
-    /// For batches of this lens.
+    /// Memory for batches of this lens.
     pub fn batch(&self) -> LensBatch {
         let out = match &self.out {
             Out::Single(out) => OutBatch::Single(out.batch()),
@@ -87,7 +87,7 @@ impl RealLens {
         }));
     }
 
-    /// What becomes of one request at the wavelength that it chooses.
+    /// The ray of one request at the wavelength that it chooses.
     pub(super) fn lead(&self, request: &Request) -> Option<Lead> {
         let mut batch = self.batch();
         on_the_way_out!(self, &mut batch.out, |out, memory| out.trace(self, std::slice::from_ref(request), memory));
@@ -96,7 +96,7 @@ impl RealLens {
 }
 
 impl LensBatch {
-    /// What became of request `i`.
+    /// The ray of request `i`.
     #[inline]
     fn lead(&self, i: usize) -> Option<Lead> {
         match &self.out {

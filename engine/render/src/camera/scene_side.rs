@@ -9,17 +9,16 @@ use petzval_optics::trace::Ray as LensRay;
 
 /// Part of the samples that is spread over more than the picture, for light that the lens throws into it from beyond.
 const DEFENSIVE_SHARE: f32 = 0.05;
-/// How much more, as a part of each side.
+/// The margin of that area about the picture, as a part of each side.
 const BEYOND: f32 = 0.15;
 
-/// A ray from the scene that is asked for is one of those that are spread over more than the picture: it has nothing to
-/// do with its pixel.
+/// True if the ray from the scene is one of those that are spread over more than the picture: it has nothing to do with its pixel.
 pub fn is_astray(request: &Request) -> bool {
     request.u_beyond < DEFENSIVE_SHARE
 }
 
 impl RealLens {
-    /// What every ray from the scene needs, made ahead, once for all threads.
+    /// Prepares the data that every ray from the scene needs, once for all threads.
     pub fn prepare_for_scene_first(&self) {
         self.focal_surface();
     }

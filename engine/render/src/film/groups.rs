@@ -22,13 +22,13 @@ impl Film {
     }
 }
 
-/// What of samples, with how many they are, is the light of group number `place` + 1; parts come after groups.
+/// The light of group number `place` + 1 in a patch, with the patch's number of samples; parts come after groups.
 pub(super) fn of_group(part: Option<(&Patch, u32)>, place: usize) -> Option<(&Patch, u32)> {
     part.map(|(light, samples)| (&light.groups[place], samples))
 }
 
 impl Patch {
-    /// How many groups' light is kept for itself, and parts.
+    /// Number of groups and parts whose light is kept.
     pub fn group_count(&self) -> usize {
         self.groups.len()
     }

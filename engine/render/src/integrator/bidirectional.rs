@@ -20,10 +20,10 @@ use crate::sampler::{PathSampler, raster::Raster};
 use glam::Affine3A;
 use vertex::Vertex;
 
-/// Which ways of making a path are used.
+/// The techniques by which paths are made.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub enum Techniques {
-    /// All of them.
+    /// All techniques.
     All,
     /// Light that ends in the lens after at least one scattering, and nothing else.
     LightAlone,
@@ -33,25 +33,25 @@ pub enum Techniques {
 pub struct CameraEnd<'a> {
     /// The lens.
     pub lens: &'a RealLens,
-    /// Render space; as long as the camera sees.
+    /// The ray in render space; as long as the camera sees.
     pub ray: Ray,
-    /// Of the ray's choice, per unit of etendue ([`crate::camera::from_scene`]).
+    /// Density of the ray's choice, per unit of etendue ([`crate::camera::from_scene`]).
     pub density: f64,
-    /// From where the lens is in the middle of the exposure to where it is now; `None`: it stands still.
+    /// The transform from the lens's place in the middle of the exposure to its present place; `None`: it stands still.
     pub way: Option<Affine3A>,
 }
 
-/// Where light paths end.
+/// The lens and film that light paths are connected to.
 pub struct FilmEnd<'a> {
-    /// The lens that they aim at.
+    /// The lens that light paths aim at.
     pub lens: &'a RealLens,
-    /// The picture behind it.
+    /// The picture behind the lens.
     pub raster: &'a Raster,
-    /// What of the scene it sees.
+    /// The clip planes of the camera; `None` if it has none.
     pub clip: Option<Clip>,
-    /// What else makes the same paths.
+    /// The techniques that are in use.
     pub techniques: Techniques,
-    /// From where the lens is in the middle of the exposure to where it is now; `None`: it stands still.
+    /// The transform from the lens's place in the middle of the exposure to its present place; `None`: it stands still.
     pub way: Option<Affine3A>,
 }
 
@@ -63,12 +63,12 @@ pub struct LightPath {
 }
 
 impl LightPath {
-    /// Says when the next ones go, as in [`Ray::moment`].
+    /// Sets the moment of the path's rays, as in [`Ray::moment`].
     pub fn set_moment(&mut self, moment: u16) {
         self.moment = moment;
     }
 
-    /// When this one goes.
+    /// The moment of the light path.
     pub fn moment(&self) -> u16 {
         self.moment
     }
@@ -96,7 +96,7 @@ impl LightPath {
     }
 }
 
-/// Nothing that could be seen, or nothing that can be added.
+/// True if the light is zero or not finite, so that there is nothing to add.
 fn is_dark(light: Rgb) -> bool {
     light == Rgb::ZERO || !light.is_finite()
 }

@@ -1,4 +1,4 @@
-//! From a camera ray to the radiance along it.
+//! Integrators: the radiance along camera rays.
 
 pub mod bidirectional;
 pub mod media;
@@ -17,7 +17,7 @@ use std::collections::HashMap;
 use std::sync::Arc;
 use std::time::Instant;
 
-/// How light is looked for.
+/// A light transport algorithm.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
 pub enum Integrator {
     /// [`path`]: from the camera.
@@ -28,7 +28,7 @@ pub enum Integrator {
 }
 
 impl Integrator {
-    /// What it is called in reports and on the command line.
+    /// Name of the integrator in reports and on the command line.
     pub fn name(self) -> &'static str {
         match self {
             Self::Path => "path",
@@ -40,26 +40,26 @@ impl Integrator {
 /// A scene with everything that is worked out once before light is followed through it. Cameras and settings
 /// change without it.
 pub struct Stage {
-    /// What there is.
+    /// The scene.
     pub scene: Scene,
-    /// Its trees.
+    /// The scene's BVHs.
     pub accel: Accel,
-    /// Its emitters.
+    /// The scene's lights.
     pub lights: Lights,
-    /// What leaves them.
+    /// Distributions from which light paths start.
     pub emission: Emission,
-    /// What fills space.
+    /// The participating media.
     pub media: Media,
     /// Tables of the plain surfaces, by material.
     pub plain_tables: Vec<Option<Arc<PrincipledTables>>>,
-    /// What had to be left out.
+    /// Warnings on parts of the scene that were left out.
     pub warnings: Vec<String>,
-    /// Wall time that it took, s.
+    /// Wall time that the preparation took, s.
     pub build_seconds: f64,
 }
 
 impl Stage {
-    /// What surfaces may ask of what is around them.
+    /// The surroundings that shader graphs of surfaces may query.
     pub fn around(&self) -> nodes::Around<'_> {
         nodes::Around { scene: &self.scene, accel: Some(&self.accel) }
     }
@@ -69,7 +69,7 @@ impl Stage {
         Self::after(None, scene)
     }
 
-    /// The same; what is left of the stage of another frame makes it quicker.
+    /// Builds a stage like [`Self::new`]; parts of the stage of another frame that are still valid are reused.
     pub fn after(previous: Option<&Self>, scene: Scene) -> Self {
         Self::with(previous, scene, |scene| match previous {
             Some(previous) => Accel::new_after(&previous.accel, scene),
@@ -77,7 +77,8 @@ impl Stage {
         })
     }
 
-    /// The same for a scene that is edited: what was not is taken from the stage before, at the price of slower rays.
+    /// Builds a stage of a scene that is edited: unedited parts are taken from the stage before, at the price of slower
+    /// rays.
     pub fn edited(previous: Option<&Self>, scene: Scene) -> Self {
         let before = previous.map(|previous| (&previous.accel, &previous.scene));
         Self::with(previous, scene, |scene| Accel::apart(before, scene))
@@ -112,12 +113,12 @@ impl Stage {
     }
 }
 
-/// By material, what its tables are found by, if it is plain.
+/// The keys of the tables of plain surfaces, by material; `None` for other materials.
 fn keys(scene: &Scene) -> impl Iterator<Item = Option<(u32, u32, bool, bool)>> {
     scene.materials.iter().map(|material| material.graph.plain.as_ref().map(PrincipledTables::key))
 }
 
-/// The indices of refraction that are the same everywhere on a surface.
+/// The indices of refraction that are constant over a surface.
 fn indices(scene: &Scene) -> Vec<f32> {
     let mut found: Vec<f32> = scene.materials.iter().flat_map(|material| material.graph.indices()).collect();
     found.sort_by(f32::total_cmp);

@@ -19,7 +19,8 @@ const MOST_PASSED: u32 = 16;
 /// Places that a ray through a disk may find: of more the nearest to its start count.
 const MOST_HITS: usize = 8;
 
-/// Where light that entered at `point` leaves the body, seen from outside, and what is left of it; `None` where it ends within.
+/// The place where light that entered at `point` leaves the body, seen from outside, and the part of the light that is left; `None` where
+/// the light is absorbed within.
 pub(super) fn leave(
     stage: &Stage,
     point: &SurfacePoint,
@@ -88,7 +89,7 @@ fn beside(
     Some((*exit, *light * (sum / light.element_sum())))
 }
 
-/// Where a ray meets the body itself, whatever else stands in it, and how far that is.
+/// A ray's first hit on the body itself, whatever else stands in it, and its distance.
 fn own_surface(stage: &Stage, instance: u32, ray: Ray, rays: &mut u32) -> Option<(SurfacePoint, f32)> {
     let (mut ray, mut passed) = (ray, 0.0);
     for _ in 0..MOST_PASSED {

@@ -1,4 +1,4 @@
-//! What is done to a picture once all its samples are there: the light that strays is found and laid over it.
+//! Development of a picture once all its samples are there: stray light is computed and added.
 
 use super::{Job, Shared, lock};
 use crate::Rgb;
@@ -35,7 +35,7 @@ impl Job {
         self.shared.stop_developing.store(true, Ordering::Relaxed);
     }
 
-    /// What [`Self::develop`] found.
+    /// The stray light that [`Self::develop`] found.
     pub fn strayed(&self) -> Option<Arc<Strayed>> {
         lock(&self.shared.strayed).clone()
     }

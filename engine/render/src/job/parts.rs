@@ -1,4 +1,4 @@
-//! What a render keeps beside its light, as passes: divided by what it is relative to.
+//! Parts of a render's light as passes, each divided by its reference.
 
 use super::Job;
 use crate::integrator::path::parts::Part;
@@ -17,7 +17,7 @@ impl Job {
     }
 }
 
-/// One by the other; what is relative to nothing in a channel is there as in the others, as in Cycles.
+/// The quotient of two colours by channel; what is relative to nothing in a channel is there as in the others, as in Cycles.
 fn over(of: [f32; 3], base: [f32; 3]) -> [f32; 3] {
     let parts: [Option<f32>; 3] = std::array::from_fn(|c| (base[c] != 0.0).then(|| of[c] / base[c]));
     let count = parts.iter().flatten().count().max(1) as f32;

@@ -1,4 +1,4 @@
-//! What shines along a ray, and how likely a light sample would have found it.
+//! Emitters that a ray hits, and the densities with which a light sample would have found them.
 
 use super::receiver::Receiver;
 use super::{Lights, Source};
@@ -10,30 +10,30 @@ use glam::Vec3A;
 /// A stretch of a ray.
 #[derive(Clone, Copy, Debug)]
 pub struct Line {
-    /// Where it begins, render space.
+    /// Origin of the line, render space.
     pub from: Vec3A,
-    /// Unit.
+    /// Direction of the line, unit.
     pub towards: Vec3A,
-    /// Its length, Blender units.
+    /// Length of the line, Blender units.
     pub t_max: f32,
 }
 
-/// Light that a ray meets.
+/// Light that a ray hits.
 #[derive(Clone, Copy, Debug)]
 pub struct Shining {
-    /// Where it comes from.
+    /// The source of the light.
     pub source: Source,
-    /// Along the ray.
+    /// Radiance along the ray.
     pub radiance: Rgb,
     /// The density per steradian with which a light sample would have found it.
     pub pdf: f32,
-    /// How far away, Blender units; infinite for suns and the world.
+    /// Distance of the source, Blender units; infinite for suns and the world.
     pub distance: f32,
 }
 
 impl Lights {
-    /// Tells of each lamp with extent that a ray meets; `to` is where a light sample would have been taken. Lamps do not hide
-    /// what is behind them, as in Cycles.
+    /// Passes `found` each lamp with extent that a ray hits; `to` is where a light sample would have been taken. Lamps do not hide what is
+    /// behind them, as in Cycles.
     #[inline(always)]
     pub fn lamps_along(
         &self,
@@ -60,7 +60,8 @@ impl Lights {
         });
     }
 
-    /// The same of what shines from infinity: the world, and suns with extent.
+    /// Passes `found` each emitter at infinity along a ray: the world, and suns with extent. `to` is where a light sample would have been
+    /// taken.
     pub fn sky_along(
         &self,
         scene: &Scene,

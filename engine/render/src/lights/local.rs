@@ -17,12 +17,12 @@ use std::collections::{HashMap, HashSet};
 use std::f32::consts::PI;
 use std::sync::Arc;
 
-/// One of them.
+/// An emitter at a finite distance.
 #[derive(Clone, Copy, Debug)]
 pub(super) enum Emitter<'a> {
     Triangle(&'a LitTriangle),
     Lamp(u32),
-    /// As it is at the instance's own time, and by the number in [`Scene::moving`].
+    /// A triangle as it is at the instance's own time, and the number of its instance in [`Scene::moving`].
     Moving(&'a LitTriangle, u32),
 }
 
@@ -138,9 +138,9 @@ pub(super) fn emissive_triangles(scene: &Scene, local: &mut Local, bounds: &mut 
     emitter_of
 }
 
-/// Around a triangle that moves: where it is and shines to at any of its moments.
+/// The bounds around a moving triangle: its positions and directions of emission at any of its moments.
 fn swept(scene: &Scene, lit: &LitTriangle, moving: u32) -> LightBounds {
-    /// Moments that are looked at; between them it goes on much as before.
+    /// Most moments that are looked at; between them the motion goes on much as before.
     const MOST_LOOKS: u32 = 64;
     let one = &scene.moving[moving as usize];
     let step = (one.count() / MOST_LOOKS).max(1);
@@ -157,8 +157,7 @@ fn swept(scene: &Scene, lit: &LitTriangle, moving: u32) -> LightBounds {
 
 /// Points at which the emission of a material is evaluated, for its mean.
 const LOOKS: u64 = 64;
-/// Of the brightness that a material has where inputs that vary are white: the least that its mean counts. Emission may be where no look
-/// fell.
+/// Least mean brightness of a material, as a part of that with its varying inputs white. Emission may be where no look fell.
 const LEAST_SHARE: f32 = 0.01;
 
 /// Luminance of the mean emitted radiance, by material, for choosing between lights; 0 only of a material that cannot emit.
@@ -220,7 +219,7 @@ fn look_at(scene: &Scene, material: usize, [instance, triangle]: [u32; 2], look:
     if radiance.is_finite() { radiance } else { Rgb::ZERO }
 }
 
-/// Whether every edge of a mesh is walked once each way by its triangles, corners told apart by position.
+/// True if every edge of a mesh is walked once each way by its triangles, corners told apart by position.
 fn is_closed(mesh: &Mesh) -> bool {
     let mut open: HashSet<([u32; 3], [u32; 3])> = HashSet::new();
     // Plus zero makes -0 and 0 one place.

@@ -1,7 +1,6 @@
 //! Choosing and sampling what emits: lamps, emissive triangles, suns and the world.
 //!
-//! Knows where light leaves from; knows nothing of the surfaces that it arrives at, nor whether anything stands in
-//! between.
+//! Knows the places that light leaves from; nothing of the surfaces that it arrives at, nor of what stands in between.
 
 mod along;
 pub mod bounds;
@@ -41,21 +40,21 @@ pub struct Source(usize);
 /// Every emitter of a scene, ready to be sampled.
 pub struct Lights {
     local: Local,
-    // The choice of local emitters by what they may send to a place. First that over all of them; then one for each way in which objects take part in links.
+    // The choice of local emitters by what they may send to a place. First that over all of them; then one for each way in which objects
+    // take part in links.
     trees: Vec<Option<LightTree>>,
     // By instance, which of these is for it; empty where there are no links.
     tree_of: Vec<u32>,
     // By instance: by triangle, 1 + its index in `local`; empty where the instance emits nothing.
     emitter_of: Vec<Arc<[u32]>>,
     lamps: Vec<PreparedLamp>,
-    // Of those that rays meet.
+    // The lamps that rays can hit.
     met: LampTree,
     sky: Sky,
     is_linked: bool,
 }
 
-/// The least chance of either the sky or the lights within the scene, where there are both: what stands in the way is
-/// known on average only.
+/// Least probability of either the sky or the lights within the scene, where there are both: occlusion is known on average only.
 const LEAST_CHANCE: f32 = 0.1;
 
 impl Lights {
@@ -81,23 +80,23 @@ impl Lights {
         Self { local, trees, tree_of, emitter_of, lamps, met, sky, is_linked }
     }
 
-    /// Whether any light lights some objects alone, or has shadows of some alone.
+    /// True if any light lights only some objects, or has shadows of only some.
     #[inline]
     pub fn is_linked(&self) -> bool {
         self.is_linked
     }
 
-    /// Whether anything shines from within the scene.
+    /// True if anything within the scene emits.
     pub fn has_local(&self) -> bool {
         self.local.len() > 0
     }
 
-    /// Whether anything is found by light samples: a world of one colour is not.
+    /// True if light samples find anything: a world of one colour is not sampled.
     pub fn any_is_sampled(&self) -> bool {
         self.has_local() || self.sky.irradiance(None) > 0.0
     }
 
-    /// The middle of something that shines from within the scene, and likely on a place there; `None` where nothing does.
+    /// The middle of an emitter within the scene that likely lights a place; `None` where there is none.
     pub fn near(&self, to: &Receiver, u: f32) -> Option<Vec3A> {
         let chosen = self.tree(to).and_then(|tree| tree.sample(to, u)).map(|(index, _)| index);
         let count = self.local.len();
@@ -109,7 +108,7 @@ impl Lights {
         })
     }
 
-    /// What a source lights, and what throws shadows in its light.
+    /// The objects that a source lights, and those that throw shadows in its light.
     pub fn sets(&self, source: Source) -> Sets {
         match self.local.get(source.0) {
             Some(Emitter::Triangle(triangle) | Emitter::Moving(triangle, _)) => triangle.sets(),
@@ -132,7 +131,7 @@ impl Lights {
         }
     }
 
-    /// Whether a source is the sky, as far as it is no sun.
+    /// True if a source is the sky, apart from suns.
     pub fn is_world(&self, source: Source) -> bool {
         source.0 == self.local.len()
     }
@@ -143,7 +142,7 @@ impl Lights {
         self.receiver_by(0, position, normal, openness)
     }
 
-    /// The same on an instance, which some lights may not light.
+    /// A place on an instance that light may reach; some lights may not light the instance. See [`Self::receiver`].
     #[inline]
     pub fn receiver_on(&self, instance: u32, position: Vec3A, normal: Option<Vec3A>, openness: f32) -> Receiver {
         let tree = if self.is_linked { self.tree_of[instance as usize] } else { 0 };
@@ -209,7 +208,7 @@ impl Lights {
     }
 
     /// The density with which [`Lights::sample`] at `to` would have found a point on an emissive triangle:
-    /// `distance` away, met at `cos` to its normal.
+    /// `distance` away, hit at `cos` to its normal.
     pub fn triangle_pdf(&self, scene: &Scene, to: &Receiver, hit: (u32, u32), distance: f32, cos: f32) -> f32 {
         let (Some(Source(index)), Some(tree)) = (self.triangle_source(hit.0, hit.1), self.tree(to)) else { return 0.0 };
         let area = match self.local.get(index) {

@@ -28,12 +28,12 @@ const BRIGHTEST: f32 = 1e30;
 pub(super) struct Sky {
     // `None` where the world has one colour: a surface's own scattering samples that better.
     image: Option<Grid2d>,
-    /// Irradiance by the world's image, nearly: what it is chosen by.
+    /// Approximate irradiance by the world's image, by which the world is chosen.
     world: f32,
     suns: Vec<u32>,
     /// The suns again, as they are chosen.
     discs: Vec<Disc>,
-    /// The world's nodes ask what kind of bounce sees them.
+    /// True if the world's nodes ask what kind of bounce sees them.
     tells_bounces_apart: bool,
 }
 
@@ -55,7 +55,7 @@ impl Disc {
     }
 }
 
-/// About the mean of the cosines, where they are not negative, of directions in a cone of that sine about one of that cosine.
+/// An approximation of the mean of the cosines, where they are not negative, of directions in a cone of that sine about one of that cosine.
 #[inline]
 fn mean_cosine(cos: f32, sin_cone: f32) -> f32 {
     if cos >= sin_cone {
@@ -87,8 +87,8 @@ impl Sky {
         Self { image, world, suns, discs, tells_bounces_apart }
     }
 
-    /// Light that may arrive from it at a surface with this normal, in brightness, where nothing stands in the way; without one, from
-    /// all sides. Sources are chosen by it. A world of one colour is not counted: it is not sampled.
+    /// Light that may arrive from the sky at a surface with this normal, in brightness, where nothing stands in the way; without one, from
+    /// all sides. Sources are chosen by this. A world of one colour is not counted: it is not sampled.
     #[inline]
     pub(super) fn irradiance(&self, normal: Option<Vec3A>) -> f32 {
         self.discs.iter().fold(self.world, |sum, disc| sum + disc.on(normal))
@@ -112,7 +112,7 @@ impl Sky {
         Some((sample, index))
     }
 
-    /// Number of a source in proportion to what it may send, and its chance.
+    /// Number of a source, chosen in proportion to the light that it may send, and the probability of that choice.
     #[inline]
     fn choose(&self, to: &Receiver, u: f32) -> Option<(usize, f32)> {
         let mut left = u * to.sky;
@@ -163,7 +163,7 @@ impl Sky {
         }
     }
 
-    /// The chance with which [`Sky::sample`] chooses number `index` for a receiver; 0 without one.
+    /// The probability with which [`Sky::sample`] chooses number `index` for a receiver; 0 without one.
     #[inline]
     pub(super) fn chance(&self, to: Option<&Receiver>, index: usize) -> f32 {
         let Some(to) = to.filter(|to| to.sky > 0.0) else { return 0.0 };
@@ -176,7 +176,7 @@ impl Sky {
         &self.suns
     }
 
-    /// Whether the world has an image to be sampled by.
+    /// True if the world has an image to be sampled by.
     pub(super) fn has_image(&self) -> bool {
         self.image.is_some()
     }

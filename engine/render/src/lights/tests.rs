@@ -14,7 +14,7 @@ fn lamp(kind: LampKind) -> Lamp {
     Lamp { object_name: "lamp".into(), kind, color: Rgb::new(10.0, 20.0, 30.0), ..Lamp::default() }
 }
 
-/// A lamp two units above the origin that shines down.
+/// A lamp two units above the origin that emits downwards.
 fn lights(kind: LampKind) -> (Scene, Lights) {
     let mut builder = SceneBuilder::new();
     builder.add_lamp(lamp(kind), DMat4::from_translation(DVec3::new(0.0, 0.0, 2.0))).unwrap();
@@ -70,7 +70,7 @@ fn lamps_light_a_floor_as_closed_forms_say() {
     }
 }
 
-/// A ray that happens to meet a lamp reports the density with which it would have been sampled.
+/// A ray that happens to hit a lamp reports the density with which it would have been sampled.
 #[test]
 fn densities_of_hits_are_those_of_samples() {
     for kind in [
@@ -196,7 +196,7 @@ fn the_sky_is_chosen_by_what_it_brings() {
     assert!((little / much - 1.0).abs().max_element() < 0.02, "{little} {much}");
 }
 
-/// An object's light samples all go to lamps that light it, and their chances there add up to one.
+/// An object's light samples all go to lamps that light it, and the probabilities of these add up to one.
 #[test]
 fn lamps_that_do_not_light_an_object_take_none_of_its_samples() {
     let mut builder = SceneBuilder::new();
@@ -265,7 +265,7 @@ fn crowd(count: u32, unequal: bool, with_lamps: bool) -> (Scene, Lights) {
     (scene, lights)
 }
 
-/// What each emitter of a crowd brings to a floor that faces up, by closed forms; of the tiny triangles as if all were in their
+/// The light of each emitter of a crowd on a floor that faces up, by closed forms; that of the tiny triangles as if all were in their
 /// middles.
 fn brought(scene: &Scene, lights: &Lights, from: Vec3A) -> Vec<f64> {
     let of = |emitter: Emitter<'_>| {
@@ -290,7 +290,7 @@ fn brought(scene: &Scene, lights: &Lights, from: Vec3A) -> Vec<f64> {
     lights.local.iter().map(of).collect()
 }
 
-/// With ten thousand emitters of unequal power the mean of light samples is the sum over all of them.
+/// The mean of light samples of ten thousand emitters of unequal power is the sum over all of them.
 #[test]
 fn samples_of_many_emitters_bring_what_all_bring_together() {
     let (scene, lights) = crowd(10_000, true, true);
@@ -306,7 +306,7 @@ fn samples_of_many_emitters_bring_what_all_bring_together() {
             let light = f64::from(s.radiance.x * s.wi.z.max(0.0) / s.pdf);
             sum += light / f64::from(n);
             squares += light * light / f64::from(n);
-            // A ray that met the triangle would say the same of its density.
+            // A ray that hit the triangle would say the same of its density.
             if let Some(Emitter::Triangle(triangle)) = lights.local.get(source.0) {
                 let hit = (triangle.instance, triangle.triangle);
                 let pdf =

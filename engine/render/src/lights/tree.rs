@@ -25,7 +25,7 @@ pub struct LightTree {
 }
 
 impl LightTree {
-    /// `None` where nothing emits.
+    /// The tree of these emitters; `None` if none of them emits.
     pub fn new(emitters: &[LightBounds]) -> Option<Self> {
         let mut order: Vec<u32> = (0..emitters.len() as u32).filter(|&i| emitters[i as usize].power > 0.0).collect();
         if order.is_empty() {
@@ -63,15 +63,15 @@ impl LightTree {
         here
     }
 
-    /// A place, and what the parts under the root may send there. The sky has no chance yet.
+    /// A place, and the light that the parts under the root may send there. The sky has no probability yet.
     pub(super) fn receiver(&self, position: Vec3A, normal: Option<Vec3A>) -> Receiver {
         let weights =
             if self.looks_ahead { self.ahead(position, normal) } else { self.nodes[0].importances(position, normal) };
         Receiver { position, normal, tree: 0, total: sum(&weights), weights, sky: 0.0, sky_chance: 0.0, moment: MIDDLE }
     }
 
-    /// What the root's children may send somewhere, by what is in them where they are near: of many emitters nearly all of what
-    /// is not known is there.
+    /// The light that the root's children may send somewhere, by their own children where they are near: with many emitters nearly all of
+    /// the uncertainty is there.
     #[inline]
     fn ahead(&self, position: Vec3A, normal: Option<Vec3A>) -> [f32; WIDTH] {
         let root = &self.nodes[0];
@@ -143,7 +143,7 @@ impl LightTree {
     }
 }
 
-/// In one order everywhere, so that choosing and asking agree.
+/// The sum in one fixed order, so that choices and their probabilities agree.
 #[inline]
 fn sum(weights: &[f32; WIDTH]) -> f32 {
     let [a, b, c, d, e, f, g, h] = *weights;
@@ -216,7 +216,7 @@ mod tests {
         }
     }
 
-    /// Whatever can send light has a chance: no bound may rule out what its emitters can do.
+    /// Every emitter that can send light has a probability: no bound may rule it out.
     #[test]
     fn nothing_that_shines_is_ruled_out() {
         for list in [emitters(100), emitters(3000)] {
@@ -238,7 +238,7 @@ mod tests {
         }
     }
 
-    /// Lamps that shine down narrowly are found from all within their cones, and many of them from few places.
+    /// Lamps with narrow cones downwards are found from all places within their cones, and many of them from few places.
     #[test]
     fn narrow_cones_rule_out_what_is_beside_them() {
         let mut list = emitters(3000);
@@ -266,7 +266,7 @@ mod tests {
         }
     }
 
-    /// Of many emitters few nodes are made, and those over emitters are nearly full.
+    /// A tree over many emitters has few nodes, and those over emitters are nearly full.
     #[test]
     fn nodes_over_many_are_full() {
         let tree = LightTree::new(&emitters(10_000)).unwrap();

@@ -48,7 +48,7 @@ pub fn displace(scene: &mut Scene) -> Vec<String> {
     warnings
 }
 
-/// By how much each vertex of an instance's mesh is moved, object space; `None` if none is.
+/// The displacement of each vertex of an instance's mesh, object space; `None` if none is displaced.
 fn offsets(scene: &Scene, instance: usize) -> Option<Vec<Vec3>> {
     let owner = &scene.instances[instance];
     let mesh = &scene.meshes[owner.mesh as usize];
@@ -107,8 +107,8 @@ fn face_normal([a, b, c]: [Vec3; 3]) -> Vec3 {
     (b - a).cross(c - a).normalize_or_zero()
 }
 
-/// The mesh with its vertices moved. Triangles that were flat are flat again. At vertices of triangles that are displaced and not bumped, by
-/// the material of their slot, smooth triangles get the means of the new normals; elsewhere they keep the old ones, as in Cycles. The
+/// The mesh with its vertices moved. Triangles that were flat are flat again. At vertices of triangles that are displaced and not bumped,
+/// by the material of their slot, smooth triangles get the means of the new normals; elsewhere they keep the old ones, as in Cycles. The
 /// old ones of all are kept where a bump, which is of the whole displacement, is to bend them.
 fn moved(mesh: &Mesh, offsets: &[Vec3], by_vertices: impl Fn(u32) -> bool, bends: bool) -> MeshDescription {
     let shift = |positions: &[Vec3]| positions.iter().zip(offsets).map(|(p, offset)| *p + *offset).collect();

@@ -17,15 +17,15 @@ use std::cell::RefCell;
 /// A closure at one point.
 #[derive(Clone, Copy, Debug)]
 pub struct EvaluatedLayer {
-    /// What it counts.
+    /// Weight of the closure.
     pub weight: f32,
-    /// What it does.
+    /// The closure.
     pub closure: Closure<Rgb, f32>,
-    /// Instead of the surface's own, unit.
+    /// Normal to use instead of the surface's own, unit.
     pub normal: Option<Vec3A>,
-    /// The coat's, instead of the surface's own, unit.
+    /// Normal of the coat to use instead of the surface's own, unit.
     pub coat_normal: Option<Vec3A>,
-    /// Instead of the surface's own, unit.
+    /// Tangent to use instead of the surface's own, unit.
     pub tangent: Option<Vec3A>,
 }
 
@@ -39,12 +39,12 @@ pub struct Layers {
 }
 
 thread_local! {
-    /// What programs compute in.
+    /// The registers that programs compute in.
     static REGISTERS: RefCell<Registers> = RefCell::default();
 }
 
 /// Runs a slice of a material's program at a point, and hands on what reads its results, with the normal where the displacement bends it.
-/// Where nothing has to be run, the point is not asked for.
+/// If nothing has to be run, the point is not asked for.
 fn with_slice<T>(
     graph: &Graph,
     slice: &Slice,
@@ -156,14 +156,14 @@ pub fn plain_values(
     with_slice(graph, &graph.slices.scattering, around, || *point, view, |value, _| plain.values(&value))
 }
 
-/// How a surface lets light through unbent.
+/// The opening of a surface: the light that it lets through unbent, and the probabilities of passing and scattering.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Opening {
-    /// What of it.
+    /// Transmittance by channel.
     pub light: Rgb,
-    /// The chance with which a path goes through; it then carries `light` over this.
+    /// The probability with which a path goes through; it then carries `light` over this.
     pub chance: f32,
-    /// What the rest of the surface counts for a path that does not.
+    /// Weight of the rest of the surface for a path that does not go through.
     pub kept: f32,
     /// Weight of the closures that are not transparent, before the choice between passing and scattering; `kept` is that weight over the
     /// probability of scattering, 1 - `chance`.
@@ -174,7 +174,7 @@ pub struct Opening {
 }
 
 impl Opening {
-    /// Of a surface that lets nothing through.
+    /// The opening of a surface that lets nothing through.
     pub const NONE: Self = Self { light: Rgb::ZERO, chance: 0.0, kept: 1.0, rest: 1.0, share: 1.0 };
 
     fn of(Parts { light, rest, glowing, scattering }: Parts) -> Self {
@@ -191,13 +191,13 @@ impl Opening {
 /// Sums over the closures of a surface, by what they do with light.
 #[derive(Default)]
 struct Parts {
-    /// Transmittance of those that let light through unbent.
+    /// Transmittance of the closures that let light through unbent.
     light: Rgb,
-    /// The weight of those that scatter.
+    /// Weight of the closures that scatter.
     rest: f32,
-    /// The weight of those that glow alone.
+    /// Weight of the closures that only emit.
     glowing: f32,
-    /// The weight of those that scatter, each times about the part of the light that it scatters.
+    /// Weight of the closures that scatter, each times about the part of the light that it scatters.
     scattering: f32,
 }
 
@@ -289,7 +289,7 @@ pub fn transmittance(
     if luminance(light) > 0.0 { light } else { Rgb::ZERO }
 }
 
-/// How much of what the camera sees at a point is a hole.
+/// The part of the surface seen at a point that is a hole to the camera.
 #[cold]
 pub fn hole(
     material: &Material,

@@ -1,4 +1,4 @@
-//! A world of nodes: what shines from a direction, and an image of it all, which lights are chosen by.
+//! A world of nodes: its radiance from a direction, and an image of all directions, by which lights are chosen.
 
 use super::point::Images;
 use super::way::Way;
@@ -160,7 +160,7 @@ pub fn bake(scene: &mut Scene, previous: Option<&Scene>) {
     scene.textures.push(Arc::new(texture));
 }
 
-/// Whether the sky of a scene that is not baked yet is that of one that is: its nodes, and all that these may ask.
+/// True if the sky of a scene that is not baked yet equals that of a baked one: its nodes, and all that these may read.
 fn is_same(scene: &Scene, baked: &Scene) -> bool {
     let is_one = |a: &Option<Arc<Graph>>, b: &Option<Arc<Graph>>| match (a, b) {
         (Some(a), Some(b)) => Arc::ptr_eq(a, b),
@@ -172,8 +172,8 @@ fn is_same(scene: &Scene, baked: &Scene) -> bool {
     is_one(&scene.world.graph, &baked.world.graph) && images && scene.viewport == baked.viewport
 }
 
-/// The lamp that shines like a sky's sun: as bright all over as the disc is on average, after what the other nodes make of it.
-/// Of a disc that the horizon hides in part it is a smaller one, in the middle of what is seen.
+/// The lamp that stands for a sky's sun: as bright all over as the disc is on average, the other nodes included. For a disc that the
+/// horizon hides in part it is a smaller one, in the middle of the visible part.
 fn sun(graph: &Graph, scene: &Scene, disc: SunDisc) -> Option<Lamp> {
     /// Places in the disc, along each side of the square that is bent into it.
     const SIDE: usize = 32;

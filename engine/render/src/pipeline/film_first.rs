@@ -12,7 +12,7 @@ use crate::film::Patch;
 
 /// Rays from any camera.
 pub(super) struct FilmFirst<'a> {
-    /// With memory for those that work by batches.
+    /// The cameras, with memory for those that work by batches.
     cameras: Vec<(&'a Camera, Option<LensBatch>)>,
 }
 

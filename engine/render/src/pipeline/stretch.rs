@@ -15,7 +15,7 @@ const STRETCH: usize = 512;
 /// Samples that a camera is asked for at a time.
 const ASKED: usize = 64;
 
-/// How a pipeline asks a camera for rays, and what it does with the light along them.
+/// A pipeline's requests of camera rays, and its use of the light along them.
 pub(super) trait Leads {
     /// A ray, and where its light counts.
     type Lead: Clone;
@@ -26,12 +26,12 @@ pub(super) trait Leads {
     /// The ray into the scene.
     fn ray(lead: &Self::Lead) -> Ray;
 
-    /// At how many wavelengths light of a sample is carried back through the lens of camera number `camera`.
+    /// Number of wavelengths at which light of a sample is carried back through the lens of camera number `camera`.
     fn carried(&self, _camera: usize) -> usize {
         0
     }
 
-    /// Whether the surface that the ray meets is one that its pixel sees.
+    /// True if the surface that the ray hits is one that its pixel sees.
     fn sees_its_pixel(&self, _: &Request) -> bool {
         true
     }
@@ -139,7 +139,7 @@ struct Stretch {
     indices: Vec<u32>,
     samplers: Vec<PathSampler>,
     cameras: Vec<usize>,
-    /// When each is taken, as a part of the exposure; empty where that does not matter.
+    /// The time of each sample, as a part of the exposure; empty where that does not matter.
     times: Vec<f32>,
 }
 

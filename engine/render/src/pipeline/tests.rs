@@ -1,4 +1,4 @@
-//! What holds of each pipeline alone; that all take the same picture is tested in `tests/light_paths` and
+//! Tests of each pipeline alone; that all take the same picture is tested in `tests/light_paths` and
 //! `tests/exact_pictures`.
 
 use super::*;
@@ -40,7 +40,7 @@ fn settings(pipeline: Pipeline, samples: u32, seed: u32) -> Settings {
     Settings { width, height, samples, seed, max_bounces: 0, pipeline, with_data: true, ..Settings::default() }
 }
 
-/// All of them, also where light lands in any order.
+/// Every pipeline renders the same bits, also where light lands in any order.
 #[test]
 fn the_same_bits_for_any_number_of_threads() {
     let stage = stage();

@@ -1,4 +1,4 @@
-//! From measures and wishes to decisions: the cheapest camera that leaves out nothing that can be seen.
+//! Decisions from measures and wishes: the cheapest camera that leaves out nothing that can be seen.
 
 use super::measured::{Known, measure};
 use super::motion::SceneMotion;
@@ -13,7 +13,7 @@ use crate::spectrum::{SET_SIZE, SPECTRAL_COUNT};
 
 /// Measures are taken at some places and for some rays of all: what is worst may lie between them.
 const MARGIN: f64 = 1.25;
-/// Where so many of the places get no light, what they would show is not known.
+/// The part of the places without light from which on it is unknown what they would show.
 const DARK: f64 = 0.02;
 
 /// The kind of camera that stands for what was asked for.
@@ -23,21 +23,21 @@ pub enum Way {
     Given,
     /// The lens, every ray traced through its surfaces.
     Exact,
-    /// Gaussian optics: by the measure nothing else can be seen.
+    /// Gaussian optics: by the measure, nothing that they leave out can be seen.
     Gaussian,
-    /// Not even that: everything is sharp.
+    /// A pinhole: everything is sharp.
     Pinhole {
-        /// That frames the same picture, mm.
+        /// Focal length of the pinhole that frames the same picture, mm.
         focal_length_mm: f64,
-        /// mm.
+        /// Width of the film, mm.
         film_width_mm: f64,
-        /// As Blender counts it.
+        /// The shift, as Blender counts it.
         shift: [f64; 2],
     },
 }
 
 impl Way {
-    /// In reports.
+    /// Name of the camera model in reports.
     pub fn name(&self) -> &'static str {
         match self {
             Self::Given => "as given",
@@ -48,28 +48,28 @@ impl Way {
     }
 }
 
-/// How the camera is simulated.
+/// The simulation of a camera.
 #[derive(Clone, Debug, PartialEq)]
 pub struct CameraChoice {
-    /// By which model.
+    /// The camera model.
     pub way: Way,
-    /// How light is followed.
+    /// The pipeline.
     pub pipeline: Pipeline,
-    /// Into what the film parts the light; `None` is one wavelength.
+    /// Wavelengths of the film; `None` is one wavelength.
     pub spectrum: Option<Spectrum>,
-    /// Where the opening's shape does not matter: the f-number of a round one as large.
+    /// F-number of a round opening of equal area, if the opening's shape does not matter.
     pub round_f_number: Option<f64>,
-    /// What is left out of the lens that is traced.
+    /// The effects of the traced lens that are shown.
     pub shown: Shown,
-    /// Samples are taken all through the time that the shutter is open.
+    /// True if samples are taken all through the time that the shutter is open.
     pub is_moving: bool,
-    /// Reflections between the lens's surfaces are looked for.
+    /// True if reflections between the lens's surfaces are looked for.
     pub ghosts: bool,
-    /// The picture is spread by [`crate::stray::diffraction`], of the camera as it was given.
+    /// True if the picture is spread by [`crate::stray::diffraction`], of the camera as it was given.
     pub diffraction: bool,
-    /// And by [`crate::stray::glare`].
+    /// True if the picture is spread by [`crate::stray::glare`].
     pub glare: bool,
-    /// What surfaces and glasses take of the light is taken.
+    /// True if light is lost at surfaces and in glasses.
     pub transmission: bool,
 }
 
@@ -135,7 +135,7 @@ fn tolerance(effect: Effect, wishes: &Wishes) -> f64 {
     effect.unit().tolerance(wishes.quality)
 }
 
-/// Whether an effect is called for.
+/// True if an effect is called for.
 fn is_wanted(effect: Effect, known: &Known<'_>, wishes: &Wishes) -> bool {
     let is_large = || {
         let with = beside(effect, known, wishes).map_or(0.0, |(_, value)| value);
@@ -148,8 +148,8 @@ fn is_wanted(effect: Effect, known: &Known<'_>, wishes: &Wishes) -> bool {
     }
 }
 
-/// What adds to an effect that is left out with it: to the larger of both errors of colour the other, for they part the same light,
-/// and one film that tells wavelengths apart shows both.
+/// The effect whose measure is added to that of an effect that is left out with it: to the larger of both errors of colour the other, for
+/// they part the same light, and one spectral film shows both.
 fn beside(effect: Effect, known: &Known<'_>, wishes: &Wishes) -> Option<(Effect, f64)> {
     let other = match effect {
         Effect::LateralColour => Effect::AxialColour,
@@ -240,7 +240,7 @@ fn choose(known: &Known<'_>, wishes: &Wishes) -> Result<(CameraChoice, Price), P
     Ok((choice, price))
 }
 
-/// What became of an effect, and why.
+/// The decision on an effect, and its reason.
 fn decision(effect: Effect, known: &Known<'_>, wishes: &Wishes, choice: &CameraChoice, price: Price) -> Decision {
     let (word, tolerance, found) = (wishes.word(effect), tolerance(effect, wishes), measure(known, effect));
     let measure = found.value;
@@ -286,8 +286,7 @@ fn decision(effect: Effect, known: &Known<'_>, wishes: &Wishes, choice: &CameraC
     Decision { effect, measure, tolerance, word, is_on, is_uncertain, why, cost_ns, picture_s }
 }
 
-/// What becomes of motion blur where the camera has no lens to be planned. Of what a simpler model of the lens does meanwhile it
-/// is not known how far it goes.
+/// The decision on motion blur for a camera without a lens to be planned. The motion by changes of a simpler lens model is not known.
 pub(super) fn motion_without_lens(motion: Option<SceneMotion>, lens_changes: bool, wishes: &Wishes) -> Decision {
     let effect = Effect::MotionBlur;
     let (word, tolerance) = (wishes.word(effect), tolerance(effect, wishes));
@@ -322,7 +321,7 @@ fn pinhole(info: &LensInfo) -> Way {
     }
 }
 
-/// Whether the choice simulates an effect.
+/// True if the choice simulates an effect.
 fn is_simulated(effect: Effect, choice: &CameraChoice, known: &Known<'_>, word: Word) -> bool {
     let is_exact = choice.way == Way::Exact;
     match effect {
@@ -345,7 +344,7 @@ fn is_simulated(effect: Effect, choice: &CameraChoice, known: &Known<'_>, word: 
     }
 }
 
-/// What having an effect costs beside not having it, ns a sample.
+/// The cost of an effect beside the simulation without it, ns a sample.
 fn cost_ns(effect: Effect, choice: &CameraChoice, price: Price, shape: LensShape, lens: &LensMeasures) -> f64 {
     let with = sample_ns(price, shape);
     match effect {

@@ -17,7 +17,7 @@ const SAMPLES: u32 = 512;
 const FRONT_RAYS: u32 = 512;
 /// Sources within this angle count as one.
 const TOGETHER_RAD: f32 = 0.05;
-/// Told of so many.
+/// The most directions that are reported.
 const MOST: usize = 64;
 
 /// Light from one direction.
@@ -25,21 +25,21 @@ const MOST: usize = 64;
 pub struct Brightest {
     /// Render space, unit, towards it.
     pub towards: DVec3,
-    /// What arrives of it on a surface that faces it, in the scene's units (luminance times steradians).
+    /// Irradiance by it on a surface that faces it, in the scene's units (luminance times steradians).
     pub irradiance: f32,
-    /// The part of all light that arrives.
+    /// The part of all arriving light.
     pub part: f32,
-    /// Where it is seen in the picture, fractions of its width and height from its centre; `None` outside of it.
+    /// Place of the light in the picture, fractions of the width and height from the centre; `None` outside of it.
     pub place: Option<Vec2>,
 }
 
 /// Light of a source at the camera's place.
 struct Arrival {
-    /// Render space, unit.
+    /// Direction in render space, unit.
     towards: Vec3A,
-    /// Its part of the irradiance on what faces it.
+    /// The source's part of the irradiance on a surface that faces it.
     light: f32,
-    /// Of the sample, where a ray into the scene may find the same light in the sky; otherwise zero.
+    /// Density of the sample, where a ray into the scene may find the same light in the sky; otherwise zero.
     sky_pdf: f32,
 }
 
@@ -47,7 +47,7 @@ struct Arrival {
 pub(super) struct Arriving(Vec<Arrival>);
 
 impl Arriving {
-    /// Takes light samples.
+    /// Samples the lights of the scene.
     pub(super) fn new(stage: &Stage) -> Self {
         let to = stage.lights.receiver_between(Vec3A::ZERO);
         let points = Evenly::<3>::default();
@@ -78,13 +78,13 @@ impl Arriving {
         self.0.iter().map(of_samples).sum::<f32>() + of_rays(stage, forwards, luminances)
     }
 
-    /// What sends most, the strongest first.
+    /// The brightest sources, the strongest first.
     pub(super) fn brightest(self) -> Vec<Brightest> {
         brightest(self.0.into_iter().map(|one| (one.towards, one.light)).collect())
     }
 }
 
-/// What rays find of the same irradiance: their share of the sky, and light that surfaces send on which are no sources.
+/// The part of the irradiance that rays find: their share of the sky, and light of surfaces that are no sources.
 fn of_rays(stage: &Stage, forwards: Vec3A, luminances: impl Fn(&[Ray]) -> Vec<f32>) -> f32 {
     let to = stage.lights.receiver_between(Vec3A::ZERO);
     let (right, up) = forwards.any_orthonormal_pair();

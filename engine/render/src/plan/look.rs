@@ -12,14 +12,14 @@ use crate::scene::visibility::Rays;
 use glam::DVec3;
 use rayon::prelude::*;
 
-/// Of the rays, how many are followed as paths, to know the picture's brightness.
+/// Number of rays that are followed as paths, to know the picture's brightness.
 const FOLLOWED: usize = 512;
-/// Bounces of those.
+/// Bounces of the paths that are followed.
 const BOUNCES: u32 = 3;
 /// The part of the paths that is brightest does not count: a source in the picture is not its exposure.
 const TRIMMED: f32 = 0.02;
 
-/// What a camera sees.
+/// The view of a camera.
 #[derive(Clone, Debug)]
 pub struct Look {
     /// The nearest and the farthest that it sees along its axis, Blender units; `None` if it sees nothing.
@@ -31,7 +31,7 @@ pub struct Look {
     /// Irradiance on the lens's front, as if all of the front half of the world reached it: luminance times steradians. `None`
     /// where it was not asked for.
     pub front_irradiance: Option<f32>,
-    /// What sends most light to the camera, the strongest first.
+    /// The sources that send most light to the camera, the strongest first.
     pub brightest: Vec<Brightest>,
 }
 
@@ -44,7 +44,7 @@ impl Look {
     }
 
     /// Looks along `rays` (render space) of places all over the picture. `backwards` is the camera's axis, from the scene to
-    /// the film; `has_front` where there is a lens for light to arrive at. Also what each ray meets.
+    /// the film; `has_front` where there is a lens for light to arrive at. Also what each ray hits.
     pub(super) fn along(
         stage: &Stage,
         rays: &[Option<Ray>],

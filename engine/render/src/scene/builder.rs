@@ -54,7 +54,7 @@ impl SceneBuilder {
         Self::default()
     }
 
-    /// What was left out or repaired so far, a line each.
+    /// Warnings on parts that were left out or repaired so far, a line each.
     pub fn warnings(&self) -> &[String] {
         &self.warnings
     }
@@ -163,17 +163,17 @@ impl SceneBuilder {
         Ok(Some(self.instances.len() - 1))
     }
 
-    /// Says whose part an instance is, other than its own.
+    /// Sets the name of the asset that an instance belongs to, if not its own.
     pub fn set_asset(&mut self, instance: usize, name: &str) {
         self.instances[instance].asset_name = Some(name.into());
     }
 
-    /// Says what an instance shows itself to.
+    /// Sets the kinds of ray that see an instance.
     pub fn set_visible(&mut self, instance: usize, to: Rays) {
         self.instances[instance].visible = to;
     }
 
-    /// Says which lights light an instance, and in which it throws shadows.
+    /// Sets the lights that light an instance, and those in which it throws shadows.
     pub fn set_links(&mut self, instance: usize, links: Links) {
         self.instances[instance].links = links;
     }
@@ -183,7 +183,7 @@ impl SceneBuilder {
         self.instances[instance].occlusion_distance = distance;
     }
 
-    /// Says that the shadows on an instance alone are wanted.
+    /// Makes an instance a shadow catcher: the shadows on it alone are wanted.
     pub fn catch_shadows(&mut self, instance: usize) {
         self.instances[instance].is_catcher = true;
     }
@@ -193,22 +193,22 @@ impl SceneBuilder {
         self.instances[instance].holds_out = true;
     }
 
-    /// Says which light group what an instance emits is in; 0 is none.
+    /// Sets the light group of what an instance emits; 0 is none.
     pub fn set_light_group(&mut self, instance: usize, group: u16) {
         self.instances[instance].light_group = group;
     }
 
-    /// Says how an instance's smooth faces are helped at the edge of light.
+    /// Sets the softening of an instance's smooth faces at the edge of light.
     pub fn set_softening(&mut self, instance: usize, softening: Softening) {
         self.instances[instance].softening = softening;
     }
 
-    /// Says what shader graphs may ask of an instance's object.
+    /// Sets the data that shader graphs may ask of an instance's object.
     pub fn set_info(&mut self, instance: usize, info: ObjectInfo) {
         self.instances[instance].info = info;
     }
 
-    /// Says where an instance stands a frame before and a frame after, for the pass of motion.
+    /// Sets the places of an instance a frame before and a frame after, for the pass of motion.
     ///
     /// # Errors
     /// [`SceneError::BadMatrix`].
@@ -221,8 +221,8 @@ impl SceneBuilder {
         Ok(())
     }
 
-    /// Says where an instance stands at keys that lie evenly over the time that the shutter is open, the middle one where it was
-    /// added. One that cannot be taken between stands still, with a warning.
+    /// Sets the places of an instance at keys that lie evenly over the time that the shutter is open, the middle one where it was added.
+    /// One that cannot be taken between stands still, with a warning.
     pub fn set_keys(&mut self, instance: usize, matrices: &[DMat4]) {
         let raw = &mut self.instances[instance];
         if matrices.iter().all(|m| *m == raw.matrix) {
@@ -235,7 +235,7 @@ impl SceneBuilder {
         }
     }
 
-    /// Adds a lamp. `matrix` takes its axes to world space; it shines along its -z.
+    /// Adds a lamp. `matrix` takes its axes to world space; it emits along its -z.
     ///
     /// # Errors
     /// [`SceneError::BadMatrix`], [`SceneError::BadLight`].
@@ -253,7 +253,7 @@ impl SceneBuilder {
         Ok(())
     }
 
-    /// Says what Blender's own camera frames.
+    /// Sets the frame of Blender's own camera.
     ///
     /// # Errors
     /// [`SceneError::BadMatrix`].
@@ -282,17 +282,20 @@ impl SceneBuilder {
         Ok(())
     }
 
-    /// Makes room for another image: its index is the next one's. Whatever named it must be forgotten, too, before the next scene.
+    /// Empties the slot of an image; the next image gets its index. Everything that names the index must be forgotten, too, before the next
+    /// scene.
     pub fn forget_texture(&mut self, index: usize) {
         self.textures.forget(index, Arc::new(Texture::empty()));
     }
 
-    /// The same of a material.
+    /// Empties the slot of a material; the next material gets its index. Everything that names the index must be forgotten, too, before the
+    /// next scene.
     pub fn forget_material(&mut self, index: usize) {
         self.materials.forget(index, Material::default_grey());
     }
 
-    /// The same of what [`Self::add_mesh`], [`Self::add_curves`] or [`Self::add_points`] added.
+    /// Empties the slot of a mesh that [`Self::add_mesh`], [`Self::add_curves`] or [`Self::add_points`] added; the next one gets its index.
+    /// Everything that names the index must be forgotten, too, before the next scene.
     pub fn forget_mesh(&mut self, index: usize) {
         self.meshes.forget(index, Arc::default());
     }
@@ -302,8 +305,8 @@ impl SceneBuilder {
         self.build_keeping(origin)
     }
 
-    /// The same; images, materials and meshes stay for the next scene, at their indices. Instances, lamps and the world go, and so
-    /// do the warnings.
+    /// The finished scene, with render space's origin at `origin` (world space); images, materials and meshes stay for the next scene, at
+    /// their indices. Instances, lamps and the world go, and so do the warnings.
     pub fn build_keeping(&mut self, origin: DVec3) -> Scene {
         let place = |m: DMat4| -> Affine3A {
             let moved = DMat4::from_translation(-origin) * m;

@@ -9,28 +9,28 @@ use std::sync::Arc;
 /// A material.
 #[derive(Clone, Debug, PartialEq)]
 pub struct Material {
-    /// For messages.
+    /// The name for messages.
     pub name: String,
-    /// Its surface, volume and displacement.
+    /// The shader graph: surface, volume and displacement.
     pub graph: Arc<Graph>,
-    /// For masks.
+    /// Pass index for masks.
     pub pass_index: i32,
-    /// What its nodes give out beside the surface.
+    /// The values that the material's nodes give out beside the surface.
     pub aovs: Option<Aovs>,
-    /// The camera sees a hole instead, all else the surface.
+    /// True if the camera sees a hole instead, and all else the surface.
     pub holds_out: bool,
-    /// Whether its surface may emit, or be a hole to the camera: a scene's builder finds out.
+    /// True if the material's surface may emit, or be a hole to the camera: a scene's builder sets it.
     pub speaks: bool,
-    /// Any of its closures may scatter light: a scene's builder finds out.
+    /// True if any of its closures may scatter light: a scene's builder sets it.
     pub scatters: bool,
 }
 
 /// Values that nodes give out: a graph with a layer of emission for each, and their numbers.
 #[derive(Clone, Debug, PartialEq)]
 pub struct Aovs {
-    /// What computes them.
+    /// The graph that computes them.
     pub graph: Arc<Graph>,
-    /// By layer.
+    /// The numbers of the values, by layer.
     pub numbers: Vec<u16>,
 }
 
@@ -40,17 +40,17 @@ impl Material {
         Self { name: name.into(), graph, pass_index: 0, aovs: None, holds_out: false, speaks: false, scatters: true }
     }
 
-    /// A material of closures with weights, the same everywhere.
+    /// A spatially constant material of closures with weights.
     pub fn even(name: impl Into<String>, closures: impl IntoIterator<Item = (f32, Closure<Rgb, f32>)>) -> Self {
         Self::new(name, Arc::new(Graph::even(closures)))
     }
 
-    /// A Principled BSDF, the same everywhere.
+    /// A spatially constant Principled BSDF.
     pub fn principled(name: impl Into<String>, principled: Principled<Rgb, f32>) -> Self {
         Self::even(name, [(1.0, Closure::Principled(principled))])
     }
 
-    /// A Lambert surface, the same everywhere, that emits a radiance.
+    /// A spatially constant Lambert surface that emits a radiance.
     pub fn diffuse(name: impl Into<String>, color: Rgb, radiance: Rgb) -> Self {
         let emission = Closure::Emission { color: radiance, strength: 1.0 };
         let diffuse = Closure::Diffuse { color, roughness: 0.0 };
@@ -62,33 +62,33 @@ impl Material {
         Self::principled("(default)", Principled::default())
     }
 
-    /// Whether any of its surface may emit.
+    /// True if any of its surface may emit.
     pub fn emits(&self) -> bool {
         self.graph.emits()
     }
 
-    /// Whether the camera may see a hole in its place.
+    /// True if the camera may see a hole in its place.
     pub fn may_hold_out(&self) -> bool {
         self.holds_out || self.graph.layers.iter().any(|layer| matches!(layer.closure, Closure::Holdout))
     }
 
-    /// Whether any of its surface may let light through unbent.
+    /// True if any of its surface may let light through unbent.
     pub fn may_be_transparent(&self) -> bool {
         self.graph.may_be_transparent()
     }
 
-    /// The volume behind its surface.
+    /// The volume behind the material's surface.
     #[inline]
     pub fn volume(&self) -> Option<&Volume> {
         self.graph.volume.as_ref()
     }
 
-    /// Whether what it emits is the same everywhere on the surface.
+    /// True if the material's emission is constant over the surface.
     pub fn emits_evenly(&self) -> bool {
         self.graph.emits_evenly()
     }
 
-    /// Finds out what of it a path has to be asked for.
+    /// Finds out what a path has to ask the material for.
     pub(super) fn prepare(&mut self) {
         self.speaks = self.emits() || self.may_hold_out();
         self.scatters = !self.graph.scattering.is_empty();

@@ -15,11 +15,11 @@ pub struct Plain {
     pub ior: f32,
     /// 0.5 leaves the reflectance that the index gives.
     pub specular_ior_level: f32,
-    /// Whether the diffuse base lies under a dielectric, as in Principled; a Diffuse BSDF is a Lambert surface.
+    /// True if the diffuse base lies under a dielectric, as in Principled; a Diffuse BSDF is a Lambert surface.
     pub is_coated: bool,
-    /// The values, if they are the same everywhere.
+    /// The values, if they are spatially constant.
     pub constants: Option<PlainValues>,
-    /// Whether any of the surface may be glass.
+    /// True if any of the surface may be glass.
     pub may_transmit: bool,
     weight: Source,
     alpha: Source,

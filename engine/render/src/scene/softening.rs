@@ -1,6 +1,6 @@
-//! How the flat triangles of a coarse smooth mesh are kept from showing at the edge of light.
+//! Softening of the shadow terminator: the flat triangles of a coarse smooth mesh do not show at the edge of light.
 
-/// Of an object.
+/// The softening of an object's shadow terminator.
 #[derive(Clone, Copy, Debug, Default, PartialEq)]
 pub struct Softening {
     /// Shadows of light at a lesser cosine are asked for from above the triangle; 0: none are.
@@ -10,18 +10,18 @@ pub struct Softening {
 }
 
 impl Softening {
-    /// From Blender's two settings: Geometry Offset and Shading Offset, 0 to 1.
+    /// The softening of Blender's two settings: Geometry Offset and Shading Offset, 0 to 1.
     pub fn new(geometry_offset: f32, shading_offset: f32) -> Self {
         Self { lift_below: geometry_offset.max(0.0), dark: (0.5 * shading_offset).clamp(0.0, 0.5) }
     }
 
-    /// Whether it takes light away.
+    /// True if the softening takes light away.
     #[inline]
     pub fn dims(&self) -> bool {
         self.dark > 0.0
     }
 
-    /// What is left of light at that cosine to the normal: as if all angles were so much wider that none is in the dark part.
+    /// The part of light that is left at a cosine to the normal: as if all angles were so much wider that none is in the dark part.
     pub fn left_at(&self, cos: f32) -> f32 {
         let angle = cos.min(1.0).acos() / (1.0 - self.dark);
         angle.min(std::f32::consts::FRAC_PI_2).cos() / cos

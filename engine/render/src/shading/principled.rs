@@ -20,10 +20,10 @@ use std::sync::Arc;
 pub struct PrincipledTables {
     /// Relative index of the specular coat, after the specular level.
     coat_eta: f32,
-    /// Its reflectance at normal incidence, before the tint.
+    /// Reflectance of the coat at normal incidence, before the tint.
     coat_f0: f32,
     ior: f32,
-    /// As in [`Plain`].
+    /// True if the base is coated, as in [`Plain`].
     is_coated: bool,
     reflection: Arc<AlbedoTable>,
     coat: AlbedoTable,
@@ -62,7 +62,7 @@ impl PrincipledTables {
 /// The BSDF of one point seen from one direction.
 #[derive(Clone)]
 pub struct Bsdf {
-    /// About the normal of the facets, where there are any, else of the diffuse base.
+    /// Axes about the normal of the facets, where there are any, else of the diffuse base.
     frame: [Vec3A; 3],
     /// The normal of the diffuse base in these axes. That of facets is turned, where a mirror would send light into the surface.
     base_normal: Vec3A,
@@ -73,15 +73,15 @@ pub struct Bsdf {
     diffuse: Rgb,
     // Chance of each lobe: metal, glass, coat, diffuse.
     chance: [f32; 4],
-    /// Nothing where the surface is diffuse alone, as most are.
+    /// The lobes of facets; `None` if the surface is diffuse only, as most are.
     facets: Option<Facets>,
 }
 
-/// What lobes of facets need.
+/// The data of lobes of facets.
 #[derive(Clone)]
 struct Facets {
     ggx: Ggx,
-    /// In the axes of the frame.
+    /// The view in the axes of the frame.
     wo: Vec3A,
     /// [`Ggx::lambda`] of `wo`.
     lambda_o: f32,
@@ -209,7 +209,7 @@ impl Bsdf {
         });
     }
 
-    /// Multiplies all that it scatters.
+    /// Multiplies all that the BSDF scatters.
     #[inline]
     pub fn scale(&mut self, factor: f32) {
         if factor == 1.0 {
@@ -226,8 +226,8 @@ impl Bsdf {
         }
     }
 
-    /// Makes facets at least so wide. What they scatter in all, and the chances of the lobes, stay those of their own width, as in
-    /// Cycles (`bsdf_blur` in bsdf.h).
+    /// Makes facets at least so wide. Their albedos, and the probabilities of the lobes, stay those of their own width, as in Cycles
+    /// (`bsdf_blur` in bsdf.h).
     pub fn widen(&mut self, alpha: f32) {
         let Some(f) = self.facets.as_mut().filter(|f| f.ggx.width() < alpha) else { return };
         // Where glass passes light all but unbent, half vectors would be lost to rounding.
@@ -238,7 +238,7 @@ impl Bsdf {
         f.lambda_o = f.ggx.lambda(f.wo);
     }
 
-    /// Leaves those lobes that light of these kinds reaches; the chances of the others are lost.
+    /// Keeps only the lobes that light of these kinds reaches; the probabilities of the others are lost.
     fn keep(&mut self, rays: Rays) {
         if !rays.any_of(Rays::DIFFUSE) {
             (self.diffuse, self.chance[3]) = (Rgb::ZERO, 0.0);
@@ -252,7 +252,7 @@ impl Bsdf {
         }
     }
 
-    /// What metal, glass, glass on its far side, and coat scatter in all.
+    /// Albedos of metal, glass, glass on its far side, and coat.
     fn facet_albedos(&self) -> [Rgb; 4] {
         let Some(f) = &self.facets else { return [Rgb::ZERO; 4] };
         let (roughness, cos) = (f.ggx.width().sqrt(), f.wo.z.max(0.0));
@@ -318,8 +318,7 @@ impl Bsdf {
         self.facets.as_ref().filter(|f| !f.ggx.is_mirror() && self.cos_o > 0.0)
     }
 
-    /// What a facet met at that cosine reflects in all lobes, and the chance of reflecting there. A material seldom has
-    /// all lobes.
+    /// The light that a facet at a cosine reflects in all lobes, and the probability of reflecting there. A material seldom has all lobes.
     #[inline]
     fn reflected(&self, f: &Facets, cos: f32) -> (Rgb, f32) {
         let mut value = Rgb::ZERO;
@@ -342,7 +341,7 @@ impl Bsdf {
         let world = warp::to_world(&self.frame, wi).normalize();
         let above = self.geometric_normal.dot(world) > 0.0;
         // A tilted facet can bend light back to the side it came from, or mirror it below the surface: that
-        // light would meet another facet, which the restored energy accounts for.
+        // light would hit another facet, which the restored energy accounts for.
         if above == transmit || (!matte && (wi.z > 0.0) == transmit) {
             return None;
         }
@@ -357,7 +356,7 @@ impl Bsdf {
         })
     }
 
-    /// The same where the surface is diffuse and nothing else: density and value are one but for the colour.
+    /// The sample of a surface that is purely diffuse: value over density is the colour.
     fn finish_lambert(&self, wi: Vec3A) -> Option<BsdfSample> {
         let world = warp::to_world(&self.frame, wi).normalize();
         let seen = wi.z > 0.0 && self.geometric_normal.dot(world) > 0.0;

@@ -140,7 +140,7 @@ fn mean_of(lists: &[Vec<f64>]) -> Vec<(f64, f64)> {
     (0..lists[0].len()).map(entry).collect()
 }
 
-/// What one would do first, and what must not be done: a block has enough samples when its own say so.
+/// The naive method, which must not be used: a block has enough samples when its own say so.
 fn naive(stage: &Arc<Stage>, d: &CameraDescription, threshold: f32, most: u32, seed: u32) -> Vec<[f32; 4]> {
     let whole = |from: u32, to: u32| {
         render(stage, d, Settings { sample_offset: from, ..settings(to - from, 0.0, seed) }).picture
@@ -252,7 +252,7 @@ fn all_pipelines_are_true_in_the_mean() {
     }
 }
 
-/// Also where light lands beyond what a block keeps, and what is shown on the way.
+/// The bits do not depend on the number of threads, also where light lands beyond what a block keeps, and in the pictures on the way.
 #[test]
 fn the_same_bits_for_any_number_of_threads() {
     let stage = bodies();

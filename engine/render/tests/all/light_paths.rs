@@ -176,10 +176,9 @@ fn agree(name: &str, stage: &Arc<Stage>, d: &CameraDescription, path_samples: u3
     check(name, &c);
 }
 
-/// With twelve renders each, a z follows Student's distribution with 22 or fewer degrees of freedom: one of three beyond
-/// 3.5 has a chance of 0.6 %, one of a hundred blocks beyond 5 of 0.5 %, and with the least noise that they are given,
-/// less. A whole picture's 3.5 standard errors are 1 % (glowing meshes, leaves) to 3 % (box) of its mean, and 6 % for a
-/// caustic; a block's 5 are 5 to 25 % of its own.
+/// A z of twelve renders each follows Student's distribution with 22 or fewer degrees of freedom: one of three beyond 3.5 has a probability
+/// of 0.6 %, one of a hundred blocks beyond 5 of 0.5 %, and with the least noise that they are given, less. A whole picture's 3.5 standard
+/// errors are 1 % (glowing meshes, leaves) to 3 % (box) of its mean, and 6 % for a caustic; a block's 5 are 5 to 25 % of its own.
 fn check(name: &str, c: &Comparison) {
     assert!(c.whole_z.iter().all(|z| z.abs() < 3.5), "{name}: whole picture {:?}, means {:?}", c.whole_z, c.means);
     assert!(c.rms_z < 1.3 && c.largest_z < 5.0, "{name}: blocks {} {}", c.rms_z, c.largest_z);
@@ -216,7 +215,7 @@ fn a_point_is_where_the_camera_sees_it() {
     let made = centre(&light_alone(&stage, &d, 64, 2, 0));
     // Right of the middle and above it, in a picture whose rows start from below.
     assert!(seen[1] > 30.0 && seen[2] > 20.0, "{seen:?}");
-    // Some thousand of the camera's samples meet the square's few pixels.
+    // Some thousand of the camera's samples hit the square's few pixels.
     assert!((made[0] / seen[0] - 1.0).abs() < 0.03, "{made:?} {seen:?}");
     assert!((made[1] - seen[1]).abs() < 0.05 && (made[2] - seen[2]).abs() < 0.05, "{made:?} {seen:?}");
 }
@@ -258,7 +257,7 @@ fn lamps_of_all_kinds() {
     agree("lamps", &scenes::many_lamps(), &description(FIGURE_3), 12, 5);
 }
 
-/// The near and the far part of a scene are left out the same way; what is left out still shines, and shades.
+/// The near and the far part of a scene are left out in the same way; the parts left out still emit, and throw shadows.
 #[test]
 fn what_is_clipped() {
     let stage = scenes::box_under_a_lamp();

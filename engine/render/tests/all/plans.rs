@@ -53,7 +53,7 @@ impl Shot {
         Plan::new(&self.stage, &self.d, &self.moving, self.size, wishes, false, None)
     }
 
-    /// By its own measure: the other error of colour is left out.
+    /// The decision on an effect by its own measure: the other error of colour is left out.
     fn decision(&self, effect: Effect) -> Decision {
         let mut own = Wishes::default();
         match effect {
@@ -88,7 +88,7 @@ fn shot(d: CameraDescription, depth: f64, width: u32) -> Shot {
     Shot { stage: wall(depth), d, moving: Vec::new(), size: [width, width * 2 / 3] }
 }
 
-/// For each effect a picture in which it grows with one number from 0 to 1.
+/// A picture for each effect in which the effect grows with one number from 0 to 1.
 fn growing(effect: Effect, x: f64) -> Shot {
     let between = |low: f64, high: f64| low * (high / low).powf(x);
     match effect {
@@ -139,8 +139,7 @@ fn growing(effect: Effect, x: f64) -> Shot {
     }
 }
 
-/// What is a little too small is left out or only comes along, what is a little larger is called for, and the measure says
-/// which is which.
+/// An effect a little too small is left out or only comes along, one a little larger is called for, and the measure tells them apart.
 #[test]
 fn each_effect_is_called_for_where_it_begins_to_matter() {
     for effect in Effect::ALL.into_iter().filter(|effect| effect.is_available()) {
@@ -168,7 +167,7 @@ fn each_effect_is_called_for_where_it_begins_to_matter() {
     }
 }
 
-/// What is left out of a picture is not prepared, either: the plan's camera is the smaller one.
+/// Effects that are left out of a picture are not prepared, either: the plan's camera is the smaller one.
 #[test]
 fn what_is_left_out_is_not_made() {
     let limit = |effect: Effect, x: f64| {
@@ -214,7 +213,7 @@ fn errors_of_colour_add_up() {
     }
 }
 
-/// More wavelengths where colours are farther apart, so that neighbours' images touch.
+/// More wavelengths are used where colours are farther apart, so that neighbours' images touch.
 #[test]
 fn wavelengths_are_as_many_as_their_images_need() {
     let mut last = 0;
@@ -279,7 +278,7 @@ fn picture(stage: &Arc<Stage>, d: &CameraDescription, size: [u32; 2], samples: u
     job.film().picture()
 }
 
-/// Where nothing of a lens can be seen a pinhole stands for it: the same picture, shifted film and all.
+/// A pinhole stands for a lens of which nothing can be seen: the same picture, shifted film and all.
 #[test]
 fn a_pinhole_stands_for_a_lens_of_which_nothing_is_seen() {
     let d = CameraDescription {
@@ -326,7 +325,7 @@ fn no_pinhole_stands_for_a_lens_that_squeezes() {
     );
 }
 
-/// Where a lamp is seen, and that one behind the camera is not.
+/// Lamps in the picture are found at their places, and those behind the camera are not.
 #[test]
 fn sources_are_found_in_the_picture() {
     let lamp = |z: f64, power: f32| {
@@ -387,7 +386,7 @@ fn glare_is_the_lenss_part_of_the_light_on_the_front() {
     assert!(aside > 2.0 * none && (behind / none - 1.0).abs() < 0.02, "{none} {aside} {behind}");
 }
 
-/// The same plan, whatever the number of threads and however often.
+/// A plan does not depend on the number of threads and on how often it is made.
 #[test]
 fn plans_are_repeated_to_the_bit() {
     let shot = || Shot { stage: scenes::box_under_a_lamp(), d: triplet(), moving: Vec::new(), size: [640, 427] };

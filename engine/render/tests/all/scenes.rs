@@ -137,7 +137,7 @@ pub(crate) fn caustic(kind: LampKind) -> Arc<Stage> {
     room.finish()
 }
 
-/// The same with a rough surface on both.
+/// A rough glass ball and a rough mirror ball under an area lamp.
 pub(crate) fn rough_caustic() -> Arc<Stage> {
     let mut room = Room::new();
     room.put(ball(24), glossy(0.0, 1.0, 0.35), place([0.3, -0.3, -3.2], [0.0; 3], 0.25));

@@ -105,7 +105,7 @@ pub(in crate::formats) fn one_line(text: &str) -> String {
     text.replace(char::is_control, " ").trim().to_owned()
 }
 
-/// What to write for a medium: its name in the catalogues, or that of a glass defined in the header.
+/// The text for a medium: its name in the catalogues, or that of a glass defined in the header.
 fn token(medium: &Medium, catalogue: &Catalogue) -> String {
     catalogue.token_of(&medium.as_defined()).unwrap_or_else(|| medium.name().to_owned())
 }

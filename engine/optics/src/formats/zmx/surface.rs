@@ -212,7 +212,7 @@ impl Reader<'_> {
         Ok(row)
     }
 
-    /// What the surface's type adds to curvature and conic constant.
+    /// Reads the part of the shape that the surface's type adds to curvature and conic constant.
     fn shape(&mut self, block: &Block, scale: f64, row: &mut DraftRow) -> Result<(), LensFileError> {
         // A coefficient of rᵖ, in the file's units, in mm.
         let term = |power: u32, a: f64| (power, a / scale.powi(power as i32 - 1));

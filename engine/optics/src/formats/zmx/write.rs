@@ -138,9 +138,9 @@ fn exact_radius(curvature: f64) -> f64 {
     near.into_iter().find(|r| 1.0 / r == curvature).unwrap_or(radius)
 }
 
-/// How a medium is written.
+/// The text of a medium.
 struct Glass {
-    /// What follows `GLAS`; `None` for air.
+    /// The words after `GLAS`; `None` for air.
     words: Option<String>,
     /// The catalogue that must be listed.
     listed: Option<&'static str>,

@@ -1,4 +1,4 @@
-//! What rayoptics and optiland, and publications, say of the same files.
+//! Comparison with rayoptics and optiland, and with publications, on the same files.
 
 use std::f64::consts::TAU;
 

@@ -1,4 +1,4 @@
-//! What is written reads back as the same lens, to the last bit.
+//! A written lens reads back as the same lens, to the last bit.
 
 use petzval_optics::formats::{lens, zmx};
 use petzval_optics::glass::Catalogue;
@@ -7,7 +7,7 @@ use petzval_optics::prescription::{Behind, Prescription};
 use super::{foreign, parse};
 use crate::common::repository;
 
-/// All that a ray meets is the same, to the last bit.
+/// All that a ray hits is the same, to the last bit.
 pub(super) fn assert_same(name: &str, a: &Prescription, b: &Prescription) {
     assert_eq!(a.surfaces.len(), b.surfaces.len(), "{name}");
     for (i, (a, b)) in a.surfaces.iter().zip(&b.surfaces).enumerate() {
@@ -97,7 +97,8 @@ fn files_of_other_programs_come_back() {
     }
 }
 
-/// Curvatures that are one over no number, decentred elements, odd and high powers, private glasses.
+/// Curvatures that are the reciprocal of no floating-point number, decentred elements, odd and high powers, private
+/// glasses.
 #[test]
 fn what_is_rare_comes_back_too() {
     let text = "# name: rare\n# glass: OWN rational 400-700 2.1 1 -0.01 2 0.3 2 0.01\n# transmittance: OWN 400:0.9@10 700:0.99@25\n\

@@ -67,7 +67,7 @@ proptest! {
     }
 }
 
-/// A ray through the box of a straight segment, but past it by twice its radius, does not meet its capsule; nor does one that ends
+/// A ray through the box of a straight segment, but past it by twice its radius, does not hit its capsule; nor does one that ends
 /// before it or begins behind it.
 #[test]
 fn capsules_are_tight() {

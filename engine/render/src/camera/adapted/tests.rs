@@ -20,7 +20,7 @@ fn rays(camera: &Camera, place: Vec2, u_wavelength: f32) -> Vec<CameraRay> {
     (0..256).filter_map(|i| camera.sample(place, u(i), u_wavelength)).collect()
 }
 
-/// Their mean where they meet the plane that is sharp, at three metres; and how far they part there.
+/// The mean point at which a place's rays hit the sharp plane, at three metres; and their spread there.
 fn spot(camera: &Camera, place: Vec2, u_wavelength: f32, depth: f32) -> (DVec2, f64) {
     let met: Vec<DVec2> = rays(camera, place, u_wavelength)
         .iter()
@@ -38,7 +38,7 @@ fn spot(camera: &Camera, place: Vec2, u_wavelength: f32, depth: f32) -> (DVec2, 
 const PLACES: [Vec2; 5] =
     [Vec2::new(0.0, 0.0), Vec2::new(0.3, 0.1), Vec2::new(-0.45, 0.0), Vec2::new(0.1, -0.45), Vec2::new(0.42, 0.42)];
 
-/// Without distortion the picture is in proportion to the scene; with it, not. Stopped down: wide open the mean of a spot with
+/// The picture without distortion is in proportion to the scene; with distortion it is not. Stopped down: wide open the mean of a spot with
 /// coma is no sharp measure.
 #[test]
 fn straight_lines_are_straight() {
@@ -61,7 +61,7 @@ fn straight_lines_are_straight() {
     assert!((spot(&whole, PLACES[4], 0.5, 3.0).0 - corner).length() > 1e-3 * per_width);
 }
 
-/// Without aberrations every ray of a place meets what is sharp in one point; distortion stays where it was.
+/// All rays of a place without aberrations hit the sharp plane in one point; distortion is unchanged.
 #[test]
 fn without_aberrations_points_are_points() {
     let d = CameraDescription { wavelength_nm: Some(587.6), ..wide() };
@@ -77,7 +77,7 @@ fn without_aberrations_points_are_points() {
     assert!((near / exact_near - 1.0).abs() < 0.1, "{near} {exact_near}");
 }
 
-/// Without defocus everything is sharp, near and far, where the lens shows it.
+/// The picture without defocus is sharp everywhere, near and far, at the places where the lens shows it.
 #[test]
 fn without_defocus_near_and_far_are_sharp() {
     let d = CameraDescription { wavelength_nm: Some(587.6), ..wide() };
@@ -92,7 +92,7 @@ fn without_defocus_near_and_far_are_sharp() {
     }
 }
 
-/// Of the two ways in which colours part each can be taken out alone.
+/// Each of the two colour errors can be taken out alone.
 #[test]
 fn colours_part_in_one_way_alone() {
     let d = CameraDescription { f_number: Some(16.0), ..with_lens("biconvex-50mm.lens", 36.0, 24.0, 0.0) };
@@ -142,7 +142,7 @@ fn brightness_is_right_whatever_makes_the_rays() {
     }
 }
 
-/// In a batch each ray is what it is alone.
+/// A ray of a batch equals the ray alone.
 #[test]
 fn a_sample_of_a_batch_is_the_sample_alone() {
     let shown = Shown { distortion: false, axial_colour: false, ..Shown::default() };

@@ -1,4 +1,4 @@
-//! Paths that begin at the camera: what they meet, what they find by light samples, and what light paths bring to them.
+//! Paths that begin at the camera: what they hit, what they find by light samples, and what light paths bring to them.
 
 use super::vertex::{Vertex, Walk, material};
 use super::weights::{Partial, squared, weight};
@@ -99,7 +99,7 @@ pub(super) fn trace(
     result
 }
 
-/// Light that a ray meets by chance.
+/// Light that a ray hits by chance.
 struct Met<'a> {
     stage: &'a Stage,
     ray: &'a Ray,
@@ -114,7 +114,7 @@ impl Met<'_> {
         weight(squared(sample_pdf) * self.partial.ends + squared(density) * self.partial.before)
     }
 
-    /// What kind of bounce it was is not kept.
+    /// The path state at this vertex, by its bounce alone: the kinds of the bounces are not kept.
     fn way(&self) -> Way {
         if self.bounce == 0 { Way::CAMERA } else { Way::BOUNCE.at_depth(self.bounce) }
     }
@@ -129,7 +129,7 @@ impl Met<'_> {
         let to = self.receiver();
         let line = Line { from: origin, towards: direction, t_max };
         lights.lamps_along(scene, line, self.way(), to.as_ref(), |Shining { source, radiance, pdf, .. }| {
-            // Every lamp that can be met has extent: the distance does not matter.
+            // Every lamp that can be hit has extent: the distance does not matter.
             found(
                 radiance * self.weight(pdf, emission.density(scene, lights, source, direction, 1.0, self.ray.moment)),
             );
@@ -170,7 +170,7 @@ impl Met<'_> {
     }
 }
 
-/// What a light sample finds at a place.
+/// Light of a light sample at a vertex.
 fn direct(stage: &Stage, vertex: &Vertex, [u_choice, u0, u1]: [f32; 3], rays: &mut u32) -> Rgb {
     let Stage { scene, lights, emission, .. } = stage;
     let to = lights.receiver_between(vertex.point.position).at(vertex.point.moment);
@@ -198,7 +198,7 @@ fn direct(stage: &Stage, vertex: &Vertex, [u_choice, u0, u1]: [f32; 3], rays: &m
     found * stage.accel.light_through(&ray, Rays::SHADOW, through)
 }
 
-/// What a place on a light path sends to one on the camera's path.
+/// Light that a vertex of a light path sends to a vertex of the camera's path.
 fn connect(stage: &Stage, eye: &Vertex, light: &Vertex, rays: &mut u32) -> Rgb {
     if light.bsdf.is_mirror() {
         return Rgb::ZERO;

@@ -16,7 +16,7 @@ use glam::Vec3A;
 
 /// Sets of four numbers before the light path's first step.
 const LIGHT_SETS: u32 = 2;
-/// Where in the sampler the numbers for aiming at the lens begin: behind those of all steps.
+/// The first of the sampler's sets for aiming at the lens: behind those of all steps.
 const AIM_SETS: u32 = 4096;
 
 /// Follows light from a source, as things are at a moment; its scattering places replace those in `path`. Gives the rays traced.
@@ -117,7 +117,7 @@ fn scatter(stage: &Stage, vertex: &Vertex, u_lobe: f32, u: [f32; 2]) -> Option<S
     carried.is_finite().then_some(Scattered { direction: d, carried, partial })
 }
 
-/// What the film gets of a light path's places, each seen directly by the camera.
+/// Adds to the film the light of a light path's vertices, each seen directly by the camera.
 pub(super) fn splat(
     stage: &Stage,
     film: &FilmEnd<'_>,

@@ -18,19 +18,19 @@ use glam::Vec3A;
 /// The sampler's sets of four numbers used at each surface.
 const SETS_PER_STEP: u32 = 3;
 
-/// Where a path scatters.
+/// A point where a path scatters.
 pub(super) struct Vertex {
-    /// Seen from the side that made it.
+    /// The point, seen from the side that made it.
     pub(super) point: SurfacePoint,
     /// Inputs of a plain surface.
     values: Option<PlainValues>,
-    /// What it counts, over the chance that it was not passed.
+    /// Weight of the surface over the probability that it was not passed.
     kept: f32,
-    /// Seen from there.
+    /// BSDF, seen from the direction that the path came from.
     pub(super) bsdf: Surface,
     /// Unit direction to where the path came from.
     pub(super) back: Vec3A,
-    /// From the camera: what radiance that leaves towards it counts. From the light: the power that arrives.
+    /// On a path from the camera: weight of radiance that leaves towards it. From the light: the power that arrives.
     pub(super) carried: Rgb,
     pub(super) partial: Partial,
 }
@@ -47,7 +47,7 @@ impl Vertex {
         Self { point, values, kept, bsdf, back, carried, partial }
     }
 
-    /// The scattering there, seen from the other end of `d`.
+    /// The scattering at the vertex, seen from the other end of `d`.
     pub(super) fn seen_from(&self, stage: &Stage, d: Vec3A) -> Surface {
         Surface::new(stage, self.values.as_ref(), self.kept, &self.point.seen_from(d), d)
     }
@@ -73,7 +73,7 @@ impl Vertex {
     }
 }
 
-/// What scatters at a vertex.
+/// The BSDF at a vertex.
 // Vertices are kept one after the other, and most materials of a scene are of the small kind.
 #[allow(clippy::large_enum_variant)]
 pub(super) enum Surface {
@@ -155,15 +155,15 @@ pub(super) fn material<'a>(stage: &'a Stage, point: &SurfacePoint) -> &'a Materi
 
 /// A ray from one scattering to the next.
 pub(super) struct Stretch {
-    /// Where it ends, if anywhere.
+    /// The surface interaction at its end, if there is one.
     pub(super) end: Option<(SurfacePoint, Hit)>,
-    /// From its start; infinite where it leaves the scene.
+    /// Length of the ray; infinite where it leaves the scene.
     pub(super) distance: f32,
-    /// What the surfaces that it passed left of its light, over the chance of passing them.
+    /// Transmittance of the surfaces that the ray passed, over the probability of passing them.
     pub(super) through: Rgb,
-    /// What the surface at its end counts, over the chance that it was not passed.
+    /// Weight of the surface at its end over the probability that it was not passed.
     pub(super) kept: f32,
-    /// To choose a light at its end, and a place on it.
+    /// Random numbers to choose a light at its end, and a place on it.
     pub(super) u_light: [f32; 3],
 }
 

@@ -164,7 +164,7 @@ fn thin_media_are_lit_for_every_path() {
     close(down(&stage(thin, 0.0, 3.0), 3.0, 0, 16), expected, 0.01 * expected.max_element());
 }
 
-/// What shines: over a length of 2, dimmed by itself where it absorbs.
+/// Emission over a length of 2, dimmed by the medium itself where it absorbs.
 #[test]
 fn what_shines_adds_up() {
     let glow = volume("Emission", r#""Color": [1.0, 0.5, 0.2], "Strength": 0.7"#, "");
@@ -182,7 +182,7 @@ fn what_shines_adds_up() {
     close(down(&rising, 3.0, 0, 8192), Rgb::ONE, 0.01);
 }
 
-/// What a path finds does not depend on those that go with it.
+/// The result of a path does not depend on the paths that are traced with it.
 #[test]
 fn paths_know_nothing_of_each_other() {
     let inputs = format!(r#""Color": [0.9, 0.7, 0.5], "Anisotropy": 0.3, {FROM_RISING}"#);
@@ -217,7 +217,7 @@ fn spike(dense: f32, above: f32, part: f32) -> Stage {
     stage
 }
 
-/// A spike that no sample found before the render is met all the same, on average rightly; and counted.
+/// A spike that no sample found before the render is hit all the same, on average rightly; and counted.
 #[test]
 fn what_is_denser_than_its_bound_is_no_bias() {
     // Density 0.5, and 40 more in the last hundredth.

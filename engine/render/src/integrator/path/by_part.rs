@@ -1,5 +1,5 @@
-//! What of a path's light came by which lobe of the first surface, and what that surface looks like: what [`super::parts`] are
-//! of (what counts as which lobe is `Lobe::rays`).
+//! The shares of a path's light by lobe of the first surface, and the features of that surface: the values of [`super::parts`] (what counts
+//! as which lobe is `Lobe::rays`).
 //!
 //! Light that the camera sees itself is emission or environment. All other light is shared out by the first scattering: in a
 //! volume it is the volume's, at a surface each kind of lobe takes its share of what was scattered in that direction. It is
@@ -12,41 +12,41 @@ use crate::nodes::{View, Way};
 use crate::shading::{LobeShares, Parted};
 use crate::surface::SurfacePoint;
 
-/// How a path's light is shared out.
+/// The lobes of the first scattering, by which a path's light is shared out.
 #[derive(Clone, Copy, Debug)]
 enum First {
-    /// The camera sees it.
+    /// The camera sees the light.
     None,
-    /// By a surface: diffuse and glossy shares; the rest was let through.
+    /// A surface: diffuse and glossy shares; the rest is transmission.
     Surface([Rgb; 2]),
-    /// By a volume.
+    /// A volume.
     Volume,
-    /// In no part.
+    /// No part.
     Nowhere,
 }
 
-/// What light belongs to.
+/// The parts that light belongs to.
 #[derive(Clone, Copy, Debug)]
 pub struct Belongs {
     first: First,
-    /// Direct, or where the camera sees it, the sky.
+    /// True if the light is direct, or where the camera sees it, the sky.
     is_near: bool,
-    /// The path's ray met it.
+    /// True if the path's ray hit the light.
     is_met: bool,
 }
 
 impl Belongs {
-    /// Of light that is in no part.
+    /// Light that is in no part.
     pub(super) fn nowhere() -> Self {
         Self { first: First::Nowhere, is_near: false, is_met: false }
     }
 }
 
-/// A path's own.
+/// The part of a path's light, and its features.
 #[derive(Clone, Copy, Debug)]
 struct Path {
     first: First,
-    /// What mirrors before the surface of the denoiser's passes left; `None` behind it.
+    /// Reflectance of the mirrors before the surface of the denoiser's passes; `None` behind it.
     features: Option<Rgb>,
     is_caught: bool,
 }
@@ -61,7 +61,7 @@ pub(super) struct ByPart {
 }
 
 impl ByPart {
-    /// For these.
+    /// Notes of these parts.
     pub(super) fn new(parts: Parts) -> Self {
         let has_colours = parts.any(|part| matches!(part, Part::Colour(_)));
         let has_features =
@@ -70,7 +70,7 @@ impl ByPart {
         Self { parts, has_colours, has_features, has_aovs, paths: Vec::new() }
     }
 
-    /// How many numbers of three a path has.
+    /// Number of colours that a path has.
     pub(super) fn count(&self) -> usize {
         self.parts.list().len()
     }
@@ -96,7 +96,7 @@ impl ByPart {
         }
     }
 
-    /// Light that the path's ray meets.
+    /// Light that the path's ray hits.
     pub(super) fn met(&self, path: u32, way: Way, is_sky: bool) -> Belongs {
         match self.paths.get(path as usize).map_or(First::None, |path| path.first) {
             First::None => Belongs { first: First::None, is_near: is_sky, is_met: true },
@@ -110,7 +110,7 @@ impl ByPart {
         self.scattered(path, way, first)
     }
 
-    /// The same in a volume.
+    /// Light that a volume scatters along the path.
     pub(super) fn sampled_in_volume(&self, path: u32, way: Way) -> Belongs {
         self.scattered(path, way, || First::Volume)
     }
@@ -132,7 +132,7 @@ impl ByPart {
         }
     }
 
-    /// It was scattered in a volume.
+    /// The path was scattered in a volume.
     pub(super) fn turned_in_volume(&mut self, path: u32, way: Way) {
         if let Some(path) = self.paths.get_mut(path as usize) {
             // As in Cycles, what a denoiser is told ends there.
@@ -245,7 +245,7 @@ mod tests {
     use super::super::parts::Seen;
     use super::*;
 
-    /// Of light the shares are all of it, whichever way it comes.
+    /// The shares of light add up to all of it, in all directions.
     #[test]
     fn all_light_is_shared_out() {
         let lobes = [LobeKind::Diffuse, LobeKind::Glossy, LobeKind::Transmission];

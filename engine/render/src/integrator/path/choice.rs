@@ -1,13 +1,14 @@
-//! How a ray was chosen, and what the light that it finds counts beside light samples.
+//! The choice of a ray, and the weight of the light that it finds beside light samples.
 
 use crate::lights::receiver::Receiver;
 
-/// How the current ray was chosen: what light it finds is weighted by this.
+/// The choice of the current ray, which determines the weight of the light that it finds.
 #[derive(Clone, Copy)]
 pub(super) enum Chosen {
-    /// By the camera or a mirror: no light sample competes.
+    /// The camera or a mirror chose the ray: no light sample competes.
     Alone,
-    /// By a surface's scattering, with this density per steradian; and where a light sample competed.
+    /// A surface's scattering chose the ray, with this density per steradian; with the place at which a light sample
+    /// competed.
     WithPdf(f32, Receiver),
 }
 
@@ -20,7 +21,7 @@ impl Chosen {
         }
     }
 
-    /// Where a light sample competed.
+    /// The place at which a light sample competed.
     pub(super) fn receiver(&self) -> Option<&Receiver> {
         match self {
             Self::Alone => None,

@@ -1,4 +1,4 @@
-//! What is noted of a path beside its light as a whole: that of groups of emitters, and parts ([`super::parts`]).
+//! Notes on a path beside its light as a whole: the light of light groups, and parts ([`super::parts`]).
 //!
 //! A kind rather than a value: where nothing of it is asked for, nothing is left in the code that follows paths.
 
@@ -10,12 +10,12 @@ use crate::nodes::{View, Way};
 use crate::shading::{LobeShares, Parted};
 use crate::surface::SurfacePoint;
 
-/// Where paths note what they found beside their light as a whole.
+/// Notes on the light that paths found, beside its sum.
 pub trait Notes {
-    /// What is known of where light comes from.
+    /// The origin of light, as far as it is known.
     type Of: Copy;
 
-    /// Light that a path's ray meets: of the sky, or of anything else; `number` is its emitter's group, 0 is none.
+    /// Light that a path's ray hits: of the sky, or of anything else; `number` is its emitter's group, 0 is none.
     fn met(&self, path: u32, way: Way, is_sky: bool, number: impl FnOnce() -> u16) -> Self::Of;
 
     /// Light that a path's surface scatters, with the shares of its lobes.
@@ -27,7 +27,7 @@ pub trait Notes {
         number: impl FnOnce() -> u16,
     ) -> Self::Of;
 
-    /// The same in a volume.
+    /// Light that a volume scatters along a path.
     fn sampled_in_volume(&self, path: u32, way: Way, number: impl FnOnce() -> u16) -> Self::Of;
 
     /// Light that counts for the picture and in no group or part.
@@ -54,14 +54,14 @@ pub trait Notes {
     /// A path was scattered by a surface, with the shares of its lobes.
     fn turned(&mut self, path: u32, way: Way, shares: impl FnOnce() -> LobeShares);
 
-    /// The same in a volume.
+    /// A path was scattered in a volume.
     fn turned_in_volume(&mut self, path: u32, way: Way);
 
-    /// What a path found: group by group, then part by part.
+    /// The light that a path found: group by group, then part by part.
     fn found(&self, path: usize) -> &[Rgb];
 }
 
-/// Notes nothing.
+/// Notes of nothing.
 #[derive(Default)]
 pub struct NoNotes;
 
@@ -116,12 +116,12 @@ impl Notes for NoNotes {
 pub struct Noted {
     groups: u16,
     parts: ByPart,
-    /// Path by path.
+    /// Sums of light, path by path.
     sums: Vec<Rgb>,
 }
 
 impl Noted {
-    /// For that many groups, and for parts.
+    /// Notes of that many groups, and of parts.
     pub fn new(groups: u16, parts: Parts) -> Self {
         Self { groups, parts: ByPart::new(parts), sums: Vec::new() }
     }

@@ -55,7 +55,7 @@ fn plain(albedo: f32, emission: f32) -> Material {
     Material::diffuse("plain", Rgb::splat(albedo), Rgb::splat(emission))
 }
 
-/// A closed box that glows with radiance 1 and reflects half: 1 + 1/2 + 1/4 ... = 2, seen from anywhere inside.
+/// A closed box that emits radiance 1 and reflects half: 1 + 1/2 + 1/4 ... = 2, seen from anywhere inside.
 /// Every bounce is found by light samples and by scattering; their weights must add to one.
 #[test]
 fn a_glowing_box_sums_its_series() {
@@ -70,7 +70,7 @@ fn a_glowing_box_sums_its_series() {
     }
 }
 
-/// A small square that glows close to a floor, far from where numbers are fine: it must not shadow its own light.
+/// A small square that emits light close to a floor, far from where numbers are fine: it must not shadow its own light.
 #[test]
 fn what_glows_nearby_lights_fully() {
     let square = |half: f32, z: f32| MeshDescription {
@@ -105,7 +105,7 @@ fn what_glows_nearby_lights_fully() {
     }
 }
 
-/// In a uniform white world a white object cannot be seen: matte exactly, mixtures within their tables.
+/// A white object in a uniform white world is invisible: matte exactly, mixtures within their tables.
 #[test]
 fn white_furnace() {
     let glossy = |metallic: f32, transmission: f32, roughness: f32| {
@@ -128,7 +128,7 @@ fn white_furnace() {
     }
 }
 
-/// Half-transparent walls around a point: the world shines through with their alpha, lamps too.
+/// Half-transparent walls around a point let light of the world and of lamps through by their alpha.
 #[test]
 fn alpha_lets_light_through() {
     let black = Closure::Diffuse { color: Rgb::ZERO, roughness: 0.0 };
@@ -169,7 +169,7 @@ fn alpha_lets_light_through() {
     let found = trace(&stage, ray, &limits(0), &mut sampler).radiance.x;
     let pi = std::f32::consts::PI;
     let expected = 100.0 / (4.0 * pi) / 4.0 / pi * 0.75;
-    // The floor is met 0.02 off the lamp's axis: cos^4 of a hundredth of a radian.
+    // The floor is hit 0.02 off the lamp's axis: cos^4 of a hundredth of a radian.
     assert!((found / expected - 1.0).abs() < 5e-4, "{found} {expected}");
 }
 
@@ -183,7 +183,7 @@ fn clamping_tells_direct_light_from_indirect() {
         trace(&stage, Ray::new(Vec3A::new(0.3, -0.2, 0.5), Vec3A::X), &limits, &mut sampler).radiance.x
     };
     let no_limit = f32::INFINITY;
-    // Glow 100, seen directly, and what is scattered once: found by a light sample, and met by the path.
+    // Glow 100, seen directly, and what is scattered once: found by a light sample, and hit by the path.
     let direct = one(0, no_limit, 1e-3);
     assert!(direct > 101.0, "{direct}");
     let clamped = one(0, 1.0, no_limit);
@@ -211,7 +211,7 @@ fn openness_is_what_is_seen_of_the_sky() {
     assert_eq!(openness(&stage, &[]), 0.5);
 }
 
-/// However soon paths end by chance, they find the same light: a box of albedo 0.8 that glows, where each bounce counts.
+/// Paths find the same light however soon Russian roulette ends them: a box of albedo 0.8 that emits light, where each bounce counts.
 #[test]
 fn paths_that_end_by_chance_find_the_same_light() {
     let stage = stage(plain(0.8, 1.0), Rgb::ZERO, 1.0);

@@ -1,4 +1,4 @@
-//! Paths that advance together, step by step: all rays are traced, then all that meet a surface are looked at in the
+//! Paths that advance together, step by step: all rays are traced, then all that hit a surface are looked at in the
 //! order of their materials, then all shadow rays are traced. Each step does one kind of work on memory that stays in
 //! the cache. What a path finds does not depend on which others go with it.
 
@@ -34,24 +34,24 @@ pub struct Wave<N: Notes = NoNotes, const VOLUMES: bool = false> {
     paths: Vec<Path>,
     results: Vec<PathResult>,
     notes: N,
-    /// Those that still go on, in the order of their numbers.
+    /// The paths that still go on, in the order of their numbers.
     live: Vec<u32>,
     hits: Vec<Option<Hit>>,
     meetings: Vec<Meeting>,
     /// Numbers of the meetings by their materials.
     order: Vec<u32>,
-    /// By material, how many of the meetings are on it: all 0 between steps.
+    /// Number of meetings by material: all 0 between steps.
     counts: Vec<u32>,
-    /// The materials met.
+    /// The materials that are hit in this step.
     met: Vec<u32>,
     shadows: Vec<Shadow<N::Of>>,
-    /// By path, whether it goes on.
+    /// True for the paths that go on.
     is_alive: Vec<bool>,
-    /// Those of the material that is being looked at.
+    /// The closures of the material that is being evaluated.
     layers: Layers,
-    /// By path, what it is in; empty where there are no volumes.
+    /// The media that each path is in; empty where there are no volumes.
     inside: Vec<Inside>,
-    /// By shadow ray, what it goes through.
+    /// The media of each shadow ray.
     veils: Vec<Veil>,
 }
 
@@ -61,11 +61,11 @@ struct Path {
     throughput: Rgb,
     chosen: Chosen,
     way: Way,
-    /// Distance since the last scattering, over surfaces passed unbent: what densities by area need.
+    /// Distance since the last scattering, over surfaces passed unbent; densities by area need it.
     travelled: f32,
-    /// Where the ray was scattered.
+    /// The point where the ray was scattered.
     start: Vec3A,
-    /// By which instance.
+    /// The instance that scattered the ray.
     from: u32,
     /// Least density of the directions that it was scattered in so far; infinite before the first.
     least_pdf: f32,
@@ -78,10 +78,10 @@ struct Path {
 struct Meeting {
     path: u32,
     point: SurfacePoint,
-    /// What it counts, over the chance that it was not passed.
+    /// Weight of the surface over the probability that it was not passed.
     kept: f32,
     view: View,
-    /// To choose a light and a place on it: of one set, so that the places on each light are stratified, too.
+    /// Random numbers to choose a light and a place on it: of one set, so that the places on each light are stratified, too.
     u_light: [f32; 3],
     /// Probability of scattering, where paths that pass take a light sample, too, which is weighted by it; else 1.
     share: f32,
@@ -91,11 +91,11 @@ struct Meeting {
 /// The event that follows the light sample of a path at a surface.
 #[derive(Clone, Copy)]
 enum Next {
-    /// Scattered.
+    /// The path is scattered.
     Scatter,
-    /// Through the surface, unbent.
+    /// The path goes through the surface, unbent.
     Pass(Passage),
-    /// Not at all: the path has passed as many surfaces as it may.
+    /// The path ends: it has passed as many surfaces as it may.
     End,
 }
 
@@ -106,12 +106,12 @@ struct Passage {
     weight: Rgb,
     /// Distance of the surface from the ray's origin.
     t: f32,
-    /// The border of a volume alone is no surface: it is not counted.
+    /// False for the border of a volume alone, which is no surface.
     is_counted: bool,
 }
 
-/// At a surface that lets a part of the light through, the light sample does not depend on whether the path passes, as in Cycles: less
-/// noise. Not where fewer paths than this part are scattered: a shadow ray would seldom be worth its time.
+/// Least probability of scattering at a surface that lets a part of the light through with which the light sample does not depend on
+/// whether the path passes, as in Cycles: less noise. With a smaller one a shadow ray would seldom be worth its time.
 const LEAST_SHARE: f32 = 0.02;
 
 impl Path {
@@ -187,12 +187,12 @@ impl<N: Notes, const VOLUMES: bool> Wave<N, VOLUMES> {
         });
     }
 
-    /// What a path found, once all were followed.
+    /// The result of a path after all were followed.
     pub fn found(&self, path: usize) -> PathResult {
         self.results[path]
     }
 
-    /// What is noted of it besides.
+    /// The notes on a path beside its result.
     #[inline]
     pub fn found_beside(&self, path: usize) -> &[Rgb] {
         self.notes.found(path)
@@ -218,7 +218,7 @@ impl<N: Notes, const VOLUMES: bool> Wave<N, VOLUMES> {
         }
     }
 
-    /// Finds what the rays meet.
+    /// Finds what the rays hit.
     fn trace(&mut self, stage: &Stage) {
         self.hits.clear();
         for &i in &self.live {
@@ -311,7 +311,7 @@ impl<N: Notes, const VOLUMES: bool> Wave<N, VOLUMES> {
         }
     }
 
-    /// Brings the meetings in the order of their materials, first met first.
+    /// Sorts the meetings by material, the material that is hit first in front.
     fn sort(&mut self, stage: &Stage) {
         self.counts.resize(stage.scene.materials.len(), 0);
         self.met.clear();
@@ -339,7 +339,7 @@ impl<N: Notes, const VOLUMES: bool> Wave<N, VOLUMES> {
         }
     }
 
-    /// At each surface a sample of the lights, and a direction to go on in.
+    /// Takes a sample of the lights at each surface, and chooses a direction to go on in.
     fn scatter(&mut self, stage: &Stage, limits: &Limits) {
         if self.order.is_empty() {
             return;
@@ -387,8 +387,8 @@ impl<N: Notes, const VOLUMES: bool> Wave<N, VOLUMES> {
         }
     }
 
-    /// A light sample at a meeting, whose shading normal may be bent, and a direction; where that leads into a body, the same at the place where it comes
-    /// out.
+    /// A light sample at a meeting, whose shading normal may be bent, and a direction; where that leads into a body, the same at the place
+    /// where it comes out.
     #[inline(always)]
     fn go_on(
         &mut self,

@@ -95,7 +95,7 @@ fn all_kinds() -> Vec<(&'static str, Lit)> {
     ]
 }
 
-/// Where a ray meets a sphere about the origin that holds all lamps, first: distance and place.
+/// The first point at which a ray hits a sphere about the origin that holds all lamps: distance and place.
 fn at_sphere(ray: &Ray, radius: f32) -> Option<(f32, Vec3A)> {
     let b = ray.origin.dot(ray.direction);
     let c = ray.origin.length_squared() - radius * radius;
@@ -120,7 +120,7 @@ fn light_paths_bring_what_light_samples_find() {
         let mut by_paths = glam::DVec3::ZERO;
         let mut by_samples = glam::DVec3::ZERO;
         let from_afar = ["sun", "wide sun", "even sky", "image sky"].contains(&name);
-        // Most of the sky's rays are to meet it.
+        // Most of the sky's rays are to hit it.
         let radius = if from_afar { 9.0 } else { 3.0 };
         // Weighted with the height, so that a wrong direction shows.
         let height = |p: Vec3A| 1.0 + (p.z + 0.5 * p.x) / radius;
@@ -154,8 +154,7 @@ fn light_paths_bring_what_light_samples_find() {
     }
 }
 
-/// What a lamp shines through a sphere about it is its power in watts; a triangle's is pi times radiance times
-/// area, for either side.
+/// The flux of a lamp through a sphere about it is its power in watts; a triangle's is pi times radiance times area, for either side.
 #[test]
 fn power_is_that_of_the_lamp() {
     for (name, Lit { scene, lights, emission }) in all_kinds() {
@@ -179,7 +178,7 @@ fn power_is_that_of_the_lamp() {
     }
 }
 
-/// What a ray brings says the same of its densities as a light sample, and a ray that meets the light, in that direction.
+/// The densities of an emitted ray agree with those of a light sample, and of a ray that hits the light, in that direction.
 #[test]
 fn densities_agree_from_both_ends() {
     for (name, Lit { scene, lights, emission }) in all_kinds() {

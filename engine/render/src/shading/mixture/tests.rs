@@ -30,7 +30,7 @@ fn plain() -> Principled<Rgb, f32> {
     Principled { base_color: Rgb::ONE, subsurface_radius: Rgb::ONE, ..Principled::default() }
 }
 
-/// What is white gives back all light where `keeps` is so; `reverses` where light takes a path both ways alike.
+/// A white mixture: it gives back all light where `keeps` is set; `reverses` where light takes a path both ways alike.
 struct Case {
     name: &'static str,
     closures: Vec<(f32, Values)>,
@@ -201,7 +201,7 @@ fn sampled_and_uniform_albedos_agree() {
     }
 }
 
-/// What metals say that they scatter, for the passes of colour, is what they scatter.
+/// Albedos of metals, for the passes of colour, agree with the light that they scatter.
 #[test]
 fn metals_know_their_albedo() {
     let (gold, edge) = (Rgb::new(0.9, 0.6, 0.3), Rgb::new(0.5, 0.8, 1.0));
@@ -260,7 +260,7 @@ fn symmetric_closures_reverse() {
     }
 }
 
-/// What has a shorter way in [`crate::shading::principled`] is the same surface as a mixture.
+/// A surface that has a shorter way in [`crate::shading::principled`] is the same surface as a mixture.
 #[test]
 fn plain_principled_is_the_same_both_ways() {
     for (metallic, transmission, roughness) in

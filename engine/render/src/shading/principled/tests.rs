@@ -27,7 +27,7 @@ const CASES: [Case; 8] = [
     case(0.3, 0.6, 0.5, 0.7, false),
 ];
 
-/// Values and tables of a material that is plain and the same everywhere.
+/// Values and tables of a material that is plain and spatially constant.
 fn plain(material: Material) -> (PlainValues, PrincipledTables) {
     let plain = material.graph.plain.as_ref().unwrap();
     (plain.constants.unwrap(), PrincipledTables::new(plain, Arc::new(AlbedoTable::reflection())))

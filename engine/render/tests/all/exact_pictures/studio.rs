@@ -30,12 +30,12 @@ pub(crate) fn lens(name: &str) -> CameraDescription {
     }
 }
 
-/// The same in three wavelengths, one for each channel.
+/// The camera in three wavelengths, one for each channel.
 pub(crate) fn in_three(d: &CameraDescription) -> CameraDescription {
     CameraDescription { wavelength_nm: None, spectrum: Spectrum::Three, ..d.clone() }
 }
 
-/// A square that glows with radiance one, upright before the camera.
+/// A square that emits radiance one, upright before the camera.
 #[derive(Clone, Copy, Debug)]
 pub(crate) struct Lamp {
     /// Camera space, Blender units.
@@ -71,7 +71,7 @@ pub(crate) fn white_world() -> Arc<Stage> {
     Arc::new(Stage::new(builder.build(DVec3::ZERO)))
 }
 
-/// How a picture is taken. Pixels are squares without overlap, so that no filter is between them and the truth.
+/// The settings of a picture. Pixels are squares without overlap, so that no filter is between them and the truth.
 #[derive(Clone, Copy, Debug)]
 pub(crate) struct Exposure {
     pub(crate) pixels: [u32; 2],

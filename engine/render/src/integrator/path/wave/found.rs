@@ -1,4 +1,4 @@
-//! Light that a path's ray meets: of lamps, of the sky, and of the surface at its end.
+//! Light that a path's ray hits: of lamps, of the sky, and of the surface at its end.
 
 use super::super::notes::Notes;
 use super::super::{Limits, PathResult};
@@ -11,9 +11,9 @@ use crate::nodes::{self, View};
 use crate::scene::visibility::Sets;
 use crate::surface::SurfacePoint;
 
-/// What a path has found.
+/// The result and the notes of one path, to add light to.
 pub(super) struct Found<'a, N> {
-    /// Its number.
+    /// The number of the path.
     pub(super) path: u32,
     pub(super) result: &'a mut PathResult,
     pub(super) notes: &'a mut N,
@@ -29,13 +29,13 @@ impl<N: Notes> Found<'_, N> {
 }
 
 impl Path {
-    /// How what it meets is looked at.
+    /// The view along the path's ray at the hit at this distance.
     pub(super) fn view(&self, distance: f32) -> View {
         View::along(&self.ray, distance, self.way)
     }
 
-    /// Whether light that the ray found counts: not where its emitter does not light the object that it comes from, nor
-    /// where it has shadows of its own, which the ray knows nothing of.
+    /// True if light that the ray found counts: not where light linking excludes the object that the ray comes from
+    /// from its emitter's receivers, nor where the emitter has blockers of its own, of which the ray knows nothing.
     #[inline(always)]
     pub(super) fn finds(&self, stage: &Stage, sets: impl FnOnce() -> Sets) -> bool {
         if !stage.lights.is_linked() || self.way.is_camera() {
@@ -46,7 +46,7 @@ impl Path {
         stage.scene.instances[self.from as usize].links.takes_light_of(sets) && (is_alone || sets.blockers == 0)
     }
 
-    /// Adds the light of lamps that the ray meets within `t_max` of where it was scattered: from there a light sample
+    /// Adds the light of lamps that the ray hits within `t_max` of where it was scattered: from there a light sample
     /// would have been taken, whatever surfaces it passed since.
     #[inline(always)]
     pub(super) fn lamps_before<N: Notes>(&self, stage: &Stage, limits: &Limits, t_max: f32, found: &mut Found<'_, N>) {
@@ -94,7 +94,7 @@ impl Path {
         );
     }
 
-    /// Notes how much of what the camera sees there is a hole; whether all of it is.
+    /// Notes how much of what the camera sees there is a hole; true if all of it is.
     #[cold]
     #[inline(never)]
     fn falls_into(&self, stage: &Stage, hit: &Hit, point: &SurfacePoint, kept: f32, result: &mut PathResult) -> bool {
@@ -106,7 +106,7 @@ impl Path {
         hole >= 1.0
     }
 
-    /// Adds the light of the surface that the ray meets; true where the path ends, in a hole.
+    /// Adds the light of the surface that the ray hits; true if the path ends, in a hole.
     pub(super) fn emission<N: Notes>(
         &self,
         stage: &Stage,

@@ -1,4 +1,4 @@
-//! What happens where a path scatters: a sample of the lights, and a direction to go on in.
+//! The light sample and the next direction at a place where a path scatters.
 
 use super::super::choice::{Chosen, power_heuristic};
 use super::super::notes::Notes;
@@ -26,7 +26,7 @@ pub(super) struct Shadow<Of> {
     pub(super) of: Of,
 }
 
-/// Where a path scatters.
+/// A place where a path scatters.
 #[derive(Clone, Copy)]
 pub(super) struct Place<'a> {
     pub(super) stage: &'a Stage,
@@ -95,7 +95,7 @@ impl Place<'_> {
         links.takes_light_of(light.sets).then_some(LightSample { point_like, ..light })
     }
 
-    /// A direction to go on in; whether there is one.
+    /// Samples the direction in which the path goes on; false if it ends.
     #[inline(always)]
     pub(super) fn turn<N: Notes>(
         &self,
@@ -163,8 +163,8 @@ impl Place<'_> {
 const LEAST_FIRST_THROUGHPUT: f32 = 0.02;
 
 impl Path {
-    /// Ends faint paths by chance; whether this one goes on. Faint is what has lost much of its light since the first scattering: the
-    /// pixel of a dark surface is dark itself, and its noise counts by that.
+    /// Ends faint paths by Russian roulette; true if this one goes on. A path is faint if it has lost much of its light since the first
+    /// scattering: the pixel of a dark surface is dark itself, and its noise counts by that.
     #[inline(always)]
     pub(super) fn goes_on(&mut self, limits: &Limits, u_end: f32) -> bool {
         let brightest = self.throughput.max_element();

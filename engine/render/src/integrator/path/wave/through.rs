@@ -1,4 +1,4 @@
-//! Paths through volumes: scattered on their way, dimmed on it, lit by what shines there.
+//! Paths through volumes: scattering, transmittance and emission along rays.
 
 use super::super::choice::{Chosen, power_heuristic};
 use super::super::notes::Notes;
@@ -22,46 +22,46 @@ use crate::surface::SurfacePoint;
 use glam::Vec3A;
 use std::f32::consts::TAU;
 
-/// What a path is in.
+/// The media that a path is in.
 pub(super) struct Inside {
     pub(super) stack: Stack,
     /// Scatterings in volumes so far.
     bounces: u32,
 }
 
-/// What a shadow ray goes through, by where it begins; and where its random numbers begin.
+/// The media that a shadow ray starts in, and the seed of its random numbers.
 pub(super) struct Veil {
     stack: Stack,
     seed: u64,
 }
 
-/// Where volumes bring a path.
+/// The result of a path's way through volumes.
 pub(super) enum Brought {
-    /// To what its ray meets.
+    /// Light comes to the hit of the path's ray.
     ToTheEnd,
-    /// It is scattered before that.
+    /// The path is scattered before the hit.
     Elsewhere,
-    /// It ends.
+    /// The path ends.
     Nowhere,
 }
 
-/// Whether there is nothing at a point but the border of a volume.
+/// True if the surface at a point is only the border of a volume.
 pub(super) fn is_only_volume(stage: &Stage, point: &SurfacePoint) -> bool {
     stage.scene.materials[point.material as usize].graph.is_only_volume()
 }
 
 impl Inside {
-    /// Where a path begins.
+    /// The media at the start of a path.
     pub(super) fn new(stage: &Stage, path: &Path) -> Self {
         Self { stack: Stack::around(stage, &path.ray), bounces: 0 }
     }
 
-    /// Whether scattering in volumes has left a scattering to the path.
+    /// True if the limit of scatterings in volumes allows another.
     pub(super) fn may_scatter(&self, limits: &Limits) -> bool {
         self.bounces <= limits.kinds.volume
     }
 
-    /// Follows a path to what its ray meets, and adds the light of lamps on the way.
+    /// Follows a path to what its ray hits, and adds the light of lamps on the way.
     pub(super) fn bring<N: Notes>(
         &mut self,
         stage: &Stage,
@@ -88,7 +88,7 @@ impl Inside {
         if self.stack.is_empty() {
             return Brought::ToTheEnd;
         }
-        // A last ray that meets nothing goes on through what fills all space, and may be scattered there; one that meets a surface
+        // A last ray that hits nothing goes on through what fills all space, and may be scattered there; one that hits a surface
         // ends there.
         let is_last = limits.approximations.fast_gi.last_ray(path.way).is_some();
         let t_max = if is_last && hit.is_none() { f32::INFINITY } else { t_max };
@@ -266,7 +266,7 @@ impl Inside {
         }
     }
 
-    /// Whether light of an emitter of these sets lights what the path is in.
+    /// True if light of an emitter of these sets lights the object whose medium the path is in.
     fn takes(&self, stage: &Stage, sets: crate::scene::visibility::Sets) -> bool {
         let links = |instance: u32| &stage.scene.instances[instance as usize].links;
         !stage.lights.is_linked() || self.stack.innermost().is_none_or(|instance| links(instance).takes_light_of(sets))
@@ -333,34 +333,35 @@ impl Inside {
     }
 }
 
-/// Where light is scattered.
+/// A place in a volume where light is scattered.
 #[derive(Clone, Copy)]
 struct Place<'a> {
     stage: &'a Stage,
     limits: &'a Limits,
     position: Vec3A,
     medium: &'a Medium,
-    /// Of the density of light samples here, what is due to following the path: its directions compete with all.
+    /// The part of the density of light samples here that is due to following the path: its directions compete with all.
     share: f32,
 }
 
-/// How the place of a light sample beside a path was chosen.
+/// The choice of a place for a light sample beside a path.
 #[derive(Clone, Copy)]
 enum Beside {
-    /// About a light. Where the path is scattered there is a light sample, too: both share by their densities along the ray.
+    /// Equiangular sampling about a light. Where the path is scattered there is a light sample, too: both share by their densities along
+    /// the ray.
     Pivot(Pivot),
-    /// As if the path were scattered for certain: it is this part of paths. Where the path is scattered there is no light sample.
+    /// Sampling as if the path were scattered for certain: it is this part of paths. Where the path is scattered there is no light sample.
     Scattered { part: f32 },
 }
 
 /// Places along a ray, evenly by the angle under which a point beside it sees them.
 #[derive(Clone, Copy)]
 struct Pivot {
-    /// Along the ray, where it comes closest to the point.
+    /// Distance along the ray at which it comes closest to the point.
     closest: f32,
-    /// The point's distance from it.
+    /// Distance of the point from the ray.
     away: f32,
-    /// The angles of its ends.
+    /// The angles of the ends of the ray.
     angles: [f32; 2],
 }
 
@@ -393,7 +394,7 @@ fn seed(u: [f32; 3]) -> u64 {
 }
 
 impl Veil {
-    /// What of a light sample comes through surfaces and volumes.
+    /// The part of a light sample's light that surfaces and volumes let through.
     pub(super) fn light_through<Of>(&self, stage: &Stage, limits: &Limits, shadow: &Shadow<Of>) -> Rgb {
         let Shadow { ray, way, sets, .. } = shadow;
         let scene = &stage.scene;
