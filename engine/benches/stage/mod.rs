@@ -6,7 +6,7 @@
 use glam::{Affine3A, DMat4, DVec3, Vec3};
 use petzval_render::Rgb;
 use petzval_render::camera::{Camera, CameraDescription, Model};
-use petzval_render::integrator::Stage;
+use petzval_render::integrator::PreparedScene;
 use petzval_render::sampler::mix;
 use petzval_render::scene::closure::Principled;
 use petzval_render::scene::corners::Corners;
@@ -178,8 +178,8 @@ pub(crate) fn scene(n: u32) -> Scene {
 }
 
 /// The stage of [`scene`]`(n)`, ready to be rendered.
-pub(crate) fn stage(n: u32) -> Stage {
-    Stage::new(scene(n))
+pub(crate) fn stage(n: u32) -> PreparedScene {
+    PreparedScene::new(scene(n))
 }
 
 /// 50 mm on 36 x 20.25 mm, f/2, focused at 2 m, as one of the camera models sees it; at one wavelength or at all.

@@ -59,7 +59,7 @@ impl Mul for Matrix {
 
 /// One surface as Gaussian optics sees it.
 #[derive(Clone, Copy, Debug)]
-pub struct Thin {
+pub struct ParaxialSurface {
     /// Curvature of the surface, 1/mm.
     pub curvature: f64,
     /// Signed index before the surface.
@@ -73,7 +73,7 @@ pub struct Thin {
 }
 
 /// The matrix from the first vertex to the last: every surface, and the travel between them.
-pub fn between_vertices(surfaces: &[Thin]) -> Matrix {
+pub fn between_vertices(surfaces: &[ParaxialSurface]) -> Matrix {
     let mut matrix = Matrix::IDENTITY;
     for (i, s) in surfaces.iter().enumerate() {
         if i > 0 {
@@ -85,7 +85,7 @@ pub fn between_vertices(surfaces: &[Thin]) -> Matrix {
 }
 
 /// The matrix from the first vertex to the vertex plane of `stop`, before that surface acts.
-pub fn front_of(surfaces: &[Thin], stop: usize) -> Matrix {
+pub fn front_of(surfaces: &[ParaxialSurface], stop: usize) -> Matrix {
     match stop.checked_sub(1) {
         None => Matrix::IDENTITY,
         Some(last) => surfaces[last].onward * between_vertices(&surfaces[..stop]),
@@ -93,7 +93,7 @@ pub fn front_of(surfaces: &[Thin], stop: usize) -> Matrix {
 }
 
 /// The matrix from the vertex plane of `stop`, after that surface has acted, to the last vertex.
-pub fn rear_of(surfaces: &[Thin], stop: usize) -> Matrix {
+pub fn rear_of(surfaces: &[ParaxialSurface], stop: usize) -> Matrix {
     if stop + 1 == surfaces.len() {
         return Matrix::IDENTITY;
     }

@@ -14,7 +14,7 @@ pub mod packet;
 pub mod power;
 pub mod ranking;
 
-use crate::first_order::{Matrix, Thin};
+use crate::first_order::{Matrix, ParaxialSurface};
 use crate::surface::Section;
 use crate::system::System;
 
@@ -45,7 +45,7 @@ pub fn all(system: &System, wavelength_nm: f64, film_z_mm: f64, least_radius_mm:
         for earlier in 0..later {
             let product = reflectance(earlier) * reflectance(later);
             // A mirror is no ghost, and a stop reflects nothing.
-            let is_mirror = |s: &Thin| s.from * s.to < 0.0;
+            let is_mirror = |s: &ParaxialSurface| s.from * s.to < 0.0;
             if product == 0.0 || is_mirror(&surfaces[earlier]) || is_mirror(&surfaces[later]) {
                 continue;
             }
@@ -70,7 +70,7 @@ struct Path {
 }
 
 impl Path {
-    fn new(system: &System, surfaces: &[Thin], [earlier, later]: [usize; 2], to_film: f64) -> Self {
+    fn new(system: &System, surfaces: &[ParaxialSurface], [earlier, later]: [usize; 2], to_film: f64) -> Self {
         let mut walk = Walk { system, ray: [1.0, 0.0], beam: f64::INFINITY };
         let mirror = |curvature: f64, index: f64| Matrix::surface(curvature, index, -index);
         // There.

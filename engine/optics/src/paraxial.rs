@@ -1,6 +1,6 @@
 //! Gaussian properties of a lens at one wavelength (Wu et al. 2011, §3.2.2).
 
-use crate::first_order::{Thin, between_vertices, front_of, rear_of};
+use crate::first_order::{ParaxialSurface, between_vertices, front_of, rear_of};
 use crate::surface::Section;
 use crate::system::System;
 
@@ -105,7 +105,7 @@ fn size_mm(system: &System) -> f64 {
 }
 
 /// The stop through the surfaces before it: (y, ν) from the first vertex hits its centre if A y + B ν = 0.
-fn entrance_pupil(system: &System, surfaces: &[Thin]) -> Pupil {
+fn entrance_pupil(system: &System, surfaces: &[ParaxialSurface]) -> Pupil {
     let front = front_of(surfaces, system.stop());
     let finite = |x: f64| (x.abs() < INFINITE * size_mm(system)).then_some(x);
     let diameter = 2.0 * system.stop_semi_diameter_mm();
@@ -113,7 +113,7 @@ fn entrance_pupil(system: &System, surfaces: &[Thin]) -> Pupil {
 }
 
 /// The stop through itself and the surfaces after it: (0, ν) there leaves the last vertex as (B ν, D ν).
-fn exit_pupil(system: &System, surfaces: &[Thin]) -> Pupil {
+fn exit_pupil(system: &System, surfaces: &[ParaxialSurface]) -> Pupil {
     let rear = rear_of(surfaces, system.stop());
     let finite = |x: f64| (x.abs() < INFINITE * size_mm(system)).then_some(x);
     let image_index = surfaces.last().map_or(1.0, |s| s.to);

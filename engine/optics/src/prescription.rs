@@ -15,7 +15,7 @@ pub use metadata::{LensGroup, Metadata};
 
 /// The medium or mirror behind a surface.
 #[derive(Clone, Debug, PartialEq)]
-pub enum Behind {
+pub enum NextMedium {
     /// The surface refracts into this medium.
     Medium(Medium),
     /// The surface reflects; the medium stays what it was.
@@ -41,7 +41,7 @@ pub struct SurfaceRow {
     /// Distance along the axis to the next vertex, the last to the film; negative after one reflection.
     pub thickness_mm: f64,
     /// The medium or mirror behind the surface.
-    pub behind: Behind,
+    pub behind: NextMedium,
     /// Half of the clear diameter. A ray at exactly this distance from the axis passes.
     pub semi_diameter_mm: f64,
     /// Half of the diameter of a central obstruction, or 0.
@@ -245,7 +245,7 @@ impl Prescription {
     pub fn identity(&self) -> String {
         let mut text = format!("{:?} {} {:?} {:?}", self.surfaces, self.stop, self.film_radius_mm, self.moving);
         for row in &self.surfaces {
-            if let Behind::Medium(medium) = &row.behind {
+            if let NextMedium::Medium(medium) = &row.behind {
                 let step_nm = 10.0;
                 for nm in (0..=40).map(|i| VISIBLE_NM[0] + step_nm * f64::from(i)) {
                     text += &format!(" {:?} {:?}", medium.index(nm), medium.internal_transmittance(nm, 10.0));
@@ -261,7 +261,7 @@ impl Prescription {
     pub fn media_beyond(&self, shortest_nm: f64, longest_nm: f64) -> Vec<&Medium> {
         let mut beyond: Vec<&Medium> = Vec::new();
         for row in &self.surfaces {
-            if let Behind::Medium(medium) = &row.behind
+            if let NextMedium::Medium(medium) = &row.behind
                 && !medium.is_known_between(shortest_nm, longest_nm)
                 && !beyond.contains(&medium)
             {
@@ -283,7 +283,7 @@ impl Prescription {
         let mut before = Medium::air();
         let mut found = Vec::new();
         for (i, row) in self.surfaces.iter().enumerate() {
-            if let Behind::Medium(behind) = &row.behind {
+            if let NextMedium::Medium(behind) = &row.behind {
                 if parts_glass_from_air(&before, behind) {
                     found.push(i);
                 }
@@ -319,8 +319,8 @@ impl Prescription {
             return Err(PrescriptionError::NoSuchStop { stop: self.stop, surfaces });
         }
         let mut media = self.surfaces.iter().filter_map(|row| match &row.behind {
-            Behind::Medium(medium) => Some(medium),
-            Behind::Mirror => None,
+            NextMedium::Medium(medium) => Some(medium),
+            NextMedium::Mirror => None,
         });
         if media.next_back().is_some_and(|medium| medium.gradient().is_some()) {
             return Err(PrescriptionError::GradientAtFilm { surface: surfaces - 1 });

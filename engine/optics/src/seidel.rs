@@ -2,7 +2,7 @@
 
 use std::iter::Sum;
 
-use crate::first_order::Thin;
+use crate::first_order::ParaxialSurface;
 use crate::glass::line_nm;
 use crate::paraxial::Paraxial;
 use crate::system::System;
@@ -129,13 +129,13 @@ fn by_surface(system: &System, wavelength_nm: f64, mut rays: Rays) -> Vec<Sums> 
 }
 
 /// Snell's invariants n i of the marginal and the chief ray.
-fn invariants(s: &Thin, rays: Rays) -> [f64; 2] {
+fn invariants(s: &ParaxialSurface, rays: Rays) -> [f64; 2] {
     [rays.marginal, rays.chief].map(|[y, nu]| nu + s.from * s.curvature * y)
 }
 
 /// S_I to S_V of one surface. `rays` are those before it, `after` is the marginal ray behind it, `asphericity` as
 /// [`crate::surface::Shape::asphericity`] has it.
-fn seidel_terms(s: &Thin, asphericity: f64, rays: Rays, after: [f64; 2], lagrange: f64) -> [f64; 5] {
+fn seidel_terms(s: &ParaxialSurface, asphericity: f64, rays: Rays, after: [f64; 2], lagrange: f64) -> [f64; 5] {
     let (n, n2, c) = (s.from, s.to, s.curvature);
     let ([y, nu], [yc, _]) = (rays.marginal, rays.chief);
     let [a, ac] = invariants(s, rays);

@@ -8,9 +8,9 @@ use thiserror::Error;
 
 use crate::coating::{Coating, Split, parts_glass_from_air};
 use crate::diaphragm::{ApertureMask, Diaphragm, DiaphragmError};
-use crate::first_order::{Matrix, Thin, between_vertices, front_of};
+use crate::first_order::{Matrix, ParaxialSurface, between_vertices, front_of};
 use crate::glass::{Medium, line_nm};
-use crate::prescription::{Behind, Prescription, PrescriptionError};
+use crate::prescription::{NextMedium, Prescription, PrescriptionError};
 use crate::surface::{Pose, Section, Shape};
 
 /// The focal length that the lens is scaled to: radii, thicknesses and apertures all scale (Wu et al. 2011, §4).
@@ -370,12 +370,12 @@ impl System {
     }
 
     /// The surfaces as Gaussian optics sees them, in the y-z plane.
-    pub(crate) fn thin(&self, wavelength_nm: f64) -> Vec<Thin> {
+    pub(crate) fn thin(&self, wavelength_nm: f64) -> Vec<ParaxialSurface> {
         self.thin_in(Section::Y, wavelength_nm)
     }
 
     /// The surfaces as Gaussian optics sees them in one section. Decentres and tilts are left out.
-    pub(crate) fn thin_in(&self, section: Section, wavelength_nm: f64) -> Vec<Thin> {
+    pub(crate) fn thin_in(&self, section: Section, wavelength_nm: f64) -> Vec<ParaxialSurface> {
         thin(&self.surfaces, section, wavelength_nm)
     }
 }
@@ -406,8 +406,8 @@ fn place(prescription: &Prescription, scale: f64) -> Vec<Surface> {
     let mut placed = Vec::with_capacity(prescription.surfaces.len());
     for row in &prescription.surfaces {
         let element = match &row.behind {
-            Behind::Mirror => Element::Reflect { medium: medium.clone() },
-            Behind::Medium(to) => {
+            NextMedium::Mirror => Element::Reflect { medium: medium.clone() },
+            NextMedium::Medium(to) => {
                 let to = if scale == 1.0 { to.clone() } else { to.scaled(scale) };
                 Element::Refract { from: medium, to }
             }
@@ -432,7 +432,7 @@ fn place(prescription: &Prescription, scale: f64) -> Vec<Surface> {
     placed
 }
 
-fn thin(surfaces: &[Surface], section: Section, wavelength_nm: f64) -> Vec<Thin> {
+fn thin(surfaces: &[Surface], section: Section, wavelength_nm: f64) -> Vec<ParaxialSurface> {
     let mut sign = 1.0;
     let one = |s: &Surface| {
         let (from, to) = match &s.element {
@@ -448,7 +448,7 @@ fn thin(surfaces: &[Surface], section: Section, wavelength_nm: f64) -> Vec<Thin>
             None => (Matrix::travel(s.thickness_mm, to), 0.0),
             Some(gradient) => gradient.paraxial(behind.base_index(wavelength_nm).copysign(to), s.thickness_mm),
         };
-        Thin { curvature: s.shape.curvature_at_vertex(section), from, to, onward, petzval_onward }
+        ParaxialSurface { curvature: s.shape.curvature_at_vertex(section), from, to, onward, petzval_onward }
     };
     surfaces.iter().map(one).collect()
 }

@@ -19,12 +19,12 @@ use crate::system::{Element, System};
 use crate::vector::Vector;
 
 use gradient::{Gap, Gradients};
-use step::{Passage, is_far};
+use step::{Intersection, is_far};
 
 pub use crate::surface::Failure;
 pub use bundle::{Bundle, Traced};
 pub use gradient::{GradientNumbers, GradientsBeside};
-pub use reflected::{Encounter, Incidence, Meeting, ReflectedTracer, Wanderer};
+pub use reflected::{GhostRay, Incidence, ReflectedTracer, SurfaceCrossing, SurfaceEvent};
 pub use spectral::{LINES, Leaving, SpectralBundle, SpectralTracer};
 pub use step::{Action, Step};
 
@@ -57,7 +57,7 @@ pub enum Travel {
 
 /// The surfaces in the order of one way through the lens.
 #[derive(Clone, Debug)]
-struct Way<R> {
+struct SurfaceSequence<R> {
     steps: Arc<[Step<R>]>,
     /// Gradients beside the surface of each step; none in a lens without gradients. What the step's `action` says of indices then does not
     /// count.
@@ -73,8 +73,8 @@ struct Way<R> {
 /// Rays go in and come out in f64; between the first and the last surface everything is done in `R`.
 #[derive(Clone, Debug)]
 pub struct Tracer<R = f64> {
-    from_scene: Way<R>,
-    from_film: Way<R>,
+    from_scene: SurfaceSequence<R>,
+    from_film: SurfaceSequence<R>,
     diaphragm: Arc<Diaphragm<R>>,
     wavelength_nm: f64,
 }
@@ -148,7 +148,7 @@ impl Tracer {
         let last_z = system.last_vertex_z_mm();
         let way = |steps: Vec<Step>, mut gradients: Vec<Option<Gradients<f64>>>, travel, start_z, end_z| {
             gradients.truncate(if gaps.iter().any(Option::is_some) { steps.len() } else { 0 });
-            Way { steps: steps.into(), gradients: gradients.into(), travel, start_z, end_z }
+            SurfaceSequence { steps: steps.into(), gradients: gradients.into(), travel, start_z, end_z }
         };
         Self {
             from_scene: way(from_scene, bent_from_scene, Travel::FromScene, 0.0, last_z),
@@ -247,7 +247,7 @@ impl<R: Real> Tracer<R> {
         self.from_film.run_recording(ray, &self.diaphragm, hits)
     }
 
-    fn way(&self, travel: Travel) -> &Way<R> {
+    fn way(&self, travel: Travel) -> &SurfaceSequence<R> {
         match travel {
             Travel::FromScene => &self.from_scene,
             Travel::FromFilm => &self.from_film,
@@ -264,11 +264,11 @@ fn bent<R: Real>(
     p: Vector<R>,
     d: Vector<R>,
     diaphragm: &Diaphragm<R>,
-) -> Passage<R> {
+) -> Intersection<R> {
     step.pass_gradients(p, d, diaphragm, None, gradients)
 }
 
-impl Way<f64> {
+impl SurfaceSequence<f64> {
     /// [`Self::run`] with the places in lens space that the ray comes by: its hits, and some between them where it bends.
     #[inline(never)]
     fn path(&self, ray: Ray, diaphragm: &Diaphragm) -> Result<(Ray, Vec<DVec3>), Lost> {
@@ -294,14 +294,14 @@ impl Way<f64> {
         Ok((self.leave(p.of(0), d.of(0)), places))
     }
 
-    fn map<R: Real>(&self, change: impl Fn(&Step) -> Step<R>) -> Way<R> {
+    fn map<R: Real>(&self, change: impl Fn(&Step) -> Step<R>) -> SurfaceSequence<R> {
         let Self { travel, start_z, end_z, .. } = *self;
         let gradients = self.gradients.iter().map(|beside| beside.as_ref().map(Gradients::cast)).collect();
-        Way { steps: self.steps.iter().map(change).collect(), gradients, travel, start_z, end_z }
+        SurfaceSequence { steps: self.steps.iter().map(change).collect(), gradients, travel, start_z, end_z }
     }
 }
 
-impl<R: Real> Way<R> {
+impl<R: Real> SurfaceSequence<R> {
     /// The media beside a step's surface, where one is a gradient.
     #[inline(always)]
     fn gradients(&self, step: usize) -> Option<&Gradients<R>> {

@@ -481,7 +481,7 @@ class SceneBuilder:
         keys: Sequence[Sequence[Sequence[float]]] | None = None,  # matrices at even times over the exposure
         info: tuple[tuple[float, float, float, float], int, float] | None = None,  # colour, pass index, random
         light_group: int = 0,  # its number; 0 is none
-        softening: tuple[float, float] = ...,  # Blender's geometry and shading offsets of shadow terminators
+        shadow_terminator: tuple[float, float] = ...,  # Blender's geometry and shading offsets of shadow terminators
         is_holdout: bool = False,  # the camera sees a hole instead
         is_catcher: bool = False,  # its shadows alone are wanted: for `Job.shadow`
         occlusion_distance: float = 0.0,  # of rays that leave it, instead of the settings' `fast_gi_distance`; 0: none

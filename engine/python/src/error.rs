@@ -65,7 +65,7 @@ maps! {
 }
 
 /// An argument from Python is not what was asked for.
-pub(crate) fn refused(what: impl Into<String>) -> Error {
+pub(crate) fn invalid(what: impl Into<String>) -> Error {
     Error(PyErr::new::<PetzvalError, _>(what.into()))
 }
 

@@ -1,8 +1,8 @@
 //! Focus found by the engine: the settings that put it there.
 
 use crate::camera::PyCamera;
-use crate::doorway::{away, here};
 use crate::error::Error;
+use crate::gil::{catch_panic, without_gil};
 use crate::scene::Scene;
 use glam::{DVec3, Vec2};
 use petzval_render::accel::Ray;
@@ -27,7 +27,7 @@ pub(crate) fn autofocus_json(
     let description: CameraDescription = camera.try_into()?;
     let from_middle = Vec2::new(point.0, point.1) - 0.5;
     let stage = scene.stage.clone();
-    let found = away(py, || {
+    let found = without_gil(py, || {
         // Rays of a camera count from its place.
         let beside = (description.position() - stage.scene.origin).as_vec3a();
         let nearest = |ray: &Ray| {
@@ -64,7 +64,7 @@ pub(crate) fn autofocus_by_json(
             None
         })
     };
-    let found = here(|| on_picture_point(&description, [width, height], from_middle, nearest))?;
+    let found = catch_panic(|| on_picture_point(&description, [width, height], from_middle, nearest))?;
     match complaint.into_inner() {
         Some(error) => Err(error.into()),
         None => Ok(text(&found?)),
@@ -82,7 +82,7 @@ pub(crate) fn sharp_points_json(
 ) -> Result<String, Error> {
     let description: CameraDescription = camera.try_into()?;
     let points = points_world.map(|(x, y, z)| DVec3::new(x, y, z));
-    let found = away(py, || on_three_points(&description, [width, height], points))??;
+    let found = without_gil(py, || on_three_points(&description, [width, height], points))??;
     Ok(text(&found))
 }
 
@@ -99,7 +99,7 @@ pub(crate) fn sharpness_json(
     confusion_mm: Option<f64>,
 ) -> Result<String, Error> {
     let description: CameraDescription = camera.try_into()?;
-    let found = away(py, || sharpness(&description, [width, height], [columns, rows], confusion_mm))??;
+    let found = without_gil(py, || sharpness(&description, [width, height], [columns, rows], confusion_mm))??;
     // What is infinite is null in JSON.
     let finite = |t: Option<f64>| t.filter(|t| t.is_finite());
     let point = |p: &SharpPoint| {

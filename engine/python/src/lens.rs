@@ -1,7 +1,7 @@
 //! Lens files for `petzval lens`.
 
-use crate::doorway::away;
-use crate::error::{Error, refused};
+use crate::error::{Error, invalid};
+use crate::gil::without_gil;
 use crate::library;
 use crate::setting::Setting;
 use glam::DVec3;
@@ -33,7 +33,7 @@ pub(crate) struct Lens {
 impl Lens {
     #[new]
     fn new(py: Python<'_>, path: PathBuf) -> Result<Self, Error> {
-        let reading = away(py, || formats::read(&path, Catalogue::shipped()))??;
+        let reading = without_gil(py, || formats::read(&path, Catalogue::shipped()))??;
         let remarks = reading.remarks.iter().map(ToString::to_string).collect();
         Ok(Self { prescription: reading.prescription, remarks })
     }
@@ -54,7 +54,7 @@ impl Lens {
         let write = match kind {
             "lens" => formats::lens::write,
             "zmx" => formats::zmx::write,
-            other => return Err(refused(format!("lenses cannot be written as .{other}; give .lens or .zmx"))),
+            other => return Err(invalid(format!("lenses cannot be written as .{other}; give .lens or .zmx"))),
         };
         Ok(write(&self.prescription, Catalogue::shipped()))
     }
@@ -91,7 +91,7 @@ impl Lens {
         let (system, focus) = setting.focused(self, wavelength_nm, focus_distance_mm)?;
         let p = Paraxial::new(&system, wavelength_nm);
         let seidel = Seidel::new(&system, wavelength_nm, focus.object_plane_mm);
-        let fields = away(py, || Vignetting::new(&system, wavelength_nm, &focus))?;
+        let fields = without_gil(py, || Vignetting::new(&system, wavelength_nm, &focus))?;
         let total = seidel.as_ref().map(Seidel::total);
         let by_surface = seidel.as_ref().map(|s| &s.by_surface);
         let pupil = |p: &Pupil| json!({ "z_mm": p.z_mm, "diameter_mm": p.diameter_mm });
@@ -161,7 +161,7 @@ impl Lens {
         let trace = match precision {
             "f64" => trace_all::<f64>,
             "f32" => trace_all::<f32>,
-            _ => return Err(refused(format!("precision {precision}: there is no such; give f64 or f32"))),
+            _ => return Err(invalid(format!("precision {precision}: there is no such; give f64 or f32"))),
         };
         let setting = setting.unwrap_or_default();
         let system = match focus {
@@ -172,15 +172,15 @@ impl Lens {
             None => setting.system(self)?,
         };
         let document: Value =
-            serde_json::from_str(rays_json).map_err(|e| refused(format!("the rays are not JSON: {e}")))?;
+            serde_json::from_str(rays_json).map_err(|e| invalid(format!("the rays are not JSON: {e}")))?;
         let rays = document["rays"]
             .as_array()
-            .ok_or_else(|| refused("the rays' JSON has no list \"rays\"; see `petzval lens trace --help`"))?
+            .ok_or_else(|| invalid("the rays' JSON has no list \"rays\"; see `petzval lens trace --help`"))?
             .iter()
             .enumerate()
             .map(|(i, ray)| parse_ray(i, ray))
             .collect::<Result<Vec<_>, Error>>()?;
-        let out = away(py, || trace(&system, &rays, from_film))?;
+        let out = without_gil(py, || trace(&system, &rays, from_film))?;
         Ok(json!({ "rays": out }).to_string())
     }
 }
@@ -203,11 +203,11 @@ pub(crate) fn check_wavelength(nm: f64) -> Result<(), Error> {
     if (100.0..=20_000.0).contains(&nm) {
         return Ok(());
     }
-    Err(refused(format!("wavelength {nm} nm: give nanometres; visible light is 380 to 780")))
+    Err(invalid(format!("wavelength {nm} nm: give nanometres; visible light is 380 to 780")))
 }
 
 fn parse_ray(index: usize, ray: &Value) -> Result<(Ray, f64), Error> {
-    let bad = |what: &str| refused(format!("ray {index}: {what}; see `petzval lens trace --help`"));
+    let bad = |what: &str| invalid(format!("ray {index}: {what}; see `petzval lens trace --help`"));
     let vector = |key: &str| -> Result<DVec3, Error> {
         let list = ray[key].as_array().filter(|l| l.len() == 3);
         let numbers: Option<Vec<f64>> = list.and_then(|l| l.iter().map(Value::as_f64).collect());

@@ -4,7 +4,6 @@
 mod camera;
 mod compiled;
 mod curves;
-mod doorway;
 mod drawing;
 mod edges;
 mod error;
@@ -12,6 +11,7 @@ mod files;
 mod focusing;
 mod framing;
 mod ghosts;
+mod gil;
 mod glass;
 mod graph;
 mod job;

@@ -9,7 +9,7 @@ use petzval_render::nodes::lamp;
 use petzval_render::scene::graph::Displacement;
 use petzval_render::scene::lamp::{Lamp, LampKind};
 use petzval_render::scene::material::{Aovs, Material};
-use petzval_render::scene::visibility::{Rays, Sets};
+use petzval_render::scene::visibility::{LightSets, Rays};
 use petzval_render::scene::world::World;
 use pyo3::prelude::*;
 
@@ -124,7 +124,7 @@ impl PyLight {
             color: rgb(self.color),
             graph,
             reaches,
-            sets: Sets { receivers: self.sets.0 & 63, blockers: self.sets.1 & 63 },
+            sets: LightSets { receivers: self.sets.0 & 63, blockers: self.sets.1 & 63 },
             light_group: self.light_group,
             max_bounces: self.max_bounces,
             cast_shadow: self.cast_shadow,

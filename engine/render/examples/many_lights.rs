@@ -8,8 +8,8 @@
 use glam::{DMat4, DVec3, Vec3, Vec3A};
 use petzval_render::Rgb;
 use petzval_render::accel::Ray;
-use petzval_render::integrator::Stage;
-use petzval_render::integrator::path::{Approximations, KindLimits, Limits, Wave};
+use petzval_render::integrator::PreparedScene;
+use petzval_render::integrator::path::{Approximations, KindLimits, Limits, Wavefront};
 use petzval_render::sampler::PathSampler;
 use petzval_render::scene::SceneBuilder;
 use petzval_render::scene::lamp::{Lamp, LampKind};
@@ -38,7 +38,7 @@ fn quad(half: f32) -> MeshDescription {
 }
 
 /// A room with `count` objects of which `shining` emit.
-fn room(kind: &str, count: u32, shining: u32) -> Result<Stage, Box<dyn std::error::Error>> {
+fn room(kind: &str, count: u32, shining: u32) -> Result<PreparedScene, Box<dyn std::error::Error>> {
     let mut builder = SceneBuilder::new();
     let floor = builder.add_mesh(quad(5.0))?;
     builder.add_instance("floor", floor, DMat4::IDENTITY, &[], true, true)?;
@@ -70,7 +70,7 @@ fn room(kind: &str, count: u32, shining: u32) -> Result<Stage, Box<dyn std::erro
             builder.add_lamp(lamp, DMat4::from_translation(place(i)))?;
         }
     }
-    Ok(Stage::new(builder.build(DVec3::ZERO)))
+    Ok(PreparedScene::new(builder.build(DVec3::ZERO)))
 }
 
 fn main() -> Result<(), Box<dyn std::error::Error>> {
@@ -108,8 +108,8 @@ fn main() -> Result<(), Box<dyn std::error::Error>> {
 }
 
 /// Follows all paths; gives their noise, and notes where a place took less time than ever.
-fn look(stage: &Stage, limits: &Limits, least: &mut [f64]) -> f64 {
-    let mut wave: Wave = Wave::default();
+fn look(stage: &PreparedScene, limits: &Limits, least: &mut [f64]) -> f64 {
+    let mut wave: Wavefront = Wavefront::default();
     let mut noise = 0.0;
     for pixel in 0..SIDE * SIDE {
         let begun = Instant::now();

@@ -22,7 +22,7 @@ mod triangles;
 
 use crate::Rgb;
 use crate::scene::{Scene, curves::Controls, motion::MIDDLE, visibility::Rays};
-use beside::Forests;
+use beside::ExtraTrees;
 use bounds::Bounds;
 use build::build;
 use fearless_simd::{Level, Simd, dispatch};
@@ -47,7 +47,7 @@ pub struct Ray {
     /// Nothing farther than this counts, Blender units.
     pub t_max: f32,
     /// The triangle, strand or point that it leaves.
-    pub skip: Skip,
+    pub skip: SelfHit,
     /// The moment: from 0, as the shutter opens, to 65535, as it is closed.
     pub moment: u16,
 }
@@ -56,7 +56,7 @@ impl Ray {
     /// A ray without end, in the middle of the exposure.
     #[inline]
     pub fn new(origin: Vec3A, direction: Vec3A) -> Self {
-        Self { origin, direction, t_max: f32::INFINITY, skip: Skip::NONE, moment: MIDDLE }
+        Self { origin, direction, t_max: f32::INFINITY, skip: SelfHit::NONE, moment: MIDDLE }
     }
 
     /// This ray at another moment.
@@ -70,14 +70,14 @@ impl Ray {
 /// A triangle is flat, but the distance to a large one is known less well than how far from it a ray starts; a ribbon that turns to
 /// every ray would hide from itself.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
-pub struct Skip {
+pub struct SelfHit {
     /// Index of its instance.
     pub instance: u32,
     /// The number of the triangle, strand or point in its mesh, its curves, or its cloud.
     pub part: u32,
 }
 
-impl Skip {
+impl SelfHit {
     /// The skip of a ray that leaves no surface.
     pub const NONE: Self = Self { instance: u32::MAX, part: u32::MAX };
 
@@ -144,7 +144,7 @@ pub struct Accel {
     /// The instances, in the order of the leaves of `places`.
     placed: Vec<PlacedMesh>,
     /// Trees of hair, point clouds and moving instances, if there are any.
-    beside: Option<Box<Forests>>,
+    beside: Option<Box<ExtraTrees>>,
     /// The kinds of ray that see it, by instance.
     visible: Vec<Rays>,
     /// The kinds of ray that nothing is hidden from.
@@ -178,7 +178,7 @@ impl Accel {
 
         let visible: Vec<Rays> = scene.instances.iter().map(|instance| instance.visible).collect();
         let all_visible = visible.iter().fold(Rays::ALL, |all, one| all.common(*one));
-        let beside = Forests::new(scene, parts);
+        let beside = ExtraTrees::new(scene, parts);
         let bounds = places.first().map(Node::bounds).into_iter().chain(common.bounds());
         let bounds = bounds.chain(beside.as_ref().and_then(|beside| beside.bounds())).reduce(|a, b| a.union(&b));
         let (level, refitted) = (Level::new(), 0);

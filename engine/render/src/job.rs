@@ -16,15 +16,15 @@ use crate::camera::clip::Clip;
 use crate::camera::real_lens::RealLens;
 use crate::film::cryptomatte::{MatteLayer, Mattes};
 use crate::film::data::{DataPass, DataSums, FARTHEST, VectorSums};
-use crate::film::{Film, Keep, TilePixels};
+use crate::film::{Film, FilmChannels, TilePixels};
 use crate::integrator::path::parts::Parts;
 use crate::integrator::path::{self, Limits};
-use crate::integrator::{Integrator, Stage, bidirectional::Techniques};
+use crate::integrator::{Integrator, PreparedScene, bidirectional::Techniques};
 use crate::pipeline::exposure::Exposure;
 use crate::pipeline::motion::Motion;
-use crate::pipeline::{Counts, Pipeline, Shot, render_pixels, render_tile};
+use crate::pipeline::{Counts, Pipeline, RenderContext, render_pixels, render_tile};
 use crate::sampler::{PathSampler, raster::Raster, warp::PixelFilter};
-use crate::stray::Strayed;
+use crate::stray::StrayLight;
 use adaptive::Adaptive;
 use checkpoint::{Checkpoints, Keeper, Kept, OwnFile};
 use glam::Vec2;
@@ -40,7 +40,7 @@ const MOST_PER_PASS: u32 = 16;
 
 /// The results of a render beside the picture and [`Settings::with_data`].
 #[derive(Default)]
-pub struct Beside {
+pub struct OutputOptions {
     /// The mattes for [`Job::matte`].
     pub mattes: Vec<MatteLayer>,
     /// Names that a pixel of a matte holds.
@@ -84,7 +84,7 @@ pub struct Statistics {
 
 /// State that the threads share.
 struct Shared {
-    stage: Arc<Stage>,
+    stage: Arc<PreparedScene>,
     cameras: Vec<Camera>,
     settings: Settings,
     pipeline: Pipeline,
@@ -109,7 +109,7 @@ struct Shared {
     /// Whoever adds a tile's pass shares it; who keeps the whole film has it alone.
     gate: RwLock<()>,
     keeper: Option<Keeper>,
-    strayed: Mutex<Option<Arc<Strayed>>>,
+    strayed: Mutex<Option<Arc<StrayLight>>>,
     stop_developing: AtomicBool,
     running: Mutex<usize>,
     ended: Condvar,
@@ -130,7 +130,7 @@ impl Job {
     ///
     /// # Errors
     /// [`SettingsError`].
-    pub fn start(stage: Arc<Stage>, camera: Camera, settings: Settings) -> Result<Self, SettingsError> {
+    pub fn start(stage: Arc<PreparedScene>, camera: Camera, settings: Settings) -> Result<Self, SettingsError> {
         Self::start_moving(stage, vec![camera], settings)
     }
 
@@ -139,8 +139,12 @@ impl Job {
     ///
     /// # Errors
     /// [`SettingsError`], also if there is no camera.
-    pub fn start_moving(stage: Arc<Stage>, cameras: Vec<Camera>, settings: Settings) -> Result<Self, SettingsError> {
-        Self::start_with(stage, cameras, settings, Beside::default())
+    pub fn start_moving(
+        stage: Arc<PreparedScene>,
+        cameras: Vec<Camera>,
+        settings: Settings,
+    ) -> Result<Self, SettingsError> {
+        Self::start_with(stage, cameras, settings, OutputOptions::default())
     }
 
     /// Starts rendering like [`Self::start_moving`], with more to be found: `beside`.
@@ -148,10 +152,10 @@ impl Job {
     /// # Errors
     /// [`SettingsError`].
     pub fn start_with(
-        stage: Arc<Stage>,
+        stage: Arc<PreparedScene>,
         cameras: Vec<Camera>,
         settings: Settings,
-        beside: Beside,
+        beside: OutputOptions,
     ) -> Result<Self, SettingsError> {
         let threads = settings.thread_count();
         let shared = Arc::new(Shared::new(stage, cameras, settings, beside)?);
@@ -259,7 +263,7 @@ impl Job {
     }
 
     /// The scene.
-    pub fn stage(&self) -> &Stage {
+    pub fn stage(&self) -> &PreparedScene {
         &self.shared.stage
     }
 
@@ -295,7 +299,12 @@ impl Drop for Job {
 
 impl Shared {
     /// The state before the first thread.
-    fn new(stage: Arc<Stage>, cameras: Vec<Camera>, settings: Settings, beside: Beside) -> Result<Self, SettingsError> {
+    fn new(
+        stage: Arc<PreparedScene>,
+        cameras: Vec<Camera>,
+        settings: Settings,
+        beside: OutputOptions,
+    ) -> Result<Self, SettingsError> {
         settings.check()?;
         let first = cameras.first().ok_or(SettingsError::Camera)?;
         settings.check_integrator(first)?;
@@ -306,7 +315,7 @@ impl Shared {
         let (width, height) = (settings.width, settings.height);
         let mattes = Mattes::new(&stage.scene, &beside.mattes, beside.matte_levels);
         let adapts = settings.noise_threshold > 0.0;
-        let keep = Keep {
+        let keep = FilmChannels {
             surfaces: settings.with_data,
             vectors: beside.motion.is_some(),
             mattes,
@@ -401,12 +410,12 @@ impl Shared {
     }
 
     /// The data that all samples share.
-    fn shot(&self) -> Shot<'_> {
+    fn shot(&self) -> RenderContext<'_> {
         let s = &self.settings;
         if self.pipeline == Pipeline::SceneFirst {
             self.cameras.iter().filter_map(Camera::traced_lens).for_each(RealLens::prepare_for_scene_first);
         }
-        Shot {
+        RenderContext {
             stage: &self.stage,
             cameras: &self.cameras,
             clip: self.clip,
@@ -458,7 +467,7 @@ impl Shared {
     }
 
     /// The next pass of a tile whose pixels get as many samples as they need; `None` at the end, or where `stopped` said so.
-    fn render_next(&self, shot: &Shot<'_>, adaptive: &Adaptive, stopped: &dyn Fn() -> bool) -> Option<()> {
+    fn render_next(&self, shot: &RenderContext<'_>, adaptive: &Adaptive, stopped: &dyn Fn() -> bool) -> Option<()> {
         let (s, tiles) = (&self.settings, self.film.tile_count());
         let task = self.next.fetch_add(1, Ordering::Relaxed);
         let (pass, tile) = (task / tiles, task % tiles);

@@ -2,7 +2,7 @@
 
 use crate::accel::curves::radius_scale;
 use crate::accel::points::folded;
-use crate::accel::{Across, Hit, Ray, Skip};
+use crate::accel::{Across, Hit, Ray, SelfHit};
 use crate::scene::curves::Curves;
 use crate::scene::mesh::{GENERATED, Mesh};
 use crate::scene::points::Points;
@@ -170,7 +170,7 @@ impl SurfacePoint {
     #[inline(always)]
     pub fn leaving(&self, origin: Vec3A, direction: Vec3A) -> Ray {
         let part = if self.strand == NO_STRAND { self.triangle } else { self.strand };
-        let skip = Skip { instance: self.instance, part };
+        let skip = SelfHit { instance: self.instance, part };
         Ray { origin, direction, t_max: f32::INFINITY, skip, moment: self.moment }
     }
 

@@ -4,7 +4,7 @@
 use glam::DVec3;
 
 use crate::interface::{Interface, reflect};
-use crate::prescription::Behind;
+use crate::prescription::NextMedium;
 use crate::surface::{Conic, Shape};
 use crate::vector::Vector;
 
@@ -17,7 +17,7 @@ const REACH: f64 = 3.0;
 
 /// Rays from one point of the field.
 #[derive(Clone, Copy, Debug)]
-pub(super) struct Sheaf {
+pub(super) struct FieldBeam {
     /// (z, y) of where they come from, or `None`: parallel.
     pub(super) origin: Option<[f64; 2]>,
     /// Slope of the chief ray, at first order.
@@ -30,7 +30,7 @@ pub(super) struct Sheaf {
 }
 
 /// The largest heights on the surfaces, mm, of the rays of `sheaf` that pass the stop; `None` if none does.
-pub(super) fn heights(rows: &[DraftRow], stop: usize, wavelength_nm: f64, sheaf: &Sheaf) -> Option<Vec<f64>> {
+pub(super) fn heights(rows: &[DraftRow], stop: usize, wavelength_nm: f64, sheaf: &FieldBeam) -> Option<Vec<f64>> {
     let mut largest = vec![0.0f64; rows.len()];
     let mut any = false;
     let semi = rows[stop].semi_diameter_mm.unwrap_or(0.0);
@@ -65,11 +65,11 @@ fn follow(rows: &[DraftRow], wavelength_nm: f64, start: DVec3, direction: DVec3)
         let crossing = shape.intersect(origin, direction, side).ok()?;
         hits.push(crossing.point.of(0).y);
         match &row.behind {
-            Behind::Mirror => {
+            NextMedium::Mirror => {
                 direction = reflect(direction, &crossing, side);
                 side = -side;
             }
-            Behind::Medium(to) => {
+            NextMedium::Medium(to) => {
                 let to = to.index(wavelength_nm);
                 let (bent, passes) = Interface::new(medium, to).refract(direction, &crossing, side);
                 if !passes {

@@ -10,7 +10,7 @@ use std::collections::HashMap;
 
 use crate::glass::{Catalogue, Medium};
 use crate::prescription::moving::{Part, Position, Quantity};
-use crate::prescription::{Behind, Place};
+use crate::prescription::{NextMedium, Place};
 
 use super::draft::{Draft, DraftRow, MOST_SURFACES};
 use super::glass_names::Glasses;
@@ -181,7 +181,7 @@ impl<'a> Reader<'a> {
             None if cell(2).text.is_empty() => {}
             None => self.named.push((index, cell(2).text.to_owned(), Place { line, column: cell(2).column })),
         }
-        row.behind = Behind::Medium(self.medium(line, &[cell(3), cell(5), cell(6), cell(7)])?);
+        row.behind = NextMedium::Medium(self.medium(line, &[cell(3), cell(5), cell(6), cell(7)])?);
         if !cell(4).text.is_empty() {
             row.semi_diameter_mm = Some(self.number(line, &cell(4), "diameter")? / 2.0);
         }

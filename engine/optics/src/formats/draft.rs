@@ -2,13 +2,13 @@
 //! follows from the beam, clear apertures from the fields, and surfaces where nothing happens are none.
 
 use crate::coating::Coating;
-use crate::first_order::{Matrix, Thin, between_vertices, front_of};
+use crate::first_order::{Matrix, ParaxialSurface, between_vertices, front_of};
 use crate::glass::Medium;
 use crate::prescription::moving::{MovingParts, Part, Position};
-use crate::prescription::{Behind, Metadata, Place, Prescription, SurfaceRow};
+use crate::prescription::{Metadata, NextMedium, Place, Prescription, SurfaceRow};
 use crate::surface::{Conic, LAST_POWER, Pose, Shape};
 
-use super::beams::{self, Sheaf};
+use super::beams::{self, FieldBeam};
 use super::problem::{LensFileError, Problem, at};
 use super::remarks::{Reading, Remarks};
 use super::text::stem;
@@ -33,7 +33,7 @@ pub(super) struct DraftRow {
     /// The radius in the x-z plane, if it is another; 0 flat.
     pub(super) radius_x_mm: Option<f64>,
     pub(super) thickness_mm: f64,
-    pub(super) behind: Behind,
+    pub(super) behind: NextMedium,
     pub(super) semi_diameter_mm: Option<f64>,
     /// True if the file means that the rim stops light, not only that the beam is so wide.
     pub(super) has_rim: bool,
@@ -50,7 +50,7 @@ impl DraftRow {
             terms: Vec::new(),
             radius_x_mm: None,
             thickness_mm: 0.0,
-            behind: Behind::Medium(Medium::air()),
+            behind: NextMedium::Medium(Medium::air()),
             semi_diameter_mm: None,
             has_rim: false,
             obstruction_mm: 0.0,
@@ -267,10 +267,10 @@ impl<'a> Draft<'a> {
         let mut kept: Vec<DraftRow> = Vec::with_capacity(self.rows.len());
         let mut stop = self.stop;
         for (i, row) in std::mem::take(&mut self.rows).into_iter().enumerate() {
-            let same = matches!(&row.behind, Behind::Medium(medium) if *medium == before);
+            let same = matches!(&row.behind, NextMedium::Medium(medium) if *medium == before);
             let flat = row.curvature == 0.0 && row.terms.iter().all(|(_, a)| *a == 0.0) && row.radius_x_mm.is_none();
             let inert = same && flat && !row.has_rim && row.obstruction_mm == 0.0 && self.stop != Some(i);
-            if let Behind::Medium(medium) = &row.behind {
+            if let NextMedium::Medium(medium) = &row.behind {
                 before = medium.clone();
             }
             if !inert {
@@ -288,18 +288,18 @@ impl<'a> Draft<'a> {
     }
 
     /// The surfaces as Gaussian optics sees them.
-    fn thin(&self) -> Vec<Thin> {
+    fn thin(&self) -> Vec<ParaxialSurface> {
         let (mut sign, mut medium) = (1.0, 1.0);
         let one = |row: &DraftRow| {
             let from = sign * medium;
             match &row.behind {
-                Behind::Medium(to) => medium = to.index(self.wavelength_nm),
-                Behind::Mirror => sign = -sign,
+                NextMedium::Medium(to) => medium = to.index(self.wavelength_nm),
+                NextMedium::Mirror => sign = -sign,
             }
             let square = row.terms.iter().filter(|(power, _)| *power == 2).map(|(_, a)| 2.0 * a).sum::<f64>();
             let to = sign * medium;
             let onward = Matrix::travel(row.thickness_mm, to);
-            Thin { curvature: row.curvature + square, from, to, onward, petzval_onward: 0.0 }
+            ParaxialSurface { curvature: row.curvature + square, from, to, onward, petzval_onward: 0.0 }
         };
         self.rows.iter().map(one).collect()
     }
@@ -386,7 +386,7 @@ impl<'a> Draft<'a> {
             let [below, above] = field.cut.map(|cut| (1.0 - cut).clamp(0.0, 1.0));
             // A stop that is seen upside down turns below and above.
             let left = if front.a < 0.0 { [above, below] } else { [below, above] };
-            let sheaf = Sheaf { origin, slope, middle, half_width: rim.0.abs(), left };
+            let sheaf = FieldBeam { origin, slope, middle, half_width: rim.0.abs(), left };
             let exact = beams::heights(&self.rows, stop, self.wavelength_nm, &sheaf);
             let first_order = |i: usize| {
                 let matrix = front_of(&thin, i);

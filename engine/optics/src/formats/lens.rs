@@ -108,7 +108,7 @@ use std::path::{Path, PathBuf};
 
 use crate::coating::Coating;
 use crate::glass::Catalogue;
-use crate::prescription::{Behind, Column, Metadata, Place, Prescription, PrescriptionError, SurfaceRow};
+use crate::prescription::{Column, Metadata, NextMedium, Place, Prescription, PrescriptionError, SurfaceRow};
 use crate::surface::{Conic, Shape};
 
 use super::draft::MOST_SURFACES;
@@ -322,15 +322,15 @@ impl<'a> Reader<'a> {
         curvature.ok_or_else(|| at(self.file, line, word.column, not_a_number(COLUMNS[0], word.text)))
     }
 
-    fn behind(&self, line: usize, word: &Token<'_>) -> Result<Behind, LensFileError> {
+    fn behind(&self, line: usize, word: &Token<'_>) -> Result<NextMedium, LensFileError> {
         if word.text.eq_ignore_ascii_case("mirror") {
-            return Ok(Behind::Mirror);
+            return Ok(NextMedium::Mirror);
         }
         if let Some(medium) = self.glasses.own(word.text) {
-            return Ok(Behind::Medium(medium.clone()));
+            return Ok(NextMedium::Medium(medium.clone()));
         }
         let medium = self.glasses.catalogue().medium(word.text);
-        medium.map(Behind::Medium).map_err(|error| at(self.file, line, word.column, error.into()))
+        medium.map(NextMedium::Medium).map_err(|error| at(self.file, line, word.column, error.into()))
     }
 
     fn coating(&self, line: usize, word: &Token<'_>) -> Result<Option<Coating>, LensFileError> {

@@ -8,7 +8,7 @@
 use std::collections::HashMap;
 
 use crate::glass::{Catalogue, GlassError, Medium};
-use crate::prescription::{Behind, Place};
+use crate::prescription::{NextMedium, Place};
 
 use super::draft::{Beam, Draft, DraftRow, FieldKind, FieldPoint, MOST_SURFACES};
 use super::glass_names::Glasses;
@@ -277,16 +277,16 @@ impl<'a> Reader<'a> {
         Ok(())
     }
 
-    fn glass(&mut self, word: &Word) -> Result<Behind, LensFileError> {
+    fn glass(&mut self, word: &Word) -> Result<NextMedium, LensFileError> {
         let name = word.upper();
         if matches!(name.as_str(), "REFL" | "REF" | "REFLECT") && !word.quoted {
-            return Ok(Behind::Mirror);
+            return Ok(NextMedium::Mirror);
         }
         if name == "AIR" {
-            return Ok(Behind::Medium(Medium::air()));
+            return Ok(NextMedium::Medium(Medium::air()));
         }
         if let Some(medium) = self.private_glasses.get(&name) {
-            return Ok(Behind::Medium(medium.clone()));
+            return Ok(NextMedium::Medium(medium.clone()));
         }
         let by_numbers = fictitious(&name).map(|(nd, abbe)| self.glasses.by_numbers(nd, abbe));
         let medium = by_numbers.unwrap_or_else(|| {
@@ -297,7 +297,7 @@ impl<'a> Reader<'a> {
                 name.rsplit_once('_').map_or((name.as_str(), None), |(bare, maker)| (bare, Some(maker)));
             self.glasses.squeezed(bare, maker, word.place, &mut self.draft.remarks)
         });
-        medium.map(Behind::Medium).or_else(|error| self.fail(word, error.into()))
+        medium.map(NextMedium::Medium).or_else(|error| self.fail(word, error.into()))
     }
 
     /// A command about a surface: the current one, or that of a qualifier.

@@ -1,7 +1,7 @@
 //! Tables of other renderers: pbrt's four columns, and FlareSim's six under a line `surfaces:`.
 
 use crate::glass::{Catalogue, Medium};
-use crate::prescription::{Behind, Place};
+use crate::prescription::{NextMedium, Place};
 
 use super::draft::{Draft, DraftRow, MOST_SURFACES};
 use super::glass_names::Glasses;
@@ -42,7 +42,7 @@ pub fn parse_pbrt(text: &str, file: &str, catalogue: &Catalogue) -> Result<Readi
         let index = table.number(i, &words[2], "index")?;
         let medium = if index == 0.0 { Ok(Medium::air()) } else { table.medium(i, &words[2], index, 0.0) }?;
         let before = match table.draft.rows.last().map(|row| &row.behind) {
-            Some(Behind::Medium(before)) => before.clone(),
+            Some(NextMedium::Medium(before)) => before.clone(),
             _ => Medium::air(),
         };
         let is_stop = radius == 0.0 && medium == before;
@@ -152,7 +152,7 @@ impl<'a> Table<'a> {
         let mut row = DraftRow::new(place);
         row.curvature = if radius == 0.0 { 0.0 } else { 1.0 / radius };
         row.thickness_mm = thickness;
-        row.behind = Behind::Medium(medium);
+        row.behind = NextMedium::Medium(medium);
         row.semi_diameter_mm = Some(semi);
         row.has_rim = true;
         self.draft.rows.push(row);

@@ -8,7 +8,7 @@ use super::beam::Beam;
 use super::power;
 use crate::focus::FilmFrame;
 use crate::system::System;
-use crate::trace::{Encounter, Ray, Tracer};
+use crate::trace::{Ray, SurfaceEvent, Tracer};
 
 /// A ray that is reflected so often is given up: of glass without coatings less than 1e-8 of the light is left.
 const MOST_TURNS: usize = 8;
@@ -77,7 +77,7 @@ fn one(
     let mut under_way = vec![(tracer.wander(ray), 1.0, 0)];
     while let Some((wanderer, power, turned)) = under_way.pop() {
         match wanderer.encounter() {
-            Encounter::Surface(incidence) => {
+            SurfaceEvent::Surface(incidence) => {
                 let [reflected, transmitted] = power::parts(system, tracer.wavelength_nm(), &incidence);
                 let on_the_way = power::on_the_way(system, tracer.wavelength_nm(), &incidence);
                 for (turns, part) in [(true, reflected), (false, transmitted)] {
@@ -90,8 +90,8 @@ fn one(
                     }
                 }
             }
-            Encounter::Film(ray) => each(ray, power, turned),
-            Encounter::Scene | Encounter::Lost(_) => {}
+            SurfaceEvent::Film(ray) => each(ray, power, turned),
+            SurfaceEvent::Scene | SurfaceEvent::Lost(_) => {}
         }
     }
 }

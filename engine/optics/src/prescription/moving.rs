@@ -11,7 +11,7 @@ use std::str::FromStr;
 use thiserror::Error;
 
 use crate::glass::Medium;
-use crate::prescription::{Behind, PrescriptionError, SurfaceRow};
+use crate::prescription::{NextMedium, PrescriptionError, SurfaceRow};
 use crate::surface::Conic;
 
 /// A quantity of a surface that may change.
@@ -62,7 +62,7 @@ impl Part {
             Quantity::Conic => row.shape = row.shape.with_base(Conic { conic: value, ..base }),
             Quantity::Diameter => row.semi_diameter_mm = value / 2.0,
             Quantity::IndexShift => {
-                if let Behind::Medium(medium) = &mut row.behind {
+                if let NextMedium::Medium(medium) = &mut row.behind {
                     *medium = medium.with_index_shift(value);
                 }
             }
@@ -242,7 +242,8 @@ impl MovingParts {
     /// Checks the parts: the error says that one of them is the index of what is no medium of its own, or what is wrong with the lens in
     /// one of the positions, as they were given, and in which.
     pub fn check(&self, rows: &[SurfaceRow], given: &[Position]) -> Result<(), (Option<usize>, MovingError)> {
-        let is_medium = |row: &SurfaceRow| matches!(&row.behind, Behind::Medium(medium) if *medium != Medium::air());
+        let is_medium =
+            |row: &SurfaceRow| matches!(&row.behind, NextMedium::Medium(medium) if *medium != Medium::air());
         let bad = |part: &&Part| part.quantity == Quantity::IndexShift && !is_medium(&rows[part.surface]);
         if let Some(part) = self.parts.iter().find(bad) {
             return Err((None, MovingError::NoIndex { surface: part.surface }));

@@ -6,11 +6,11 @@
 
 use glam::DVec3;
 
-use super::fate::Fate;
+use super::fate::RayStatus;
 use super::gradient::Gradients;
 use super::spectral::{LINES, Leaving};
 use super::step::{Action, Step};
-use super::{Failure, Lost, Ray, Tracer, Travel, Way};
+use super::{Failure, Lost, Ray, SurfaceSequence, Tracer, Travel};
 use crate::diaphragm::Diaphragm;
 use crate::lane::{Lane, LaneKernel, Level, Mask, Real};
 use crate::vector::Vector;
@@ -23,11 +23,11 @@ const BLOCK: usize = 256;
 /// Made by [`Tracer::bundle`], filled by [`Self::push`], traced by [`Tracer::trace`], then read by [`Self::result`].
 #[derive(Clone, Debug)]
 pub struct Bundle<R = f64> {
-    way: Way<R>,
+    way: SurfaceSequence<R>,
     /// x, y, z of the origins, seen from the vertex that the rays are at, then of the directions. There may be more than
     /// there are rays; to trace, the last register is filled up with rays along the axis.
     numbers: [Vec<R>; 6],
-    fates: Vec<Fate>,
+    fates: Vec<RayStatus>,
     is_traced: bool,
 }
 
@@ -53,7 +53,7 @@ impl<R: Traced> Tracer<R> {
 
 impl<R: Real> Bundle<R> {
     /// An empty one for rays along `way`.
-    pub(super) fn along(way: Way<R>) -> Self {
+    pub(super) fn along(way: SurfaceSequence<R>) -> Self {
         Self { way, numbers: Default::default(), fates: Vec::new(), is_traced: false }
     }
 
@@ -95,7 +95,7 @@ impl<R: Real> Bundle<R> {
         dx[first..rays].fill(d.x);
         dy[first..rays].fill(d.y);
         dz[first..rays].fill(d.z);
-        self.fates.resize(rays, Fate::THROUGH);
+        self.fates.resize(rays, RayStatus::THROUGH);
     }
 
     /// Adds the first `count` of some rays by where they cross the plane that touches the vertex of the first surface on
@@ -112,7 +112,7 @@ impl<R: Real> Bundle<R> {
             column[there.clone()].copy_from_slice(numbers);
         }
         z[there].fill(R::ZERO);
-        self.fates.resize(first + count, Fate::THROUGH);
+        self.fates.resize(first + count, RayStatus::THROUGH);
     }
 
     /// Makes room for so many rays, and then some.
@@ -161,7 +161,7 @@ impl<R: Real> Bundle<R> {
         }
         let [_, _, _, dx, dy, dz] = rays;
         let [half, more] = [R::from_f64(0.5), R::from_f64(1.5)];
-        // As `Way::leave` does it, whose roundings those of R are.
+        // As `SurfaceSequence::leave` does it, whose roundings those of R are.
         for _ in 0..2 {
             for i in 0..N {
                 let factor = more - half * (dx[i] * dx[i] + dy[i] * dy[i] + dz[i] * dz[i]);
@@ -263,7 +263,7 @@ impl Traced for f64 {
 
 /// The work of one [`Bundle`].
 pub struct Trace<'a, R> {
-    pub(super) way: &'a Way<R>,
+    pub(super) way: &'a SurfaceSequence<R>,
     pub(super) diaphragm: &'a Diaphragm<R>,
     pub(super) bundle: &'a mut Bundle<R>,
     pub(super) lines: Option<Lines<'a, R>>,
@@ -318,7 +318,7 @@ impl<R: Real> LaneKernel<R> for Trace<'_, R> {
 /// The list in which lost rays are noted.
 pub(super) struct Losses<'a> {
     /// Fates of the rays of a block.
-    pub(super) fates: &'a mut [Fate],
+    pub(super) fates: &'a mut [RayStatus],
     /// The surface that the rays are at.
     pub(super) surface: usize,
 }

@@ -15,9 +15,9 @@ const REASONS: [Failure; 7] = [
 
 /// The fate of a ray: through, or lost somewhere.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
-pub(super) struct Fate(u32);
+pub(super) struct RayStatus(u32);
 
-impl Fate {
+impl RayStatus {
     /// The fate of a ray that is not lost so far.
     pub(super) const THROUGH: Self = Self(0);
 
@@ -34,7 +34,7 @@ impl Fate {
     }
 }
 
-impl From<Lost> for Fate {
+impl From<Lost> for RayStatus {
     #[inline]
     fn from(Lost { surface, reason }: Lost) -> Self {
         let number = match reason {
@@ -56,11 +56,11 @@ mod tests {
 
     #[test]
     fn a_loss_comes_back_as_it_was() {
-        assert_eq!(Fate::THROUGH.lost(), None);
+        assert_eq!(RayStatus::THROUGH.lost(), None);
         for reason in REASONS {
             for surface in [0, 1, 40] {
                 let lost = Lost { surface, reason };
-                assert_eq!(Fate::from(lost).lost(), Some(lost));
+                assert_eq!(RayStatus::from(lost).lost(), Some(lost));
             }
         }
     }

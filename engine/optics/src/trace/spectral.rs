@@ -7,9 +7,9 @@ use std::sync::Arc;
 use glam::DVec3;
 
 use super::bundle::{Block, Bundle, Lines, Losses, Trace, Traced};
-use super::fate::Fate;
+use super::fate::RayStatus;
 use super::step::Action;
-use super::{Lost, Ray, Tracer, Travel, Way};
+use super::{Lost, Ray, SurfaceSequence, Tracer, Travel};
 use crate::diaphragm::Diaphragm;
 use crate::lane::{Lane, LaneKernel, Level, Real};
 
@@ -22,8 +22,8 @@ type Tables<R> = Arc<[[Box<[R]>; 2]]>;
 /// A lens at several wavelengths: its lines, in the order in which they were given.
 #[derive(Clone, Debug)]
 pub struct SpectralTracer<R = f64> {
-    from_scene: (Way<R>, Tables<R>),
-    from_film: (Way<R>, Tables<R>),
+    from_scene: (SurfaceSequence<R>, Tables<R>),
+    from_film: (SurfaceSequence<R>, Tables<R>),
     diaphragm: Arc<Diaphragm<R>>,
     lines: usize,
 }
@@ -42,7 +42,7 @@ pub struct SpectralBundle<R = f64> {
 pub struct Leaving<'a, R> {
     /// x, y, z from the last vertex on the way, then of the directions, whose length is 1 but for roundings.
     pub numbers: [&'a [R; LINES]; 6],
-    pub(super) fates: &'a [Fate],
+    pub(super) fates: &'a [RayStatus],
 }
 
 impl<R> Leaving<'_, R> {
@@ -67,7 +67,7 @@ impl SpectralTracer {
     /// This lens traced in numbers of another kind.
     pub fn cast<R: Real>(&self) -> SpectralTracer<R> {
         let number = |numbers: &[f64]| -> Box<[R]> { numbers.iter().map(|&n| R::from_f64(n)).collect() };
-        let along = |(way, tables): &(Way<f64>, Tables<f64>)| {
+        let along = |(way, tables): &(SurfaceSequence<f64>, Tables<f64>)| {
             let tables: Tables<R> =
                 tables.iter().map(|table| table.each_ref().map(|numbers| number(numbers))).collect();
             (way.map(|step| step.cast()), tables)
@@ -103,7 +103,7 @@ impl LaneKernel<f64> for Packet<'_> {
         let (p, d) = way.enter(self.ray);
         let [mut x, mut y, mut z, mut dx, mut dy, mut dz] = [p.x, p.y, p.z, d.x, d.y, d.z].map(|n| [n; LINES]);
         let mut block = Block { x: &mut x, y: &mut y, z: &mut z, dx: &mut dx, dy: &mut dy, dz: &mut dz };
-        let mut fates = [Fate::THROUGH; LINES];
+        let mut fates = [RayStatus::THROUGH; LINES];
         let mut lost = Losses { fates: &mut fates, surface: 0 };
         for (i, (step, table)) in way.steps.iter().zip(tables.iter()).enumerate() {
             lost.surface = i;
@@ -135,7 +135,7 @@ impl<R: Traced> SpectralTracer<R> {
         R::run(Level::new(), Trace { way, diaphragm: &self.diaphragm, bundle: rays, lines });
     }
 
-    fn way(&self, travel: Travel) -> &(Way<R>, Tables<R>) {
+    fn way(&self, travel: Travel) -> &(SurfaceSequence<R>, Tables<R>) {
         match travel {
             Travel::FromScene => &self.from_scene,
             Travel::FromFilm => &self.from_film,
@@ -201,9 +201,9 @@ impl<R: Real> SpectralBundle<R> {
 }
 
 /// The way that all lines share, and what they do not.
-fn along(lines: &[&Way<f64>]) -> (Way<f64>, Tables<f64>) {
+fn along(lines: &[&SurfaceSequence<f64>]) -> (SurfaceSequence<f64>, Tables<f64>) {
     let at = |i: usize| {
-        let numbers = |line: &&Way<f64>| match (line.gradients(i), line.steps[i].action) {
+        let numbers = |line: &&SurfaceSequence<f64>| match (line.gradients(i), line.steps[i].action) {
             (Some(gradients), _) => gradients.indices,
             (None, Action::Refract(interface)) => [interface.ratio, interface.excess],
             (None, Action::Pass | Action::Reflect) => [1.0, 0.0],
@@ -220,7 +220,7 @@ fn along(lines: &[&Way<f64>]) -> (Way<f64>, Tables<f64>) {
             step.action = action;
         }
     }
-    (Way { steps: steps.into(), ..lines[0].clone() }, tables)
+    (SurfaceSequence { steps: steps.into(), ..lines[0].clone() }, tables)
 }
 
 #[cfg(test)]

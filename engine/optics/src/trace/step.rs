@@ -117,7 +117,7 @@ impl<R: Real> Step<R> {
         mut d: Vector<L>,
         diaphragm: &Diaphragm<R>,
         numbers: Option<[L; 2]>,
-    ) -> Passage<L> {
+    ) -> Intersection<L> {
         p.z = p.z + self.to_here;
         (p, d) = self.own(p, d);
         let crossing = match self.is_far {
@@ -138,7 +138,7 @@ impl<R: Real> Step<R> {
         diaphragm: &Diaphragm<R>,
         numbers: Option<[L; 2]>,
         gradients: &Gradients<R>,
-    ) -> Passage<L> {
+    ) -> Intersection<L> {
         p.z = p.z + self.to_here;
         let bases = numbers.unwrap_or_else(|| gradients.bases(p.x));
         let (p, d, arrives) = gradients.carry(self, p, d, bases[0]);
@@ -160,7 +160,7 @@ impl<R: Real> Step<R> {
         crossing: Crossing<L>,
         diaphragm: &Diaphragm<R>,
         interfaces: Option<Interfaces<L>>,
-    ) -> Passage<L> {
+    ) -> Intersection<L> {
         let Vector { x, y, .. } = crossing.point;
         let squared = x * x + y * y;
         let is_transmitted;
@@ -184,7 +184,7 @@ impl<R: Real> Step<R> {
         if let Some(pose) = &self.pose {
             (point, direction) = (pose.point_out(point), pose.direction_out(direction));
         }
-        Passage {
+        Intersection {
             crossing,
             // Written so that NaN, too, is outside.
             is_inside: squared.at_most(squared.like(self.clear_squared)),
@@ -198,7 +198,7 @@ impl<R: Real> Step<R> {
 }
 
 /// The passage of rays at a surface, one in each lane. The other numbers of rays that did not pass are undefined.
-pub(super) struct Passage<L: Lane> {
+pub(super) struct Intersection<L: Lane> {
     /// The hits, in the surface's own coordinates.
     pub(super) crossing: Crossing<L>,
     is_inside: L::Mask,
@@ -210,7 +210,7 @@ pub(super) struct Passage<L: Lane> {
     pub(super) direction: Vector<L>,
 }
 
-impl<L: Lane> Passage<L> {
+impl<L: Lane> Intersection<L> {
     #[inline(always)]
     pub(super) fn passed(&self) -> L::Mask {
         self.crossing.met & self.is_inside & self.is_unobstructed & self.is_open & self.is_transmitted

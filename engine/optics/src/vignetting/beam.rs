@@ -6,7 +6,7 @@ use glam::{DMat2, DVec2, DVec3};
 
 use crate::field::{Field, Origin};
 use crate::paraxial::Paraxial;
-use crate::prescription::{Behind, Metadata, Place, Prescription, SurfaceRow};
+use crate::prescription::{Metadata, NextMedium, Place, Prescription, SurfaceRow};
 use crate::system::{Element, Surface, System, SystemSettings};
 use crate::trace::Tracer;
 use crate::vector::Vector;
@@ -158,8 +158,8 @@ fn without_rims(system: &System) -> Option<System> {
         pose: s.pose,
         thickness_mm: s.thickness_mm,
         behind: match &s.element {
-            Element::Refract { to, .. } => Behind::Medium(to.clone()),
-            Element::Reflect { .. } => Behind::Mirror,
+            Element::Refract { to, .. } => NextMedium::Medium(to.clone()),
+            Element::Reflect { .. } => NextMedium::Mirror,
         },
         semi_diameter_mm: s.shape.reach_mm().min(WITHOUT_RIM * size),
         obstruction_mm: 0.0,

@@ -10,7 +10,7 @@ use petzval_optics::focus::{FilmPlane, Focus, Focusing, focus_distance_for_film_
 use petzval_optics::formats::lens;
 use petzval_optics::glass::{Catalogue, line_nm};
 use petzval_optics::paraxial::Paraxial;
-use petzval_optics::prescription::{Behind, LensGroup, Prescription, SurfaceRow};
+use petzval_optics::prescription::{LensGroup, NextMedium, Prescription, SurfaceRow};
 use petzval_optics::published;
 use petzval_optics::pupil_map::PupilMap;
 use petzval_optics::system::{System, SystemSettings};
@@ -97,7 +97,7 @@ fn the_numbers_are_those_of_the_reference() {
         };
         let reference = prescription(name);
         assert_eq!(numbers(&found.lens), numbers(&reference), "{name}");
-        let is_mirror = |s: &&SurfaceRow| matches!(s.behind, Behind::Mirror);
+        let is_mirror = |s: &&SurfaceRow| matches!(s.behind, NextMedium::Mirror);
         for (ours, theirs) in found.lens.surfaces.iter().zip(&reference.surfaces) {
             let added = ours.obstruction_mm;
             let mut mirrors = reference.surfaces.iter().filter(is_mirror);

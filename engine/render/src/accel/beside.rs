@@ -51,13 +51,13 @@ pub(super) trait Forest {
 }
 
 /// The trees of a scene beside those of triangles.
-pub(super) struct Forests {
+pub(super) struct ExtraTrees {
     curves: Option<Box<CurveForest>>,
     points: Option<Box<PointForest>>,
     moving: Option<MovingForest>,
 }
 
-impl Forests {
+impl ExtraTrees {
     /// The trees of a scene beside those of triangles; `None` if there are none.
     pub(super) fn new(scene: &Scene, parts: &Parts) -> Option<Box<Self>> {
         let (curves, points) = (CurveForest::new(scene, parts), PointForest::new(scene, parts));

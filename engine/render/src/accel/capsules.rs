@@ -5,7 +5,7 @@
 //! "Exploiting Local Orientation Similarity for Efficient Ray Traversal of Hair and Fur"); here the leaves alone are oriented.
 
 use super::bounds::Bounds;
-use super::segment::Gaze;
+use super::segment::RayFrame;
 use super::triangles::LANES;
 use fearless_simd::{Simd, SimdBase, SimdFloat, SimdMask, f32x8};
 use glam::{Vec3A, Vec4};
@@ -80,7 +80,7 @@ impl Capsules {
 
     /// The capsules that a ray hits before `t_max`, or may hit.
     #[inline(always)]
-    pub(super) fn meet<S: Simd>(&self, simd: S, gaze: &Gaze, t_max: f32) -> Option<Candidates> {
+    pub(super) fn meet<S: Simd>(&self, simd: S, gaze: &RayFrame, t_max: f32) -> Option<Candidates> {
         let [ax, ay, az] = self.seen(simd, gaze, 0);
         let [bx, by, bz] = self.seen(simd, gaze, 1);
         let room = f32x8::load_array_ref(simd, &self.radius) + ROUNDING * gaze.reach();
@@ -99,7 +99,7 @@ impl Capsules {
 
     /// One end of each axis as it is seen along a ray. (A function, since closures are not inlined.)
     #[inline(always)]
-    fn seen<S: Simd>(&self, simd: S, gaze: &Gaze, end: usize) -> [f32x8<S>; 3] {
+    fn seen<S: Simd>(&self, simd: S, gaze: &RayFrame, end: usize) -> [f32x8<S>; 3] {
         let from = gaze.origin();
         let x = f32x8::load_array_ref(simd, &self.ends[end][0]) - from.x;
         let y = f32x8::load_array_ref(simd, &self.ends[end][1]) - from.y;

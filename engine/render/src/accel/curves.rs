@@ -10,7 +10,7 @@ use super::divide::divide;
 use super::moving::MovingPlaces;
 use super::node::{BoxRay, Node};
 use super::places::{PlacedMesh, Within, placed};
-use super::segment::{BothMet, CurveMet, Cut, Gaze, meet};
+use super::segment::{BothMet, CurveMet, Cut, RayFrame, meet};
 use super::source::Parts;
 use super::traverse::{lanes, traverse};
 use super::triangles::LANES;
@@ -111,7 +111,7 @@ impl Forest for CurveForest {
     ) -> Option<Hit> {
         let here = BoxRay::new(ray.origin, ray.direction);
         let mut t_max = nearest.map_or(ray.t_max, |hit| hit.t);
-        let gaze = Gaze::new(ray.origin, ray.direction);
+        let gaze = RayFrame::new(ray.origin, ray.direction);
         let _ = self.common.follow(
             simd,
             (&here, &gaze),
@@ -168,7 +168,7 @@ impl Forest for CurveForest {
     ) -> ControlFlow<()> {
         let mut pass = |hit: Hit| if pass(&hit) { ControlFlow::Continue(()) } else { ControlFlow::Break(()) };
         let here = BoxRay::new(ray.origin, ray.direction);
-        let gaze = Gaze::new(ray.origin, ray.direction);
+        let gaze = RayFrame::new(ray.origin, ray.direction);
         self.common.follow(
             simd,
             (&here, &gaze),
@@ -275,9 +275,9 @@ impl CurveForest {
 
 /// The ray in the object space of an instance, and how much longer distances are there.
 #[inline(always)]
-fn enter(placed: &PlacedMesh, ray: &Ray) -> Option<(BoxRay, Gaze, f32)> {
+fn enter(placed: &PlacedMesh, ray: &Ray) -> Option<(BoxRay, RayFrame, f32)> {
     let Within { origin, direction, scale } = placed.enter(ray)?;
-    Some((BoxRay::new(origin, direction), Gaze::new(origin, direction), scale))
+    Some((BoxRay::new(origin, direction), RayFrame::new(origin, direction), scale))
 }
 
 /// Factor of an instance on radii, as Cycles has it.
@@ -410,7 +410,7 @@ impl CurveTree {
     fn follow<S: Simd>(
         &self,
         simd: S,
-        (boxes, gaze): (&BoxRay, &Gaze),
+        (boxes, gaze): (&BoxRay, &RayFrame),
         t_max: f32,
         wanted: impl Fn(&Segment) -> bool,
         mut met: impl FnMut(&Segment, BothMet, f32) -> ControlFlow<(), f32>,

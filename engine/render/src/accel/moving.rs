@@ -29,7 +29,7 @@ pub(super) struct MovingPlaces {
     slices: Vec<Slice>,
     items: Vec<Item>,
     /// Placements of all items, by moment.
-    stands: Vec<Stand>,
+    stands: Vec<PlacedTransform>,
 }
 
 /// A part of the shutter's time.
@@ -51,7 +51,7 @@ struct Item {
 
 /// The placement of an instance at one moment.
 #[derive(Clone, Copy)]
-struct Stand {
+struct PlacedTransform {
     to_object: Affine3A,
     pose: Pose,
 }
@@ -70,7 +70,7 @@ impl MovingPlaces {
             let mesh = scene.instances[one.instance as usize].mesh;
             items.push(Item { mesh, instance: one.first, shift: one.shift, stand: stands.len() as u32 });
             let own = &scene.instances[one.first as usize..][..one.count() as usize];
-            stands.extend(own.iter().map(|now| Stand { to_object: now.to_object, pose: now.pose }));
+            stands.extend(own.iter().map(|now| PlacedTransform { to_object: now.to_object, pose: now.pose }));
         }
         let slice = |number: u32| {
             let swept = |(i, one): (usize, &&Moving)| {
@@ -104,7 +104,7 @@ impl MovingPlaces {
     pub(super) fn placed(&self, leaf: usize, moment: u16) -> (PlacedMesh, Pose) {
         let item = &self.items[self.slice(moment).items[leaf] as usize];
         let number = u32::from(moment) >> item.shift;
-        let Stand { to_object, pose } = self.stands[(item.stand + number) as usize];
+        let PlacedTransform { to_object, pose } = self.stands[(item.stand + number) as usize];
         (PlacedMesh { to_object, mesh: item.mesh, instance: item.instance + number }, pose)
     }
 

@@ -27,12 +27,12 @@ const OVERLAP: [f32; 2] = [0.005, 0.1];
 const OVERLAP_DEPTH: f32 = 0.01;
 
 /// A ray along whose direction curves are looked at.
-pub(super) struct Gaze {
+pub(super) struct RayFrame {
     origin: Vec3A,
     axes: [Vec3A; 3],
 }
 
-impl Gaze {
+impl RayFrame {
     /// `direction` has length one.
     pub(super) fn new(origin: Vec3A, direction: Vec3A) -> Self {
         let (x, y) = direction.any_orthonormal_pair();
@@ -145,7 +145,7 @@ fn round_pieces(controls: &Controls) -> u16 {
 #[inline(always)]
 pub(super) fn meet<S: Simd>(
     simd: S,
-    gaze: &Gaze,
+    gaze: &RayFrame,
     controls: [Vec4; 4],
     (cut, part): (Cut, &Range<u16>),
     t_max: f32,

@@ -10,7 +10,7 @@
 
 use super::batch::LensBatch;
 use super::beam;
-use super::description::{CameraDescription, Shown};
+use super::description::{CameraDescription, EnabledEffects};
 use super::gaussian::{Gaussian, Order};
 use super::mount::Mount;
 use super::packet::Request;
@@ -69,7 +69,7 @@ impl Adapted {
     /// The camera of a description of which `shown` is not all.
     pub(super) fn new(d: &CameraDescription, axes: DMat3, width: u32, height: u32) -> Result<Self, CameraError> {
         let shown = d.shown;
-        let plain = CameraDescription { shown: Shown::default(), ..d.clone() };
+        let plain = CameraDescription { shown: EnabledEffects::default(), ..d.clone() };
         let (mount, system) = Mount::new(&plain, axes, width, height)?;
         let spectrum = film_spectrum(&plain, &system);
         // Both ways in which colours part, or neither, are the lens's own way with its own wavelengths.
@@ -237,7 +237,7 @@ impl Sight {
     }
 
     /// The map from each place to the place at which the maker of the rays sees what is to be seen there; `None` if both are the same.
-    fn warp(&self, shown: Shown, line_nm: f64) -> Option<Warp> {
+    fn warp(&self, shown: EnabledEffects, line_nm: f64) -> Option<Warp> {
         // What makes the rays has distortion itself, or none.
         if shown.distortion == shown.aberration {
             return None;
@@ -253,7 +253,7 @@ impl Sight {
 
     /// The map from a place at the wavelength of the focus to the place at which the maker of the rays shows the same subject at the
     /// wavelength `nm`, as far as colours are to part; if `is_grey`, the maker has the line of the focus alone.
-    fn colour_warp(&self, shown: Shown, is_grey: bool, line_nm: f64, nm: f64) -> Warp {
+    fn colour_warp(&self, shown: EnabledEffects, is_grey: bool, line_nm: f64, nm: f64) -> Warp {
         let [line, here] = [line_nm, nm].map(|nm| self.system.at_wavelength(nm));
         let [line_g, here_g] = [line_nm, nm].map(|nm| GaussianLens::new(&self.system, nm));
         let wanted = if shown.lateral_colour { &here } else { &line };

@@ -4,8 +4,8 @@
 //! lens's size, far less than a pixel, and so are their densities.
 
 use super::mount::Mount;
-use super::packet::{Led, Request, Splats};
-use super::real_lens::{Lead, Line, RealLens};
+use super::packet::{HeroSample, Request, Splats};
+use super::real_lens::{LensSample, Line, RealLens};
 use crate::sampler::raster::Raster;
 use glam::DVec3;
 use petzval_optics::trace::{LINES, Leaving};
@@ -82,10 +82,10 @@ impl RealLens {
         &self,
         film: &ShortFilm,
         request: &Request,
-        lead: &Lead,
+        lead: &LensSample,
         leaving: &Leaving<'_, f32>,
         raster: &Raster,
-    ) -> Led {
+    ) -> HeroSample {
         let (set, leader) = self.leader(request.u_wavelength);
         let lines = &film.sets[set];
         let [x, y, z, dx, dy, dz] = leaving.numbers;
@@ -137,6 +137,6 @@ impl RealLens {
             splats.push_at(pixel, set + i * sets, weights[i]);
             lit &= lit - 1;
         }
-        Led { ray: self.mount.to_render(&lead.out), splats, set, density: f64::from(density) }
+        HeroSample { ray: self.mount.to_render(&lead.out), splats, set, density: f64::from(density) }
     }
 }

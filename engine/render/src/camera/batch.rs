@@ -3,8 +3,8 @@
 
 use super::CameraRay;
 use super::outward::{Outward, OutwardBatch};
-use super::packet::{Led, Request, backwards};
-use super::real_lens::{Lead, RealLens};
+use super::packet::{HeroSample, Request, backwards};
+use super::real_lens::{LensSample, RealLens};
 use crate::sampler::raster::Raster;
 use petzval_optics::trace::{LINES, SpectralBundle, Travel};
 
@@ -60,7 +60,7 @@ impl RealLens {
         requests: &[Request],
         raster: &Raster,
         batch: &mut LensBatch,
-        led: &mut Vec<Option<Led>>,
+        led: &mut Vec<Option<HeroSample>>,
     ) {
         on_the_way_out!(self, &mut batch.out, |out, memory| out.trace(self, requests, memory));
         batch.back.clear();
@@ -88,7 +88,7 @@ impl RealLens {
     }
 
     /// The ray of one request at the wavelength that it chooses.
-    pub(super) fn lead(&self, request: &Request) -> Option<Lead> {
+    pub(super) fn lead(&self, request: &Request) -> Option<LensSample> {
         let mut batch = self.batch();
         on_the_way_out!(self, &mut batch.out, |out, memory| out.trace(self, std::slice::from_ref(request), memory));
         batch.lead(0)
@@ -98,7 +98,7 @@ impl RealLens {
 impl LensBatch {
     /// The ray of request `i`.
     #[inline]
-    fn lead(&self, i: usize) -> Option<Lead> {
+    fn lead(&self, i: usize) -> Option<LensSample> {
         match &self.out {
             OutBatch::Single(out) => out.lead(i),
             OutBatch::Double(out) => out.lead(i),

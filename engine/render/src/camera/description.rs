@@ -57,7 +57,7 @@ impl Spectrum {
 
 /// The effects of a traced lens that the picture shows; by default all.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
-pub struct Shown {
+pub struct EnabledEffects {
     /// Blur of what is out of focus; if false, everything is seen through the middle of the pupil.
     pub defocus: bool,
     /// Aberrations; if false, Gaussian optics make the image, with all else of the lens.
@@ -72,7 +72,7 @@ pub struct Shown {
     pub axial_colour: bool,
 }
 
-impl Default for Shown {
+impl Default for EnabledEffects {
     fn default() -> Self {
         Self {
             defocus: true,
@@ -85,7 +85,7 @@ impl Default for Shown {
     }
 }
 
-impl Shown {
+impl EnabledEffects {
     /// True if the rays are those of the lens: all effects but vignetting are shown.
     pub fn is_traced_plainly(&self) -> bool {
         self.defocus && self.aberration && self.distortion && self.lateral_colour && self.axial_colour
@@ -152,7 +152,7 @@ pub struct CameraDescription {
     /// The wavelengths of the film, for lenses that treat wavelengths differently.
     pub spectrum: Spectrum,
     /// The effects of the real lens that are shown.
-    pub shown: Shown,
+    pub shown: EnabledEffects,
     /// Scattering in the lens.
     pub scattering: Scattering,
     /// Thin films wherever glass meets air; `None`: as the lens file has them.
@@ -205,7 +205,7 @@ impl Default for CameraDescription {
             scale_mm_per_unit: DVec3::splat(1000.0),
             wavelength_nm: None,
             spectrum: Spectrum::default(),
-            shown: Shown::default(),
+            shown: EnabledEffects::default(),
             scattering: Scattering::default(),
             coating: None,
             transmission: false,

@@ -4,7 +4,7 @@
 //! ray. One sample of the camera and one light path belong to each pixel; their densities are those of a single one,
 //! with the pixel left to chance, so that both can be compared.
 
-use super::packet::{Led, Splats};
+use super::packet::{HeroSample, Splats};
 use super::real_lens::RealLens;
 use crate::sampler::raster::Raster;
 use glam::Vec3A;
@@ -81,7 +81,7 @@ impl RealLens {
     }
 
     /// The density per unit of etendue of a ray that a wavelength of its set led to.
-    pub fn led_density(&self, led: &Led) -> f64 {
+    pub fn led_density(&self, led: &HeroSample) -> f64 {
         led.density * self.per_etendue()
     }
 

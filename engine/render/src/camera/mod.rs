@@ -38,7 +38,7 @@ pub mod survey;
 pub mod thin;
 mod transmission;
 
-pub use description::{CameraDescription, Model, Shown, Spectrum};
+pub use description::{CameraDescription, EnabledEffects, Model, Spectrum};
 
 use crate::Rgb;
 use crate::accel::Ray;

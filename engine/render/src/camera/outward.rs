@@ -6,7 +6,7 @@
 use super::CameraRay;
 use super::mount::Mount;
 use super::packet::Request;
-use super::real_lens::{Lead, Line, RealLens};
+use super::real_lens::{LensSample, Line, RealLens};
 use crate::accel::Ray;
 use crate::spectrum::FilmSpectrum;
 use glam::{DMat3, DVec3, Mat3, Vec3A};
@@ -79,7 +79,7 @@ impl<R: Real> FlatFilm<R> {
     }
 
     /// Chooses a ray for each of at most as many requests as fill a register: where it crosses the plane of the pupil's map,
-    /// its direction, and the density of the choice as [`Lead`] has it.
+    /// its direction, and the density of the choice as [`LensSample`] has it.
     #[inline]
     fn aim(&self, lens: &RealLens, requests: &[Request]) -> ([[R; LINES]; 5], [R; LINES]) {
         let mut places = [[0.0f32; LINES]; 2];
@@ -249,8 +249,8 @@ impl<R: Traced> Outward<R> {
 impl<R: Traced> OutwardBatch<R> {
     /// The ray of request `i`.
     #[inline]
-    pub(super) fn lead(&self, i: usize) -> Option<Lead> {
-        self.rays.result(i).ok().map(|out| Lead {
+    pub(super) fn lead(&self, i: usize) -> Option<LensSample> {
+        self.rays.result(i).ok().map(|out| LensSample {
             out,
             density: self.densities[i].to_f64(),
             part: self.parts.get(i).copied().unwrap_or(1.0),

@@ -4,7 +4,7 @@
 //! counted in it, divided by the area of a pixel, so that a ray which one wavelength chose can be used by all
 //! (Veach 1995, the balance heuristic over which of them could have led to it).
 
-use super::real_lens::{Lead, RealLens};
+use super::real_lens::{LensSample, RealLens};
 use crate::Rgb;
 use crate::accel::Ray;
 use crate::sampler::raster::{Raster, turned};
@@ -179,7 +179,7 @@ impl RealLens {
 
 /// A ray that one wavelength led to, and what its radiance adds to which pixels.
 #[derive(Clone, Copy, Debug)]
-pub struct Led {
+pub struct HeroSample {
     /// The ray, render space.
     pub ray: Ray,
     /// The contributions of the ray's radiance to pixels.
@@ -211,7 +211,7 @@ pub struct Request {
 
 impl RealLens {
     /// A ray as [`Self::sample`] has it, with what all wavelengths of its set make of it.
-    pub fn lead_all(&self, request: &Request, raster: &Raster) -> Option<Led> {
+    pub fn lead_all(&self, request: &Request, raster: &Raster) -> Option<HeroSample> {
         let (set, _) = self.leader(request.u_wavelength);
         let lead = self.lead(request)?;
         let arrivals = self.arrivals(set, backwards(&lead), raster, request.u_pixels);
@@ -220,7 +220,13 @@ impl RealLens {
 
     /// The result of a ray that one wavelength led to, when all others of its set have arrived.
     #[inline]
-    pub(super) fn joined(&self, request: &Request, lead: &Lead, mut arrivals: Arrivals, raster: &Raster) -> Led {
+    pub(super) fn joined(
+        &self,
+        request: &Request,
+        lead: &LensSample,
+        mut arrivals: Arrivals,
+        raster: &Raster,
+    ) -> HeroSample {
         let (set, leader) = self.leader(request.u_wavelength);
         let sets = self.spectrum.sets();
         // The leader's own place and density are known without the rounding of the way back.
@@ -229,12 +235,12 @@ impl RealLens {
         arrivals[leader] = own.map(|a| Arrival { x, y, importance: a.importance * lead.part, ..a });
         let density: f64 = arrivals.iter().flatten().map(|a| a.density).sum();
         let splats = Splats::new(&arrivals, set, sets, density.recip() as f32);
-        Led { ray: self.mount.to_render(&lead.out), splats, set, density }
+        HeroSample { ray: self.mount.to_render(&lead.out), splats, set, density }
     }
 }
 
 /// The ray of a lead as light takes it.
 #[inline]
-pub(super) fn backwards(lead: &Lead) -> LensRay {
+pub(super) fn backwards(lead: &LensSample) -> LensRay {
     LensRay { origin: lead.out.origin, direction: -lead.out.direction }
 }

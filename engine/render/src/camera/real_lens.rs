@@ -73,7 +73,7 @@ pub(super) struct Line {
 }
 
 /// A ray from the film into the scene, at one wavelength.
-pub(super) struct Lead {
+pub(super) struct LensSample {
     /// The ray in front of the lens, lens space.
     pub(super) out: LensRay,
     /// The density of the choice of the ray, for each mm² sr of projected solid angle at the film point.
@@ -181,7 +181,7 @@ impl RealLens {
 
     /// The camera ray of a lead at the film's wavelength number `index`, with its weight.
     #[inline]
-    pub(super) fn weighted(&self, index: usize, lead: &Lead) -> CameraRay {
+    pub(super) fn weighted(&self, index: usize, lead: &LensSample) -> CameraRay {
         CameraRay { ray: self.mount.to_render(&lead.out), weight: self.weight(index, lead.density) * lead.part }
     }
 
@@ -191,7 +191,7 @@ impl RealLens {
         self.spectrum.wavelengths()[index].response * (self.lines[index].gain / density) as f32
     }
 
-    /// A ray from a picture point to the lens, lens space, and the density of its choice as [`Lead`] has it.
+    /// A ray from a picture point to the lens, lens space, and the density of its choice as [`LensSample`] has it.
     #[inline]
     pub(super) fn aim_out(&self, p: Vec2, u_lens: [f32; 2]) -> (LensRay, f64) {
         let film = self.mount.film_at(p);

@@ -4,7 +4,7 @@
 //! Both brightnesses are measured by the weights of rays, for a uniform world. So brightness is right, whatever makes the rays; only the
 //! noise stays as it was.
 
-use super::description::{CameraDescription, Shown};
+use super::description::{CameraDescription, EnabledEffects};
 use super::packet::Request;
 use super::{Camera, CameraError};
 use crate::luminance;
@@ -26,7 +26,7 @@ pub fn gains(d: &CameraDescription, camera: &Camera, width: u32, height: u32) ->
     if d.shown.vignetting && d.shown.is_traced_plainly() {
         return Ok(None);
     }
-    let whole = Camera::new(&CameraDescription { shown: Shown::default(), ..d.clone() }, width, height)?;
+    let whole = Camera::new(&CameraDescription { shown: EnabledEffects::default(), ..d.clone() }, width, height)?;
     let middle = brightness(&whole, Vec2::ZERO);
     let gain = |i: usize| {
         let place =

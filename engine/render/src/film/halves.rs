@@ -13,7 +13,7 @@
 //! this half, divided by how many of them start it. Light that lands farther from its tile than is kept by pixel counts
 //! by its squares alone, relative to the mean of the half.
 
-use super::{Patch, TileRect};
+use super::{TileAccumulator, TileRect};
 use serde::{Deserialize, Serialize};
 
 /// Pixels on a side of the tiles whose counts are decided together: small enough to follow an edge that is unsharp, large
@@ -77,7 +77,12 @@ impl Half {
 
     /// Adds a batch: samples for the picture, and others behind them for the error alone, each with how many a pixel. The
     /// error is of the batch as a whole, so that it does not depend on where the count ends. `width` is the picture's.
-    pub(super) fn add(&mut self, counted: Option<(&Patch, u32)>, beyond: Option<(&Patch, u32)>, width: u32) {
+    pub(super) fn add(
+        &mut self,
+        counted: Option<(&TileAccumulator, u32)>,
+        beyond: Option<(&TileAccumulator, u32)>,
+        width: u32,
+    ) {
         let error = &mut self.error;
         let batch: u32 = counted.iter().chain(&beyond).map(|(_, samples)| samples).sum();
         for (i, square) in error.squares.iter_mut().enumerate() {
@@ -103,7 +108,7 @@ impl Half {
         }
     }
 
-    fn add_far(&mut self, patch: &Patch, width: u32) {
+    fn add_far(&mut self, patch: &TileAccumulator, width: u32) {
         if patch.far.is_empty() {
             return;
         }
@@ -161,7 +166,7 @@ fn weight(brightness: f32) -> f32 {
 
 #[cfg(test)]
 mod tests {
-    use super::super::{Film, Keep};
+    use super::super::{Film, FilmChannels};
     use crate::Rgb;
     use crate::sampler::mix;
 
@@ -174,7 +179,7 @@ mod tests {
     #[test]
     fn the_error_is_that_of_the_mean() {
         for (scatters, bright) in [(false, 0.5), (false, 3.0), (true, 0.5)] {
-            let film = Film::keeping(64, 64, scatters, Keep { halves: true, ..Keep::default() });
+            let film = Film::keeping(64, 64, scatters, FilmChannels { halves: true, ..FilmChannels::default() });
             let (mut sum, mut blocks) = (0.0, 0);
             for tile in 0..film.tile_count() {
                 let r = film.rect(tile);

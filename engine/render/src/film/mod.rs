@@ -77,7 +77,7 @@ impl TileRect {
 
 /// The data that a film keeps beside light.
 #[derive(Clone, Debug, Default)]
-pub struct Keep {
+pub struct FilmChannels {
     /// True to keep the surfaces that the pixels see.
     pub surfaces: bool,
     /// True to keep motion vectors of these surfaces over the picture.
@@ -106,7 +106,7 @@ pub fn bytes_a_pixel(surfaces: bool, vectors: bool, mattes: bool, halves: bool, 
 
 /// Light on a part of the picture, while one thread gathers it.
 #[derive(Clone, Debug, Serialize, Deserialize)]
-pub struct Patch {
+pub struct TileAccumulator {
     rect: TileRect,
     /// Radiance and alpha by pixel, rows from below. In double precision sums of samples are exact, but for ranges of brightness
     /// beyond 2^29 in one pixel: so they do not depend on how the samples are parted.
@@ -123,11 +123,11 @@ pub struct Patch {
     mattes: Option<Box<MatteNotes>>,
     /// The light of each group of emitters, while it is gathered; each group's sums are a film of their own.
     #[serde(skip)]
-    groups: Vec<Patch>,
+    groups: Vec<TileAccumulator>,
 }
 
-impl Patch {
-    fn new(rect: TileRect, keep: &Keep) -> Self {
+impl TileAccumulator {
+    fn new(rect: TileRect, keep: &FilmChannels) -> Self {
         let pixels = (rect.width * rect.height) as usize;
         Self {
             rect,
@@ -198,7 +198,7 @@ impl Patch {
 /// Sums of one tile.
 #[derive(Clone, Debug, Serialize, Deserialize)]
 pub struct TileSums {
-    light: Patch,
+    light: TileAccumulator,
     mattes: MatteSums,
     /// The light instead, if counts of samples differ.
     halves: Option<Box<[Half; 2]>>,
@@ -230,7 +230,7 @@ pub struct Film {
     far: SplatSums,
     /// Light from anywhere, of each half's samples.
     anywhere: [SplatSums; 2],
-    keep: Keep,
+    keep: FilmChannels,
     /// Factor of the light when it is read.
     exposure: f32,
     /// A further factor for each pixel, rows from below; empty where that is one.
@@ -243,12 +243,12 @@ impl Film {
     /// give light to other pixels than their own.
     /// `with_data` if it shall also keep what surfaces the pixels see.
     pub fn new(width: u32, height: u32, spreads: bool, with_data: bool) -> Self {
-        Self::keeping(width, height, spreads, Keep { surfaces: with_data, ..Keep::default() })
+        Self::keeping(width, height, spreads, FilmChannels { surfaces: with_data, ..FilmChannels::default() })
     }
 
     /// An empty film that keeps what `keep` names; tiles in order of their distance from the centre. `spreads` if samples give light to
     /// other pixels than their own.
-    pub fn keeping(width: u32, height: u32, spreads: bool, keep: Keep) -> Self {
+    pub fn keeping(width: u32, height: u32, spreads: bool, keep: FilmChannels) -> Self {
         let tile_size = if keep.halves { BLOCK_SIZE } else { TILE_SIZE };
         let rects = cut(width, height, tile_size);
         let from_centre = |i: &usize| {
@@ -267,7 +267,7 @@ impl Film {
             (true, true) => BLOCK_SPREAD,
         };
         let tile = |&place: &usize| {
-            let mut light = Patch::new(rects[place].grown(margin, width, height), &keep);
+            let mut light = TileAccumulator::new(rects[place].grown(margin, width, height), &keep);
             let halves = keep.halves.then(|| {
                 let pixels = std::mem::take(&mut light.sums).len();
                 Box::new([0, 1].map(|half| Half::new(rects[place].count_of(half) as u32, pixels)))
@@ -334,9 +334,9 @@ impl Film {
     }
 
     /// An empty patch for the samples of a tile.
-    pub fn patch(&self, tile: usize) -> Patch {
-        let patch = Patch::new(self.tile(tile).light.rect, &self.keep);
-        Patch { groups: self.groups.iter().map(|group| group.patch(tile)).collect(), ..patch }
+    pub fn patch(&self, tile: usize) -> TileAccumulator {
+        let patch = TileAccumulator::new(self.tile(tile).light.rect, &self.keep);
+        TileAccumulator { groups: self.groups.iter().map(|group| group.patch(tile)).collect(), ..patch }
     }
 
     /// A tile's sums, for as long as the guard lives.
@@ -346,7 +346,13 @@ impl Film {
     }
 
     /// Adds pass number `pass` of a tile, of `samples` a pixel, if the passes before it are there; else gives it back.
-    pub fn add_pass(&self, tile: usize, pass: u32, light: Patch, samples: u32) -> Result<(), Box<Patch>> {
+    pub fn add_pass(
+        &self,
+        tile: usize,
+        pass: u32,
+        light: TileAccumulator,
+        samples: u32,
+    ) -> Result<(), Box<TileAccumulator>> {
         let mut sums = self.tile(tile);
         if sums.passes != pass {
             return Err(Box::new(light));
@@ -359,7 +365,7 @@ impl Film {
         Ok(())
     }
 
-    fn join(&self, sums: &mut TileSums, light: &Patch, samples: u32) {
+    fn join(&self, sums: &mut TileSums, light: &TileAccumulator, samples: u32) {
         for (sum, add) in sums.light.sums.iter_mut().zip(&light.sums) {
             for (s, a) in sum.iter_mut().zip(add) {
                 *s += a;
@@ -376,7 +382,13 @@ impl Film {
 
     /// Adds a batch for each pixel of a half of a tile: samples for the picture, and others behind them for the error alone,
     /// each with how many. Batches of a tile must come in their order.
-    pub fn add_batch(&self, tile: usize, half: usize, counted: Option<(&Patch, u32)>, beyond: Option<(&Patch, u32)>) {
+    pub fn add_batch(
+        &self,
+        tile: usize,
+        half: usize,
+        counted: Option<(&TileAccumulator, u32)>,
+        beyond: Option<(&TileAccumulator, u32)>,
+    ) {
         let mut sums = self.tile(tile);
         let Some(halves) = &mut sums.halves else { return };
         halves[half].add(counted, beyond, self.width);
@@ -482,7 +494,7 @@ impl Film {
 }
 
 impl TileSums {
-    fn join_data(&mut self, keep: &Keep, from: &Patch) {
+    fn join_data(&mut self, keep: &FilmChannels, from: &TileAccumulator) {
         for (sums, add) in self.light.data.iter_mut().zip(&from.data) {
             sums.join(add);
         }

@@ -10,7 +10,7 @@ mod light;
 mod vertex;
 mod weights;
 
-use super::Stage;
+use super::PreparedScene;
 use super::path::{Limits, PathResult};
 use crate::Rgb;
 use crate::accel::Ray;
@@ -74,14 +74,14 @@ impl LightPath {
     }
 
     /// Follows light from a source. Gives the rays traced.
-    pub fn trace(&mut self, stage: &Stage, limits: &Limits, sampler: PathSampler) -> u32 {
+    pub fn trace(&mut self, stage: &PreparedScene, limits: &Limits, sampler: PathSampler) -> u32 {
         light::trace(stage, limits, sampler, self.moment, &mut self.places)
     }
 
     /// Gives what the film gets of it to `add`, pixel by pixel, for one light path a pixel. Gives the rays traced.
     pub fn splat(
         &self,
-        stage: &Stage,
+        stage: &PreparedScene,
         film: &FilmEnd<'_>,
         limits: &Limits,
         sampler: PathSampler,
@@ -91,7 +91,13 @@ impl LightPath {
     }
 
     /// Follows a ray from the camera and joins it to this.
-    pub fn join(&self, stage: &Stage, camera: &CameraEnd<'_>, limits: &Limits, sampler: PathSampler) -> PathResult {
+    pub fn join(
+        &self,
+        stage: &PreparedScene,
+        camera: &CameraEnd<'_>,
+        limits: &Limits,
+        sampler: PathSampler,
+    ) -> PathResult {
         eye::trace(stage, camera, limits, sampler, &self.places)
     }
 }

@@ -10,10 +10,10 @@ mod stack;
 
 pub(crate) use stack::{Entry, Stack};
 
-use super::Stage;
+use super::PreparedScene;
 use crate::Rgb;
 use crate::accel::Ray;
-use crate::nodes::Way;
+use crate::nodes::PathState;
 use crate::nodes::volume::Medium;
 use crate::sampler::hashed::HashedNumbers;
 use crate::scene::Scene;
@@ -133,10 +133,10 @@ pub(super) enum Event {
 
 /// A stretch of a ray within media.
 pub(super) struct Stretch<'a> {
-    pub(super) stage: &'a Stage,
+    pub(super) stage: &'a PreparedScene,
     pub(super) stack: &'a Stack,
     pub(super) ray: Ray,
-    pub(super) way: Way,
+    pub(super) way: PathState,
 }
 
 impl Stretch<'_> {

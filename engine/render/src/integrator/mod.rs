@@ -39,7 +39,7 @@ impl Integrator {
 
 /// A scene with everything that is worked out once before light is followed through it. Cameras and settings
 /// change without it.
-pub struct Stage {
+pub struct PreparedScene {
     /// The scene.
     pub scene: Scene,
     /// The scene's BVHs.
@@ -58,10 +58,10 @@ pub struct Stage {
     pub build_seconds: f64,
 }
 
-impl Stage {
+impl PreparedScene {
     /// The surroundings that shader graphs of surfaces may query.
-    pub fn around(&self) -> nodes::Around<'_> {
-        nodes::Around { scene: &self.scene, accel: Some(&self.accel) }
+    pub fn around(&self) -> nodes::SceneQueries<'_> {
+        nodes::SceneQueries { scene: &self.scene, accel: Some(&self.accel) }
     }
 
     /// Builds trees and tables, in parallel on the current rayon pool.

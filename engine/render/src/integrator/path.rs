@@ -1,7 +1,7 @@
 //! Path tracing with next-event estimation: at every surface one light is sampled and one direction, each
 //! weighted by how well the other technique would have found the same light (power heuristic, Veach 1995).
 //!
-//! Many paths go on together: see [`Wave`].
+//! Many paths go on together: see [`Wavefront`].
 
 mod approximations;
 mod by_part;
@@ -13,14 +13,14 @@ mod terminator;
 mod wave;
 
 pub use approximations::{Approximations, FastGi};
-pub use notes::{NoNotes, Noted, Notes};
+pub use notes::{AovBuffers, AovSink, NoAovs};
 pub use pilot::{openness, roulette};
-pub use wave::Wave;
+pub use wave::Wavefront;
 
-use super::Stage;
+use super::PreparedScene;
 use crate::Rgb;
 use crate::accel::{Hit, Ray, offset_origin};
-use crate::nodes::{self, Around, Layers, Opening, View, Way};
+use crate::nodes::{self, Layers, PathState, SceneQueries, Transparency, View};
 use crate::sampler::PathSampler;
 use crate::scene::Scene;
 use crate::shading::{Caustics, Past, mixture::Mixture};
@@ -129,13 +129,13 @@ impl Default for KindLimits {
 impl Limits {
     /// True if a path may be scattered by the next surface and by volumes before it.
     #[inline]
-    pub(super) fn scatters(&self, way: Way) -> bool {
+    pub(super) fn scatters(&self, way: PathState) -> bool {
         self.scatters_before_the_sky(way) && self.approximations.fast_gi.last_ray(way).is_none()
     }
 
     /// True if a path may be scattered by volumes on the way to infinity.
     #[inline]
-    pub(super) fn scatters_before_the_sky(&self, way: Way) -> bool {
+    pub(super) fn scatters_before_the_sky(&self, way: PathState) -> bool {
         let KindLimits { diffuse, glossy, transmission, .. } = self.kinds;
         u32::from(way.depth) <= self.max_bounces
             && u32::from(way.diffuse) <= diffuse
@@ -146,19 +146,19 @@ impl Limits {
 
     /// True if a path may pass or be scattered by the next surface. As in Cycles, it passes the first surface in any case.
     #[inline]
-    pub(super) fn goes_on(&self, way: Way) -> bool {
+    pub(super) fn goes_on(&self, way: PathState) -> bool {
         way.transparent == 0 || u32::from(way.transparent) < self.kinds.transparent
     }
 
     /// Surfaces that a ray from there to a light may pass.
     #[inline]
-    pub(super) fn shadows_pass(&self, way: Way) -> u32 {
+    pub(super) fn shadows_pass(&self, way: PathState) -> u32 {
         self.kinds.transparent_shadows.saturating_sub(u32::from(way.transparent))
     }
 
     /// The surfaces that reflect and refract light for a path in this state.
     #[inline]
-    pub(super) fn caustics(&self, way: Way) -> Caustics {
+    pub(super) fn caustics(&self, way: PathState) -> Caustics {
         if way.is_diffuse() { self.kinds.caustics } else { Caustics::ALL }
     }
 
@@ -179,7 +179,7 @@ impl Limits {
 }
 
 /// Follows a ray from the camera.
-pub fn trace(stage: &Stage, camera_ray: Ray, limits: &Limits, sampler: &mut PathSampler) -> PathResult {
+pub fn trace(stage: &PreparedScene, camera_ray: Ray, limits: &Limits, sampler: &mut PathSampler) -> PathResult {
     let mut found = PathResult::default();
     trace_all(stage, std::iter::once((camera_ray, sampler.clone())), limits, |_, result| found = result);
     found
@@ -187,22 +187,22 @@ pub fn trace(stage: &Stage, camera_ray: Ray, limits: &Limits, sampler: &mut Path
 
 /// Follows rays from the camera together, and tells by their numbers what they found.
 pub fn trace_all(
-    stage: &Stage,
+    stage: &PreparedScene,
     rays: impl Iterator<Item = (Ray, PathSampler)>,
     limits: &Limits,
     found: impl FnMut(usize, PathResult),
 ) {
     if stage.media.is_empty() {
-        Wave::<NoNotes, false>::noting(NoNotes).trace_all(stage, rays, limits, found);
+        Wavefront::<NoAovs, false>::noting(NoAovs).trace_all(stage, rays, limits, found);
     } else {
-        Wave::<NoNotes, true>::noting(NoNotes).trace_all(stage, rays, limits, found);
+        Wavefront::<NoAovs, true>::noting(NoAovs).trace_all(stage, rays, limits, found);
     }
 }
 
-impl<const VOLUMES: bool> Wave<NoNotes, VOLUMES> {
+impl<const VOLUMES: bool> Wavefront<NoAovs, VOLUMES> {
     fn trace_all(
         mut self,
-        stage: &Stage,
+        stage: &PreparedScene,
         rays: impl Iterator<Item = (Ray, PathSampler)>,
         limits: &Limits,
         mut found: impl FnMut(usize, PathResult),
@@ -225,10 +225,10 @@ pub(super) fn leave(point: &SurfacePoint, d: glam::Vec3A) -> glam::Vec3A {
 
 /// The opening of a surface: how it lets light through unbent.
 #[inline]
-pub(super) fn opening<'a>(around: impl Into<Around<'a>>, point: &SurfacePoint, view: &View) -> Opening {
+pub(super) fn opening<'a>(around: impl Into<SceneQueries<'a>>, point: &SurfacePoint, view: &View) -> Transparency {
     let around = around.into();
     let material = &around.scene.materials[point.material as usize];
-    if material.may_be_transparent() { nodes::opening(material, around, point, view) } else { Opening::NONE }
+    if material.may_be_transparent() { nodes::opening(material, around, point, view) } else { Transparency::NONE }
 }
 
 /// Transmittance of a surface for a shadow ray.
@@ -248,7 +248,7 @@ pub(super) fn transmittance(scene: &Scene, hit: &Hit, view: &View) -> Rgb {
 #[inline(never)]
 pub(super) fn mix(
     mixture: &mut Mixture,
-    stage: &Stage,
+    stage: &PreparedScene,
     layers: &Layers,
     point: &SurfacePoint,
     wo: Vec3A,

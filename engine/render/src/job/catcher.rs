@@ -5,10 +5,10 @@
 
 use super::Job;
 use crate::Rgb;
-use crate::integrator::path::parts::Part;
+use crate::integrator::path::parts::LightPass;
 
 /// The parts that are kept of the render of everything, for [`Job::shadow`] and [`Job::over_photograph`].
-pub const PARTS: [Part; 2] = [Part::Caught, Part::Catches];
+pub const PARTS: [LightPass; 2] = [LightPass::Caught, LightPass::Catches];
 
 /// Settings for laying the picture over a photograph.
 #[derive(Clone, Copy, Debug)]

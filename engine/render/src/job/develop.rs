@@ -2,7 +2,7 @@
 
 use super::{Job, Shared, lock};
 use crate::Rgb;
-use crate::stray::{Picture, Straight, StrayPass, Strayed, Strays};
+use crate::stray::{Picture, Straight, StrayLight, StrayPass, Strays};
 use rayon::ThreadPoolBuilder;
 use std::sync::Arc;
 use std::sync::atomic::Ordering;
@@ -36,7 +36,7 @@ impl Job {
     }
 
     /// The stray light that [`Self::develop`] found.
-    pub fn strayed(&self) -> Option<Arc<Strayed>> {
+    pub fn strayed(&self) -> Option<Arc<StrayLight>> {
         lock(&self.shared.strayed).clone()
     }
 

@@ -1,8 +1,8 @@
 //! A forecast of a render's time, from rendering a little of it: tiles all over the picture, on as many threads.
 
-use super::{Beside, Settings, SettingsError, Shared};
+use super::{OutputOptions, Settings, SettingsError, Shared};
 use crate::camera::Camera;
-use crate::integrator::Stage;
+use crate::integrator::PreparedScene;
 use crate::pipeline::{Counts, Pipeline, render_tile};
 use std::sync::atomic::{AtomicUsize, Ordering};
 use std::sync::{Arc, Mutex, PoisonError};
@@ -41,10 +41,10 @@ impl Forecast {
     /// # Errors
     /// [`SettingsError`].
     pub fn new(
-        stage: Arc<Stage>,
+        stage: Arc<PreparedScene>,
         cameras: Vec<Camera>,
         settings: Settings,
-        beside: Beside,
+        beside: OutputOptions,
     ) -> Result<Self, SettingsError> {
         let threads = settings.thread_count();
         let all = u64::from(settings.width) * u64::from(settings.height) * u64::from(settings.samples);

@@ -1,9 +1,9 @@
 //! Emitters that a ray hits, and the densities with which a light sample would have found them.
 
-use super::receiver::Receiver;
+use super::receiver::LightSampleContext;
 use super::{Lights, Source};
 use crate::Rgb;
-use crate::nodes::Way;
+use crate::nodes::PathState;
 use crate::scene::Scene;
 use glam::Vec3A;
 
@@ -20,7 +20,7 @@ pub struct Line {
 
 /// Light that a ray hits.
 #[derive(Clone, Copy, Debug)]
-pub struct Shining {
+pub struct LightHit {
     /// The source of the light.
     pub source: Source,
     /// Radiance along the ray.
@@ -39,9 +39,9 @@ impl Lights {
         &self,
         scene: &Scene,
         line: Line,
-        way: Way,
-        to: Option<&Receiver>,
-        mut found: impl FnMut(Shining),
+        way: PathState,
+        to: Option<&LightSampleContext>,
+        mut found: impl FnMut(LightHit),
     ) {
         let Line { from, towards, t_max } = line;
         self.met.along(from, towards, t_max, |place| {
@@ -55,7 +55,7 @@ impl Lights {
                 let chance = to.map_or(0.0, |to| {
                     self.tree(to).map_or(0.0, |tree| tree.probability(to, index) * (1.0 - to.sky_chance))
                 });
-                found(Shining { source: Source(index), radiance, pdf: pdf * chance, distance });
+                found(LightHit { source: Source(index), radiance, pdf: pdf * chance, distance });
             }
         });
     }
@@ -66,13 +66,13 @@ impl Lights {
         &self,
         scene: &Scene,
         towards: Vec3A,
-        way: Way,
-        to: Option<&Receiver>,
-        mut found: impl FnMut(Shining),
+        way: PathState,
+        to: Option<&LightSampleContext>,
+        mut found: impl FnMut(LightHit),
     ) {
         let chance = to.map_or(0.0, |to| to.sky_chance);
         self.sky.along(scene, &self.lamps, towards, way, to, |index, radiance, pdf| {
-            found(Shining { source: self.sky_source(index), radiance, pdf: pdf * chance, distance: f32::INFINITY });
+            found(LightHit { source: self.sky_source(index), radiance, pdf: pdf * chance, distance: f32::INFINITY });
         });
     }
 }

@@ -9,7 +9,7 @@ use super::lamp::emission::on_disk;
 use super::triangle::LitTriangle;
 use super::{Emitter, Lights, Source};
 use crate::accel::{Hit, Ray, offset_origin};
-use crate::nodes::{View, Way};
+use crate::nodes::{PathState, View};
 use crate::sampler::{distribution::AliasTable, warp};
 use crate::scene::Scene;
 use crate::scene::motion::MIDDLE;
@@ -135,7 +135,7 @@ impl Emission {
         let from_lamp = match lights.lamp(source) {
             Some(lamp) => {
                 let pdf = lamp.arrival_pdf(at, direction, distance)?;
-                radiance *= lamp.shine(scene, at, -direction, distance, Way::LIGHT);
+                radiance *= lamp.shine(scene, at, -direction, distance, PathState::LIGHT);
                 point_like = lamp.is_point_like();
                 if point_like && source.0 < lights.local.len() {
                     radiance /= distance * distance;
@@ -256,7 +256,7 @@ fn emit_triangle(
     let strength = triangle.radiance(
         scene,
         [u, v],
-        &View { direction: -direction, distance: 1.0, way: Way::LIGHT, moment: MIDDLE },
+        &View { direction: -direction, distance: 1.0, way: PathState::LIGHT, moment: MIDDLE },
     );
     let origin = offset_origin(point.position, out, point.position_error);
     EmittedRay { ray: Ray::new(origin, direction), source, strength, cos: local.z }

@@ -2,12 +2,12 @@
 
 use super::bounds::LightBounds;
 use super::{Leaving, LightSample};
-use crate::nodes::Way;
+use crate::nodes::PathState;
 use crate::nodes::lamp::{LampPoint, even_radiance, radiance};
 use crate::scene::Scene;
 use crate::scene::graph::Graph;
 use crate::scene::lamp::{Lamp, LampKind};
-use crate::scene::visibility::{Rays, Sets};
+use crate::scene::visibility::{LightSets, Rays};
 use crate::{Rgb, luminance, sampler::warp};
 use glam::{Affine3A, Mat3A, Vec2, Vec3A};
 use std::f32::consts::{FRAC_PI_2, PI, TAU};
@@ -23,7 +23,7 @@ pub struct PreparedLamp {
     axes: Mat3A,
     center: Vec3A,
     reaches: Rays,
-    sets: Sets,
+    sets: LightSets,
     max_bounces: u32,
     cast_shadow: bool,
     /// Radiance of a lamp with extent; radiant intensity of one without (sun: irradiance). The factor of its nodes is not included.
@@ -99,17 +99,17 @@ impl PreparedLamp {
     }
 
     /// True if a ray of a path in this state may find it. How many bounces it had is not asked, as in Cycles.
-    pub(super) fn is_found_by(&self, way: Way) -> bool {
+    pub(super) fn is_found_by(&self, way: PathState) -> bool {
         self.reaches.all_of(way.finds())
     }
 
     /// The objects that the lamp lights, and those that throw shadows in its light.
-    pub(super) fn sets(&self) -> Sets {
+    pub(super) fn sets(&self) -> LightSets {
         self.sets
     }
 
     /// This lamp, if it still lights a path after so many bounces; else `None`.
-    pub(super) fn lit_after(&self, way: Way) -> Option<&Self> {
+    pub(super) fn lit_after(&self, way: PathState) -> Option<&Self> {
         (u32::from(way.depth) <= self.max_bounces).then_some(self)
     }
 
@@ -119,7 +119,7 @@ impl PreparedLamp {
     }
 
     /// The factor of the lamp's nodes on its light that arrives at `from` along a ray towards it.
-    pub(super) fn shine(&self, scene: &Scene, from: Vec3A, wi: Vec3A, distance: f32, way: Way) -> Rgb {
+    pub(super) fn shine(&self, scene: &Scene, from: Vec3A, wi: Vec3A, distance: f32, way: PathState) -> Rgb {
         let Some(graph) = &self.graph else { return Rgb::ONE };
         let is_sun = matches!(self.kind, LampKind::Sun { .. });
         // Blender puts what shines from infinity at its own direction.
@@ -206,7 +206,7 @@ impl PreparedLamp {
     }
 
     /// Light at `from`, where a path came to by `way`.
-    pub(super) fn light(&self, scene: &Scene, from: Vec3A, u: [f32; 2], way: Way) -> Option<LightSample> {
+    pub(super) fn light(&self, scene: &Scene, from: Vec3A, u: [f32; 2], way: PathState) -> Option<LightSample> {
         let mut sample = self.lit_after(way)?.sample(from, u)?;
         sample.radiance *= self.shine(scene, from, sample.wi, sample.distance, way.light());
         Some(sample)

@@ -4,13 +4,13 @@ use super::bounds::LightBounds;
 use super::lamp::PreparedLamp;
 use super::tree::LightTree;
 use super::triangle::LitTriangle;
-use crate::nodes::{View, Way};
+use crate::nodes::{PathState, View};
 use crate::sampler::warp;
 use crate::scene::Scene;
 use crate::scene::material::Material;
 use crate::scene::mesh::Mesh;
 use crate::scene::motion::MIDDLE;
-use crate::scene::visibility::Links;
+use crate::scene::visibility::LightLinking;
 use crate::surface::{geometric_normal, mesh_of};
 use crate::{Rgb, luminance, nodes};
 use std::collections::{HashMap, HashSet};
@@ -77,7 +77,7 @@ pub(super) fn linked_trees(
         Emitter::Triangle(triangle) | Emitter::Moving(triangle, _) => triangle.sets(),
         Emitter::Lamp(lamp) => lamps[lamp as usize].sets(),
     };
-    let tree_for = |links: &Links| {
+    let tree_for = |links: &LightLinking| {
         *known.entry(links.receives).or_insert_with(|| {
             let reaching = local.iter().zip(bounds).map(|(emitter, bounds)| {
                 let power = if links.takes_light_of(sets(emitter)) { bounds.power } else { 0.0 };
@@ -208,7 +208,7 @@ fn look_at(scene: &Scene, material: usize, [instance, triangle]: [u32; 2], look:
         [0.754_877_666_246_692_8, 0.569_840_290_998_053_3].map(|step: f64| (0.5 + step * look as f64).fract() as f32);
     let placed = &scene.instances[instance as usize];
     let normal = geometric_normal(placed, &placed.corners(mesh_of(scene, instance), triangle));
-    let view = View { direction: -normal, distance: 1.0, way: Way::LIGHT, moment: MIDDLE };
+    let view = View { direction: -normal, distance: 1.0, way: PathState::LIGHT, moment: MIDDLE };
     let radiance = nodes::emission(
         &scene.materials[material],
         scene.into(),

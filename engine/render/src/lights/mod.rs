@@ -16,17 +16,17 @@ pub mod sky;
 pub mod tree;
 mod triangle;
 
-use crate::nodes::Way;
+use crate::nodes::PathState;
 use crate::scene::Scene;
 use crate::scene::lamp::LampKind;
 use crate::scene::motion::MIDDLE;
-use crate::scene::visibility::Sets;
-pub use along::{Line, Shining};
+use crate::scene::visibility::LightSets;
+pub use along::{LightHit, Line};
 use glam::Vec3A;
 use lamp::PreparedLamp;
 use lamp_tree::LampTree;
 use local::{Emitter, Local, emissive_triangles, linked_trees};
-use receiver::Receiver;
+use receiver::LightSampleContext;
 pub use sample::{Leaving, LightSample};
 use sky::Sky;
 use std::f32::consts::PI;
@@ -74,7 +74,7 @@ impl Lights {
         let emitter_of = emissive_triangles(scene, &mut local, &mut bounds);
         let sky = Sky::new(scene, &lamps);
         let sets = lamps.iter().map(PreparedLamp::sets).chain(scene.instances.iter().map(|one| one.links.sets));
-        let is_linked = sets.into_iter().any(|sets| sets != Sets::EVERYTHING);
+        let is_linked = sets.into_iter().any(|sets| sets != LightSets::EVERYTHING);
         let mut trees = vec![LightTree::new(&bounds)];
         let tree_of = if is_linked { linked_trees(scene, &local, &lamps, &bounds, &mut trees) } else { Vec::new() };
         Self { local, trees, tree_of, emitter_of, lamps, met, sky, is_linked }
@@ -97,7 +97,7 @@ impl Lights {
     }
 
     /// The middle of an emitter within the scene that likely lights a place; `None` where there is none.
-    pub fn near(&self, to: &Receiver, u: f32) -> Option<Vec3A> {
+    pub fn near(&self, to: &LightSampleContext, u: f32) -> Option<Vec3A> {
         let chosen = self.tree(to).and_then(|tree| tree.sample(to, u)).map(|(index, _)| index);
         let count = self.local.len();
         // What shines past the place may still shine beside it.
@@ -109,10 +109,10 @@ impl Lights {
     }
 
     /// The objects that a source lights, and those that throw shadows in its light.
-    pub fn sets(&self, source: Source) -> Sets {
+    pub fn sets(&self, source: Source) -> LightSets {
         match self.local.get(source.0) {
             Some(Emitter::Triangle(triangle) | Emitter::Moving(triangle, _)) => triangle.sets(),
-            _ => self.lamp(source).map_or(Sets::EVERYTHING, PreparedLamp::sets),
+            _ => self.lamp(source).map_or(LightSets::EVERYTHING, PreparedLamp::sets),
         }
     }
 
@@ -138,25 +138,40 @@ impl Lights {
 
     /// A place that light may reach. `openness` is the part of the sky that is seen from places in this picture on
     /// average: the sky is chosen in proportion to what it may bring, so far as nothing stands in its way.
-    pub fn receiver(&self, position: Vec3A, normal: Option<Vec3A>, openness: f32) -> Receiver {
+    pub fn receiver(&self, position: Vec3A, normal: Option<Vec3A>, openness: f32) -> LightSampleContext {
         self.receiver_by(0, position, normal, openness)
     }
 
     /// A place on an instance that light may reach; some lights may not light the instance. See [`Self::receiver`].
     #[inline]
-    pub fn receiver_on(&self, instance: u32, position: Vec3A, normal: Option<Vec3A>, openness: f32) -> Receiver {
+    pub fn receiver_on(
+        &self,
+        instance: u32,
+        position: Vec3A,
+        normal: Option<Vec3A>,
+        openness: f32,
+    ) -> LightSampleContext {
         let tree = if self.is_linked { self.tree_of[instance as usize] } else { 0 };
         self.receiver_by(tree, position, normal, openness)
     }
 
     #[inline]
-    fn receiver_by(&self, tree: u32, position: Vec3A, normal: Option<Vec3A>, openness: f32) -> Receiver {
+    fn receiver_by(&self, tree: u32, position: Vec3A, normal: Option<Vec3A>, openness: f32) -> LightSampleContext {
         let sky = self.sky.irradiance(normal);
         let Some(of_tree) = &self.trees[tree as usize] else {
             let weights = [0.0; receiver::WIDTH];
-            return Receiver { position, normal, tree, weights, total: 0.0, sky, sky_chance: 1.0, moment: MIDDLE };
+            return LightSampleContext {
+                position,
+                normal,
+                tree,
+                weights,
+                total: 0.0,
+                sky,
+                sky_chance: 1.0,
+                moment: MIDDLE,
+            };
         };
-        let mut to = Receiver { tree, sky, ..of_tree.receiver(position, normal) };
+        let mut to = LightSampleContext { tree, sky, ..of_tree.receiver(position, normal) };
         if sky > 0.0 {
             let (sky, local) = (sky * openness, to.total / PI);
             let chance = if local > 0.0 { sky / (sky + local) } else { 1.0 };
@@ -168,12 +183,19 @@ impl Lights {
 
     /// A place in the middle of a scene of which nothing is known, and that takes light from all sides: what light paths
     /// and paths from the camera must agree on.
-    pub fn receiver_between(&self, position: Vec3A) -> Receiver {
+    pub fn receiver_between(&self, position: Vec3A) -> LightSampleContext {
         self.receiver(position, None, 0.5)
     }
 
     /// Light at a place that a path came to by `way`, as it is counted there; `None` where none was found.
-    pub fn sample(&self, scene: &Scene, to: &Receiver, u_choice: f32, u: [f32; 2], way: Way) -> Option<LightSample> {
+    pub fn sample(
+        &self,
+        scene: &Scene,
+        to: &LightSampleContext,
+        u_choice: f32,
+        u: [f32; 2],
+        way: PathState,
+    ) -> Option<LightSample> {
         self.sample_source(scene, to, u_choice, u, way).map(|(sample, _)| sample)
     }
 
@@ -182,10 +204,10 @@ impl Lights {
     pub fn sample_source(
         &self,
         scene: &Scene,
-        to: &Receiver,
+        to: &LightSampleContext,
         u_choice: f32,
         u: [f32; 2],
-        way: Way,
+        way: PathState,
     ) -> Option<(LightSample, Source)> {
         let from = to.position;
         let chance = to.sky_chance;
@@ -209,7 +231,14 @@ impl Lights {
 
     /// The density with which [`Lights::sample`] at `to` would have found a point on an emissive triangle:
     /// `distance` away, hit at `cos` to its normal.
-    pub fn triangle_pdf(&self, scene: &Scene, to: &Receiver, hit: (u32, u32), distance: f32, cos: f32) -> f32 {
+    pub fn triangle_pdf(
+        &self,
+        scene: &Scene,
+        to: &LightSampleContext,
+        hit: (u32, u32),
+        distance: f32,
+        cos: f32,
+    ) -> f32 {
         let (Some(Source(index)), Some(tree)) = (self.triangle_source(hit.0, hit.1), self.tree(to)) else { return 0.0 };
         let area = match self.local.get(index) {
             Some(Emitter::Triangle(triangle)) => triangle.area,
@@ -221,7 +250,7 @@ impl Lights {
     }
 
     #[inline]
-    fn tree(&self, to: &Receiver) -> Option<&LightTree> {
+    fn tree(&self, to: &LightSampleContext) -> Option<&LightTree> {
         self.trees[to.tree as usize].as_ref()
     }
 

@@ -7,7 +7,7 @@ pub(super) const WIDTH: usize = 8;
 
 /// A place that light may reach. Made by [`super::Lights::receiver`].
 #[derive(Clone, Copy, Debug)]
-pub struct Receiver {
+pub struct LightSampleContext {
     /// Position, render space.
     pub position: Vec3A,
     /// The normal of a surface that light from behind does not matter to; `None` takes light from all sides.
@@ -26,7 +26,7 @@ pub struct Receiver {
     pub moment: u16,
 }
 
-impl Receiver {
+impl LightSampleContext {
     /// This place at another moment.
     #[inline]
     pub fn at(self, moment: u16) -> Self {

@@ -1,7 +1,7 @@
 //! A sample of the lights.
 
 use crate::Rgb;
-use crate::scene::visibility::{Rays, Sets};
+use crate::scene::visibility::{LightSets, Rays};
 use glam::Vec3A;
 
 /// Light that reaches a point from one direction, if nothing stands in between.
@@ -22,7 +22,7 @@ pub struct LightSample {
     /// The kinds of ray that find it, and so the closures that it lights.
     pub reaches: Rays,
     /// The objects that the light lights, and those that throw shadows in it.
-    pub sets: Sets,
+    pub sets: LightSets,
     /// The departure of light from the surface that emits, or from an area lamp or a lamp without extent: a surface at the light's
     /// distance, but for rounding, does not hide it.
     pub leaves: Option<Leaving>,

@@ -2,13 +2,13 @@
 
 use super::LightSample;
 use super::lamp::PreparedLamp;
-use super::receiver::Receiver;
-use crate::nodes::Way;
+use super::receiver::LightSampleContext;
+use crate::nodes::PathState;
 use crate::sampler::distribution::Grid2d;
 use crate::scene::{
     Scene,
     lamp::LampKind,
-    visibility::Sets,
+    visibility::LightSets,
     world::{direction_to_equirectangular, equirectangular_to_direction},
 };
 use crate::{Rgb, luminance, nodes};
@@ -99,9 +99,9 @@ impl Sky {
         &self,
         scene: &Scene,
         lamps: &[PreparedLamp],
-        to: &Receiver,
+        to: &LightSampleContext,
         (u_choice, u): (f32, [f32; 2]),
-        way: Way,
+        way: PathState,
     ) -> Option<(LightSample, usize)> {
         let (index, chance) = self.choose(to, u_choice)?;
         let mut sample = match index {
@@ -114,7 +114,7 @@ impl Sky {
 
     /// Number of a source, chosen in proportion to the light that it may send, and the probability of that choice.
     #[inline]
-    fn choose(&self, to: &Receiver, u: f32) -> Option<(usize, f32)> {
+    fn choose(&self, to: &LightSampleContext, u: f32) -> Option<(usize, f32)> {
         let mut left = u * to.sky;
         // Rounding may go past the last that has any.
         let mut last = None;
@@ -137,8 +137,8 @@ impl Sky {
         scene: &Scene,
         lamps: &[PreparedLamp],
         d: Vec3A,
-        way: Way,
-        to: Option<&Receiver>,
+        way: PathState,
+        to: Option<&LightSampleContext>,
         mut found: impl FnMut(usize, Rgb, f32),
     ) {
         if scene.world.visible.all_of(way.finds()) {
@@ -165,7 +165,7 @@ impl Sky {
 
     /// The probability with which [`Sky::sample`] chooses number `index` for a receiver; 0 without one.
     #[inline]
-    pub(super) fn chance(&self, to: Option<&Receiver>, index: usize) -> f32 {
+    pub(super) fn chance(&self, to: Option<&LightSampleContext>, index: usize) -> f32 {
         let Some(to) = to.filter(|to| to.sky > 0.0) else { return 0.0 };
         let weight = if index == 0 { self.world } else { self.discs[index - 1].on(to.normal) };
         weight / to.sky
@@ -195,7 +195,7 @@ impl Sky {
             point_like: false,
             cast_shadow: true,
             reaches: scene.world.visible,
-            sets: Sets::EVERYTHING,
+            sets: LightSets::EVERYTHING,
             leaves: None,
         })
     }

@@ -5,7 +5,7 @@ use crate::Rgb;
 use crate::sampler::warp;
 use crate::scene::material::Material;
 use crate::scene::mesh::MeshDescription;
-use crate::scene::visibility::Links;
+use crate::scene::visibility::LightLinking;
 use crate::scene::{SceneBuilder, lamp::Lamp, texture::Texture, world::World};
 use glam::{DMat4, DVec3, Vec3};
 use std::f32::consts::PI;
@@ -23,7 +23,7 @@ fn lights(kind: LampKind) -> (Scene, Lights) {
     (scene, lights)
 }
 
-fn at(lights: &Lights, position: Vec3A) -> Receiver {
+fn at(lights: &Lights, position: Vec3A) -> LightSampleContext {
     lights.receiver_between(position)
 }
 
@@ -33,7 +33,7 @@ fn irradiance(scene: &Scene, lights: &Lights) -> Rgb {
     (0..n)
         .filter_map(|i| {
             let u = sobol_burley::sample_4d(i, 0, 3);
-            let s = lights.sample(scene, &at(lights, Vec3A::ZERO), u[0], [u[1], u[2]], Way::CAMERA)?;
+            let s = lights.sample(scene, &at(lights, Vec3A::ZERO), u[0], [u[1], u[2]], PathState::CAMERA)?;
             Some(s.radiance * s.wi.z.max(0.0) / s.pdf)
         })
         .sum::<Rgb>()
@@ -85,12 +85,12 @@ fn densities_of_hits_are_those_of_samples() {
             let u = sobol_burley::sample_4d(i, 0, 5);
             let from = Vec3A::new(0.3, -0.2, 0.0);
             let s = lights
-                .sample(&scene, &at(&lights, from), u[0], [u[1] * 0.98 + 0.01, u[2] * 0.98 + 0.01], Way::CAMERA)
+                .sample(&scene, &at(&lights, from), u[0], [u[1] * 0.98 + 0.01, u[2] * 0.98 + 0.01], PathState::CAMERA)
                 .unwrap();
             let mut found = None;
             let (line, to) = (Line { from, towards: s.wi, t_max: f32::INFINITY }, at(&lights, from));
-            lights.lamps_along(&scene, line, Way::BOUNCE, Some(&to), |one| found = Some((one.radiance, one.pdf)));
-            lights.sky_along(&scene, s.wi, Way::BOUNCE, Some(&to), |one| {
+            lights.lamps_along(&scene, line, PathState::BOUNCE, Some(&to), |one| found = Some((one.radiance, one.pdf)));
+            lights.sky_along(&scene, s.wi, PathState::BOUNCE, Some(&to), |one| {
                 if one.pdf > 0.0 {
                     found = Some((one.radiance, one.pdf));
                 }
@@ -186,7 +186,7 @@ fn the_sky_is_chosen_by_what_it_brings() {
         let n = 1 << 15;
         let light = |i: u32| {
             let u = sobol_burley::sample_4d(i, 0, 3);
-            let s = lights.sample(&scene, &to, u[0], [u[1], u[2]], Way::CAMERA)?;
+            let s = lights.sample(&scene, &to, u[0], [u[1], u[2]], PathState::CAMERA)?;
             Some((s.radiance * s.wi.z.max(0.0) / s.pdf).as_dvec3())
         };
         (0..n).filter_map(light).sum::<glam::DVec3>() / f64::from(n)
@@ -209,9 +209,9 @@ fn lamps_that_do_not_light_an_object_take_none_of_its_samples() {
     let mesh = builder.add_mesh(quad).unwrap();
     for set in 1..3u8 {
         let instance = builder.add_instance("object", mesh, DMat4::IDENTITY, &[], true, true).unwrap().unwrap();
-        builder.set_links(instance, Links { receives: 1 << set, ..Links::default() });
+        builder.set_links(instance, LightLinking { receives: 1 << set, ..LightLinking::default() });
         for i in 0..3 {
-            let sets = Sets { receivers: set, blockers: 0 };
+            let sets = LightSets { receivers: set, blockers: 0 };
             let place = DVec3::new(f64::from(i), f64::from(set), 2.0);
             let lamp = Lamp { sets, ..lamp(LampKind::Point { radius: 0.1, soft: false }) };
             builder.add_lamp(lamp, DMat4::from_translation(place)).unwrap();
@@ -223,7 +223,7 @@ fn lamps_that_do_not_light_an_object_take_none_of_its_samples() {
         let to = lights.receiver_on(instance as u32, Vec3A::ZERO, None, 0.5);
         for i in 0..64 {
             let u = sobol_burley::sample_4d(i, 0, 3);
-            let (sample, source) = lights.sample_source(&scene, &to, u[0], [u[1], u[2]], Way::CAMERA).unwrap();
+            let (sample, source) = lights.sample_source(&scene, &to, u[0], [u[1], u[2]], PathState::CAMERA).unwrap();
             assert!(links.takes_light_of(sample.sets) && links.takes_light_of(lights.sets(source)));
         }
         let tree = lights.trees[to.tree as usize].as_ref().unwrap();
@@ -300,7 +300,7 @@ fn samples_of_many_emitters_bring_what_all_bring_together() {
         let (mut sum, mut squares, n) = (0.0, 0.0, 1 << 16);
         for i in 0..n {
             let u = sobol_burley::sample_4d(i, 0, 31);
-            let Some((s, source)) = lights.sample_source(&scene, &to, u[0], [u[1], u[2]], Way::CAMERA) else {
+            let Some((s, source)) = lights.sample_source(&scene, &to, u[0], [u[1], u[2]], PathState::CAMERA) else {
                 continue;
             };
             let light = f64::from(s.radiance.x * s.wi.z.max(0.0) / s.pdf);
@@ -358,13 +358,13 @@ fn suns_are_chosen_by_what_they_give_here() {
     let (mut found, n) = (Vec::new(), 4096);
     for i in 0..n {
         let u = sobol_burley::sample_4d(i, 0, 3);
-        let (s, source) = lights.sample_source(&scene, &to, u[0], [u[1], u[2]], Way::CAMERA).unwrap();
+        let (s, source) = lights.sample_source(&scene, &to, u[0], [u[1], u[2]], PathState::CAMERA).unwrap();
         assert!(s.wi.z > 0.0);
         found.push(s.radiance.x * s.wi.z / s.pdf);
         // A ray that finds the sun gives the density of the sample.
         if !s.point_like {
             let mut met = None;
-            lights.sky_along(&scene, s.wi, Way::BOUNCE, Some(&to), |one| {
+            lights.sky_along(&scene, s.wi, PathState::BOUNCE, Some(&to), |one| {
                 met = met.or((one.source == source).then_some(one))
             });
             assert!((met.unwrap().pdf / s.pdf - 1.0).abs() < 1e-4);
@@ -410,7 +410,7 @@ fn a_lamp_in_the_plane_of_a_ceiling_is_not_hidden_by_it() {
                 let below = DVec3::new(f64::from(u[0]) * 4.0 - 2.0, f64::from(u[1]) * 4.0 - 2.0, -2.5);
                 let from = turned.transform_point3(below).as_vec3a();
                 let to = lights.receiver_between(from);
-                let Some(s) = lights.sample(&scene, &to, 0.5, [u[2], u[3]], Way::CAMERA) else { continue };
+                let Some(s) = lights.sample(&scene, &to, 0.5, [u[2], u[3]], PathState::CAMERA) else { continue };
                 let ray = crate::accel::Ray { t_max: s.reach(0.0), ..crate::accel::Ray::new(from, s.wi) };
                 assert!(accel.closest(&ray, crate::scene::visibility::Rays::SHADOW).is_none(), "{kind:?} {place} {i}");
                 if s.point_like {
@@ -419,7 +419,7 @@ fn a_lamp_in_the_plane_of_a_ceiling_is_not_hidden_by_it() {
                 let hit = accel.closest(&crate::accel::Ray::new(from, s.wi), crate::scene::visibility::Rays::BOUNCE);
                 let mut found = 0;
                 let line = Line { from, towards: s.wi, t_max: hit.unwrap().t };
-                lights.lamps_along(&scene, line, Way::BOUNCE, Some(&to), |_| found += 1);
+                lights.lamps_along(&scene, line, PathState::BOUNCE, Some(&to), |_| found += 1);
                 assert_eq!(found, 1, "{kind:?} {place} {i}");
             }
         }

@@ -5,7 +5,7 @@
 use super::bounds::LightBounds;
 use super::build::{Filling, Half};
 use super::node::{Child, NONE, Node, PackedChild};
-use super::receiver::{Receiver, WIDTH};
+use super::receiver::{LightSampleContext, WIDTH};
 use crate::scene::motion::MIDDLE;
 use glam::Vec3A;
 
@@ -64,10 +64,19 @@ impl LightTree {
     }
 
     /// A place, and the light that the parts under the root may send there. The sky has no probability yet.
-    pub(super) fn receiver(&self, position: Vec3A, normal: Option<Vec3A>) -> Receiver {
+    pub(super) fn receiver(&self, position: Vec3A, normal: Option<Vec3A>) -> LightSampleContext {
         let weights =
             if self.looks_ahead { self.ahead(position, normal) } else { self.nodes[0].importances(position, normal) };
-        Receiver { position, normal, tree: 0, total: sum(&weights), weights, sky: 0.0, sky_chance: 0.0, moment: MIDDLE }
+        LightSampleContext {
+            position,
+            normal,
+            tree: 0,
+            total: sum(&weights),
+            weights,
+            sky: 0.0,
+            sky_chance: 0.0,
+            moment: MIDDLE,
+        }
     }
 
     /// The light that the root's children may send somewhere, by their own children where they are near: with many emitters nearly all of
@@ -88,7 +97,7 @@ impl LightTree {
     }
 
     /// An emitter and the probability of its choice; `None` where none may send light.
-    pub fn sample(&self, to: &Receiver, mut u: f32) -> Option<(usize, f32)> {
+    pub fn sample(&self, to: &LightSampleContext, mut u: f32) -> Option<(usize, f32)> {
         let mut node = 0;
         let mut probability = 1.0;
         let (mut weights, mut total) = (to.weights, to.total);
@@ -120,7 +129,7 @@ impl LightTree {
     }
 
     /// The probability of [`LightTree::sample`] choosing an emitter.
-    pub fn probability(&self, to: &Receiver, emitter: usize) -> f32 {
+    pub fn probability(&self, to: &LightSampleContext, emitter: usize) -> f32 {
         let mut place = self.place_of[emitter];
         if place.0 == NONE {
             return 0.0;
@@ -176,7 +185,7 @@ mod tests {
             .collect()
     }
 
-    fn receivers(tree: &LightTree) -> impl Iterator<Item = Receiver> {
+    fn receivers(tree: &LightTree) -> impl Iterator<Item = LightSampleContext> {
         (0..50).map(|i| {
             let u = sobol_burley::sample_4d(i, 0, 3);
             let v = sobol_burley::sample_4d(i, 0, 4);

@@ -2,17 +2,17 @@
 
 use super::bounds::LightBounds;
 use super::{Leaving, LightSample};
-use crate::nodes::{View, Way};
+use crate::nodes::{PathState, View};
 use crate::scene::Scene;
 use crate::scene::motion::MIDDLE;
-use crate::scene::visibility::{Rays, Sets};
+use crate::scene::visibility::{LightSets, Rays};
 use crate::surface::{area_vector, geometric_normal, mesh_of, position_error};
 use crate::{Rgb, nodes, sampler::warp};
 use glam::{Vec3, Vec3A};
 use std::f32::consts::{FRAC_PI_2, PI};
 
 /// The view for emission that does not depend on the direction.
-const FROM_LIGHTS: View = View { direction: Vec3A::NEG_Z, distance: 1.0, way: Way::LIGHT, moment: MIDDLE };
+const FROM_LIGHTS: View = View { direction: Vec3A::NEG_Z, distance: 1.0, way: PathState::LIGHT, moment: MIDDLE };
 
 /// A triangle that emits, render space.
 #[derive(Clone, Copy, Debug)]
@@ -25,7 +25,7 @@ pub(super) struct LitTriangle {
     pub(super) two_sided: bool,
     /// The kinds of ray that its object shows itself to.
     reaches: Rays,
-    sets: Sets,
+    sets: LightSets,
     /// Emitted power, for choosing.
     pub(super) power: f32,
     /// Area, Blender units squared.
@@ -83,7 +83,7 @@ impl LitTriangle {
     }
 
     /// The objects that the triangle lights, and those that throw shadows in its light.
-    pub(super) fn sets(&self) -> Sets {
+    pub(super) fn sets(&self) -> LightSets {
         self.sets
     }
 
@@ -118,7 +118,7 @@ impl LitTriangle {
 
     /// Samples the light that arrives at `from`.
     #[inline]
-    pub(super) fn sample(&self, scene: &Scene, from: Vec3A, u: [f32; 2], way: Way) -> Option<LightSample> {
+    pub(super) fn sample(&self, scene: &Scene, from: Vec3A, u: [f32; 2], way: PathState) -> Option<LightSample> {
         let [v, w] = warp::sample_triangle(u);
         let point = self.corner + self.edges[0] * v + self.edges[1] * w;
         let to = Vec3A::from(point) - from;

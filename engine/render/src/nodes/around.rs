@@ -10,14 +10,14 @@ use petzval_nodes::{Occlusion, random_of};
 /// A scene, and the trees through which its surfaces may look for one another: where none are given, nodes that ask see
 /// nothing, as in Cycles on the way to a light.
 #[derive(Clone, Copy)]
-pub struct Around<'a> {
+pub struct SceneQueries<'a> {
     /// The scene.
     pub scene: &'a Scene,
     /// The scene's BVHs.
     pub accel: Option<&'a Accel>,
 }
 
-impl<'a> From<&'a Scene> for Around<'a> {
+impl<'a> From<&'a Scene> for SceneQueries<'a> {
     fn from(scene: &'a Scene) -> Self {
         Self { scene, accel: None }
     }
@@ -26,7 +26,7 @@ impl<'a> From<&'a Scene> for Around<'a> {
 /// The steps of an even sequence (Roberts' R2).
 const STEPS: [f32; 2] = [0.754_877_7, 0.569_840_3];
 
-impl Around<'_> {
+impl SceneQueries<'_> {
     /// The share of rays from a point, about a normal and in proportion to the cosine, that hit nothing so far.
     pub(super) fn open(&self, point: &SurfacePoint, asked: Occlusion, normal: Vec3A, distance: f32) -> f32 {
         let (Some(accel), Some(normal)) = (self.accel, normal.try_normalize()) else { return 1.0 };

@@ -1,7 +1,7 @@
 //! A lamp's nodes: the factor on its light from a place on it towards a lit point.
 
+use super::path_state::PathState;
 use super::point::Images;
-use super::way::Way;
 use super::world::emitted;
 use crate::Rgb;
 use crate::scene::graph::Graph;
@@ -27,7 +27,7 @@ pub struct LampPoint {
     /// The lamp's axes, and where it is, in Blender's world.
     pub to_world: Affine3A,
     /// The state of the path that looks.
-    pub way: Way,
+    pub way: PathState,
 }
 
 /// The fields that a lamp's nodes can read.
@@ -114,7 +114,7 @@ pub fn even_radiance(graph: &Graph) -> Option<Rgb> {
         distance: 1.0,
         uv: Vec2::ZERO,
         to_world: Affine3A { matrix3: Mat3A::IDENTITY, translation: Vec3A::ZERO },
-        way: Way::LIGHT,
+        way: PathState::LIGHT,
     };
     graph.emits_evenly().then(|| radiance(graph, &[], &nowhere))
 }

@@ -1,6 +1,6 @@
 //! Evaluating the layers of a material at a point of a surface.
 
-use super::around::Around;
+use super::around::SceneQueries;
 use super::point::{Images, Point, View};
 use crate::accel::Hit;
 use crate::scene::closure::Closure;
@@ -48,7 +48,7 @@ thread_local! {
 fn with_slice<T>(
     graph: &Graph,
     slice: &Slice,
-    around: Around<'_>,
+    around: SceneQueries<'_>,
     point: impl FnOnce() -> SurfacePoint,
     view: &View,
     read: impl FnOnce(&dyn Fn(Source) -> Vec3A, Option<Vec3A>) -> T,
@@ -90,7 +90,7 @@ fn bend(graph: &Graph, point: &mut Point<'_>, images: &Images<'_>, registers: &m
 
 /// The point of a surface at a place of a triangle that is seen in the view's direction.
 pub(super) fn surface_point(
-    around: Around<'_>,
+    around: SceneQueries<'_>,
     [instance, triangle]: [u32; 2],
     [u, v]: [f32; 2],
     view: &View,
@@ -127,7 +127,7 @@ fn finite(value: Vec3A) -> Rgb {
 }
 
 /// Evaluates the closures of a material that scatter light at a point. Those of weight 0 are left out.
-pub fn layers(material: &Material, around: Around<'_>, point: &SurfacePoint, view: &View, to: &mut Layers) {
+pub fn layers(material: &Material, around: SceneQueries<'_>, point: &SurfacePoint, view: &View, to: &mut Layers) {
     let graph = &*material.graph;
     to.closures.clear();
     to.bent_normal = None;
@@ -148,7 +148,7 @@ pub fn layers(material: &Material, around: Around<'_>, point: &SurfacePoint, vie
 pub fn plain_values(
     material: &Material,
     plain: &Plain,
-    around: Around<'_>,
+    around: SceneQueries<'_>,
     point: &SurfacePoint,
     view: &View,
 ) -> PlainValues {
@@ -158,7 +158,7 @@ pub fn plain_values(
 
 /// The opening of a surface: the light that it lets through unbent, and the probabilities of passing and scattering.
 #[derive(Clone, Copy, Debug, PartialEq)]
-pub struct Opening {
+pub struct Transparency {
     /// Transmittance by channel.
     pub light: Rgb,
     /// The probability with which a path goes through; it then carries `light` over this.
@@ -173,7 +173,7 @@ pub struct Opening {
     pub share: f32,
 }
 
-impl Opening {
+impl Transparency {
     /// The opening of a surface that lets nothing through.
     pub const NONE: Self = Self { light: Rgb::ZERO, chance: 0.0, kept: 1.0, rest: 1.0, share: 1.0 };
 
@@ -246,7 +246,7 @@ fn average(color: Rgb) -> f32 {
 }
 
 /// The opening of a material at a point.
-pub fn opening(material: &Material, around: Around<'_>, point: &SurfacePoint, view: &View) -> Opening {
+pub fn opening(material: &Material, around: SceneQueries<'_>, point: &SurfacePoint, view: &View) -> Transparency {
     let graph = &*material.graph;
     with_slice(
         graph,
@@ -261,15 +261,15 @@ pub fn opening(material: &Material, around: Around<'_>, point: &SurfacePoint, vi
                     (|source: &Source| finite(value(*source)), |source: &Source| finite(value(*source)).x);
                 parts.add(value(layer.weight).x, &layer.closure, color, number);
             }
-            Opening::of(parts)
+            Transparency::of(parts)
         },
     )
 }
 
-/// Transmittance of a material at a point of a triangle for shadow rays: [`Opening::light`].
+/// Transmittance of a material at a point of a triangle for shadow rays: [`Transparency::light`].
 pub fn transmittance(
     material: &Material,
-    around: Around<'_>,
+    around: SceneQueries<'_>,
     [instance, triangle]: [u32; 2],
     barycentric: [f32; 2],
     view: &View,
@@ -291,9 +291,9 @@ pub fn transmittance(
 
 /// The part of the surface seen at a point that is a hole to the camera.
 #[cold]
-pub fn hole(
+pub fn holdout(
     material: &Material,
-    around: Around<'_>,
+    around: SceneQueries<'_>,
     [instance, triangle]: [u32; 2],
     barycentric: [f32; 2],
     view: &View,
@@ -310,7 +310,7 @@ pub fn hole(
 }
 
 /// Calls `found(number, value)` with what a material's nodes give out at a point beside its surface.
-pub fn aovs(around: Around<'_>, point: &SurfacePoint, view: &View, mut found: impl FnMut(u16, Rgb)) {
+pub fn aovs(around: SceneQueries<'_>, point: &SurfacePoint, view: &View, mut found: impl FnMut(u16, Rgb)) {
     let Some(Aovs { graph, numbers }) = &around.scene.materials[point.material as usize].aovs else { return };
     with_slice(
         graph,
@@ -330,16 +330,22 @@ pub fn aovs(around: Around<'_>, point: &SurfacePoint, view: &View, mut found: im
 
 /// Emitted radiance of a point of a triangle, the same on both sides; negative where it takes light away, as in Cycles. What sheen and
 /// coat absorb of it is not taken off.
-pub fn emission(material: &Material, around: Around<'_>, place: [u32; 2], barycentric: [f32; 2], view: &View) -> Rgb {
+pub fn emission(
+    material: &Material,
+    around: SceneQueries<'_>,
+    place: [u32; 2],
+    barycentric: [f32; 2],
+    view: &View,
+) -> Rgb {
     emitted(material, around, || surface_point(around, place, barycentric, view), view)
 }
 
 /// [`emission`] of a point that is known.
-pub fn emission_at(material: &Material, around: Around<'_>, point: &SurfacePoint, view: &View) -> Rgb {
+pub fn emission_at(material: &Material, around: SceneQueries<'_>, point: &SurfacePoint, view: &View) -> Rgb {
     emitted(material, around, || *point, view)
 }
 
-fn emitted(material: &Material, around: Around<'_>, point: impl FnOnce() -> SurfacePoint, view: &View) -> Rgb {
+fn emitted(material: &Material, around: SceneQueries<'_>, point: impl FnOnce() -> SurfacePoint, view: &View) -> Rgb {
     if !material.emits() {
         return Rgb::ZERO;
     }

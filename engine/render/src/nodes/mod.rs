@@ -7,15 +7,16 @@ mod ball;
 pub mod displacement;
 pub mod lamp;
 mod layers;
+mod path_state;
 mod point;
 mod strand;
 pub mod volume;
-mod way;
 pub mod world;
 
-pub use around::Around;
+pub use around::SceneQueries;
 pub use layers::{
-    EvaluatedLayer, Layers, Opening, aovs, emission, emission_at, hole, layers, opening, plain_values, transmittance,
+    EvaluatedLayer, Layers, Transparency, aovs, emission, emission_at, holdout, layers, opening, plain_values,
+    transmittance,
 };
+pub use path_state::{OF_BOUNCES, PathState};
 pub use point::View;
-pub use way::{OF_BOUNCES, Way};

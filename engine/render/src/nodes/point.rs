@@ -1,7 +1,7 @@
 //! A point of a surface as a shader graph's program asks for it.
 
-use super::around::Around;
-use super::way::Way;
+use super::around::SceneQueries;
+use super::path_state::PathState;
 use super::{ball, strand};
 use crate::accel::Ray;
 use crate::scene::corners::Corners;
@@ -30,21 +30,21 @@ pub struct View {
     /// Length of the ray, Blender units.
     pub distance: f32,
     /// The path state before the point.
-    pub way: Way,
+    pub way: PathState,
     /// The moment, as in [`Ray::moment`].
     pub moment: u16,
 }
 
 impl View {
     /// The view along a ray of a hit at this distance.
-    pub fn along(ray: &Ray, distance: f32, way: Way) -> Self {
+    pub fn along(ray: &Ray, distance: f32, way: PathState) -> Self {
         Self { direction: ray.direction, distance, way, moment: ray.moment }
     }
 }
 
 #[derive(Clone, Copy)]
 pub(super) struct Point<'a> {
-    around: Around<'a>,
+    around: SceneQueries<'a>,
     scene: &'a Scene,
     instance: &'a Instance,
     mesh: &'a Mesh,
@@ -65,7 +65,7 @@ impl<'a> Point<'a> {
     /// The point at a place of a surface that is seen in the view's direction. Without a footprint all places beside it are the point
     /// itself.
     pub(super) fn new(
-        around: Around<'a>,
+        around: SceneQueries<'a>,
         surface: SurfacePoint,
         view: View,
         attributes: &'a [Attribute],

@@ -1,7 +1,7 @@
 //! Participating media at a point: coefficients of extinction and scattering, and emission.
 
+use super::path_state::PathState;
 use super::point::Images;
-use super::way::Way;
 use crate::sampler::phase::PhaseLobe;
 use crate::scene::graph::Source;
 use crate::scene::grid::Grid;
@@ -99,7 +99,7 @@ struct Inside<'a> {
     /// Position, render space.
     position: Vec3A,
     direction: Vec3A,
-    way: Way,
+    way: PathState,
 }
 
 impl Inside<'_> {
@@ -220,7 +220,7 @@ pub fn medium(
     instance: Option<u32>,
     position: Vec3A,
     direction: Vec3A,
-    way: Way,
+    way: PathState,
 ) -> Medium {
     let own = instance.map(|index| (&scene.instances[index as usize], mesh_of(scene, index)));
     let place = Inside { scene, own, volume, position, direction, way };

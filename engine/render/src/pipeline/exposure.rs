@@ -1,7 +1,7 @@
 //! Times of samples while the shutter is open, and places of the camera.
 
 use crate::accel::Ray;
-use crate::scene::motion::Way;
+use crate::scene::motion::AnimatedTransform;
 use glam::{Affine3A, DAffine3, DMat3, DMat4, DVec3};
 
 /// Entries of the table of times.
@@ -42,7 +42,7 @@ impl Exposure {
         if poses.iter().all(|pose| *pose == poses[0]) {
             return self;
         }
-        let way = Way::new(&poses).map(|way| {
+        let way = AnimatedTransform::new(&poses).map(|way| {
             let to_origin = DAffine3::from_translation(-origin);
             let back = (to_origin * way.at(0.5)).inverse();
             let count = 1u32 << WAY_BITS;

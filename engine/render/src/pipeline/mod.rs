@@ -14,8 +14,8 @@ use crate::camera::Camera;
 use crate::camera::clip::Clip;
 use crate::camera::packet::Splats;
 use crate::camera::real_lens::RealLens;
-use crate::film::{Patch, TileRect};
-use crate::integrator::Stage;
+use crate::film::{TileAccumulator, TileRect};
+use crate::integrator::PreparedScene;
 use crate::integrator::bidirectional::{LightPath, Techniques};
 use crate::integrator::path::parts::Parts;
 use crate::integrator::path::{self, Limits, PathResult};
@@ -75,9 +75,9 @@ impl Pipeline {
 }
 
 /// The data that all samples of a render share.
-pub struct Shot<'a> {
+pub struct RenderContext<'a> {
     /// The scene.
-    pub stage: &'a Stage,
+    pub stage: &'a PreparedScene,
     /// The camera, at times that lie evenly over the time that the shutter is open; one, if nothing of it moves.
     pub cameras: &'a [Camera],
     /// The clip planes of their rays; `None`: none.
@@ -100,7 +100,7 @@ pub struct Shot<'a> {
     pub parts: &'a Parts,
 }
 
-impl Shot<'_> {
+impl RenderContext<'_> {
     /// The part of a camera's ray within the clip planes.
     #[inline]
     fn seen(&self, ray: Ray) -> Ray {
@@ -162,10 +162,10 @@ impl Counts {
 
 /// Adds samples `first..first + count` of every pixel of a tile to `light`; `None` where `stopped` said so.
 pub fn render_tile(
-    shot: &Shot<'_>,
+    shot: &RenderContext<'_>,
     rect: TileRect,
     [first, count]: [u32; 2],
-    light: &mut Patch,
+    light: &mut TileAccumulator,
     stopped: &dyn Fn() -> bool,
 ) -> Option<Counts> {
     let columns = rect.x..rect.x + rect.width;
@@ -175,10 +175,10 @@ pub fn render_tile(
 
 /// Adds samples `first..first + count` of any pixels to `light`; `None` where `stopped` said so.
 pub fn render_pixels(
-    shot: &Shot<'_>,
+    shot: &RenderContext<'_>,
     pixels: impl Iterator<Item = [u32; 2]>,
     [first, count]: [u32; 2],
-    light: &mut Patch,
+    light: &mut TileAccumulator,
     stopped: &dyn Fn() -> bool,
 ) -> Option<Counts> {
     let samples = pixels.flat_map(|pixel| (first..first + count).map(move |index| (pixel, index)));
@@ -192,10 +192,10 @@ pub fn render_pixels(
 
 /// Renders one sample after the other, with a path from the camera and one from a light; `None` where `stopped` said so.
 fn render_light_paths(
-    shot: &Shot<'_>,
+    shot: &RenderContext<'_>,
     techniques: Techniques,
     samples: impl Iterator<Item = ([u32; 2], u32)>,
-    light: &mut Patch,
+    light: &mut TileAccumulator,
     stopped: &dyn Fn() -> bool,
 ) -> Option<Counts> {
     let mut counts = Counts::default();
@@ -219,13 +219,13 @@ fn render_light_paths(
 
 /// One sample of one pixel under way.
 struct Sample<'a> {
-    shot: &'a Shot<'a>,
+    shot: &'a RenderContext<'a>,
     x: u32,
     y: u32,
     index: u32,
     timed: Option<Instant>,
     counts: &'a mut Counts,
-    light: &'a mut Patch,
+    light: &'a mut TileAccumulator,
 }
 
 impl Sample<'_> {
@@ -285,7 +285,7 @@ impl Sample<'_> {
 }
 
 /// Adds radiance along a ray to the pixels where it arrives.
-fn add_splats(light: &mut Patch, lens: &RealLens, splats: &Splats, radiance: Rgb) {
+fn add_splats(light: &mut TileAccumulator, lens: &RealLens, splats: &Splats, radiance: Rgb) {
     lens.expose(splats, radiance, |x, y, light_there| light.add_wide(x, y, light_there));
 }
 

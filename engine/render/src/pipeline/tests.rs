@@ -12,7 +12,7 @@ use std::sync::Arc;
 const SIZE: [u32; 2] = [96, 64];
 
 /// A glowing grey world, with glowing triangles of several colours before and behind the plane of focus.
-fn stage() -> Arc<Stage> {
+fn stage() -> Arc<PreparedScene> {
     let mut builder = SceneBuilder::new();
     let glow = |r, g, b| crate::scene::material::Material::diffuse("glow", Rgb::ZERO, Rgb::new(r, g, b));
     let triangle = MeshDescription {
@@ -32,7 +32,7 @@ fn stage() -> Arc<Stage> {
         builder.add_instance("t", mesh, place * DMat4::from_scale(DVec3::splat(0.25)), &[m], true, true).unwrap();
     }
     builder.set_world(World { color: Rgb::splat(0.5), ..Default::default() }).unwrap();
-    Arc::new(Stage::new(builder.build(DVec3::ZERO)))
+    Arc::new(PreparedScene::new(builder.build(DVec3::ZERO)))
 }
 
 fn settings(pipeline: Pipeline, samples: u32, seed: u32) -> Settings {

@@ -4,7 +4,7 @@
 use super::light::{Arriving, Brightest};
 use crate::accel::Ray;
 use crate::camera::clip::Clip;
-use crate::integrator::Stage;
+use crate::integrator::PreparedScene;
 use crate::integrator::path::{self, Approximations, CAMERA_SETS, KindLimits, Limits};
 use crate::luminance;
 use crate::sampler::PathSampler;
@@ -21,7 +21,7 @@ const TRIMMED: f32 = 0.02;
 
 /// The view of a camera.
 #[derive(Clone, Debug)]
-pub struct Look {
+pub struct SceneProbe {
     /// The nearest and the farthest that it sees along its axis, Blender units; `None` if it sees nothing.
     pub depths: Option<[f64; 2]>,
     /// The part of the picture that sees nothing.
@@ -35,7 +35,7 @@ pub struct Look {
     pub brightest: Vec<Brightest>,
 }
 
-impl Look {
+impl SceneProbe {
     /// Irradiance on the front over that of a world as bright as the picture all over; `None` of a black picture, and where it was not
     /// asked for.
     pub fn front_light(&self) -> Option<f64> {
@@ -46,7 +46,7 @@ impl Look {
     /// Looks along `rays` (render space) of places all over the picture. `backwards` is the camera's axis, from the scene to
     /// the film; `has_front` where there is a lens for light to arrive at. Also what each ray hits.
     pub(super) fn along(
-        stage: &Stage,
+        stage: &PreparedScene,
         rays: &[Option<Ray>],
         clip: Option<Clip>,
         backwards: DVec3,
@@ -78,7 +78,7 @@ impl Look {
 }
 
 /// Mean luminance along rays, without the brightest.
-fn exposure(stage: &Stage, rays: &[Ray]) -> f32 {
+fn exposure(stage: &PreparedScene, rays: &[Ray]) -> f32 {
     let mut light = luminances(stage, rays);
     light.sort_by(f32::total_cmp);
     light.truncate(((1.0 - TRIMMED) * light.len() as f32).ceil() as usize);
@@ -86,7 +86,7 @@ fn exposure(stage: &Stage, rays: &[Ray]) -> f32 {
 }
 
 /// Luminance along each of the rays, of one path; zero where it is not finite.
-fn luminances(stage: &Stage, rays: &[Ray]) -> Vec<f32> {
+fn luminances(stage: &PreparedScene, rays: &[Ray]) -> Vec<f32> {
     let limits = Limits {
         max_bounces: BOUNCES,
         kinds: KindLimits::default(),

@@ -19,16 +19,16 @@ use crate::camera::clip::Clip;
 use crate::camera::straying::StrayLens;
 use crate::camera::survey::{GRID, LensMeasures, Survey, Worst};
 use crate::camera::{Camera, CameraDescription, CameraError, Model};
-use crate::integrator::Stage;
+use crate::integrator::PreparedScene;
 use crate::pipeline::Pipeline;
 use crate::pipeline::exposure::Exposure;
 use crate::stray::diffraction::Diffraction;
 use crate::stray::glare::Glare;
 use crate::stray::{Ghosts, Reflections, Strays, ghosts, sources::Source};
 use decide::decide;
-pub use decide::{CameraChoice, Way};
+pub use decide::{CameraChoice, CameraKind};
 pub use light::Brightest;
-pub use look::Look;
+pub use look::SceneProbe;
 use measured::Known;
 use motion::scene_motion;
 use std::time::Instant;
@@ -160,7 +160,7 @@ impl Unit {
 
 /// The user's word on an effect.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
-pub enum Word {
+pub enum EffectMode {
     /// The measure decides.
     #[default]
     Auto,
@@ -170,7 +170,7 @@ pub enum Word {
     Off,
 }
 
-impl Word {
+impl EffectMode {
     /// Name of the word on the command line and in files.
     pub fn name(self) -> &'static str {
         match self {
@@ -212,8 +212,8 @@ struct GhostLook {
 fn ghosts_of(
     d: &CameraDescription,
     [width, height]: [u32; 2],
-    look: &Look,
-    wishes: &Wishes,
+    look: &SceneProbe,
+    wishes: &PlanOptions,
 ) -> Result<Option<GhostLook>, CameraError> {
     // What cannot photograph the camera itself says.
     let Ok(lens) = StrayLens::new(d, width, height) else { return Ok(None) };
@@ -234,8 +234,8 @@ fn ghosts_of(
 
 /// The user's settings of a plan.
 #[derive(Clone, Debug, PartialEq)]
-pub struct Wishes {
-    words: [Word; Effect::ALL.len()],
+pub struct PlanOptions {
+    words: [EffectMode; Effect::ALL.len()],
     /// The quality, by which all tolerances are divided.
     pub quality: f64,
     /// The way that light is followed, if the user has chosen.
@@ -244,20 +244,20 @@ pub struct Wishes {
     pub ghost_reflections: Reflections,
 }
 
-impl Default for Wishes {
+impl Default for PlanOptions {
     fn default() -> Self {
         Self { words: Default::default(), quality: 1.0, pipeline: Pipeline::Auto, ghost_reflections: Reflections::Two }
     }
 }
 
-impl Wishes {
+impl PlanOptions {
     /// The user's word on one effect.
-    pub fn word(&self, effect: Effect) -> Word {
+    pub fn word(&self, effect: Effect) -> EffectMode {
         self.words[effect as usize]
     }
 
     /// Sets the user's word on one effect.
-    pub fn say(&mut self, effect: Effect, word: Word) {
+    pub fn say(&mut self, effect: Effect, word: EffectMode) {
         self.words[effect as usize] = word;
     }
 }
@@ -289,7 +289,7 @@ pub struct Decision {
     /// The largest measure that may be left out.
     pub tolerance: f64,
     /// The user's word.
-    pub word: Word,
+    pub word: EffectMode,
     /// True if the effect is simulated.
     pub is_on: bool,
     /// True if the measure may be too small, and was taken for larger than it is.
@@ -312,7 +312,7 @@ pub struct Plan {
     /// The measures of the lens; `None` for a camera without a lens.
     pub lens: Option<LensMeasures>,
     /// The view of the camera.
-    pub look: Look,
+    pub look: SceneProbe,
     /// Cost of the camera for a sample, ns, by [`price`].
     pub camera_ns: f64,
     /// Number of reflections of ghosts at most.
@@ -329,11 +329,11 @@ impl Plan {
     /// # Errors
     /// [`PlanError`].
     pub fn new(
-        stage: &Stage,
+        stage: &PreparedScene,
         d: &CameraDescription,
         moving: &[CameraDescription],
         [width, height]: [u32; 2],
-        wishes: &Wishes,
+        wishes: &PlanOptions,
         needs_lens: bool,
         exposure: Option<&Exposure>,
     ) -> Result<Self, PlanError> {
@@ -347,7 +347,7 @@ impl Plan {
         let survey = Survey::new(d, width, height)?;
         let fans = survey.fans();
         let clip = Clip::along(d, survey.backwards());
-        let (mut look, seen) = Look::along(stage, &fans.rays(), clip, survey.backwards(), true);
+        let (mut look, seen) = SceneProbe::along(stage, &fans.rays(), clip, survey.backwards(), true);
         for one in &mut look.brightest {
             one.place = fans.place_of(one.towards);
         }
@@ -408,22 +408,22 @@ impl Plan {
 
     /// A camera without a lens, or with a simpler model of one, is taken as it is.
     fn without_lens(
-        stage: &Stage,
+        stage: &PreparedScene,
         d: &CameraDescription,
         (moving, exposure): (&[CameraDescription], Option<&Exposure>),
         [width, height]: [u32; 2],
-        wishes: &Wishes,
+        wishes: &PlanOptions,
         start: Instant,
     ) -> Result<Self, PlanError> {
-        if let Some(effect) = Effect::ALL.into_iter().find(|e| wishes.word(*e) == Word::On && !e.is_available()) {
+        if let Some(effect) = Effect::ALL.into_iter().find(|e| wishes.word(*e) == EffectMode::On && !e.is_available()) {
             return Err(PlanError::NotYet(effect));
         }
         // What a model leaves out it leaves out; what it has it has, but for its colours.
         let colours = [Effect::LateralColour, Effect::AxialColour].map(|effect| wishes.word(effect));
-        let has_colours = model_has(d.model, Effect::LateralColour) && colours != [Word::Off; 2];
+        let has_colours = model_has(d.model, Effect::LateralColour) && colours != [EffectMode::Off; 2];
         // The colour that it has on the axis.
         let may_transmit = matches!(d.model, Model::Thick | Model::Paraxial | Model::ImageBased);
-        let has_transmission = may_transmit && wishes.word(Effect::Transmission) != Word::Off;
+        let has_transmission = may_transmit && wishes.word(Effect::Transmission) != EffectMode::Off;
         let has = |effect: Effect| match effect {
             Effect::LateralColour | Effect::AxialColour => has_colours,
             Effect::Transmission => has_transmission,
@@ -432,9 +432,9 @@ impl Plan {
         let is_against = |effect: &Effect| {
             *effect != Effect::MotionBlur
                 && match wishes.word(*effect) {
-                    Word::Auto => false,
-                    Word::On => !has(*effect),
-                    Word::Off => has(*effect),
+                    EffectMode::Auto => false,
+                    EffectMode::On => !has(*effect),
+                    EffectMode::Off => has(*effect),
                 }
         };
         if let Some(effect) = Effect::ALL.into_iter().find(is_against) {
@@ -451,7 +451,7 @@ impl Plan {
         };
         let rays: Vec<_> = (0..GRID[0] * GRID[1]).map(ray).collect();
         let clip = Clip::new(d, &camera);
-        let (look, seen) = Look::along(stage, &rays, clip, camera.axes().z_axis, false);
+        let (look, seen) = SceneProbe::along(stage, &rays, clip, camera.axes().z_axis, false);
         let motion = scene_motion(&stage.scene, exposure, &rays, &seen);
         let blur = decide::motion_without_lens(motion, moving.len() > 1, wishes);
         let is_moving = blur.is_on;

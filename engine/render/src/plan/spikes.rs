@@ -1,6 +1,6 @@
 //! The distance from a bright source in the picture up to which light spread by diffraction is seen.
 
-use super::look::Look;
+use super::look::SceneProbe;
 use crate::camera::survey::Survey;
 use std::f64::consts::PI;
 
@@ -16,7 +16,7 @@ const EDGE_PX: f64 = 0.5;
 ///
 /// The part 2 / (π x) of a point's light lands beyond x = 3.83 r / r₁, r₁ the first dark ring (Born and Wolf, section 8.5.2), so that on a
 /// pixel at r lands r₁ / (3.83 π² r³).
-pub(super) fn seen_px(survey: &Survey, look: &Look, airy_px: f64) -> f64 {
+pub(super) fn seen_px(survey: &Survey, look: &SceneProbe, airy_px: f64) -> f64 {
     let Some(focal_length_mm) = survey.info().efl_mm else { return 0.0 };
     let [width, height] = survey.pixel_mm();
     let pixel_sr = width * height / (focal_length_mm * focal_length_mm);

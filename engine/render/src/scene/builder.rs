@@ -4,13 +4,13 @@ use super::curves::{Curves, CurvesDescription};
 use super::lamp::Lamp;
 use super::material::Material;
 use super::mesh::{Mesh, MeshDescription};
-use super::motion::{Moving, Pose, Way};
+use super::motion::{AnimatedTransform, Moving, Pose};
 use super::points::{Points, PointsDescription};
+use super::shadow_terminator::ShadowTerminator;
 use super::slots::Slots;
-use super::softening::Softening;
 use super::texture::Texture;
 use super::viewport::{Viewport, ViewportDescription};
-use super::visibility::{Links, Rays};
+use super::visibility::{LightLinking, Rays};
 use super::world::World;
 use super::{Instance, ObjectInfo, Scene, SceneError};
 use crate::Rgb;
@@ -21,16 +21,16 @@ struct RawInstance {
     object_name: String,
     asset_name: Option<String>,
     moved: Option<[DMat4; 2]>,
-    way: Option<Way>,
+    way: Option<AnimatedTransform>,
     info: ObjectInfo,
     mesh: usize,
     matrix: DMat4,
     materials: Vec<u32>,
     holds_out: bool,
     visible: Rays,
-    links: Links,
+    links: LightLinking,
     light_group: u16,
-    softening: Softening,
+    shadow_terminator: ShadowTerminator,
     occlusion_distance: f32,
     is_catcher: bool,
 }
@@ -154,9 +154,9 @@ impl SceneBuilder {
             visible: Rays::ALL
                 .without(if visible_camera { Rays::NONE } else { Rays::CAMERA })
                 .without(if visible_shadow { Rays::NONE } else { Rays::SHADOW }),
-            links: Links::default(),
+            links: LightLinking::default(),
             light_group: 0,
-            softening: Softening::default(),
+            shadow_terminator: ShadowTerminator::default(),
             occlusion_distance: 0.0,
             is_catcher: false,
         });
@@ -174,7 +174,7 @@ impl SceneBuilder {
     }
 
     /// Sets the lights that light an instance, and those in which it throws shadows.
-    pub fn set_links(&mut self, instance: usize, links: Links) {
+    pub fn set_links(&mut self, instance: usize, links: LightLinking) {
         self.instances[instance].links = links;
     }
 
@@ -198,9 +198,9 @@ impl SceneBuilder {
         self.instances[instance].light_group = group;
     }
 
-    /// Sets the softening of an instance's smooth faces at the edge of light.
-    pub fn set_softening(&mut self, instance: usize, softening: Softening) {
-        self.instances[instance].softening = softening;
+    /// Sets the shadow terminator of an instance's smooth faces.
+    pub fn set_shadow_terminator(&mut self, instance: usize, shadow_terminator: ShadowTerminator) {
+        self.instances[instance].shadow_terminator = shadow_terminator;
     }
 
     /// Sets the data that shader graphs may ask of an instance's object.
@@ -228,7 +228,7 @@ impl SceneBuilder {
         if matrices.iter().all(|m| *m == raw.matrix) {
             return;
         }
-        raw.way = Way::new(matrices);
+        raw.way = AnimatedTransform::new(matrices);
         if raw.way.is_none() {
             let what = "its scale is zero or not finite while the shutter is open; it stands still";
             self.warnings.push(format!("object '{}': {what}", raw.object_name));
@@ -326,8 +326,8 @@ impl SceneBuilder {
                 // Strands and points are round: nothing coarse would show.
                 let mesh = &meshes[raw.mesh];
                 let is_coarse = mesh.is_of_triangles();
-                let softening = if is_coarse { raw.softening } else { Softening::default() };
-                dims |= softening.dims();
+                let shadow_terminator = if is_coarse { raw.shadow_terminator } else { ShadowTerminator::default() };
+                dims |= shadow_terminator.dims();
                 // 0 is what an empty slot has.
                 let mut of_slots = if raw.materials.is_empty() { vec![0] } else { raw.materials };
                 if raw.holds_out {
@@ -350,7 +350,7 @@ impl SceneBuilder {
                     visible: raw.visible,
                     links: raw.links,
                     light_group: raw.light_group,
-                    softening,
+                    shadow_terminator,
                     occlusion_distance: raw.occlusion_distance,
                     is_catcher: raw.is_catcher,
                 };
@@ -381,7 +381,7 @@ impl SceneBuilder {
 
 /// The index of a material that is one of these made to hold out.
 fn holding(materials: &mut Vec<Material>, slot: u32) -> u32 {
-    let holding = Material { holds_out: true, speaks: true, ..materials[slot as usize].clone() };
+    let holding = Material { holds_out: true, emits_or_holds_out: true, ..materials[slot as usize].clone() };
     let known = materials.iter().position(|other| *other == holding);
     known.unwrap_or_else(|| {
         materials.push(holding);

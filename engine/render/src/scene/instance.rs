@@ -2,8 +2,8 @@
 
 use super::mesh::Mesh;
 use super::motion::Pose;
-use super::softening::Softening;
-use super::visibility::{Links, Rays};
+use super::shadow_terminator::ShadowTerminator;
+use super::visibility::{LightLinking, Rays};
 use glam::{Affine3A, DAffine3, DMat4, DVec3, Mat3A, Vec3, Vec4};
 
 /// Axes whose squared lengths and products differ by less than this part are scaled alike.
@@ -34,11 +34,11 @@ pub struct Instance {
     /// The kinds of ray that see it.
     pub visible: Rays,
     /// The instance's part in light linking.
-    pub links: Links,
+    pub links: LightLinking,
     /// The number of the light group of what it emits; 0 is none.
     pub light_group: u16,
     /// Softening of the shadow terminator on its smooth faces.
-    pub softening: Softening,
+    pub shadow_terminator: ShadowTerminator,
     /// Length of the ambient occlusion rays that end a path and start on the instance; 0: that of all others.
     pub occlusion_distance: f32,
     /// Object space to render space a frame before and a frame after; `None` where it stands still.

@@ -1,7 +1,7 @@
 //! Blender's lamps as described: point, spot, sun and area.
 
 use super::graph::Graph;
-use super::visibility::{Rays, Sets};
+use super::visibility::{LightSets, Rays};
 use crate::Rgb;
 use glam::{Affine3A, Vec3A};
 use std::sync::Arc;
@@ -57,7 +57,7 @@ pub struct Lamp {
     /// The kinds of ray that find it: of those that a surface scatters, the closures that it lights.
     pub reaches: Rays,
     /// The objects that the lamp lights, and those that throw shadows in its light.
-    pub sets: Sets,
+    pub sets: LightSets,
     /// The number of the lamp's light group; 0 is none.
     pub light_group: u16,
     /// Scatterings after which the lamp no longer lights anything.
@@ -76,7 +76,7 @@ impl Default for Lamp {
             color: Rgb::ONE,
             graph: None,
             reaches: Rays::ALL,
-            sets: Sets::EVERYTHING,
+            sets: LightSets::EVERYTHING,
             light_group: 0,
             max_bounces: u32::MAX,
             cast_shadow: true,

@@ -20,7 +20,7 @@ pub struct Material {
     /// True if the camera sees a hole instead, and all else the surface.
     pub holds_out: bool,
     /// True if the material's surface may emit, or be a hole to the camera: a scene's builder sets it.
-    pub speaks: bool,
+    pub emits_or_holds_out: bool,
     /// True if any of its closures may scatter light: a scene's builder sets it.
     pub scatters: bool,
 }
@@ -37,7 +37,15 @@ pub struct Aovs {
 impl Material {
     /// A material of a graph.
     pub fn new(name: impl Into<String>, graph: Arc<Graph>) -> Self {
-        Self { name: name.into(), graph, pass_index: 0, aovs: None, holds_out: false, speaks: false, scatters: true }
+        Self {
+            name: name.into(),
+            graph,
+            pass_index: 0,
+            aovs: None,
+            holds_out: false,
+            emits_or_holds_out: false,
+            scatters: true,
+        }
     }
 
     /// A spatially constant material of closures with weights.
@@ -90,7 +98,7 @@ impl Material {
 
     /// Finds out what a path has to ask the material for.
     pub(super) fn prepare(&mut self) {
-        self.speaks = self.emits() || self.may_hold_out();
+        self.emits_or_holds_out = self.emits() || self.may_hold_out();
         self.scatters = !self.graph.scattering.is_empty();
     }
 }

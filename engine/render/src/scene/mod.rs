@@ -15,8 +15,8 @@ pub mod mesh;
 pub mod motion;
 pub mod plain;
 pub mod points;
+pub mod shadow_terminator;
 mod slots;
-pub mod softening;
 pub mod texture;
 pub mod viewport;
 pub mod visibility;
@@ -121,7 +121,7 @@ pub struct Scene {
     pub origin: DVec3,
     /// The picture of Blender's own camera.
     pub viewport: Viewport,
-    /// True if any instance's [`Softening`] takes light away.
+    /// True if any instance's [`ShadowTerminator`] takes light away.
     pub dims: bool,
 }
 

@@ -68,9 +68,9 @@ impl Parts {
 
 /// Transforms of an instance at keys that lie evenly over the time that the shutter is open.
 #[derive(Clone, Debug)]
-pub struct Way(Vec<Parts>);
+pub struct AnimatedTransform(Vec<Parts>);
 
-impl Way {
+impl AnimatedTransform {
     /// The transforms of these matrices; `None` of less than two, or where one is not finite or flattens.
     pub fn new(keys: &[DMat4]) -> Option<Self> {
         let is_fine = |m: &DMat4| m.is_finite() && m.inverse().is_finite() && m.determinant().abs() >= 1e-30;
@@ -154,7 +154,7 @@ pub struct Moving {
     /// Number of bits by which a ray's moment is finer than the instance's.
     pub shift: u32,
     /// Transforms of the instance; `None` where it changes its shape alone.
-    pub way: Option<Way>,
+    pub way: Option<AnimatedTransform>,
 }
 
 impl Moving {
@@ -271,14 +271,14 @@ impl Scene {
 
 impl Moving {
     /// A moving instance with its way, before it has moments.
-    pub(super) fn new(instance: u32, way: Option<Way>) -> Self {
+    pub(super) fn new(instance: u32, way: Option<AnimatedTransform>) -> Self {
         Self { instance, first: 0, shift: 0, way }
     }
 
     /// Number of keys of the motion.
     pub fn key_count(&self, mesh: &Mesh) -> usize {
         let of_shape = mesh.poses.as_ref().map_or(0, |poses| poses.key_count());
-        self.way.as_ref().map_or(0, Way::key_count).max(of_shape)
+        self.way.as_ref().map_or(0, AnimatedTransform::key_count).max(of_shape)
     }
 }
 
@@ -293,7 +293,7 @@ mod tests {
     fn what_turns_keeps_its_size() {
         let scale = DMat4::from_scale(DVec3::new(2.0, 3.0, 0.5));
         let keys = [0.0, FRAC_PI_2].map(|angle| DMat4::from_rotation_z(angle) * scale);
-        let way = Way::new(&keys).unwrap();
+        let way = AnimatedTransform::new(&keys).unwrap();
         let half = way.at(0.5);
         let want = DAffine3::from_mat4(DMat4::from_rotation_z(FRAC_PI_4) * scale);
         assert!(half.abs_diff_eq(want, 1e-9), "{half} {want}");
@@ -301,20 +301,20 @@ mod tests {
         // A mirrored one, too.
         let mirror = DMat4::from_scale(DVec3::new(-1.0, 1.0, 1.0));
         let keys = [0.0, FRAC_PI_2].map(|angle| DMat4::from_rotation_z(angle) * mirror);
-        let half = Way::new(&keys).unwrap().at(0.5);
+        let half = AnimatedTransform::new(&keys).unwrap().at(0.5);
         assert!(half.abs_diff_eq(DAffine3::from_mat4(DMat4::from_rotation_z(FRAC_PI_4) * mirror), 1e-9), "{half}");
     }
 
     #[test]
     fn keys_are_met_and_bad_ones_refused() {
         let at = |x: f64| DMat4::from_translation(DVec3::new(x, 0.0, 0.0));
-        let way = Way::new(&[at(0.0), at(1.0), at(4.0)]).unwrap();
+        let way = AnimatedTransform::new(&[at(0.0), at(1.0), at(4.0)]).unwrap();
         for (part, x) in [(0.0, 0.0), (0.25, 0.5), (0.5, 1.0), (0.75, 2.5), (1.0, 4.0)] {
             assert!((way.at(part).translation.x - x).abs() < 1e-12, "{part}");
         }
-        assert!(Way::new(&[at(0.0)]).is_none());
-        assert!(Way::new(&[at(0.0), DMat4::from_scale(DVec3::new(1.0, 0.0, 1.0))]).is_none());
-        assert!(Way::new(&[at(0.0), at(f64::NAN)]).is_none());
+        assert!(AnimatedTransform::new(&[at(0.0)]).is_none());
+        assert!(AnimatedTransform::new(&[at(0.0), DMat4::from_scale(DVec3::new(1.0, 0.0, 1.0))]).is_none());
+        assert!(AnimatedTransform::new(&[at(0.0), at(f64::NAN)]).is_none());
     }
 
     /// An instance has as many moments as its motion in pixels needs; each knows its owner and stands in the middle of its time.

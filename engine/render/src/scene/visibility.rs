@@ -79,43 +79,43 @@ impl Default for Rays {
 
 /// The sets of the scene's objects that an emitter lights, and that stand in its way. Set 0 is everything.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
-pub struct Sets {
+pub struct LightSets {
     /// The set of objects that it lights; below 64.
     pub receivers: u8,
     /// The set of objects that throw shadows in its light; below 64.
     pub blockers: u8,
 }
 
-impl Sets {
+impl LightSets {
     /// The sets of lights without light linking.
     pub const EVERYTHING: Self = Self { receivers: 0, blockers: 0 };
 }
 
 /// An object's part in light linking.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
-pub struct Links {
+pub struct LightLinking {
     /// The sets of receivers that it is in, a bit each.
     pub receives: u64,
     /// The sets of blockers that it is in, a bit each.
     pub blocks: u64,
     /// The sets of the object's own emission.
-    pub sets: Sets,
+    pub sets: LightSets,
 }
 
-impl Default for Links {
+impl Default for LightLinking {
     fn default() -> Self {
-        Self { receives: u64::MAX, blocks: u64::MAX, sets: Sets::EVERYTHING }
+        Self { receives: u64::MAX, blocks: u64::MAX, sets: LightSets::EVERYTHING }
     }
 }
 
-impl Links {
+impl LightLinking {
     /// True if light of an emitter of these sets reaches the object.
-    pub fn takes_light_of(&self, emitter: Sets) -> bool {
+    pub fn takes_light_of(&self, emitter: LightSets) -> bool {
         self.receives >> emitter.receivers & 1 == 1
     }
 
     /// True if the object throws shadows in the light of an emitter of these sets.
-    pub fn blocks_light_of(&self, emitter: Sets) -> bool {
+    pub fn blocks_light_of(&self, emitter: LightSets) -> bool {
         self.blocks >> emitter.blockers & 1 == 1
     }
 }

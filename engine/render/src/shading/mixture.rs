@@ -7,7 +7,7 @@ use super::fresnel::{self, F82Tint};
 use super::lobe::{Fresnel, Lobe, Slopes};
 use super::subsurface::{Body, Entry};
 use super::thin_film::Film;
-use super::{BsdfSample, Caustics, Features, LobeShares, Parted, Past, Scattering};
+use super::{BsdfSample, Caustics, Features, LobeDecomposition, LobeShares, Past, Scattering};
 use crate::Rgb;
 use crate::scene::closure::{Closure, Distribution, MetalKind, ThinFilm};
 use crate::scene::visibility::Rays;
@@ -410,7 +410,7 @@ pub(super) fn slopes(alpha: [f32; 2], distribution: Distribution) -> Slopes {
     Slopes::new(alpha, distribution)
 }
 
-impl Parted for Mixture {
+impl LobeDecomposition for Mixture {
     #[cold]
     #[inline(never)]
     fn shares(&self, wi: Vec3A, reaches: Rays, is_beyond: bool) -> LobeShares {

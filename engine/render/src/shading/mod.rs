@@ -22,7 +22,7 @@ mod thin_film;
 use crate::Rgb;
 use crate::scene::visibility::Rays;
 use glam::Vec3A;
-pub use parted::{Features, LobeShares, Parted};
+pub use parted::{Features, LobeDecomposition, LobeShares};
 
 /// A direction to go on in.
 #[derive(Clone, Copy, Debug)]

@@ -77,7 +77,7 @@ impl Features {
 }
 
 /// A BSDF that can tell its lobes apart.
-pub trait Parted {
+pub trait LobeDecomposition {
     /// Light of the lobes from `wi`, as [`super::Scattering::evaluate_some`] does, or if it `is_beyond` the triangle's horizon
     /// [`super::Scattering::evaluate_smooth`]. Mirrors count nothing.
     fn shares(&self, wi: Vec3A, reaches: Rays, is_beyond: bool) -> LobeShares;

@@ -5,7 +5,7 @@ use super::albedo::{AlbedoTable, give_back};
 use super::energy;
 use super::fresnel::{self, F82Tint};
 use super::microfacet::{Ggx, reflect, refract};
-use super::{BsdfSample, Caustics, Features, LobeShares, Parted, Scattering, normal};
+use super::{BsdfSample, Caustics, Features, LobeDecomposition, LobeShares, Scattering, normal};
 use crate::sampler::warp;
 use crate::scene::plain::{Plain, PlainValues};
 use crate::scene::visibility::Rays;
@@ -372,7 +372,7 @@ impl Bsdf {
     }
 }
 
-impl Parted for Bsdf {
+impl LobeDecomposition for Bsdf {
     #[cold]
     #[inline(never)]
     fn shares(&self, wi: Vec3A, reaches: Rays, is_beyond: bool) -> LobeShares {

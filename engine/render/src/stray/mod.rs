@@ -14,7 +14,7 @@ pub mod spread;
 use crate::Rgb;
 use crate::camera::Camera;
 use crate::camera::straying::StrayLens;
-use crate::integrator::Stage;
+use crate::integrator::PreparedScene;
 use diffraction::Diffraction;
 use glare::Glare;
 use std::time::Instant;
@@ -106,7 +106,7 @@ impl StrayPass {
 
 /// The stray light that was found.
 #[derive(Clone, Debug, Default)]
-pub struct Strayed {
+pub struct StrayLight {
     parts: Vec<Part>,
     /// The report on ghosts.
     pub ghosts: Option<ghosts::Report>,
@@ -120,7 +120,7 @@ struct Part {
     seconds: f64,
 }
 
-impl Strayed {
+impl StrayLight {
     /// The kinds of stray light that were computed, and the wall time that each took, s.
     pub fn times(&self) -> impl Iterator<Item = (StrayPass, f64)> {
         self.parts.iter().map(|part| (part.pass, part.seconds))
@@ -144,7 +144,7 @@ impl Strayed {
 /// A picture that is finished but for what strays, and how it came about.
 pub struct Straight<'a> {
     /// The scene.
-    pub stage: &'a Stage,
+    pub stage: &'a PreparedScene,
     /// The camera in the middle of the exposure.
     pub camera: &'a Camera,
     /// The picture that the camera took.
@@ -164,8 +164,8 @@ impl Straight<'_> {
 
 impl Strays {
     /// Finds the stray light; `None` where `stopped` said so.
-    pub fn find(&self, straight: &Straight<'_>, stopped: &(dyn Fn() -> bool + Sync)) -> Option<Strayed> {
-        let mut found = Strayed::default();
+    pub fn find(&self, straight: &Straight<'_>, stopped: &(dyn Fn() -> bool + Sync)) -> Option<StrayLight> {
+        let mut found = StrayLight::default();
         let mut start = Instant::now();
         let mut keep = |pass: StrayPass, light: Vec<Rgb>| {
             let seconds = std::mem::replace(&mut start, Instant::now()).elapsed().as_secs_f64();

@@ -5,8 +5,8 @@ use super::Straight;
 use crate::accel::Ray;
 use crate::camera::Camera;
 use crate::camera::straying::StrayLens;
-use crate::integrator::Stage;
-use crate::nodes::Way;
+use crate::integrator::PreparedScene;
+use crate::nodes::PathState;
 use crate::sampler::evenly::Evenly;
 use crate::scene::visibility::Rays;
 use crate::{Rgb, luminance};
@@ -79,13 +79,13 @@ struct Cluster {
 }
 
 /// Lamps, emitting surfaces and bright places of the sky that light the lens from its front.
-fn of_lights(stage: &Stage, lens: &StrayLens, least: f32) -> Vec<Source> {
+fn of_lights(stage: &PreparedScene, lens: &StrayLens, least: f32) -> Vec<Source> {
     let (front, forwards) = (lens.front().as_vec3a(), lens.forwards().as_vec3a());
     let to = stage.lights.receiver_between(front);
     let points = Evenly::<3>::default();
     let sample = |i: u32| {
         let [choice, u, v] = points.point(i).map(|u| u as f32);
-        let sample = stage.lights.sample(&stage.scene, &to, choice, [u, v], Way::CAMERA)?;
+        let sample = stage.lights.sample(&stage.scene, &to, choice, [u, v], PathState::CAMERA)?;
         let light = sample.radiance / (sample.pdf * SAMPLES as f32);
         if !(light.is_finite() && luminance(light) > 0.0 && sample.wi.dot(forwards) > 0.0) {
             return None;

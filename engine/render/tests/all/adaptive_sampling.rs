@@ -4,7 +4,7 @@ use crate::cameras::camera;
 use glam::{DMat4, DVec3, Vec3};
 use petzval_render::Rgb;
 use petzval_render::camera::{Camera, CameraDescription, Model};
-use petzval_render::integrator::{Integrator, Stage};
+use petzval_render::integrator::{Integrator, PreparedScene};
 use petzval_render::job::{Job, Settings, Statistics};
 use petzval_render::pipeline::Pipeline;
 use petzval_render::scene::material::Material;
@@ -50,7 +50,7 @@ fn glow(r: f32, g: f32, b: f32) -> Material {
 }
 
 /// Triangles of one material: place, and how large.
-fn stage(groups: &[(Material, Vec<(DVec3, f64)>)], world: f32) -> Arc<Stage> {
+fn stage(groups: &[(Material, Vec<(DVec3, f64)>)], world: f32) -> Arc<PreparedScene> {
     let mut builder = SceneBuilder::new();
     let triangle = MeshDescription {
         name: "triangle".into(),
@@ -67,7 +67,7 @@ fn stage(groups: &[(Material, Vec<(DVec3, f64)>)], world: f32) -> Arc<Stage> {
         }
     }
     builder.set_world(World { color: Rgb::splat(world), ..Default::default() }).unwrap();
-    Arc::new(Stage::new(builder.build(DVec3::ZERO)))
+    Arc::new(PreparedScene::new(builder.build(DVec3::ZERO)))
 }
 
 fn part(i: u32, step: f64) -> f64 {
@@ -75,14 +75,14 @@ fn part(i: u32, step: f64) -> f64 {
 }
 
 /// Sparks that are far smaller than a pixel, as rare to samples as they are bright.
-fn sparks() -> Arc<Stage> {
+fn sparks() -> Arc<PreparedScene> {
     // A pixel is 0.045 wide at this distance; a triangle is a 25th of that.
     let place = |i: u32| DVec3::new(2.0 * (part(i, 0.618) - 0.5), 1.3 * (part(i, 0.7548) - 0.5), -3.0);
     stage(&[(glow(400.0, 400.0, 400.0), (0..40).map(|i| (place(i), 0.0064)).collect())], 0.1)
 }
 
 /// Bodies of many colours before and behind the plane of focus; grey ones, lit by the others, in one half of the picture.
-fn bodies() -> Arc<Stage> {
+fn bodies() -> Arc<PreparedScene> {
     let place = |i: u32| {
         let z = 1.0 + 5.0 * part(i, 0.57);
         (DVec3::new(0.7 * (part(i, 0.618) - 0.5) * z, 0.5 * (part(i, 0.755) - 0.5) * z, -z), 0.04 * z)
@@ -101,7 +101,7 @@ struct Done {
     statistics: Statistics,
 }
 
-fn finished(stage: &Arc<Stage>, d: &CameraDescription, s: Settings) -> Job {
+fn finished(stage: &Arc<PreparedScene>, d: &CameraDescription, s: Settings) -> Job {
     let job = Job::start(stage.clone(), camera(d, s.width, s.height), s).unwrap();
     assert!(job.wait(Duration::from_secs(600)));
     let statistics = job.statistics();
@@ -109,7 +109,7 @@ fn finished(stage: &Arc<Stage>, d: &CameraDescription, s: Settings) -> Job {
     job
 }
 
-fn render(stage: &Arc<Stage>, d: &CameraDescription, s: Settings) -> Done {
+fn render(stage: &Arc<PreparedScene>, d: &CameraDescription, s: Settings) -> Done {
     let job = finished(stage, d, s);
     Done { picture: job.film().picture(), counts: job.film().sample_counts(), statistics: job.statistics() }
 }
@@ -141,7 +141,7 @@ fn mean_of(lists: &[Vec<f64>]) -> Vec<(f64, f64)> {
 }
 
 /// The naive method, which must not be used: a block has enough samples when its own say so.
-fn naive(stage: &Arc<Stage>, d: &CameraDescription, threshold: f32, most: u32, seed: u32) -> Vec<[f32; 4]> {
+fn naive(stage: &Arc<PreparedScene>, d: &CameraDescription, threshold: f32, most: u32, seed: u32) -> Vec<[f32; 4]> {
     let whole = |from: u32, to: u32| {
         render(stage, d, Settings { sample_offset: from, ..settings(to - from, 0.0, seed) }).picture
     };
@@ -304,7 +304,7 @@ fn small_pictures_and_few_samples() {
 }
 
 /// A wall on the left that a lamp behind the camera lights, before an even sky.
-fn lit_wall() -> Arc<Stage> {
+fn lit_wall() -> Arc<PreparedScene> {
     let grey = Material::diffuse("grey", Rgb::splat(0.8), Rgb::ZERO);
     let wall = (grey, vec![(DVec3::new(-1.5, 0.0, -3.0), 1.3)]);
     let lamp = (glow(20.0, 20.0, 20.0), vec![(DVec3::new(-1.0, 0.5, 1.0), 0.5)]);

@@ -9,12 +9,12 @@ use petzval_render::camera::clip::Clip;
 use petzval_render::camera::{Camera, CameraDescription, Model};
 use petzval_render::film::Film;
 use petzval_render::integrator::{
-    Integrator, Stage,
+    Integrator, PreparedScene,
     bidirectional::Techniques,
     path::{Approximations, KindLimits, Limits},
 };
-use petzval_render::job::{Beside, Job, Settings};
-use petzval_render::pipeline::{Pipeline, Shot, render_tile};
+use petzval_render::job::{Job, OutputOptions, Settings};
+use petzval_render::pipeline::{Pipeline, RenderContext, render_tile};
 use petzval_render::sampler::{
     pattern::Pattern,
     raster::Raster,
@@ -56,9 +56,9 @@ fn settings(integrator: Integrator, samples: u32, seed: u32) -> Settings {
     }
 }
 
-fn render(stage: &Arc<Stage>, d: &CameraDescription, s: Settings) -> Vec<[f32; 4]> {
+fn render(stage: &Arc<PreparedScene>, d: &CameraDescription, s: Settings) -> Vec<[f32; 4]> {
     let camera = camera(d, s.width, s.height);
-    let beside = Beside { clip: Clip::new(d, &camera), ..Beside::default() };
+    let beside = OutputOptions { clip: Clip::new(d, &camera), ..OutputOptions::default() };
     let job = Job::start_with(stage.clone(), vec![camera], s, beside).unwrap();
     assert!(job.wait(Duration::from_secs(600)));
     let statistics = job.statistics();
@@ -67,7 +67,13 @@ fn render(stage: &Arc<Stage>, d: &CameraDescription, s: Settings) -> Vec<[f32; 4
 }
 
 /// Light that ends in the lens after at least one scattering, alone.
-fn light_alone(stage: &Stage, d: &CameraDescription, samples: u32, seed: u32, max_bounces: u32) -> Vec<[f32; 4]> {
+fn light_alone(
+    stage: &PreparedScene,
+    d: &CameraDescription,
+    samples: u32,
+    seed: u32,
+    max_bounces: u32,
+) -> Vec<[f32; 4]> {
     let camera = camera(d, WIDTH, HEIGHT);
     let raster = Raster::new(WIDTH, HEIGHT, PixelFilter::new(Filter::BlackmanHarris(1.5)));
     let limits = Limits {
@@ -81,7 +87,7 @@ fn light_alone(stage: &Stage, d: &CameraDescription, samples: u32, seed: u32, ma
         roulette: 1.0,
     };
     let light_paths = Some(Techniques::LightAlone);
-    let shot = Shot {
+    let shot = RenderContext {
         stage,
         cameras: std::slice::from_ref(&camera),
         clip: None,
@@ -164,7 +170,7 @@ fn compare(a: &[Vec<f64>], b: &[Vec<f64>]) -> Comparison {
 const RENDERS: u32 = 12;
 
 /// Renders both ways and compares.
-fn agree(name: &str, stage: &Arc<Stage>, d: &CameraDescription, path_samples: u32, samples: u32) {
+fn agree(name: &str, stage: &Arc<PreparedScene>, d: &CameraDescription, path_samples: u32, samples: u32) {
     let many = |integrator, samples: u32, first: u32| -> Vec<Vec<f64>> {
         (0..RENDERS).map(|k| blocks(&render(stage, d, settings(integrator, samples, first + k)))).collect()
     };

@@ -2,7 +2,7 @@
 
 use glam::{DMat4, DVec3, Vec2, Vec3};
 use petzval_render::Rgb;
-use petzval_render::integrator::Stage;
+use petzval_render::integrator::PreparedScene;
 use petzval_render::scene::closure::{Closure, Principled};
 use petzval_render::scene::corners::Corners;
 use petzval_render::scene::graph::Graph;
@@ -108,8 +108,8 @@ impl Room {
         self.builder.add_lamp(lamp, place).unwrap();
     }
 
-    pub(crate) fn finish(self) -> Arc<Stage> {
-        Arc::new(Stage::new(self.builder.build(DVec3::ZERO)))
+    pub(crate) fn finish(self) -> Arc<PreparedScene> {
+        Arc::new(PreparedScene::new(self.builder.build(DVec3::ZERO)))
     }
 }
 
@@ -118,7 +118,7 @@ fn area(side: f32, half_spread_rad: f32) -> LampKind {
 }
 
 /// Matte and glossy things under an area lamp; closed in by walls, so that light goes round.
-pub(crate) fn box_under_a_lamp() -> Arc<Stage> {
+pub(crate) fn box_under_a_lamp() -> Arc<PreparedScene> {
     let mut room = Room::new();
     room.put(square(), plain(0.8, 0.2, 0.2), place([-1.2, 0.0, -4.0], [0.0, FRAC_PI_2, 0.0], 2.0));
     room.put(square(), plain(0.2, 0.8, 0.2), place([1.2, 0.0, -4.0], [0.0, -FRAC_PI_2, 0.0], 2.0));
@@ -129,7 +129,7 @@ pub(crate) fn box_under_a_lamp() -> Arc<Stage> {
 }
 
 /// A glass ball and a mirror ball that gather light on the floor.
-pub(crate) fn caustic(kind: LampKind) -> Arc<Stage> {
+pub(crate) fn caustic(kind: LampKind) -> Arc<PreparedScene> {
     let mut room = Room::new();
     room.put(ball(24), glossy(0.0, 1.0, 0.0), place([0.3, -0.3, -3.2], [0.0; 3], 0.25));
     room.put(ball(24), glossy(1.0, 0.0, 0.0), place([-0.4, -0.35, -3.6], [0.0; 3], 0.25));
@@ -138,7 +138,7 @@ pub(crate) fn caustic(kind: LampKind) -> Arc<Stage> {
 }
 
 /// A rough glass ball and a rough mirror ball under an area lamp.
-pub(crate) fn rough_caustic() -> Arc<Stage> {
+pub(crate) fn rough_caustic() -> Arc<PreparedScene> {
     let mut room = Room::new();
     room.put(ball(24), glossy(0.0, 1.0, 0.35), place([0.3, -0.3, -3.2], [0.0; 3], 0.25));
     room.put(ball(24), glossy(1.0, 0.0, 0.3), place([-0.4, -0.35, -3.6], [0.0; 3], 0.25));
@@ -147,7 +147,7 @@ pub(crate) fn rough_caustic() -> Arc<Stage> {
 }
 
 /// Glowing meshes: an open one and a closed one.
-pub(crate) fn emissive() -> Arc<Stage> {
+pub(crate) fn emissive() -> Arc<PreparedScene> {
     let mut room = Room::new();
     let glowing = |strength: f32| Material::diffuse("glowing", Rgb::splat(0.5), Rgb::new(1.0, 0.6, 0.3) * strength);
     room.put(square(), glowing(6.0), place([0.6, 0.2, -4.0], [0.3, 0.5, 0.1], 0.3));
@@ -157,7 +157,7 @@ pub(crate) fn emissive() -> Arc<Stage> {
 }
 
 /// A sun, and a dim sky of one colour.
-pub(crate) fn sun(half_angle_rad: f32) -> Arc<Stage> {
+pub(crate) fn sun(half_angle_rad: f32) -> Arc<PreparedScene> {
     let mut room = Room::new();
     room.put(ball(24), glossy(0.0, 1.0, 0.0), place([0.3, -0.3, -3.2], [0.0; 3], 0.25));
     room.put(ball(16), plain(0.6, 0.6, 0.6), place([-0.4, -0.3, -3.4], [0.0; 3], 0.3));
@@ -167,7 +167,7 @@ pub(crate) fn sun(half_angle_rad: f32) -> Arc<Stage> {
 }
 
 /// A sky with a bright patch.
-pub(crate) fn image_sky() -> Arc<Stage> {
+pub(crate) fn image_sky() -> Arc<PreparedScene> {
     let mut room = Room::new();
     let (w, h) = (32, 16);
     let bright = |i: usize| if (6..9).contains(&(i % w)) && (11..13).contains(&(i / w)) { 30.0 } else { 0.2 };
@@ -181,7 +181,7 @@ pub(crate) fn image_sky() -> Arc<Stage> {
 }
 
 /// A leaf with an alpha map and a half-transparent sheet in the light of a lamp, one of them before the camera.
-pub(crate) fn leaves() -> Arc<Stage> {
+pub(crate) fn leaves() -> Arc<PreparedScene> {
     let mut room = Room::new();
     let (w, h) = (8, 8);
     let alpha = |i: usize| if (i % w + i / w).is_multiple_of(3) { 0.2 } else { 0.9 };
@@ -209,7 +209,7 @@ pub(crate) fn leaves() -> Arc<Stage> {
 }
 
 /// Balls and spots of light, hard and soft, one of them without extent.
-pub(crate) fn many_lamps() -> Arc<Stage> {
+pub(crate) fn many_lamps() -> Arc<PreparedScene> {
     let mut room = Room::new();
     room.put(ball(16), glossy(1.0, 0.0, 0.15), place([0.0, -0.3, -3.5], [0.0; 3], 0.3));
     let kinds = [
@@ -227,7 +227,7 @@ pub(crate) fn many_lamps() -> Arc<Stage> {
 }
 
 /// Matte things alone, lit by an area lamp that the camera does not see.
-pub(crate) fn matte() -> Arc<Stage> {
+pub(crate) fn matte() -> Arc<PreparedScene> {
     let mut room = Room::new();
     room.put(ball(16), plain(0.8, 0.4, 0.2), place([0.5, -0.2, -3.4], [0.0; 3], 0.35));
     room.put(square(), plain(0.2, 0.3, 0.8), place([-0.5, 0.4, -3.8], [0.2, 0.4, 0.3], 0.3));
@@ -237,7 +237,7 @@ pub(crate) fn matte() -> Arc<Stage> {
 }
 
 /// A small matte square above and to the right, under a sun behind the camera.
-pub(crate) fn small_square() -> Arc<Stage> {
+pub(crate) fn small_square() -> Arc<PreparedScene> {
     let mut room = Room { builder: SceneBuilder::new() };
     room.put(square(), plain(0.8, 0.8, 0.8), place([0.6, 0.35, -3.5], [0.0; 3], 0.05));
     room.light(lamp(LampKind::Sun { half_angle_rad: 0.0 }, 100.0), place([0.0; 3], [0.0; 3], 1.0));
@@ -246,7 +246,7 @@ pub(crate) fn small_square() -> Arc<Stage> {
 
 /// Glowing triangles of several colours before and behind the plane of focus, in a grey glowing world: nothing is lit,
 /// all is seen.
-pub(crate) fn triangles() -> Arc<Stage> {
+pub(crate) fn triangles() -> Arc<PreparedScene> {
     let triangle = MeshDescription {
         name: "triangle".into(),
         positions: vec![Vec3::new(-1.0, -1.0, 0.0), Vec3::new(1.0, -1.0, 0.0), Vec3::new(0.0, 1.0, 0.0)],

@@ -2,7 +2,7 @@
 
 use petzval_optics::formats::{lens, zmx};
 use petzval_optics::glass::Catalogue;
-use petzval_optics::prescription::{Behind, Prescription};
+use petzval_optics::prescription::{NextMedium, Prescription};
 
 use super::{foreign, parse};
 use crate::common::repository;
@@ -17,8 +17,8 @@ pub(super) fn assert_same(name: &str, a: &Prescription, b: &Prescription) {
         assert_eq!(a.obstruction_mm, b.obstruction_mm, "{name} {i}");
         assert_eq!(a.coating, b.coating, "{name} {i}");
         match (&a.behind, &b.behind) {
-            (Behind::Mirror, Behind::Mirror) => {}
-            (Behind::Medium(a), Behind::Medium(b)) => {
+            (NextMedium::Mirror, NextMedium::Mirror) => {}
+            (NextMedium::Medium(a), NextMedium::Medium(b)) => {
                 for nm in [300.0, 365.0, 404.7, 486.1, 550.0, 587.6, 656.3, 780.0, 1014.0] {
                     assert_eq!(a.index(nm).to_bits(), b.index(nm).to_bits(), "{name} {i} {a:?} {b:?}");
                     assert_eq!(a.internal_transmittance(nm, 3.0), b.internal_transmittance(nm, 3.0));

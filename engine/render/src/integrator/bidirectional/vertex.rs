@@ -2,9 +2,9 @@
 
 use super::weights::Partial;
 use crate::accel::{Hit, Ray, offset_origin};
-use crate::integrator::Stage;
+use crate::integrator::PreparedScene;
 use crate::integrator::path::{MOST_STEPS, leave, mix, opening};
-use crate::nodes::{self, Layers, View, Way};
+use crate::nodes::{self, Layers, PathState, View};
 use crate::sampler::PathSampler;
 use crate::scene::plain::PlainValues;
 use crate::scene::visibility::Rays;
@@ -36,7 +36,13 @@ pub(super) struct Vertex {
 }
 
 impl Vertex {
-    pub(super) fn new(stage: &Stage, met: (SurfacePoint, f32), back: Vec3A, carried: Rgb, partial: Partial) -> Self {
+    pub(super) fn new(
+        stage: &PreparedScene,
+        met: (SurfacePoint, f32),
+        back: Vec3A,
+        carried: Rgb,
+        partial: Partial,
+    ) -> Self {
         let (point, kept) = met;
         let material = material(stage, &point);
         let values = material.graph.plain.as_ref().map(|plain| {
@@ -48,7 +54,7 @@ impl Vertex {
     }
 
     /// The scattering at the vertex, seen from the other end of `d`.
-    pub(super) fn seen_from(&self, stage: &Stage, d: Vec3A) -> Surface {
+    pub(super) fn seen_from(&self, stage: &PreparedScene, d: Vec3A) -> Surface {
         Surface::new(stage, self.values.as_ref(), self.kept, &self.point.seen_from(d), d)
     }
 
@@ -67,7 +73,7 @@ impl Vertex {
     ///
     /// The scattering function is taken in the camera's sense, as it is not symmetric; the cosines are those that turn
     /// radiance into power and back, of the triangle itself (Veach 1997, section 5.3).
-    pub(super) fn sent(&self, stage: &Stage, d: Vec3A) -> (Rgb, f32) {
+    pub(super) fn sent(&self, stage: &PreparedScene, d: Vec3A) -> (Rgb, f32) {
         let (value, pdf) = self.seen_from(stage, d).evaluate(self.back);
         (self.carried * value * (self.cos(d) / self.cos(self.back)), pdf)
     }
@@ -83,11 +89,11 @@ pub(super) enum Surface {
 
 /// The view of a point along a ray that bounced before, `wo` towards its origin.
 fn bounced(point: &SurfacePoint, wo: Vec3A) -> View {
-    View { direction: -wo, distance: 1.0, way: Way::BOUNCE, moment: point.moment }
+    View { direction: -wo, distance: 1.0, way: PathState::BOUNCE, moment: point.moment }
 }
 
 impl Surface {
-    fn new(stage: &Stage, values: Option<&PlainValues>, kept: f32, point: &SurfacePoint, wo: Vec3A) -> Self {
+    fn new(stage: &PreparedScene, values: Option<&PlainValues>, kept: f32, point: &SurfacePoint, wo: Vec3A) -> Self {
         if let Some((values, tables)) = values.zip(stage.plain_tables[point.material as usize].as_deref()) {
             let mut bsdf = Bsdf::new(tables, values, point, wo);
             bsdf.scale(values.weight * kept);
@@ -149,7 +155,7 @@ impl Scattering for Surface {
     }
 }
 
-pub(super) fn material<'a>(stage: &'a Stage, point: &SurfacePoint) -> &'a Material {
+pub(super) fn material<'a>(stage: &'a PreparedScene, point: &SurfacePoint) -> &'a Material {
     &stage.scene.materials[point.material as usize]
 }
 
@@ -169,7 +175,7 @@ pub(super) struct Stretch {
 
 /// A walk through the scene from either end, with its own random numbers.
 pub(super) struct Walk<'a> {
-    pub(super) stage: &'a Stage,
+    pub(super) stage: &'a PreparedScene,
     pub(super) sampler: PathSampler,
     /// Set of the sampler with which its first step begins.
     pub(super) first_set: u32,
@@ -191,7 +197,7 @@ impl Walk<'_> {
             let point = SurfacePoint::new(&self.stage.scene, &hit, ray.direction);
             let [u0, u1, u_light, u_alpha] = self.sampler.next_4d();
             distance += hit.t;
-            let opening = opening(&self.stage.scene, &point, &View::along(&ray, distance, Way::BOUNCE));
+            let opening = opening(&self.stage.scene, &point, &View::along(&ray, distance, PathState::BOUNCE));
             let stays = 1.0 - opening.chance;
             if u_alpha >= stays {
                 through *= opening.light / opening.chance;

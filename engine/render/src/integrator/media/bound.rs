@@ -3,7 +3,7 @@
 use super::Entry;
 use crate::accel::Ray;
 use crate::nodes::volume::{Medium, within_box};
-use crate::nodes::{OF_BOUNCES, Way};
+use crate::nodes::{OF_BOUNCES, PathState};
 use crate::scene::{Instance, Scene};
 use crate::surface::mesh_of;
 use arrayvec::ArrayVec;
@@ -133,16 +133,20 @@ impl Bound {
 }
 
 /// The kinds of path that a medium may tell apart.
-fn ways(reads: impl Iterator<Item = Field>) -> Vec<Way> {
+fn ways(reads: impl Iterator<Item = Field>) -> Vec<PathState> {
     let is_of_path =
         |field: Field| OF_BOUNCES.contains(&field) || matches!(field, Field::IsCameraRay | Field::IsShadowRay);
     let mut reads = reads;
-    if reads.any(is_of_path) { vec![Way::CAMERA, Way::BOUNCE, Way::CAMERA.shadow()] } else { vec![Way::CAMERA] }
+    if reads.any(is_of_path) {
+        vec![PathState::CAMERA, PathState::BOUNCE, PathState::CAMERA.shadow()]
+    } else {
+        vec![PathState::CAMERA]
+    }
 }
 
 /// The rate that a place needs, and true if the medium emits there.
-fn tried_at(ways: &[Way], medium: impl Fn(Way) -> Medium, if_it_shines: f32) -> (f32, bool) {
-    let of = |way: &Way| {
+fn tried_at(ways: &[PathState], medium: impl Fn(PathState) -> Medium, if_it_shines: f32) -> (f32, bool) {
+    let of = |way: &PathState| {
         let found = medium(*way);
         let shines = found.emission.max_element() > 0.0;
         let rate = if shines && if_it_shines.is_finite() { if_it_shines } else { 0.0 };

@@ -1,8 +1,8 @@
 //! The media that a path is in: a short list, as objects with volumes may stand in one another.
 
 use crate::accel::{Accel, Hit, Ray};
-use crate::integrator::Stage;
-use crate::nodes::Way;
+use crate::integrator::PreparedScene;
+use crate::nodes::PathState;
 use crate::nodes::volume::{Medium, medium};
 use crate::scene::Scene;
 use crate::scene::visibility::Rays;
@@ -34,7 +34,7 @@ impl Entry {
         scene.materials[self.material as usize].volume()
     }
 
-    pub(super) fn medium(self, scene: &Scene, position: Vec3A, direction: Vec3A, way: Way) -> Medium {
+    pub(super) fn medium(self, scene: &Scene, position: Vec3A, direction: Vec3A, way: PathState) -> Medium {
         let own = (self != Self::WORLD).then_some(self.instance);
         self.volume(scene).map_or_else(Medium::default, |volume| medium(volume, scene, own, position, direction, way))
     }
@@ -46,7 +46,7 @@ pub(crate) struct Stack(ArrayVec<Entry, MOST_MEDIA>);
 
 impl Stack {
     /// The media at the start of a path's ray, at a place of which nothing is known.
-    pub(crate) fn around(stage: &Stage, ray: &Ray) -> Self {
+    pub(crate) fn around(stage: &PreparedScene, ray: &Ray) -> Self {
         let (media, position) = (&stage.media, ray.origin);
         let mut stack = Self(media.world.into_iter().collect());
         let is_in = |[low, high]: &[Vec3A; 2]| position.cmpge(*low).all() && position.cmple(*high).all();

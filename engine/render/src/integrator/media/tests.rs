@@ -2,7 +2,7 @@
 
 use crate::Rgb;
 use crate::accel::Ray;
-use crate::integrator::Stage;
+use crate::integrator::PreparedScene;
 use crate::integrator::path::{Approximations, KindLimits, Limits, trace, trace_all};
 use crate::sampler::PathSampler;
 use crate::scene::SceneBuilder;
@@ -62,7 +62,7 @@ fn rising(base: f32, slope: f32) -> String {
 
 const FROM_RISING: &str = r#""Density": {"node": 1, "socket": "Value"}"#;
 
-fn stage(material: Material, world: f32, sun: f32) -> Stage {
+fn stage(material: Material, world: f32, sun: f32) -> PreparedScene {
     let mut builder = SceneBuilder::new();
     let m = builder.add_material(material);
     let mesh = builder.add_mesh(cube()).unwrap();
@@ -72,11 +72,11 @@ fn stage(material: Material, world: f32, sun: f32) -> Stage {
     // Shines along its -z: from +x.
     let turned = DMat4::from_rotation_y(std::f64::consts::FRAC_PI_2);
     builder.add_lamp(Lamp { kind, color: Rgb::splat(sun), ..Lamp::default() }, turned).unwrap();
-    Stage::new(builder.build(DVec3::ZERO))
+    PreparedScene::new(builder.build(DVec3::ZERO))
 }
 
 /// The mean along a ray down the middle of the cube, or from its inside.
-fn down(stage: &Stage, from: f32, bounces: u32, samples: u32) -> Rgb {
+fn down(stage: &PreparedScene, from: f32, bounces: u32, samples: u32) -> Rgb {
     let mut sum = DVec3::ZERO;
     for i in 0..samples {
         let ray = Ray::new(Vec3A::new(0.05, -0.03, from), Vec3A::NEG_Z);
@@ -201,7 +201,7 @@ fn paths_know_nothing_of_each_other() {
 }
 
 /// A cube that absorbs everywhere, and far more above a height; the bounds are too low by a factor.
-fn spike(dense: f32, above: f32, part: f32) -> Stage {
+fn spike(dense: f32, above: f32, part: f32) -> PreparedScene {
     let steep = format!(
         r#", {{"type": "ShaderNodeMath", "name": "times", "options": {{"operation": "MULTIPLY_ADD"}},
         "inputs": {{"Value": {{"node": 2, "socket": "Value"}}, "Value_001": {dense}, "Value_002": 0.5}}}},

@@ -1,6 +1,6 @@
 //! Approximations of indirect light that Cycles makes: less noise or time, for a picture that is not quite the scene's.
 
-use crate::nodes::Way;
+use crate::nodes::PathState;
 
 /// The approximations that are made; by default none.
 #[derive(Clone, Copy, Debug, Default, PartialEq)]
@@ -49,7 +49,7 @@ pub(super) struct LastRay {
 impl FastGi {
     /// The ray by which a path in this state goes on, if that is its last. As `path_state_ao_bounce` in path_state.h of Cycles.
     #[inline]
-    pub(super) fn last_ray(self, way: Way) -> Option<LastRay> {
+    pub(super) fn last_ray(self, way: PathState) -> Option<LastRay> {
         let Self::Replace { bounces, distance, factor } = self else { return None };
         let uncounted = u32::from(way.transmission) + u32::from(way.glossy > 0);
         let is_last = bounces > 0 && factor != 0.0 && u32::from(way.depth) + 1 > bounces + uncounted;
@@ -83,10 +83,10 @@ mod tests {
     #[test]
     fn a_last_ray_follows_the_bounces_that_count() {
         let of = |bounces: u32| FastGi::Replace { bounces, distance: 2.0, factor: 0.5 };
-        let is_last = |bounces: u32, way: Way| of(bounces).last_ray(way).is_some();
+        let is_last = |bounces: u32, way: PathState| of(bounces).last_ray(way).is_some();
         let [diffuse, glossy, through] = [(true, false), (false, false), (false, true)]
-            .map(|(matte, through)| move |way: Way| way.scattered(matte, false, through));
-        let camera = Way::CAMERA;
+            .map(|(matte, through)| move |way: PathState| way.scattered(matte, false, through));
+        let camera = PathState::CAMERA;
         assert!(!is_last(1, camera) && !is_last(0, diffuse(camera)));
         assert!(is_last(1, diffuse(camera)) && !is_last(2, diffuse(camera)));
         assert!(!is_last(1, glossy(camera)) && !is_last(1, through(through(camera))));

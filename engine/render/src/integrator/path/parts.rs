@@ -5,7 +5,7 @@ use glam::{DMat4, Mat3A, Vec3A};
 
 /// Something that is kept beside the light as a whole, three numbers a pixel.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
-pub enum Part {
+pub enum LightPass {
     /// Light that a lobe of the first surface scattered; direct if it came straight from an emitter.
     Light(LobeKind, bool),
     /// Light that a volume scattered first; direct or not.
@@ -51,7 +51,7 @@ pub enum LobeKind {
     Transmission,
 }
 
-impl Part {
+impl LightPass {
     /// The number of the part, a different one for each.
     fn number(self) -> usize {
         match self {
@@ -76,7 +76,7 @@ impl Part {
 
     /// True if the part counts as data do: each ray alike, for the pixel that it was started for. Else it counts as light, where it lands.
     pub fn is_data(self) -> bool {
-        use Part::{Aov, AovAlpha, Catches, DenoisingAlbedo, DenoisingDepth, DenoisingNormal, Mist, Ray, Uv};
+        use LightPass::{Aov, AovAlpha, Catches, DenoisingAlbedo, DenoisingDepth, DenoisingNormal, Mist, Ray, Uv};
         matches!(
             self,
             DenoisingAlbedo | DenoisingNormal | DenoisingDepth | Aov(_) | AovAlpha(_) | Catches | Uv | Mist | Ray
@@ -137,16 +137,16 @@ impl Seen {
 /// The parts that are kept, and their places in the list.
 #[derive(Clone, Debug, Default)]
 pub struct Parts {
-    list: Vec<Part>,
-    /// Places in the list, by [`Part::number`].
+    list: Vec<LightPass>,
+    /// Places in the list, by [`LightPass::number`].
     places: Vec<Option<u16>>,
     seen: Seen,
 }
 
 impl Parts {
     /// The parts that are wanted, and those that they are relative to.
-    pub fn new(wanted: &[Part], seen: Seen) -> Self {
-        let mut list: Vec<Part> = Vec::new();
+    pub fn new(wanted: &[LightPass], seen: Seen) -> Self {
+        let mut list: Vec<LightPass> = Vec::new();
         for part in wanted {
             let mut next = Some(*part);
             while let Some(part) = next {
@@ -166,12 +166,12 @@ impl Parts {
     }
 
     /// All that is kept.
-    pub fn list(&self) -> &[Part] {
+    pub fn list(&self) -> &[LightPass] {
         &self.list
     }
 
     /// The place of a part in the list.
-    pub fn place(&self, part: Part) -> Option<usize> {
+    pub fn place(&self, part: LightPass) -> Option<usize> {
         self.places.get(part.number()).copied().flatten().map(usize::from)
     }
 
@@ -181,7 +181,7 @@ impl Parts {
     }
 
     /// True if any of the parts satisfies `which`.
-    pub fn any(&self, which: impl Fn(&Part) -> bool) -> bool {
+    pub fn any(&self, which: impl Fn(&LightPass) -> bool) -> bool {
         self.list.iter().any(which)
     }
 }
@@ -193,29 +193,43 @@ mod tests {
     /// Each requested part is kept once, with all its divisors.
     #[test]
     fn what_parts_are_relative_to_is_kept() {
-        let direct = Part::Light(LobeKind::Glossy, true);
-        let parts = Parts::new(&[direct, Part::Light(LobeKind::Glossy, false), Part::Mist], Seen::default());
-        let colour = Part::Colour(LobeKind::Glossy);
-        let expected = [direct, colour, Part::White, Part::Light(LobeKind::Glossy, false), Part::Mist, Part::Ray];
+        let direct = LightPass::Light(LobeKind::Glossy, true);
+        let parts = Parts::new(&[direct, LightPass::Light(LobeKind::Glossy, false), LightPass::Mist], Seen::default());
+        let colour = LightPass::Colour(LobeKind::Glossy);
+        let expected = [
+            direct,
+            colour,
+            LightPass::White,
+            LightPass::Light(LobeKind::Glossy, false),
+            LightPass::Mist,
+            LightPass::Ray,
+        ];
         assert_eq!(parts.list(), expected);
-        assert_eq!(parts.place(Part::Emission), None);
+        assert_eq!(parts.place(LightPass::Emission), None);
     }
 
     /// However many there are, each has a place of its own.
     #[test]
     fn all_parts_have_places() {
         let lobes = [LobeKind::Diffuse, LobeKind::Glossy, LobeKind::Transmission];
-        let mut wanted: Vec<Part> =
-            lobes.iter().flat_map(|&lobe| [Part::Light(lobe, true), Part::Light(lobe, false)]).collect();
+        let mut wanted: Vec<LightPass> =
+            lobes.iter().flat_map(|&lobe| [LightPass::Light(lobe, true), LightPass::Light(lobe, false)]).collect();
         wanted.extend([
-            Part::Volume(true),
-            Part::Volume(false),
-            Part::Emission,
-            Part::Environment,
-            Part::DenoisingAlbedo,
+            LightPass::Volume(true),
+            LightPass::Volume(false),
+            LightPass::Emission,
+            LightPass::Environment,
+            LightPass::DenoisingAlbedo,
         ]);
-        wanted.extend([Part::DenoisingNormal, Part::DenoisingDepth, Part::Caught, Part::Catches, Part::Uv, Part::Mist]);
-        wanted.extend((0..40).flat_map(|output| [Part::Aov(output), Part::AovAlpha(output)]));
+        wanted.extend([
+            LightPass::DenoisingNormal,
+            LightPass::DenoisingDepth,
+            LightPass::Caught,
+            LightPass::Catches,
+            LightPass::Uv,
+            LightPass::Mist,
+        ]);
+        wanted.extend((0..40).flat_map(|output| [LightPass::Aov(output), LightPass::AovAlpha(output)]));
         let parts = Parts::new(&wanted, Seen::default());
         assert_eq!(parts.list().len(), wanted.len() + 5, "three colours, white and ray");
         for (place, &part) in parts.list().iter().enumerate() {

@@ -2,7 +2,7 @@
 
 use super::{CAMERA_SETS, Limits, leave, trace_all};
 use crate::accel::Ray;
-use crate::integrator::Stage;
+use crate::integrator::PreparedScene;
 use crate::sampler::{PathSampler, warp};
 use crate::scene::visibility::Rays;
 use crate::surface::SurfacePoint;
@@ -16,7 +16,7 @@ const TRIMMED: f32 = 0.02;
 
 /// The part of cosine-distributed rays that hit nothing, from the surfaces that `rays` see and from those that these
 /// see.
-pub fn openness(stage: &Stage, rays: &[Ray]) -> f32 {
+pub fn openness(stage: &PreparedScene, rays: &[Ray]) -> f32 {
     let (mut seen, mut open) = (0u32, 0u32);
     for (i, ray) in rays.iter().enumerate() {
         let mut ray = *ray;
@@ -47,7 +47,7 @@ pub fn openness(stage: &Stage, rays: &[Ray]) -> f32 {
 /// that of the first scattering, times sqrt(1 + 1 / v), where v is the relative variance of a path: the less noise a picture has, the less
 /// it may be added to. 1.4 times as much measured best over scenes by others: what is left out is what a whole path finds by its own light
 /// samples.
-pub fn roulette(stage: &Stage, limits: &Limits, rays: &[Ray]) -> f32 {
+pub fn roulette(stage: &PreparedScene, limits: &Limits, rays: &[Ray]) -> f32 {
     let twice = rays.iter().enumerate().flat_map(|(i, ray)| {
         (0..2).map(move |index| {
             let mut sampler = PathSampler::new(i as u32, 1, index, 0);

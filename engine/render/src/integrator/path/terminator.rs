@@ -20,8 +20,8 @@ pub(super) fn dimmed(scene: &Scene, point: &SurfacePoint, normal: Vec3A, d: Vec3
 #[cold]
 fn dimmed_by_object(scene: &Scene, point: &SurfacePoint, normal: Vec3A, d: Vec3A) -> f32 {
     let cos = normal.dot(d);
-    let softening = &scene.instances[point.instance as usize].softening;
-    if softening.dims() && cos > 0.0 { softening.left_at(cos) } else { 1.0 }
+    let shadow_terminator = &scene.instances[point.instance as usize].shadow_terminator;
+    if shadow_terminator.dims() && cos > 0.0 { shadow_terminator.left_at(cos) } else { 1.0 }
 }
 
 /// Light that grazes a smooth triangle so that its shadow is asked for from elsewhere.
@@ -41,7 +41,7 @@ pub(super) fn grazing(scene: &Scene, point: &SurfacePoint, normal: Vec3A, d: Vec
     if point.shading_normal == point.geometric_normal {
         return None;
     }
-    let below = scene.instances[point.instance as usize].softening.lift_below;
+    let below = scene.instances[point.instance as usize].shadow_terminator.lift_below;
     if below <= 0.0 {
         return None;
     }
@@ -103,8 +103,8 @@ mod tests {
     use crate::scene::SceneBuilder;
     use crate::scene::corners::Corners;
     use crate::scene::mesh::MeshDescription;
-    use crate::scene::softening::Softening;
-    use crate::scene::visibility::{Rays, Sets};
+    use crate::scene::shadow_terminator::ShadowTerminator;
+    use crate::scene::visibility::{LightSets, Rays};
     use glam::{DMat4, DVec3, Vec3};
 
     /// A triangle within the unit sphere, with the sphere's normals.
@@ -117,7 +117,7 @@ mod tests {
         let mesh = MeshDescription { name: "cap".into(), positions, triangles, corner_normals, ..Default::default() };
         let mesh = builder.add_mesh(mesh).unwrap();
         let instance = builder.add_instance("cap", mesh, DMat4::IDENTITY, &[], true, true).unwrap().unwrap();
-        builder.set_softening(instance, Softening::new(lift_below, 0.0));
+        builder.set_shadow_terminator(instance, ShadowTerminator::new(lift_below, 0.0));
         builder.build(DVec3::ZERO)
     }
 
@@ -160,7 +160,7 @@ mod tests {
             point_like: true,
             cast_shadow: true,
             reaches: Rays::ALL,
-            sets: Sets::EVERYTHING,
+            sets: LightSets::EVERYTHING,
             leaves: None,
         };
         let ray = found.ray(&scene, &point, &light);

@@ -31,16 +31,16 @@ fn cube() -> MeshDescription {
     MeshDescription { name: "cube".into(), positions, triangles, ..Default::default() }
 }
 
-fn stage(material: Material, world: Rgb, size: f64) -> Stage {
+fn stage(material: Material, world: Rgb, size: f64) -> PreparedScene {
     let mut builder = SceneBuilder::new();
     let m = builder.add_material(material);
     let mesh = builder.add_mesh(cube()).unwrap();
     builder.add_instance("cube", mesh, DMat4::from_scale(DVec3::splat(size)), &[m], true, true).unwrap();
     builder.set_world(World { color: world, ..Default::default() }).unwrap();
-    Stage::new(builder.build(DVec3::ZERO))
+    PreparedScene::new(builder.build(DVec3::ZERO))
 }
 
-fn mean(stage: &Stage, origin: Vec3A, max_bounces: u32, n: u32) -> Rgb {
+fn mean(stage: &PreparedScene, origin: Vec3A, max_bounces: u32, n: u32) -> Rgb {
     let mut sum = glam::DVec3::ZERO;
     for i in 0..n {
         let mut sampler = PathSampler::new(0, 0, i, 1);
@@ -92,7 +92,7 @@ fn what_glows_nearby_lights_fully() {
             let mesh = builder.add_mesh(square(half, z)).unwrap();
             builder.add_instance("square", mesh, place, &[material], true, true).unwrap();
         }
-        let stage = Stage::new(builder.build(DVec3::ZERO));
+        let stage = PreparedScene::new(builder.build(DVec3::ZERO));
         let (n, mut sum) = (4096, 0.0);
         for i in 0..n {
             let mut sampler = PathSampler::new(0, 0, i, 1);
@@ -162,7 +162,7 @@ fn alpha_lets_light_through() {
         ..Lamp::default()
     };
     builder.add_lamp(lamp, DMat4::from_translation(DVec3::new(0.0, 0.0, 2.0))).unwrap();
-    let stage = Stage::new(builder.build(DVec3::ZERO));
+    let stage = PreparedScene::new(builder.build(DVec3::ZERO));
     let mut sampler = PathSampler::new(0, 0, 0, 1);
     // Off the diagonal, where two triangles of the sheet meet.
     let ray = Ray::new(Vec3A::new(0.02, 0.01, 0.5), -Vec3A::Z);

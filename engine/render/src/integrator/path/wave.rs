@@ -6,38 +6,38 @@ mod found;
 mod place;
 mod through;
 
-use super::choice::Chosen;
-use super::notes::{NoNotes, Notes};
+use super::choice::MisContext;
+use super::notes::{AovSink, NoAovs};
 use super::{
     CAMERA_SETS, FastGi, FirstSurface, Limits, MOST_STEPS, PathResult, SETS_PER_STEP, mix, opening, transmittance,
 };
 use crate::Rgb;
 use crate::accel::{Hit, Ray, offset_origin};
-use crate::integrator::Stage;
+use crate::integrator::PreparedScene;
 use crate::integrator::subsurface::leave;
-use crate::nodes::{self, Layers, View, Way};
+use crate::nodes::{self, Layers, PathState, View};
 use crate::sampler::PathSampler;
 use crate::scene::visibility::Rays;
 use crate::shading::Past;
 use crate::shading::mixture::Mixture;
 use crate::shading::principled::Bsdf;
-use crate::shading::{Parted, Scattering};
+use crate::shading::{LobeDecomposition, Scattering};
 use crate::surface::SurfacePoint;
 use found::Found;
 use glam::Vec3A;
 use place::{Place, Shadow};
-use through::{Brought, Inside, Veil, is_only_volume};
+use through::{MediumEvent, MediumState, ShadowMedia, is_only_volume};
 
 /// Memory for paths, used again and again. `VOLUMES`: what fills space counts; where there is nothing, none of it is in the
 /// code.
-pub struct Wave<N: Notes = NoNotes, const VOLUMES: bool = false> {
+pub struct Wavefront<N: AovSink = NoAovs, const VOLUMES: bool = false> {
     paths: Vec<Path>,
     results: Vec<PathResult>,
     notes: N,
     /// The paths that still go on, in the order of their numbers.
     live: Vec<u32>,
     hits: Vec<Option<Hit>>,
-    meetings: Vec<Meeting>,
+    meetings: Vec<SurfaceInteraction>,
     /// Numbers of the meetings by their materials.
     order: Vec<u32>,
     /// Number of meetings by material: all 0 between steps.
@@ -50,17 +50,17 @@ pub struct Wave<N: Notes = NoNotes, const VOLUMES: bool = false> {
     /// The closures of the material that is being evaluated.
     layers: Layers,
     /// The media that each path is in; empty where there are no volumes.
-    inside: Vec<Inside>,
+    inside: Vec<MediumState>,
     /// The media of each shadow ray.
-    veils: Vec<Veil>,
+    veils: Vec<ShadowMedia>,
 }
 
 /// One path under way.
 struct Path {
     ray: Ray,
     throughput: Rgb,
-    chosen: Chosen,
-    way: Way,
+    chosen: MisContext,
+    way: PathState,
     /// Distance since the last scattering, over surfaces passed unbent; densities by area need it.
     travelled: f32,
     /// The point where the ray was scattered.
@@ -75,7 +75,7 @@ struct Path {
 }
 
 /// A path at a surface that scatters light.
-struct Meeting {
+struct SurfaceInteraction {
     path: u32,
     point: SurfacePoint,
     /// Weight of the surface over the probability that it was not passed.
@@ -128,13 +128,13 @@ impl Path {
     }
 }
 
-impl Default for Wave {
+impl Default for Wavefront {
     fn default() -> Self {
-        Self::noting(NoNotes)
+        Self::noting(NoAovs)
     }
 }
 
-impl<N: Notes, const VOLUMES: bool> Wave<N, VOLUMES> {
+impl<N: AovSink, const VOLUMES: bool> Wavefront<N, VOLUMES> {
     /// Sets of numbers used at each surface.
     const SETS: u32 = SETS_PER_STEP + if VOLUMES { 3 } else { 0 };
 
@@ -176,8 +176,8 @@ impl<N: Notes, const VOLUMES: bool> Wave<N, VOLUMES> {
         self.paths.push(Path {
             ray,
             throughput: Rgb::ONE,
-            chosen: Chosen::Alone,
-            way: Way::CAMERA,
+            chosen: MisContext::Alone,
+            way: PathState::CAMERA,
             travelled: 0.0,
             start: ray.origin,
             from: 0,
@@ -199,10 +199,10 @@ impl<N: Notes, const VOLUMES: bool> Wave<N, VOLUMES> {
     }
 
     /// Follows all paths to their ends.
-    pub fn follow(&mut self, stage: &Stage, limits: &Limits) {
+    pub fn follow(&mut self, stage: &PreparedScene, limits: &Limits) {
         if VOLUMES {
             self.inside.clear();
-            self.inside.extend(self.paths.iter().map(|path| Inside::new(stage, path)));
+            self.inside.extend(self.paths.iter().map(|path| MediumState::new(stage, path)));
         }
         for step in 0..MOST_STEPS {
             if self.live.is_empty() {
@@ -219,7 +219,7 @@ impl<N: Notes, const VOLUMES: bool> Wave<N, VOLUMES> {
     }
 
     /// Finds what the rays hit.
-    fn trace(&mut self, stage: &Stage) {
+    fn trace(&mut self, stage: &PreparedScene) {
         self.hits.clear();
         for &i in &self.live {
             let path = &self.paths[i as usize];
@@ -230,7 +230,7 @@ impl<N: Notes, const VOLUMES: bool> Wave<N, VOLUMES> {
     }
 
     /// Light that the rays found; keeps those alive that go on through a surface, and notes where others scatter.
-    fn meet(&mut self, stage: &Stage, limits: &Limits, step: u32) {
+    fn meet(&mut self, stage: &PreparedScene, limits: &Limits, step: u32) {
         self.meetings.clear();
         self.shadows.clear();
         if VOLUMES {
@@ -245,12 +245,12 @@ impl<N: Notes, const VOLUMES: bool> Wave<N, VOLUMES> {
                 let inside = &mut self.inside[i as usize];
                 let shades = (&mut self.shadows, &mut self.veils);
                 match inside.bring(stage, limits, path, hit.as_ref(), &mut found, shades) {
-                    Brought::ToTheEnd => {}
-                    Brought::Elsewhere => {
+                    MediumEvent::Passed => {}
+                    MediumEvent::Scattered => {
                         self.is_alive[i as usize] = true;
                         continue;
                     }
-                    Brought::Nowhere => continue,
+                    MediumEvent::Ended => continue,
                 }
             }
             let Some(hit) = hit else {
@@ -300,7 +300,7 @@ impl<N: Notes, const VOLUMES: bool> Wave<N, VOLUMES> {
             {
                 let (kept, u_light) = (opening.rest / share, [u_light, u0, u1]);
                 let share = if is_split { share } else { 1.0 };
-                self.meetings.push(Meeting { path: i, point, kept, view, u_light, share, next });
+                self.meetings.push(SurfaceInteraction { path: i, point, kept, view, u_light, share, next });
             } else if let Next::Pass(passage) = next {
                 path.pass(&point, passage);
                 if VOLUMES {
@@ -312,7 +312,7 @@ impl<N: Notes, const VOLUMES: bool> Wave<N, VOLUMES> {
     }
 
     /// Sorts the meetings by material, the material that is hit first in front.
-    fn sort(&mut self, stage: &Stage) {
+    fn sort(&mut self, stage: &PreparedScene) {
         self.counts.resize(stage.scene.materials.len(), 0);
         self.met.clear();
         for meeting in &self.meetings {
@@ -340,7 +340,7 @@ impl<N: Notes, const VOLUMES: bool> Wave<N, VOLUMES> {
     }
 
     /// Takes a sample of the lights at each surface, and chooses a direction to go on in.
-    fn scatter(&mut self, stage: &Stage, limits: &Limits) {
+    fn scatter(&mut self, stage: &PreparedScene, limits: &Limits) {
         if self.order.is_empty() {
             return;
         }
@@ -352,7 +352,7 @@ impl<N: Notes, const VOLUMES: bool> Wave<N, VOLUMES> {
         let mut mixture = Mixture::empty();
         for number in 0..self.order.len() {
             let meeting = self.order[number] as usize;
-            let Meeting { path, point, kept, view, .. } = &self.meetings[meeting];
+            let SurfaceInteraction { path, point, kept, view, .. } = &self.meetings[meeting];
             if point.material != current {
                 current = point.material;
                 material = &stage.scene.materials[current as usize];
@@ -392,13 +392,13 @@ impl<N: Notes, const VOLUMES: bool> Wave<N, VOLUMES> {
     #[inline(always)]
     fn go_on(
         &mut self,
-        stage: &Stage,
+        stage: &PreparedScene,
         limits: &Limits,
         meeting: usize,
         bent: Option<Vec3A>,
-        bsdf: &(impl Scattering + Parted),
+        bsdf: &(impl Scattering + LobeDecomposition),
     ) {
-        let Meeting { path: i, point, view, u_light, share, next, .. } = &self.meetings[meeting];
+        let SurfaceInteraction { path: i, point, view, u_light, share, next, .. } = &self.meetings[meeting];
         let path = &mut self.paths[*i as usize];
         let mut found = Found { path: *i, result: &mut self.results[*i as usize], notes: &mut self.notes };
         let at = Place { stage, limits, point, normal: bent.unwrap_or(point.shading_normal), share: *share };
@@ -472,7 +472,7 @@ impl<N: Notes, const VOLUMES: bool> Wave<N, VOLUMES> {
     }
 
     /// Adds the light whose way is free, as far as it is.
-    fn shadow(&mut self, stage: &Stage, limits: &Limits) {
+    fn shadow(&mut self, stage: &PreparedScene, limits: &Limits) {
         if VOLUMES {
             for (shadow, veil) in self.shadows.iter().zip(&self.veils) {
                 let Shadow { path, light, way, of, .. } = shadow;

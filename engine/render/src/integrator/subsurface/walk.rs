@@ -6,7 +6,7 @@
 use super::own_surface;
 use crate::Rgb;
 use crate::accel::{Ray, offset_origin};
-use crate::integrator::Stage;
+use crate::integrator::PreparedScene;
 use crate::sampler::phase::PhaseLobe;
 use crate::sampler::{PathSampler, warp};
 use crate::shading::subsurface::Medium;
@@ -28,7 +28,7 @@ const MOST_EXPONENT: f32 = 60.0;
 /// The place where a walk that begins at `point` leaves the body, seen from outside, and the light that is left; `None` where the walk
 /// ends within.
 pub(super) fn walk(
-    stage: &Stage,
+    stage: &PreparedScene,
     point: &SurfacePoint,
     (direction, mut light, mut medium): (Vec3A, Rgb, Medium),
     sampler: &mut PathSampler,

@@ -144,7 +144,7 @@ fn light_paths_bring_what_light_samples_find() {
             if name == "even sky" {
                 let wi = warp::sample_sphere([w[2], w[3]]);
                 add(wi, scene.world.color / warp::SPHERE_PDF);
-            } else if let Some(s) = lights.sample(&scene, &to, w[2], [w[3], v[1]], Way::CAMERA) {
+            } else if let Some(s) = lights.sample(&scene, &to, w[2], [w[3], v[1]], PathState::CAMERA) {
                 add(s.wi, s.radiance / s.pdf);
             }
         }
@@ -196,11 +196,11 @@ fn densities_agree_from_both_ends() {
             let wi = -e.ray.direction;
             let mut met = None;
             let line = Line { from: p, towards: wi, t_max: f32::INFINITY };
-            lights.lamps_along(&scene, line, Way::BOUNCE, Some(&to), |one| {
+            lights.lamps_along(&scene, line, PathState::BOUNCE, Some(&to), |one| {
                 met = Some((one.source, one.radiance, one.pdf))
             });
             if met.is_none() && lights.local.len() == 0 || name.contains("sun") {
-                lights.sky_along(&scene, wi, Way::BOUNCE, Some(&to), |one| {
+                lights.sky_along(&scene, wi, PathState::BOUNCE, Some(&to), |one| {
                     if one.source == e.source {
                         met = Some((one.source, one.radiance, one.pdf));
                     }
@@ -256,7 +256,7 @@ fn densities_integrate_to_one() {
                 }
             } else {
                 let line = Line { from: p, towards: wi, t_max: f32::INFINITY };
-                lights.lamps_along(&scene, line, Way::BOUNCE, None, |one| {
+                lights.lamps_along(&scene, line, PathState::BOUNCE, None, |one| {
                     // Beyond its spread a lamp is dark, and no ray is chosen.
                     if one.radiance != Rgb::ZERO {
                         sum += f64::from(etendue * emission.density(&scene, &lights, one.source, wi, 1.0, MIDDLE));

@@ -7,7 +7,7 @@ use super::studio::{lens, white_world};
 use crate::cameras::camera;
 use petzval_render::camera::CameraDescription;
 use petzval_render::film::TILE_SIZE;
-use petzval_render::integrator::Stage;
+use petzval_render::integrator::PreparedScene;
 use petzval_render::job::{Job, Settings};
 use petzval_render::pipeline::Pipeline;
 use petzval_render::sampler::warp::Filter;
@@ -23,7 +23,7 @@ struct Field {
 
 impl Field {
     fn new(
-        stage: &Arc<Stage>,
+        stage: &Arc<PreparedScene>,
         d: &CameraDescription,
         pipeline: Pipeline,
         size: [u32; 2],

@@ -3,7 +3,7 @@
 use super::exact::Truth;
 use super::studio::{Exposure, shoot};
 use petzval_render::camera::CameraDescription;
-use petzval_render::integrator::Stage;
+use petzval_render::integrator::PreparedScene;
 use std::sync::Arc;
 
 /// Photographs of each kind.
@@ -17,7 +17,7 @@ pub(crate) struct Mean {
     shots: Vec<Vec<[f64; 3]>>,
 }
 
-pub(crate) fn photographs(stage: &Arc<Stage>, d: &CameraDescription, e: &Exposure) -> Mean {
+pub(crate) fn photographs(stage: &Arc<PreparedScene>, d: &CameraDescription, e: &Exposure) -> Mean {
     let shots: Vec<_> = (0..SEEDS).map(|k| shoot(stage, d, e, 100 + k)).collect();
     let n = f64::from(SEEDS);
     let one = |i: usize, c: usize| {

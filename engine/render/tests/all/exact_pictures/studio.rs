@@ -4,7 +4,7 @@ use crate::cameras::camera;
 use glam::{DMat4, DVec3, Vec3};
 use petzval_render::Rgb;
 use petzval_render::camera::{CameraDescription, Model, Spectrum};
-use petzval_render::integrator::Stage;
+use petzval_render::integrator::PreparedScene;
 use petzval_render::job::{Job, Settings};
 use petzval_render::pipeline::Pipeline;
 use petzval_render::sampler::warp::Filter;
@@ -45,7 +45,7 @@ pub(crate) struct Lamp {
 }
 
 /// Lamps in the dark.
-pub(crate) fn lamps(list: &[Lamp]) -> Arc<Stage> {
+pub(crate) fn lamps(list: &[Lamp]) -> Arc<PreparedScene> {
     let corners = [[-1.0, -1.0, 0.0], [1.0, -1.0, 0.0], [1.0, 1.0, 0.0], [-1.0, 1.0, 0.0]];
     let square = MeshDescription {
         name: "lamp".into(),
@@ -61,14 +61,14 @@ pub(crate) fn lamps(list: &[Lamp]) -> Arc<Stage> {
         let place = DMat4::from_translation(lamp.at) * DMat4::from_scale(DVec3::splat(lamp.half_side));
         builder.add_instance("lamp", mesh, place, &[material], true, true).unwrap();
     }
-    Arc::new(Stage::new(builder.build(DVec3::ZERO)))
+    Arc::new(PreparedScene::new(builder.build(DVec3::ZERO)))
 }
 
 /// A world of radiance one and nothing else.
-pub(crate) fn white_world() -> Arc<Stage> {
+pub(crate) fn white_world() -> Arc<PreparedScene> {
     let mut builder = SceneBuilder::new();
     builder.set_world(World { color: Rgb::ONE, ..Default::default() }).unwrap();
-    Arc::new(Stage::new(builder.build(DVec3::ZERO)))
+    Arc::new(PreparedScene::new(builder.build(DVec3::ZERO)))
 }
 
 /// The settings of a picture. Pixels are squares without overlap, so that no filter is between them and the truth.
@@ -80,7 +80,7 @@ pub(crate) struct Exposure {
 }
 
 /// One photograph: colours, rows from below.
-pub(crate) fn shoot(stage: &Arc<Stage>, d: &CameraDescription, e: &Exposure, seed: u32) -> Vec<[f64; 3]> {
+pub(crate) fn shoot(stage: &Arc<PreparedScene>, d: &CameraDescription, e: &Exposure, seed: u32) -> Vec<[f64; 3]> {
     let [width, height] = e.pixels;
     let settings = Settings {
         width,

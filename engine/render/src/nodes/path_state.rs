@@ -7,7 +7,7 @@ use petzval_nodes::Field;
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 // Moved about as one word.
 #[repr(C, align(8))]
-pub struct Way {
+pub struct PathState {
     is: u8,
     /// Diffuse reflections; at most 255 are counted.
     pub diffuse: u8,
@@ -30,7 +30,7 @@ const REFLECTED: u8 = 32;
 const TRANSMITTED: u8 = 64;
 const IN_VOLUME: u8 = 128;
 
-impl Way {
+impl PathState {
     const START: Self = Self { is: 0, depth: 0, diffuse: 0, glossy: 0, transmission: 0, transparent: 0 };
     /// The state of a camera ray.
     pub const CAMERA: Self = Self { is: CAMERA, ..Self::START };
