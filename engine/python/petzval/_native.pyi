@@ -693,7 +693,7 @@ class Job:
         """After the end: finds the light that strays in the lens, if the plan has any simulated; `image` then has it. Takes its time."""
     def stop_developing(self) -> None:
         """Ends `develop` in another thread without a result."""
-    def stray(self, name: str) -> np.ndarray:
+    def stray(self, name: str) -> npt.NDArray[np.float32]:
         """A part of that light, of shape (height, width, 3), already in `image`: GHOSTS, GLARE or DIFFRACTION; black where it was not found."""
     def end_checkpoints(self) -> Checkpoint | None:
         """Waits, after the end, until the last checkpoint is written; the checkpoint that this render has written or taken up."""
